@@ -3,11 +3,15 @@
 #[path = "src/sources.rs"]
 mod sources;
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What the program is built from, apart from the compiler and its options.
-const SOURCES: [&str; 4] = ["src", "Cargo.toml", "Cargo.lock", "build.rs"];
+/// Files from which the compiler starts, of the program, the mathematics and this script; what they name lies in `src`.
+const ROOTS: [&str; 4] = ["src/lib.rs", "src/main.rs", "src/mathematics/src/lib.rs", "build.rs"];
+
+/// Files that cargo reads.
+const PACKAGES: [&str; 3] = ["Cargo.toml", "src/mathematics/Cargo.toml", "Cargo.lock"];
 
 /// The compiler's options and the features and target it builds for, as cargo tells a build script.
 const OPTIONS: [&str; 6] =
@@ -31,14 +35,17 @@ fn main() {
         add(name.as_bytes());
         add(std::env::var(name).unwrap_or_default().as_bytes());
     }
-    for source in SOURCES {
-        for file in sources::files(Path::new(source)).expect("the sources can be listed") {
-            // File by file: cargo would take a folder for changed when an editor leaves something there. A new
-            // source is named by one that is there already.
-            println!("cargo::rerun-if-changed={}", file.display());
-            add(file.to_string_lossy().replace('\\', "/").as_bytes());
-            add(&std::fs::read(&file).expect("the sources can be read"));
-        }
+    let mut files: BTreeSet<PathBuf> = PACKAGES.iter().map(PathBuf::from).collect();
+    for root in ROOTS {
+        let found = sources::files(Path::new(root), Path::new("src"));
+        files.extend(found.expect("the sources can be read"));
+    }
+    for file in files {
+        // File by file: cargo would take a folder for changed when an editor leaves something there. A new source is named
+        // by one that is there already.
+        println!("cargo::rerun-if-changed={}", file.display());
+        add(file.to_string_lossy().replace('\\', "/").as_bytes());
+        add(&std::fs::read(&file).expect("the sources can be read"));
     }
     println!("cargo::rustc-env=SIGNORINI_PROGRAM={}", digest.finalize().to_hex());
 }

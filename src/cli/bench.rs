@@ -1,5 +1,6 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
+use super::interrupt::interrupted;
 use super::output::{OutputFile, columns, say, say_json, talk};
 use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
@@ -9,6 +10,7 @@ use crate::timing::measure::{TIMED, TimingPlan, measure};
 use crate::timing::recorded::{self, Peer, Reached, Timings, to_discretisation};
 use clap::Args;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
+use std::sync::atomic::Ordering;
 
 #[derive(Args)]
 pub(super) struct BenchArgs {
@@ -50,7 +52,8 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     if solvers.is_empty() {
         solvers.extend(SOLVERS.map(|entry| entry.solver));
     }
-    let plan = TimingPlan { repeats, quick: args.quick, solvers, finest };
+    let plan =
+        TimingPlan { repeats, quick: args.quick, solvers, finest, interrupted: interrupted() };
     // Before the measurement, because an error after it would waste minutes.
     let record = args.record.then(RecordFile::open).transpose()?;
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
@@ -58,6 +61,11 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
         timings.peer.clone_from(&record.peers);
     }
     if args.json { say_json(&timings) } else { say(&text(&timings)) }?;
+    if plan.interrupted.load(Ordering::Relaxed) {
+        let record = if args.record { "; nothing was recorded" } else { "" };
+        talk(&format!("interrupted: these are the times measured until then{record}"));
+        return Ok(Error::Interrupted.exit_code());
+    }
     if let Some(record) = record {
         record.file.write(timings.to_toml().as_bytes())?;
         talk(&format!("wrote {}; `signorini` now builds the book with it", recorded::PATH));

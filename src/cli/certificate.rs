@@ -77,7 +77,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     context.insert("agent", &reviewer.id());
     let checkout = checkout(&workplace, &mut context);
     let count = files.len();
-    let bundle = bundle(&workplace, files, context, !tables.is_empty());
+    let bundle = bundle(&workplace, files, context, !tables.is_empty())?;
     bundle::write(&folder, &bundle, args.force)?;
     let here = current_folder()?;
     let shown = folder.strip_prefix(&here).unwrap_or(&folder);
@@ -129,9 +129,9 @@ fn bundle(
     results: Vec<File>,
     mut context: Context,
     is_compared: bool,
-) -> Vec<File> {
+) -> Result<Vec<File>> {
     let mut files = results;
-    let inputs = inputs(&workplace.project);
+    let inputs = inputs(&workplace.project)?;
     context.insert("input_files", &inputs);
     files.extend(inputs);
     let page = render(include_str!("certificate/certificate.md.tera"), &context);
@@ -145,7 +145,7 @@ fn bundle(
         let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);
         files.push(File::new(MANIFEST, "", manifest.into_bytes()));
     }
-    files
+    Ok(files)
 }
 
 /// Path of the lock file in the project, in the form that git takes.
@@ -196,7 +196,10 @@ fn context(
 ) -> Result<Context> {
     let project = &workplace.project;
     let is_compared = !tables.is_empty();
-    let inputs: Vec<_> = project.files.iter().map(|(path, bytes)| (path, hash(bytes))).collect();
+    let mut inputs = Vec::new();
+    for (path, file) in &project.files {
+        inputs.push((path, file.hash()?));
+    }
     let lock = LockFile::path(&project.root);
     let lock_file = summary.lock_file();
     let reservations = if is_compared { reservations(project) } else { Vec::new() };

@@ -1,42 +1,42 @@
 //! `init`: begins a study, with files that the program contains.
 
 use super::output::{quoted, refuse_tilde, say};
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::write_atomically;
 use clap::Args;
-use std::fs;
 use std::path::PathBuf;
 
 #[derive(Args)]
 pub(super) struct InitArgs {
-    /// Folder of the study: a new one, or an empty one
+    /// Folder of the study; other files in it stay as they are
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
 }
 
 /// Files of a new study: the shortest commented scene of this project, one on another domain, and a page that shows them.
-const FILES: [(&str, &str); 6] = [
+const FILES: [(&str, &str); 7] = [
     ("pipeline/scenes/plate.toml", include_str!("../../pipeline/scenes/plate.toml")),
     ("pipeline/scenes/disc.toml", include_str!("init/disc.toml")),
     ("report/book.toml", include_str!("init/book.toml")),
     ("report/templates/SUMMARY.md", include_str!("init/SUMMARY.md")),
     ("report/templates/plate.md", include_str!("init/plate.md")),
     (".gitignore", include_str!("init/gitignore")),
+    (".gitattributes", include_str!("init/gitattributes")),
 ];
 
 pub(super) fn init(args: &InitArgs) -> Result<u8> {
     let folder = &args.folder;
     refuse_tilde(folder)?;
-    if folder.exists() {
-        if !folder.is_dir() {
-            return Err(Error::input(format!("{} is a file; name a folder", folder.display())));
-        }
-        let mut entries = fs::read_dir(folder).context("list", folder).map_err(elsewhere)?;
-        // A new repository holds only this folder.
-        if entries.any(|entry| entry.map_or(true, |entry| entry.file_name() != ".git")) {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Error::input(format!("{} is a file; name a folder", folder.display())));
+    }
+    // A study begun in another project would be a part of that one.
+    let own = FILES.map(|(path, _)| path).into_iter().chain(["pipeline/scenes"]);
+    for path in own.map(|path| folder.join(path)) {
+        if path.exists() || path.is_symlink() {
             return Err(Error::input(format!(
-                "{} is not empty; name a folder that is, or one that is not there yet",
-                folder.display()
+                "{} is there already; move it away, or name another folder",
+                path.display()
             )));
         }
     }

@@ -2,8 +2,9 @@
 
 use super::current_folder;
 use super::output::{columns, say, say_json, talk};
-use crate::pipeline::error::Result;
+use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
+use crate::replication::scenes::SceneFolder;
 use clap::Args;
 use serde::Serialize;
 use signorini_mathematics::mesh::BUILT_IN;
@@ -21,6 +22,8 @@ pub(super) struct ListArgs {
 #[derive(Serialize)]
 struct Listed {
     scenes: Vec<Named>,
+    /// Scenes that cannot be read, each with the error.
+    broken: Vec<Named>,
     solvers: Vec<Named>,
     domains: Vec<Named>,
     /// Problems with known solutions on the square and on the cube, as in `exact(NAME)`.
@@ -36,49 +39,53 @@ struct Named {
 }
 
 pub(super) fn list(args: &ListArgs) -> Result<u8> {
+    let SceneFolder { scenes, broken, .. } = scenes()?;
     let listed = Listed {
-        scenes: scenes(),
+        scenes: scenes.into_iter().map(|scene| Named::new(scene.name, scene.title)).collect(),
+        broken: broken.into_iter().map(|(name, why)| Named::new(name, why)).collect(),
         solvers: solvers(),
         domains: domains(),
         square: exact::Exact::ALL.map(exact::Exact::name).into(),
         cube: cube::Exact::ALL.map(cube::Exact::name).into(),
     };
-    if args.json {
-        return say_json(&listed);
+    if args.json { say_json(&listed) } else { say(&listed.text()) }?;
+    for Named { description, .. } in &listed.broken {
+        talk(&format!("error: {description}"));
     }
-    say(&listed.text())
+    Ok(if listed.broken.is_empty() { 0 } else { BROKEN })
 }
 
-/// Returns the scenes of the project; none outside a project.
-fn scenes() -> Vec<Named> {
-    let project = current_folder().and_then(|folder| Project::read(Project::find(&folder)?));
-    match project {
-        Ok(project) => project
-            .scenes
-            .iter()
-            .map(|scene| Named { name: scene.name.clone(), description: scene.title.clone() })
-            .collect(),
-        Err(why) => {
-            talk(&format!("note: no scenes are listed: {why}"));
-            Vec::new()
+/// Exit code if a scene cannot be read, as for all wrong input.
+const BROKEN: u8 = 2;
+
+/// Returns the scenes of the project; none, with a note, outside a project and in one without scenes.
+fn scenes() -> Result<SceneFolder> {
+    let root = Project::find(&current_folder()?);
+    match root.and_then(|root| Project::read_scenes(&root)) {
+        Ok(folder) => {
+            folder.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
+            Ok(folder)
         }
+        Err(Error::Input(why)) => {
+            talk(&format!("note: no scenes are listed: {why}"));
+            Ok(SceneFolder::default())
+        }
+        Err(other) => Err(other),
     }
 }
 
 fn solvers() -> Vec<Named> {
-    let mut named = Vec::new();
-    for entry in &SOLVERS {
-        named.push(Named { name: entry.name.into(), description: entry.description.into() });
-    }
-    named
+    SOLVERS.iter().map(|entry| Named::new(entry.name, entry.description)).collect()
 }
 
 fn domains() -> Vec<Named> {
-    let mut named = Vec::new();
-    for (name, domain) in BUILT_IN {
-        named.push(Named { name: name.into(), description: domain.description().into() });
+    BUILT_IN.iter().map(|(name, domain)| Named::new(*name, domain.description())).collect()
+}
+
+impl Named {
+    fn new(name: impl Into<String>, description: impl Into<String>) -> Self {
+        Self { name: name.into(), description: description.into() }
     }
-    named
 }
 
 impl Listed {

@@ -44,6 +44,8 @@ const HELP_WIDTH: usize = 90;
     name = "signorini",
     version,
     args_conflicts_with_subcommands = true,
+    // As shells expand an alias that has the option already.
+    args_override_self = true,
     max_term_width = HELP_WIDTH,
     after_help = "`--help` shows all options, examples and exit codes.",
     after_long_help = "Examples:\n  \

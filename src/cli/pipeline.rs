@@ -75,17 +75,17 @@ impl Workplace {
     ) -> Result<Summary> {
         let root = &self.project.root;
         // Judging needs no lock, writes nothing, and is enough if there is nothing to do.
-        if !options.force {
-            let (summary, known) = self.walk(plan, scope, LOOK, progress)?;
-            if summary.nothing_to_do()
-                && lock_file(scope, &summary, &known) == known
-                && self.leftovers(&summary).is_empty()
-            {
-                return Ok(summary);
-            }
+        let look = Options { force: options.force, ..LOOK };
+        let (summary, known) = self.walk(plan, scope, look, progress)?;
+        if summary.nothing_to_do()
+            && lock_file(scope, &summary, &known) == known
+            && self.leftovers(&summary).is_empty()
+        {
+            return Ok(summary);
         }
         // Project and cache are written only if the project can be run.
-        self.project.check()?;
+        refuse_edited(&summary)?;
+        self.check(&summary)?;
         let _locks = [Exports::lock(root)?, self.store.lock()?];
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
@@ -93,6 +93,10 @@ impl Workplace {
             if !summary.differences.is_empty() {
                 return Ok(summary);
             }
+        }
+        // A run that fails keeps what the other tasks made, and names what failed.
+        if summary.failed.is_empty() {
+            refuse_edited(&summary)?;
         }
         if scope != Scope::Locked || summary.failed.is_empty() {
             remove(&self.leftovers(&summary));
@@ -106,8 +110,12 @@ impl Workplace {
             lock_file.write(root)?;
             summary.lock_file_changed = true;
         }
-        refuse_edited(&summary)?;
         Ok(summary)
+    }
+
+    /// Refuses what a run of the tasks that are not up to date would read and could not use.
+    pub(super) fn check(&self, summary: &Summary) -> Result<()> {
+        self.project.check(&summary.not_fresh().filter_map(|one| scene_of(&one.task)).collect())
     }
 
     /// Runs the stale tasks of a part of the plan; returns the manifests of all tasks of the part.
@@ -124,6 +132,7 @@ impl Workplace {
     ) -> Result<Summary> {
         let (workplace, plan) = Self::with_tasks(cache, asked)?;
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
+        workplace.check(&workplace.judge(&plan, Scope::Part, false)?)?;
         work(&plan, asked, &workplace.store, progress)
     }
 
@@ -138,7 +147,6 @@ impl Workplace {
             }
         }
         let whole = Self::open(cache)?;
-        whole.project.check()?;
         let plan = whole.tasks(&[], None)?;
         match asked.iter().find(|id| plan.task(id).is_none()) {
             Some(id) => Err(Error::input(format!("no task `{id}`; `signorini dag` lists them"))),
@@ -168,7 +176,7 @@ impl Workplace {
             (looked?, walked?)
         } else {
             let known = LockFile::read(root)?;
-            let exports = Exports::look(root, &Hashes::new());
+            let exports = Exports::look(root, &Hashes::new())?;
             ((known, exports), self.execute(plan, options, progress)?)
         };
         let results = WalkResults {
@@ -190,7 +198,7 @@ impl Workplace {
 /// Reads the lock file, and the exported files that it names.
 fn look_ahead(root: &Path) -> Result<(LockFile, Exports)> {
     let known = LockFile::read(root)?;
-    let exports = Exports::look(root, &known.exports);
+    let exports = Exports::look(root, &known.exports)?;
     Ok((known, exports))
 }
 
@@ -244,12 +252,19 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
             "{count} files have a {CONFLICT}: {}; delete them and run again",
             alike.join(", ")
         ),
+        Editor::LineEnds => format!(
+            "{count} files have other line ends than signorini wrote, as git may change them: {}; {LINE_ENDS}",
+            alike.join(", ")
+        ),
         Editor::Unknown => format!(
             "nothing is on record of {count} files: {}; move them away, or overwrite them by `signorini run --force`",
             alike.join(", ")
         ),
     }))
 }
+
+/// Remedy for files whose line ends were changed.
+const LINE_ENDS: &str = "clone again with `git clone -c core.autocrlf=false` (with `* -text` in .gitattributes nobody need do so), or overwrite by `signorini run --force`";
 
 /// Returns a line on a file that was not written.
 pub(super) fn edited(file: &Edited) -> String {
@@ -259,6 +274,9 @@ pub(super) fn edited(file: &Edited) -> String {
             "{path} was edited by hand; move it away, or overwrite it by `signorini run --force`"
         ),
         Editor::Merge => format!("{path} has a {CONFLICT}; delete it and run again"),
+        Editor::LineEnds => format!(
+            "{path} has other line ends than signorini wrote, as git may change them; {LINE_ENDS}"
+        ),
         Editor::Unknown => format!(
             "nothing is on record of {path}; move it away, or overwrite it by `signorini run --force`"
         ),

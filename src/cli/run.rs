@@ -58,9 +58,10 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     let workplace = Workplace::open(&args.cache)?;
     let plan = args.plan(&workplace)?;
-    args.warn_of_pieces_outside(&workplace.project)?;
+    args.warn(&workplace.project)?;
     if args.dry_run {
         let summary = workplace.judge(&plan, args.scope(), args.force)?;
+        workplace.check(&summary)?;
         return say(&(left_out(&workplace.project, &plan) + &verdicts(&summary)));
     }
     let start = Instant::now();
@@ -122,9 +123,11 @@ impl RunArgs {
         Progress::new(self.verbose, self.quiet)
     }
 
-    /// Warns of pieces of f that lie outside of the domain and change nothing.
-    fn warn_of_pieces_outside(&self, project: &Project) -> Result<()> {
+    /// Warns of files that look like scenes and are none, and of pieces of f that lie outside of the domain and change
+    /// nothing.
+    fn warn(&self, project: &Project) -> Result<()> {
         if !self.quiet {
+            project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
             for scene in project.select(&self.scenes)? {
                 warn_of_outside(Some(&scene.name), &scene.f.outside());
             }

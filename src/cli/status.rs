@@ -152,7 +152,7 @@ pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {
             && let Some(task) = tasks.task(&judged.task)
             && let Some(last) = workplace.store.manifests(&judged.task).first()
         {
-            for change in tasks.own_changes(task, last) {
+            for change in tasks.own_changes(task, last)? {
                 text += &format!("  {change}\n");
             }
         }

@@ -84,6 +84,41 @@ pub fn from_toml<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Res
     })
 }
 
+/// Number of the format of the files that this program writes and reads back, which they have as `schema`.
+pub(crate) const SCHEMA: u64 = 1;
+
+/// Reads TOML that this program, or one of this project, has written; `what` names it in messages.
+///
+/// # Errors
+/// As [`from_toml`]; of a file with a greater number of format, or with a key that this program does not know, the text
+/// asks whether a newer program has written it.
+pub(crate) fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Result<T> {
+    let text = text.as_ref();
+    from_toml(what, text).map_err(|error| {
+        let Ok(table) = from_toml::<toml::Table>(what, text) else { return error };
+        match table.get("schema").and_then(toml::Value::as_integer) {
+            Some(found) if found > SCHEMA as i64 => newer(what, &format!("schema {found}")),
+            _ if error.to_string().contains("unknown field") => Error::input(format!(
+                "{error}, which signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
+            )),
+            _ => error,
+        }
+    })
+}
+
+/// Returns the error for a file that this program writes and that has, in words, what this program does not know.
+pub(crate) fn newer(what: &str, unknown: &str) -> Error {
+    Error::input(format!(
+        "{what} has {unknown} that signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
+    ))
+}
+
+/// Version of this program.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Question on a file that this program does not understand.
+const BY_A_NEWER_ONE: &str = "was it written by a newer one?";
+
 /// Turns an I/O result into ours, with the path and a remedy that fits the kind of failure.
 pub trait IoContext<T> {
     /// Adds the attempt, as a verb, and its path.

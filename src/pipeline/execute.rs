@@ -61,6 +61,9 @@ enum State {
     Stale(Reason),
 }
 
+/// Inputs of a task, and its run with these inputs or the reason to run it.
+type LookedUp = (BTreeMap<String, String>, std::result::Result<Hit, Reason>);
+
 /// Stale task that can run.
 struct Job {
     task: usize,
@@ -97,7 +100,8 @@ impl<'a> Walk<'a> {
             }
             // In parallel: reading and hashing artifacts takes most of the time of a run with nothing to do.
             let found: Vec<_> = ready.par_iter().map(|&k| self.look_up(k)).collect();
-            for (task, (inputs, found)) in ready.into_iter().zip(found) {
+            for (task, looked_up) in ready.into_iter().zip(found) {
+                let (inputs, found) = looked_up?;
                 self.states[task] = match found {
                     Ok(hit) => {
                         self.summary.reverted |= hit.reverted;
@@ -122,15 +126,15 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns the inputs of a task, and its run with these inputs if the cache has it.
-    fn look_up(&self, k: usize) -> (BTreeMap<String, String>, std::result::Result<Hit, Reason>) {
+    fn look_up(&self, k: usize) -> Result<LookedUp> {
         let task = &self.plan.tasks()[k];
-        let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs);
+        let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs)?;
         let found = if self.options.force {
             Err(Reason::Forced)
         } else {
             self.store.lookup(&task.id, &inputs)
         };
-        (inputs, found)
+        Ok((inputs, found))
     }
 
     /// Returns the first task that this one needs and that is not up to date.

@@ -2,7 +2,7 @@
 
 use super::files::{hash_if_there, is_plain, leftovers, read, remove_from, write_atomically};
 use super::{Hashes, Lock, Manifest, Plan, Store, Task, hash};
-use crate::pipeline::error::{Error, Result, conflict};
+use crate::pipeline::error::{Error, Result, SCHEMA, conflict, newer};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,6 +27,8 @@ pub enum Editor {
     Hand,
     /// `git merge` marked a conflict in it.
     Merge,
+    /// Something, such as git, changed the ends of its lines, and nothing else.
+    LineEnds,
     /// There is no record, as after `git clean`; this program may have written them.
     Unknown,
 }
@@ -99,13 +101,16 @@ pub struct Exports {
 
 impl Exports {
     /// Reads the record of exports, and ahead the files that the plan is expected to name.
-    pub fn look(project: &Path, expected: &Hashes) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Input`] if a newer program has written the record.
+    pub fn look(project: &Path, expected: &Hashes) -> Result<Self> {
         let plain = expected.par_iter().map(|(path, _)| path).filter(|path| is_plain(path));
         // A file that cannot be read is a mistake only if the plan does name it.
         let there =
             plain.filter_map(|path| Some((path.clone(), hash_if_there(&project.join(path)).ok()?)));
         let (written, there) = rayon::join(|| Written::read(project), || there.collect());
-        Self { written, there, ..Self::default() }
+        Ok(Self { written: written?, there, ..Self::default() })
     }
 
     /// Plans the export of these results.
@@ -142,7 +147,7 @@ impl Exports {
             if may_write {
                 self.write.insert(path, wanted);
             } else {
-                self.edited.push(self.edited(project, path));
+                self.edited.push(self.edited(project, path, &export, results));
             }
         }
         // If a task failed or waits, its earlier exports stay.
@@ -153,10 +158,23 @@ impl Exports {
     }
 
     /// Describes an export with bytes that are not on record.
-    fn edited(&self, project: &Path, path: String) -> Edited {
+    fn edited(
+        &self,
+        project: &Path,
+        path: String,
+        export: &Export,
+        results: &WalkResults,
+    ) -> Edited {
         let text = read(&project.join(&path)).unwrap_or_default();
+        let as_written = hash(&with_line_feeds(&text));
         let by = match () {
             () if conflict(&text).is_some() => Editor::Merge,
+            () if as_written == *export.hash
+                || self.on_record(results.known, &path, &as_written)
+                || results.has_made(export, &as_written) =>
+            {
+                Editor::LineEnds
+            }
             () if self.written.0.is_empty() => Editor::Unknown,
             () => Editor::Hand,
         };
@@ -252,26 +270,87 @@ impl Exports {
     }
 }
 
+/// Returns a text with a line feed alone at the end of each line, as this program writes it.
+fn with_line_feeds(text: &[u8]) -> Vec<u8> {
+    let mut written = Vec::with_capacity(text.len());
+    for (k, &byte) in text.iter().enumerate() {
+        if byte != b'\r' || text.get(k + 1) != Some(&b'\n') {
+            written.push(byte);
+        }
+    }
+    written
+}
+
 /// Record of the exports of this copy of the project: hashes of the bytes that were written, by path.
 ///
 /// The lock file has the hashes at its commit, and the cache may be removed: neither has those of a run whose lock file
 /// was reverted.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Written(BTreeMap<String, BTreeSet<String>>);
+
+/// Record of the exports, as it is stored.
+#[derive(Serialize, Deserialize)]
+struct StoredRecord {
+    /// Number of the format.
+    schema: u64,
+    files: BTreeMap<String, BTreeSet<String>>,
+}
 
 impl Written {
     fn path(project: &Path) -> PathBuf {
         project.join("pipeline/.exported.json")
     }
 
-    /// Reads the record; one that is missing or damaged counts as empty.
-    fn read(project: &Path) -> Self {
-        let text = read(&Self::path(project)).unwrap_or_default();
-        serde_json::from_slice(&text).unwrap_or_default()
+    /// Reads the record; one that is missing or damaged counts as empty. That of an older program has no number of
+    /// format, and is the map alone.
+    fn read(project: &Path) -> Result<Self> {
+        let path = Self::path(project);
+        let text = read(&path).unwrap_or_default();
+        let record: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+        match record.get("schema").and_then(serde_json::Value::as_u64) {
+            None => Ok(Self(serde_json::from_value(record).unwrap_or_default())),
+            Some(found) if found > SCHEMA => {
+                Err(newer(&path.display().to_string(), &format!("schema {found}")))
+            }
+            Some(_) => {
+                let stored: Option<StoredRecord> = serde_json::from_value(record).ok();
+                Ok(Self(stored.map(|stored| stored.files).unwrap_or_default()))
+            }
+        }
     }
 
     fn save(&self, project: &Path) -> Result<()> {
-        let text = serde_json::to_vec_pretty(self).expect("hashes are plain data");
+        let stored = StoredRecord { schema: SCHEMA, files: self.0.clone() };
+        let text = serde_json::to_vec_pretty(&stored).expect("hashes are plain data");
         write_atomically(&Self::path(project), &text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn the_record_is_read_back_whoever_wrote_it_unless_it_is_newer() {
+        let project = tempfile::tempdir().unwrap();
+        fs::create_dir(project.path().join("pipeline")).unwrap();
+        let file = Written::path(project.path());
+        let record = Written(BTreeMap::from([("a.svg".into(), BTreeSet::from([hash(b"a")]))]));
+        assert_eq!(Written::read(project.path()).unwrap(), Written::default());
+        record.save(project.path()).unwrap();
+        assert_eq!(Written::read(project.path()).unwrap(), record);
+        fs::write(&file, format!("{{\"a.svg\": [\"{}\"]}}", hash(b"a"))).unwrap();
+        assert_eq!(Written::read(project.path()).unwrap(), record, "of an older program");
+        fs::write(&file, "{\"a.svg\": [\"").unwrap();
+        assert_eq!(Written::read(project.path()).unwrap(), Written::default());
+        fs::write(&file, "{\"schema\": 2, \"paths\": {}}").unwrap();
+        let refusal = Written::read(project.path()).unwrap_err().to_string();
+        assert!(refusal.contains("schema 2") && refusal.contains("a newer one?"), "{refusal}");
+    }
+
+    #[test]
+    fn other_line_ends_are_no_other_text() {
+        assert_eq!(with_line_feeds(b"a\r\nb\r\r\n\r"), b"a\nb\r\n\r");
     }
 }

@@ -156,11 +156,16 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
 
 /// Returns the hexadecimal blake3 of a file, `None` if it does not exist.
 pub(super) fn hash_if_there(path: &Path) -> Result<Option<String>> {
+    if_there(path, hash_of(path))
+}
+
+/// Returns the hexadecimal blake3 of a file, which is read in pieces.
+pub(super) fn hash_of(path: &Path) -> io::Result<String> {
     let mut hasher = blake3::Hasher::new();
-    let read = read_in_pieces(path, |piece| {
+    read_in_pieces(path, |piece| {
         hasher.update(piece);
-    });
-    Ok(if_there(path, read)?.map(|()| hasher.finalize().to_hex().to_string()))
+    })?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// Returns the contents of a file, `None` if it does not exist.
@@ -189,11 +194,14 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
     text.context("read", path)
 }
 
-/// True if a path with `/` is a single line, and on every system leads to a place below its start.
+/// True if a path with `/` is a single line, on every system leads to a place below its start, and is the only spelling
+/// of that place.
 pub(crate) fn is_plain(path: &str) -> bool {
     !path.is_empty()
         && !path.contains('\\')
         && !path.contains(is_forbidden)
+         // A path drops empty parts and most dots: another spelling of one place, not a place of its own.
+        && path.split('/').all(|part| !["", ".", ".."].contains(&part))
         && Path::new(path).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
@@ -215,14 +223,29 @@ pub(crate) fn real(path: &Path) -> PathBuf {
     }
 }
 
-/// Reads every file below `folder`; paths begin there, with `/` on every system.
-///
-/// Files and folders are left out if `skip` is true for their path. Links to folders are refused, because they may form
-/// a circle or lead to the whole disk.
+/// Failure to list or read a file or folder, with its path.
+type TreeError = (PathBuf, io::Error);
+
+/// Reads every file below `folder`; paths begin there, with `/` on every system. As [`list_tree`].
 pub(crate) fn read_tree(
     folder: &Path,
     skip: impl Fn(&str) -> bool,
-) -> std::result::Result<BTreeMap<String, Vec<u8>>, (PathBuf, io::Error)> {
+) -> std::result::Result<BTreeMap<String, Vec<u8>>, TreeError> {
+    let mut files = BTreeMap::new();
+    for (name, path) in list_tree(folder, skip)? {
+        files.insert(name, read(&path).map_err(|e| (path, e))?);
+    }
+    Ok(files)
+}
+
+/// Lists every file below `folder`, each by its path from there, with `/` on every system.
+///
+/// Files and folders are left out if `skip` is true for their path. Links to folders are refused, because they may form
+/// a circle or lead to the whole disk.
+pub(crate) fn list_tree(
+    folder: &Path,
+    skip: impl Fn(&str) -> bool,
+) -> std::result::Result<BTreeMap<String, PathBuf>, TreeError> {
     let mut files = BTreeMap::new();
     let mut folders = vec![String::new()];
     while let Some(prefix) = folders.pop() {
@@ -244,7 +267,7 @@ pub(crate) fn read_tree(
             } else if kind.is_symlink() && path.is_dir() {
                 return Err((path, io::Error::new(ErrorKind::Unsupported, "it links to a folder")));
             } else {
-                files.insert(name, read(&path).map_err(|e| (path, e))?);
+                files.insert(name, path);
             }
         }
     }
@@ -299,6 +322,10 @@ mod tests {
             !["", "/a", "../a", "a/../b", ".", "a\\..\\b", "a\nb", "a\u{FFFE}"]
                 .into_iter()
                 .any(is_plain)
+        );
+        assert!(
+            !["./a", "a/./b", "a//b", "a/", "a/."].into_iter().any(is_plain),
+            "other spellings"
         );
     }
 }

@@ -4,7 +4,7 @@ use super::Hashes;
 use super::change::changes;
 use super::files::{read_if_there, write_atomically};
 
-use crate::pipeline::error::{CONFLICT, Error, Result, conflict};
+use crate::pipeline::error::{CONFLICT, Error, Result, SCHEMA, conflict, newer};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -13,12 +13,24 @@ const HEADER: &str = "# Hashes (blake3) of what each task wrote, and of the comm
 
 /// Committed record of a full run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct LockFile {
     /// Task id -> hash of all its artifacts.
     pub tasks: Hashes,
     /// Exported file -> hash.
     pub exports: Hashes,
+}
+
+/// Returns, in words, what a lock file has that this program does not write, if there is such a thing. A lock file of
+/// an older program has no number of format.
+fn unknown(table: &toml::Table) -> Option<String> {
+    match table.get("schema") {
+        Some(toml::Value::Integer(found)) if *found > SCHEMA as i64 => {
+            return Some(format!("schema {found}"));
+        }
+        _ => {}
+    }
+    let known = ["schema", "tasks", "exports"];
+    table.keys().find(|key| !known.contains(&key.as_str())).map(|key| format!("a key `{key}`"))
 }
 
 impl LockFile {
@@ -34,15 +46,21 @@ impl LockFile {
     pub fn read(project: &Path) -> Result<Self> {
         let path = Self::path(project);
         let Some(bytes) = read_if_there(&path)? else { return Ok(Self::default()) };
-        toml::from_str(&String::from_utf8_lossy(&bytes)).map_err(|_| {
-            let path = path.display();
-            Error::input(match conflict(&bytes) {
-                Some(_) => format!("{path} has a {CONFLICT}; delete it and run again"),
-                None => format!(
-                    "{path} is damaged; restore it with `git checkout`, or delete it and run again"
-                ),
-            })
-        })
+        let path = path.display();
+        if let Ok(table) = toml::from_str(&String::from_utf8_lossy(&bytes)) {
+            if let Some(unknown) = unknown(&table) {
+                return Err(newer(&path.to_string(), &unknown));
+            }
+            if let Ok(lock_file) = table.try_into() {
+                return Ok(lock_file);
+            }
+        }
+        Err(Error::input(match conflict(&bytes) {
+            Some(_) => format!("{path} has a {CONFLICT}; delete it and run again"),
+            None => format!(
+                "{path} is damaged; restore it with `git checkout`, or delete it and run again"
+            ),
+        }))
     }
 
     /// Writes the lock file.
@@ -50,7 +68,8 @@ impl LockFile {
     /// # Errors
     /// [`Error::Io`].
     pub fn write(&self, project: &Path) -> Result<()> {
-        let text = HEADER.to_owned() + &toml::to_string(self).expect("hashes are plain data");
+        let hashes = toml::to_string(self).expect("hashes are plain data");
+        let text = format!("{HEADER}schema = {SCHEMA}\n\n{hashes}");
         write_atomically(&Self::path(project), text.as_bytes())
     }
 
@@ -66,5 +85,43 @@ impl LockFile {
         let both = [(&self.tasks, &other.tasks), (&self.exports, &other.exports)];
         let changes = both.into_iter().flat_map(|(ours, theirs)| changes(ours, theirs));
         changes.map(|change| change.to_string()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    /// Lock file with this text.
+    fn read(text: &str) -> Result<LockFile> {
+        let project = tempfile::tempdir().unwrap();
+        fs::create_dir(project.path().join("pipeline")).unwrap();
+        fs::write(LockFile::path(project.path()), text).unwrap();
+        LockFile::read(project.path())
+    }
+
+    #[test]
+    fn a_lock_file_of_an_older_program_is_read_and_one_of_a_newer_program_is_recognised() {
+        let hashes = "[tasks]\n\"solve/a\" = \"0\"\n\n[exports]\n";
+        let known = read(hashes).unwrap();
+        assert_eq!(known.tasks["solve/a"], "0");
+        assert_eq!(read(&format!("schema = 1\n{hashes}")).unwrap(), known);
+        for (line, unknown) in [
+            ("schema = 2", "schema 2"),
+            ("version = 3", "a key `version`"),
+            ("[machine]\ncores = 2", "a key `machine`"),
+        ] {
+            let refusal = read(&format!("{line}\n{hashes}")).unwrap_err().to_string();
+            assert!(
+                refusal.contains(&format!("lock.toml has {unknown} that signorini "))
+                    && refusal.ends_with(" does not know; was it written by a newer one?"),
+                "{refusal}"
+            );
+        }
+        let project = tempfile::tempdir().unwrap();
+        fs::create_dir(project.path().join("pipeline")).unwrap();
+        known.write(project.path()).unwrap();
+        assert_eq!(LockFile::read(project.path()).unwrap(), known);
     }
 }

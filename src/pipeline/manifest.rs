@@ -3,6 +3,7 @@
 use super::change::{Change, changes};
 use super::files::is_plain;
 use super::{Hashes, PROGRAM, Plan, Task, hash, is_hash, stage};
+use crate::pipeline::error::Result;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -58,26 +59,26 @@ impl Plan {
         &self,
         task: &Task,
         outputs: impl Fn(&str) -> &'a Hashes,
-    ) -> BTreeMap<String, String> {
-        let mut inputs = self.own_inputs(task);
+    ) -> Result<BTreeMap<String, String>> {
+        let mut inputs = self.own_inputs(task)?;
         for need in &task.needs {
             for (name, hash) in outputs(need) {
                 inputs.insert(format!("{ARTIFACT}{need}/{name}"), hash.clone());
             }
         }
-        inputs
+        Ok(inputs)
     }
 
     /// Returns the inputs that no other task makes.
-    fn own_inputs(&self, task: &Task) -> BTreeMap<String, String> {
+    fn own_inputs(&self, task: &Task) -> Result<BTreeMap<String, String>> {
         let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.clone())]);
         for (key, value) in &task.parameters {
             inputs.insert(format!("parameter {key}"), value.clone());
         }
-        for (path, bytes) in &task.files {
-            inputs.insert(format!("file {path}"), hash(bytes));
+        for (path, file) in &task.files {
+            inputs.insert(format!("file {path}"), file.hash()?.to_owned());
         }
-        inputs
+        Ok(inputs)
     }
 
     /// Returns a stamp for each task: a name that changes exactly if an input of the task or of a task that it needs
@@ -85,25 +86,31 @@ impl Plan {
     ///
     /// Stamps are known before anything has run. They can name files and targets of rules: the stage and sixteen
     /// hexadecimal digits.
-    pub fn stamps(&self) -> Vec<String> {
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::pipeline::error::Error::Io) if a file of a task cannot be read.
+    pub fn stamps(&self) -> Result<Vec<String>> {
         let mut keys = BTreeMap::<&str, String>::new();
         let mut stamps = Vec::with_capacity(self.tasks().len());
         for task in self.tasks() {
             let needs: BTreeMap<&str, &String> =
                 task.needs.iter().map(|need| (need.as_str(), &keys[need.as_str()])).collect();
-            let recipe = (&task.id, self.own_inputs(task), needs);
+            let recipe = (&task.id, self.own_inputs(task)?, needs);
             let key = hash(&serde_json::to_vec(&recipe).expect("inputs are plain data"));
             stamps.push(format!("{}-{}", stage(&task.id), &key[..STAMP_DIGITS]));
             keys.insert(&task.id, key);
         }
-        stamps
+        Ok(stamps)
     }
 
     /// Returns the changes since this run of the task's inputs that no other task makes.
-    pub fn own_changes(&self, task: &Task, since: &Manifest) -> Vec<Change> {
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::pipeline::error::Error::Io) if a file of the task cannot be read.
+    pub fn own_changes(&self, task: &Task, since: &Manifest) -> Result<Vec<Change>> {
         let mut old = since.inputs.clone();
         old.retain(|input, _| !input.starts_with(ARTIFACT));
-        changes(&old, &self.own_inputs(task))
+        Ok(changes(&old, &self.own_inputs(task)?))
     }
 }
 

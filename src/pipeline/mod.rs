@@ -16,6 +16,7 @@ mod export;
 pub(crate) mod files;
 mod garbage;
 mod graph;
+mod input;
 mod lock;
 mod lockfile;
 mod manifest;
@@ -32,6 +33,7 @@ pub use execute::execute;
 pub use export::{Edited, Editor, Exports, Rights, WalkResults};
 pub use garbage::Garbage;
 pub use graph::{Graph, GraphNode};
+pub use input::{InputFile, InputFiles};
 pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Manifest, Reason, Verdict, why};
@@ -57,8 +59,8 @@ const PROGRAM: &str = "program";
 
 /// Data that a task may read when it runs, and the folder to which it may write.
 pub struct Inputs<'a> {
-    /// Contents of the files named by the task.
-    pub files: &'a Artifacts,
+    /// Files named by the task, by path.
+    pub files: &'a InputFiles,
     /// Artifacts of the tasks it needs, by task id.
     pub artifacts: &'a BTreeMap<String, Artifacts>,
     /// Hash of all inputs of the task but the program, to be shown in its artifacts.
@@ -76,8 +78,8 @@ pub struct Task {
     pub id: String,
     /// Values that determine the work together with files and artifacts; see [`parameters`].
     pub parameters: BTreeMap<String, String>,
-    /// Project files by path, read when the plan was made: the same bytes are hashed and used.
-    pub files: Artifacts,
+    /// Project files by path: the same bytes are hashed and used.
+    pub files: InputFiles,
     /// Ids of the tasks whose artifacts the task reads.
     pub needs: Vec<String>,
     /// Project folder that gets a copy of every artifact.
@@ -94,7 +96,7 @@ impl Task {
         needs: Vec<String>,
         work: impl Fn(&Inputs) -> std::result::Result<Artifacts, Failure> + Send + Sync + 'static,
     ) -> Self {
-        let (id, files) = (id.into(), Artifacts::new());
+        let (id, files) = (id.into(), InputFiles::new());
         Self { id, parameters, files, needs, export: None, work: Box::new(work) }
     }
 }

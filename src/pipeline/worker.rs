@@ -22,8 +22,8 @@ pub fn work(plan: &Plan, asked: &[String], store: &Store, progress: &Progress) -
         progress.note(&format!("waiting for {holder}, at work in the cache"));
     })?;
     let mut worker = Worker { store, progress, summary: Summary::default() };
-    for (task, stamp) in plan.tasks().iter().zip(plan.stamps()) {
-        let inputs = plan.inputs(task, |need| &worker.summary.manifests[need].outputs);
+    for (task, stamp) in plan.tasks().iter().zip(plan.stamps()?) {
+        let inputs = plan.inputs(task, |need| &worker.summary.manifests[need].outputs)?;
         let manifest = if asked.contains(&task.id) {
             worker.bring_up_to_date(task, inputs, &stamp)?
         } else {

@@ -1,8 +1,8 @@
 //! Domains other than the square, as scenes and options name them: a Gmsh file or a built-in domain, and its parts.
 
-use crate::pipeline::Artifacts;
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::files::{is_plain, read_if_there};
+use crate::pipeline::files::is_plain;
+use crate::pipeline::{InputFile, InputFiles};
 use serde::{Deserialize, Serialize, Serializer};
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::problem::law::Law;
@@ -103,7 +103,7 @@ pub(crate) fn drawn(coarsest: &AnyMesh, times: usize) -> Result<AnyMesh> {
 }
 
 /// Domain of a scene, with its f.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct SceneDomain {
     /// Domain and its refinements.
     #[serde(flatten)]
@@ -115,7 +115,7 @@ pub struct SceneDomain {
     pub law: Law,
     /// Files of the project on which the domain depends, by path: the mesh, if there is one.
     #[serde(skip)]
-    pub files: Artifacts,
+    pub files: InputFiles,
 }
 
 /// Problem of a scene on a domain, and the mesh from which it is refined.
@@ -142,28 +142,33 @@ impl SceneDomain {
         self.settings.mesh.as_ref().map(|mesh| format!("{FOLDER}/{mesh}"))
     }
 
-    /// Reads the mesh from the project in `root`.
-    pub(crate) fn read(&mut self, root: &Path) -> Result<()> {
+    /// Finds the mesh in the project in `root`, among the `known` files or else on the disk, and does not read it: other
+    /// scenes with this mesh share what is read.
+    pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
         let Some(path) = self.path() else { return Ok(()) };
         if !is_plain(&path) {
             return Err(Error::input(format!(
-                "{path}: name a file below {FOLDER}/, as mesh = \"meshes/gear.msh\""
+                "{path}: name a file below {FOLDER}/ by its shortest path, as mesh = \"meshes/gear.msh\""
             )));
         }
-        let bytes = read_if_there(&root.join(&path))?
-            .ok_or_else(|| Error::input(format!("there is no {path}; put the mesh there")))?;
-        self.files.insert(path, bytes);
+        let file = match known.get(&path) {
+            Some(file) => file.clone(),
+            None => InputFile::if_there(&root.join(&path))?
+                .ok_or_else(|| Error::input(format!("there is no {path}; put the mesh there")))?,
+        };
+        known.insert(path.clone(), file.clone());
+        self.files.insert(path, file);
         Ok(())
     }
 
     /// Returns the coarsest mesh, read from these files.
-    pub(crate) fn coarsest(&self, files: &Artifacts) -> Result<AnyMesh> {
+    pub(crate) fn coarsest(&self, files: &InputFiles) -> Result<AnyMesh> {
         let file = self.path().and_then(|path| files.get(&path));
-        self.settings.coarsest(file.map(Vec::as_slice), "")
+        self.settings.coarsest(file.map(InputFile::bytes).transpose()?, "")
     }
 
     /// Returns the problem, its mesh read from these files.
-    pub(crate) fn problem(&self, files: &Artifacts) -> Result<RefinedProblem> {
+    pub(crate) fn problem(&self, files: &InputFiles) -> Result<RefinedProblem> {
         let coarsest = self.coarsest(files)?;
         let times = self.settings.refinements(&coarsest);
         let problem = MeshProblem::new(&coarsest, times, &self.f, self.law)

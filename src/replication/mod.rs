@@ -8,4 +8,5 @@ pub(crate) mod identified;
 pub mod paper;
 pub mod project;
 pub mod scene;
+pub(crate) mod scenes;
 pub(crate) mod stages;

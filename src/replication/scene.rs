@@ -1,5 +1,6 @@
 //! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
 
+use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::domain::{DomainSettings, SceneDomain};
@@ -13,7 +14,6 @@ use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
-use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
@@ -43,7 +43,7 @@ impl fmt::Display for Output {
 }
 
 /// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// File name without its ending.
@@ -125,7 +125,7 @@ impl DomainScene {
                 settings: domain,
                 f,
                 law: checked_law(law)?,
-                files: BTreeMap::new(),
+                files: InputFiles::new(),
             }),
             f: Source::constant(0.0),
             law,
@@ -191,18 +191,24 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the mesh of the domain, if the scene has one, from the project in `root`, and checks it.
+    /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
+    /// the disk. Checks a domain without a mesh; [`Scene::check_domain`] checks one with a mesh, which takes time.
     ///
     /// # Errors
-    /// [`Error::Input`] and [`Error::Io`]: no mesh or one that does not fit the scene.
-    pub(crate) fn read_domain(&mut self, root: &Path) -> Result<()> {
+    /// [`Error::Input`] and [`Error::Io`]: no mesh, or a domain that does not fit the scene.
+    pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
         let Some(domain) = &mut self.domain else { return Ok(()) };
-        let named = |e| match e {
-            Error::Input(text) => Error::input(format!("scene `{}`: {text}", self.name)),
-            other => other,
-        };
-        domain.read(root).map_err(named)?;
-        let dimension = domain.check().map_err(named)?;
+        domain.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))?;
+        if domain.files.is_empty() { self.check_domain() } else { Ok(()) }
+    }
+
+    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if it does not; [`Error::Io`].
+    pub(crate) fn check_domain(&self) -> Result<()> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        let dimension = domain.check().map_err(|e| in_scene(&self.name, e))?;
         let mut pictures = [Output::Source, Output::Surface, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(()),
@@ -333,6 +339,14 @@ impl Scene {
     /// Returns the finest grid of a scene on the square.
     pub fn finest(&self) -> Grid {
         *self.grids.last().expect("validated: at least one grid")
+    }
+}
+
+/// Returns the error with the name of the scene before it, unless it is of the system, and names a path.
+fn in_scene(name: &str, error: Error) -> Error {
+    match error {
+        Error::Input(text) => Error::input(format!("scene `{name}`: {text}")),
+        other => other,
     }
 }
 

@@ -27,6 +27,7 @@ use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::spectral::{self, spectral};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Measurements to make.
 #[derive(Clone, Debug)]
@@ -39,6 +40,8 @@ pub struct TimingPlan {
     pub solvers: Vec<Solver>,
     /// Cells per side of the finest grid: a power of two.
     pub finest: usize,
+    /// Set to end the measurements early; the one that has begun is finished.
+    pub interrupted: &'static AtomicBool,
 }
 
 /// Problem on which multigrid is timed.
@@ -61,6 +64,8 @@ const RESOLUTIONS: [(usize, u32); 8] =
 ///
 /// Easily broken: a time includes everything that its run does, so that allocation, loads and checks have to be on the
 /// side of the clock on which the field of [`Timings`] says that they are.
+///
+/// If it is interrupted, the times measured until then are returned.
 ///
 /// # Errors
 /// A sentence if a solver fails.
@@ -92,7 +97,7 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings, 
     }
     let mut spectral = Vec::new();
     if plan.has(Solver::Spectral) {
-        for (name, f) in PAPER.into_iter().chain(CONTACT) {
+        for (name, f) in PAPER.into_iter().chain(CONTACT).take_while(|_| !plan.ended()) {
             say(&format!("{}, {name}", Solver::Spectral));
             spectral.extend(resolved(name, f, plan)?);
         }
@@ -102,8 +107,13 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings, 
 }
 
 impl TimingPlan {
+    /// True if the solver is to be timed, and nobody has ended the measurements.
     fn has(&self, solver: Solver) -> bool {
-        self.solvers.contains(&solver)
+        !self.ended() && self.solvers.contains(&solver)
+    }
+
+    fn ended(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
     }
 }
 
@@ -130,7 +140,7 @@ fn scaling(plan: &TimingPlan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>
     let threads: Vec<usize> =
         if crate::timing::machine::cores() > 1 { vec![1, 2] } else { vec![1] };
     let mut measured = Vec::new();
-    for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest) {
+    for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest && !plan.ended()) {
         say(&format!("multigrid, h = 1/{cells}"));
         let grid = Grid::new(cells).map_err(|e| e.to_string())?;
         let load = load(grid, &Source::Exact(TIMED), LoadRule::default());
@@ -140,7 +150,7 @@ fn scaling(plan: &TimingPlan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>
         for &threads in &threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.map_err(|e| format!("cannot start {threads} threads: {e}"))?;
-            for goal in Goal::ALL {
+            for goal in Goal::ALL.into_iter().take_while(|_| !plan.ended()) {
                 let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
                 let outcome = workspace.solve(problem, None, &params).map_err(|e| e.to_string())?;
                 let MedianTime { seconds, spread } = pool.install(|| {
@@ -188,6 +198,9 @@ fn cases(plan: &TimingPlan) -> Result<Vec<TimedProblem>, String> {
         grids.map(Grid::new).collect::<Result<_, _>>().map_err(|e| e.to_string())?;
     let skipped = usize::from(plan.quick);
     let mut cases = Vec::new();
+    if plan.ended() {
+        return Ok(cases);
+    }
     for (name, f) in PAPER.into_iter().skip(skipped) {
         let known = KnownSolution::spectral(name, f, spectral::SpectralParams::FINER)?;
         cases.push(TimedProblem::new(&known, &grids, Some(f))?);
@@ -216,7 +229,7 @@ fn resolved(problem: &str, f: &str, plan: &TimingPlan) -> Result<Vec<Spectral>, 
     let [resolutions @ .., finest] = RESOLUTIONS;
     let reference = true_energy(f, finest)?;
     let mut measured = Vec::new();
-    for resolution in resolutions {
+    for resolution in resolutions.into_iter().take_while(|_| !plan.ended()) {
         // A resolution whose answer fails the solver's own checks is left out.
         let Ok(energy) = true_energy(f, resolution) else { continue };
         let MedianTime { seconds, spread } = time(plan.repeats, || {
@@ -269,13 +282,13 @@ fn reached(
     let goals = goals(solver);
     let mut before = vec![0.0; goals.len()];
     let mut measured = Vec::new();
-    for k in 2..=case.levels.len() {
+    for k in (2..=case.levels.len()).take_while(|_| !plan.ended()) {
         let levels = &case.levels[..k];
         let level = &levels[k - 1];
         let cells = level.grid.cells();
         say(&format!("{solver}, {problem}, h = 1/{cells}"));
         for (goal, before) in goals.iter().zip(&mut before) {
-            if goal.growth() * *before > LONGEST {
+            if plan.ended() || goal.growth() * *before > LONGEST {
                 continue;
             }
             let name = goal.in_words();

@@ -1,6 +1,6 @@
 //! `pipeline/timings.toml`: the times that `signorini bench --record` measured, with their noise, and the machine.
 
-use crate::pipeline::error::{Error, Result, from_toml};
+use crate::pipeline::error::{Error, Result, from_record};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::experiments::work::REACHED;
 use signorini_mathematics::multigrid;
@@ -288,7 +288,7 @@ impl Timings {
         const REMEDY: &str =
             "correct it, or move the file away; `signorini bench --record` writes a new one";
         let timings: Self =
-            from_toml(PATH, text).map_err(|e| Error::input(format!("{e}; {REMEDY}")))?;
+            from_record(PATH, text).map_err(|e| Error::input(format!("{e}; {REMEDY}")))?;
         if timings.schema != SCHEMA {
             let found = timings.schema;
             return Err(Error::input(format!(

@@ -109,6 +109,16 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
 }
 
 #[test]
+fn an_option_given_twice_has_its_last_value_and_an_ending_may_have_capitals() {
+    let project = Project::with(TABLE);
+    let said = project.run(&["solve", "a", "--h", "1/16", "--h", "1/8", "--out", "v.NPY"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let bytes = std::fs::read(project.path("v.NPY")).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..80]).contains("(9, 9)"));
+    assert_eq!(project.run(&["run", "-q", "-q"]).code, Some(0));
+}
+
+#[test]
 fn the_recovered_solution_is_written_at_twice_the_nodes() {
     let project = Project::with(TABLE);
     let args =

@@ -88,12 +88,13 @@ fn a_figure_edited_by_hand_is_never_lost() {
 }
 
 #[test]
-fn edited_figures_are_all_named_and_do_not_stop_the_rest() {
+fn edited_figures_are_all_named_and_the_rest_waits_for_them() {
     let project = Project::with(&wanting(EVERYTHING));
     project.run(&["run"]).lines();
     let mine = ["figures/a-source.svg", "figures/a-surface.svg"];
-    mine.iter().for_each(|path| project.write(path, "<svg>mine</svg>"));
     let history = fs::read(project.path("figures/a-history.svg")).unwrap();
+    let edited = mine.map(|path| fs::read(project.path(path)).unwrap());
+    mine.iter().for_each(|path| project.write(path, "<svg>mine</svg>"));
     // An empty file holds nothing that could be lost.
     project.write("figures/a-history.svg", "");
     fs::remove_file(project.path("figures/a-contact.svg")).unwrap();
@@ -101,6 +102,10 @@ fn edited_figures_are_all_named_and_do_not_stop_the_rest() {
     assert!(said.refusal().contains("2 files were edited by hand: "), "{said:?}");
     assert!(mine.iter().all(|path| said.err.contains(path)), "{said:?}");
     assert!(mine.iter().all(|path| fs::read(project.path(path)).unwrap() == b"<svg>mine</svg>"));
+    assert_eq!(fs::read(project.path("figures/a-history.svg")).unwrap(), b"");
+    assert!(!project.path("figures/a-contact.svg").exists());
+    mine.iter().zip(edited).for_each(|(path, svg)| project.write(path, svg));
+    project.run(&["run"]).lines();
     assert_eq!(fs::read(project.path("figures/a-history.svg")).unwrap(), history);
     assert!(project.path("figures/a-contact.svg").exists());
 }
@@ -355,7 +360,7 @@ fn a_figure_is_ours_even_when_the_cache_is_lost() {
 #[test]
 fn a_damaged_lock_file_is_refused_and_kept() {
     let project = Project::with(TABLE);
-    let damage = [&b"tasks = 3"[..], b"[tasks\n", b"\xff\xfe\x00", b"[tasks]\n[exports]\n[more]\n"];
+    let damage = [&b"tasks = 3"[..], b"[tasks\n", b"\xff\xfe\x00", b"[tasks]\n[exports\n"];
     assert_eq!(damage.len(), promised("`pipeline/lock.toml` damaged"));
     for garbage in damage {
         project.write("pipeline/lock.toml", garbage);
@@ -365,6 +370,16 @@ fn a_damaged_lock_file_is_refused_and_kept() {
     }
     fs::remove_file(project.path("pipeline/lock.toml")).unwrap();
     project.run(&["run"]).lines();
+    // Not damaged, but of a program that knows more.
+    let lock = fs::read_to_string(project.path("pipeline/lock.toml")).unwrap();
+    for newer in [format!("version = 3\n{lock}"), lock.replace("schema = 1", "schema = 2")] {
+        project.write("pipeline/lock.toml", &newer);
+        for args in [["run", "--locked"], ["run", "--force"], ["status", "--json"]] {
+            let said = project.run(&args);
+            assert!(said.refusal().ends_with("was it written by a newer one?"), "{said:?}");
+        }
+        assert_eq!(fs::read_to_string(project.path("pipeline/lock.toml")).unwrap(), newer);
+    }
 }
 
 #[test]

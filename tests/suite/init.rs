@@ -1,6 +1,6 @@
 //! `signorini init`: what it begins with is a project that runs.
 
-use crate::common::{Project, Said, TABLE};
+use crate::common::{Project, Said, TABLE, assert_same};
 use std::fs;
 
 #[test]
@@ -26,11 +26,27 @@ fn a_new_study_runs() {
 }
 
 #[test]
-fn a_study_begins_in_an_empty_folder() {
+fn a_study_begins_wherever_none_of_its_files_is() {
     let place = Project::with(TABLE);
-    // As `git init` leaves it.
+    // As `git init`, websites and systems leave it.
     fs::create_dir_all(place.path("empty/.git")).unwrap();
+    fs::create_dir_all(place.path("empty/.github/workflows")).unwrap();
+    for file in ["README.md", "LICENSE", ".DS_Store", "CITATION.cff"] {
+        place.write(&format!("empty/{file}"), "mine");
+    }
     place.run(&["init", "empty"]).lines();
+    assert_eq!(fs::read(place.path("empty/README.md")).unwrap(), b"mine");
+    let attributes = fs::read_to_string(place.path("empty/.gitattributes")).unwrap();
+    assert!(attributes.lines().any(|line| line == "* -text"), "{attributes}");
+    for own in [".gitignore", ".gitattributes", "report/book.toml"] {
+        let folder = format!("with-{}", own.replace('/', "-"));
+        fs::create_dir_all(place.path(&format!("{folder}/report"))).unwrap();
+        place.write(&format!("{folder}/{own}"), "mine");
+        let before = place.files(&folder);
+        let said = place.run(&["init", &folder]);
+        assert!(said.refusal().contains(&format!("{folder}/{own} is there already")), "{said:?}");
+        assert_same(&place.files(&folder), &before);
+    }
     for taken in ["empty", ".", "pipeline/scenes/a.toml"] {
         let before = place.times();
         let said = place.run(&["init", taken]);

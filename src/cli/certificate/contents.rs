@@ -5,7 +5,8 @@ use crate::pipeline::error::{IoContext, Result};
 use crate::pipeline::{Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::PAPER;
-use crate::replication::project::{IDENTIFIED, Project, SCENES, TRUTH};
+use crate::replication::project::{IDENTIFIED, Project, TRUTH};
+use crate::replication::scenes::SCENES;
 use crate::replication::stages::tabulate;
 use crate::timing::recorded;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
@@ -185,9 +186,9 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
 }
 
 /// Returns the files under `pipeline/` that the run read, with the bytes that it read.
-pub(super) fn inputs(project: &Project) -> Vec<File> {
+pub(super) fn inputs(project: &Project) -> Result<Vec<File>> {
     let mut files = Vec::new();
-    for (path, bytes) in &project.files {
+    for (path, file) in &project.files {
         let is_mesh = project.scenes.iter().filter_map(|scene| scene.domain.as_ref());
         let is_mesh = is_mesh.flat_map(|domain| domain.files.keys()).any(|mesh| mesh == path);
         let comment = match path.as_str() {
@@ -199,13 +200,13 @@ pub(super) fn inputs(project: &Project) -> Vec<File> {
             _ if is_scene(project, path) => "a scene: a problem, its grids, and the outputs wanted",
             _ => "a file that the run reads",
         };
-        let mut file = File::new(format!("{INPUTS}{path}"), comment, bytes.clone());
+        let mut file = File::new(format!("{INPUTS}{path}"), comment, file.bytes()?.to_vec());
         if is_mesh {
             file.media_type = MESH;
         }
         files.push(file);
     }
-    files
+    Ok(files)
 }
 
 fn is_scene(project: &Project, path: &str) -> bool {

@@ -24,10 +24,10 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// Returns the format that the ending of `path` names.
+    /// Returns the format that the ending of `path` names, in small letters or capitals.
     pub(super) fn of(path: &Path) -> Result<Self> {
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        Self::from_str(ending, false).map_err(|_| {
+        Self::from_str(ending, true).map_err(|_| {
             let path = path.display();
             Error::input(format!(
                 "--out {path}: unknown ending; use one of .vti, .vtu, .npy, .npz, .svg"

@@ -319,8 +319,10 @@ fn stop_rule(name: &str) -> Result<StopRule> {
 }
 
 fn scene(name: &str) -> Result<Scene> {
-    let project = Project::read(Project::find(&current_folder()?)?)?;
-    project.scene(name).cloned()
+    let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
+    let scene = folder.named(name)?.clone();
+    scene.check_domain()?;
+    Ok(scene)
 }
 
 /// Returns the cells per side of nested grids, each half as wide as the one before, down to the finest: from the

@@ -118,7 +118,7 @@ fn picture<T: DeserializeOwned + 'static>(
 
 /// The tasks that draw recorded times, their only input; none if nothing has been recorded.
 pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
-    let Some(text) = project.files.get(PATH) else { return Vec::new() };
+    let Some(file) = project.files.get(PATH) else { return Vec::new() };
     let cost = drawing(
         "cost",
         "Time per unknown against the number of unknowns".into(),
@@ -130,14 +130,14 @@ pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
     });
     let mut tasks = vec![cost, race];
     for task in &mut tasks {
-        task.files.insert(PATH.into(), text.clone());
+        task.files.insert(PATH.into(), file.clone());
     }
     tasks
 }
 
 /// Parses the record of times among the files of a task.
 pub(super) fn times(inputs: &Inputs) -> Result<Timings, Failure> {
-    Ok(Timings::parse(inputs.files.get(PATH).ok_or("nothing has been recorded")?)?)
+    Ok(Timings::parse(inputs.file(PATH)?.ok_or("nothing has been recorded")?)?)
 }
 
 fn id(experiment: &str) -> String {

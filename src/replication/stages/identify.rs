@@ -1,7 +1,7 @@
 //! The `identify` stage: what else explains a scene's table, how far its f may move, and a blind search for it.
 
 use super::{sharing, to_json};
-use crate::pipeline::error::{Error, Result, from_toml};
+use crate::pipeline::error::{Error, Result, from_record};
 use crate::pipeline::{Artifacts, Task, parameters};
 use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, Project};
@@ -20,8 +20,8 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     let own = |scene: &&Scene| !scene.is_problem() && scene.wants(Output::Identify);
     let mut asking = sharing(project, scenes, Output::Identify);
     asking.extend(scenes.iter().copied().filter(own));
-    let text = project.files.get(IDENTIFIED).filter(|_| !asking.is_empty());
-    let record = text.map(|text| from_toml(IDENTIFIED, text));
+    let file = project.files.get(IDENTIFIED).filter(|_| !asking.is_empty());
+    let record = file.map(|file| from_record(IDENTIFIED, file.bytes()?));
     let record: Option<Record> = record.transpose()?;
     asking.into_iter().map(|scene| task(project, scene, record.as_ref())).collect()
 }

@@ -71,8 +71,8 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     others.retain(|scene| !scene.is_problem() && scene.wants(Output::Table));
     let left_out = left_out(project);
     let mut files = project.files.clone();
-    for (name, bytes) in &project.templates {
-        files.insert(format!("report/{name}"), bytes.clone());
+    for (name, file) in &project.templates {
+        files.insert(format!("report/{name}"), file.clone());
     }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
@@ -80,7 +80,8 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     // By hash, because `explain` prints changed parameters, old and new.
     let mut parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
     if let Some(book_toml) = project.templates.get("book.toml") {
-        let programs = report::program_hashes(book_toml);
+        // A file that cannot be read is refused when the task runs.
+        let programs = report::program_hashes(book_toml.bytes().unwrap_or_default());
         parameters
             .extend(programs.into_iter().map(|(name, hash)| (format!("program {name}"), hash)));
     }
@@ -111,15 +112,16 @@ fn book(
 ) -> Result<Artifacts, Failure> {
     let mut templates = BTreeMap::new();
     let mut files = Artifacts::new();
-    for (path, bytes) in inputs.files {
+    for (path, file) in inputs.files {
+        let bytes = file.bytes()?;
         let Some(name) = path.strip_prefix("report/") else {
             // Pages may include files of the project.
-            files.insert(format!("../{path}"), bytes.clone());
+            files.insert(format!("../{path}"), bytes.to_vec());
             continue;
         };
         match name.strip_prefix("templates/") {
             Some(page) if [".md", ".tera", ".js"].iter().any(|ending| page.ends_with(ending)) => {
-                let text = String::from_utf8(bytes.clone());
+                let text = String::from_utf8(bytes.to_vec());
                 let text = text.map_err(|_| format!("{path} is not UTF-8; save it as UTF-8"))?;
                 if let Some(line) = conflict(text.as_bytes()) {
                     return Err(format!("{path}: line {line}: {CONFLICT}; resolve it there").into());
@@ -127,8 +129,8 @@ fn book(
                 templates.insert(page.to_owned(), text);
             }
             // Other files that pages show, such as a photograph.
-            Some(other) => _ = files.insert(format!("src/{other}"), bytes.clone()),
-            None => _ = files.insert(name.into(), bytes.clone()),
+            Some(other) => _ = files.insert(format!("src/{other}"), bytes.to_vec()),
+            None => _ = files.insert(name.into(), bytes.to_vec()),
         }
     }
     let pages = pages(&templates)?;

@@ -59,12 +59,40 @@ struct Aggregate {
     greatest: Option<f64>,
 }
 
+/// Columns with their types. CSV has no types, and names of scenes may look like numbers, or like no value.
+const COLUMNS: [(&str, DataType); 22] = [
+    ("problem", DataType::String),
+    ("rule", DataType::String),
+    ("r", DataType::Float64),
+    ("cells", DataType::Int64),
+    ("nodes", DataType::Int64),
+    ("tolerance", DataType::Float64),
+    ("iterations", DataType::Int64),
+    ("stop", DataType::String),
+    ("met", DataType::Boolean),
+    ("gradient_signed", DataType::Float64),
+    ("gradient_abs", DataType::Float64),
+    ("delta_a", DataType::Float64),
+    ("energy", DataType::Float64),
+    ("sum_load", DataType::Float64),
+    ("kkt_stationarity", DataType::Float64),
+    ("kkt_min_y", DataType::Float64),
+    ("kkt_min_lambda", DataType::Float64),
+    ("kkt_complementarity", DataType::Float64),
+    ("kkt_natural", DataType::Float64),
+    ("kkt_relative", DataType::Float64),
+    ("published", DataType::Int64),
+    ("published_delta_a", DataType::Float64),
+];
+
 /// Columns that identify a row among those of one rule.
 const KEYS: [&str; 3] = ["problem", "r", "cells"];
 
 impl Results {
+    /// Reads CSV with a header line.
     pub(super) fn read(bytes: &[u8]) -> PolarsResult<Self> {
-        read_csv(bytes).map(Self)
+        let options = CsvReadOptions::default().with_schema(Some(schema().into()));
+        CsvReader::new(Cursor::new(bytes)).with_options(options).finish().map(Self)
     }
 
     pub(super) fn of_problem(&self, name: &str) -> PolarsResult<Self> {
@@ -123,6 +151,10 @@ impl Results {
         let rows = self.under(rule)?;
         rows.filter(&rows.column("published_delta_a")?.is_not_null())
     }
+}
+
+fn schema() -> Schema {
+    COLUMNS.into_iter().map(|(name, kind)| Field::new(name.into(), kind)).collect()
 }
 
 /// Solve on one grid.
@@ -242,9 +274,42 @@ pub(super) fn csv(mut frame: DataFrame) -> PolarsResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads CSV with a header line.
-pub(super) fn read_csv(bytes: &[u8]) -> PolarsResult<DataFrame> {
-    // Types from all rows: a column may begin with whole numbers, or with nothing.
-    let options = CsvReadOptions::default().with_infer_schema_length(None);
-    CsvReader::new(Cursor::new(bytes)).with_options(options).finish()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_have_the_types_with_which_they_are_written() {
+        let written = joined(&[], &Paper::default()).unwrap();
+        assert_eq!(**written.schema(), schema());
+    }
+
+    #[test]
+    fn a_scene_is_found_whatever_it_is_called() {
+        let names = [
+            "1",
+            "2.50",
+            "1e5",
+            "true",
+            "NA",
+            "null",
+            "NaN",
+            "inf",
+            "2026-11-26",
+            "-",
+            "a,b",
+            "\"q\"",
+        ];
+        let mut csv = COLUMNS.map(|(name, _)| name).join(",") + "\n";
+        for name in names {
+            let name = name.replace('"', "\"\"");
+            csv += &format!("\"{name}\",signed,1.0,,25,0.1,7,converged,true{}\n", ",".repeat(13));
+        }
+        let results = Results::read(csv.as_bytes()).unwrap();
+        for name in names {
+            let found = results.of_problem(name).unwrap();
+            assert_eq!(found.0.height(), 1, "{name}");
+            assert_eq!(aggregate(&floats(&found.0, "iterations").unwrap()).unwrap().sum, 7.0);
+        }
+    }
 }

@@ -4,8 +4,8 @@ use super::digits::compared;
 use super::experiments;
 use super::search::{self, fixed, searched};
 use super::times::times;
-use crate::pipeline::error::{Failure, from_toml};
-use crate::pipeline::{Inputs, hash};
+use crate::pipeline::Inputs;
+use crate::pipeline::error::{Failure, from_record};
 use crate::replication::comparison::TableComparison;
 use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, TRUTH};
@@ -42,8 +42,8 @@ pub(super) fn context(
     for scene in problems {
         tables.push(from_json(inputs, &diff::id(scene), DIFF)?);
     }
-    let text = inputs.files.get(IDENTIFIED).ok_or("no record of the search")?;
-    let record: Record = from_toml(IDENTIFIED, text)?;
+    let text = inputs.file(IDENTIFIED)?.ok_or("no record of the search")?;
+    let record: Record = from_record(IDENTIFIED, text)?;
     let grids: Vec<usize> = problems[0].grids.iter().map(|grid| grid.cells()).collect();
 
     let mut context = Context::new();
@@ -72,12 +72,12 @@ pub(super) fn context(
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
     experiments::insert(&mut context, inputs)?;
-    let text = inputs.files.get(TRUTH).ok_or("no true solutions")?;
+    let text = inputs.file(TRUTH)?.ok_or("no true solutions")?;
     context.insert("digits", &compared(&mut references, text)?);
     context.insert("references", &experiments::references(&references));
     context.insert("elements", &experiments::elements(&elements));
     context.insert("figures", &figures(inputs));
-    context.insert("provenance", &provenance(inputs));
+    context.insert("provenance", &provenance(inputs)?);
     let timings = bench::times(inputs)?;
     context.insert("cost", &times(&timings, &bench::result(inputs, "accuracy")?));
     context.insert("timings", &timings);
@@ -241,7 +241,7 @@ fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec
 /// Returns a scene that is not the paper's, solved under its first rule and with the r that is drawn.
 fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Failure> {
     let path = format!("pipeline/scenes/{}.toml", scene.name);
-    let text = inputs.files.get(&path).ok_or_else(|| format!("{path} is missing"))?;
+    let text = inputs.file(&path)?.ok_or_else(|| format!("{path} is missing"))?;
     let solved = solve::id(scene, scene.stop[0], scene.drawn_r());
     let outcomes: Outcomes = from_json(inputs, &solved, OUTCOMES)?;
     // On a mesh, f is integrated by the load vector.
@@ -251,7 +251,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         Some(domain) => (domain.f.clone(), sum_load),
     };
     let more = json!({
-        "text": String::from_utf8(text.clone())?,
+        "text": std::str::from_utf8(text)?,
         "f": f,
         "integral_f": integral_f,
         // The exact solution in LaTeX, if it is known.
@@ -281,24 +281,20 @@ fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     figures
 }
 
-/// Returns the first twelve digits of a hash.
-fn short_hash(bytes: &[u8]) -> String {
-    hash(bytes)[..12].to_owned()
-}
-
 /// Returns the provenance of the book's numbers: names and hashes of input files, and versions.
-fn provenance(inputs: &Inputs) -> Value {
+fn provenance(inputs: &Inputs) -> Result<Value, Failure> {
     let (mut files, mut versions) = (Vec::new(), Vec::new());
-    for (name, bytes) in inputs.files {
-        files.push(json!({ "name": name, "hash": short_hash(bytes) }));
+    for (name, file) in inputs.files {
+        // The first twelve digits identify it.
+        files.push(json!({ "name": name, "hash": file.hash()?[..12] }));
     }
     for (name, version) in super::versions() {
         versions.push(json!({ "name": name, "version": version }));
     }
-    json!({
+    Ok(json!({
         "inputs": files,
         "versions": versions,
         // Of code and text, as an SPDX expression.
         "license": env!("CARGO_PKG_LICENSE"),
-    })
+    }))
 }

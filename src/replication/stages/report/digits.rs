@@ -1,6 +1,6 @@
 //! True solutions by another program in higher precision, beside those of this one.
 
-use crate::pipeline::error::{Failure, from_toml};
+use crate::pipeline::error::{Failure, from_record};
 use crate::replication::project::TRUTH;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::experiments::truth::{Numbers, Reference};
@@ -37,7 +37,7 @@ const ROUNDING: f64 = 2e-14;
 
 /// Replaces our digits by those of the record.
 pub(super) fn compared(references: &mut [Reference], record: &[u8]) -> Result<Agreement, Failure> {
-    let mut record: TruthFile = from_toml(TRUTH, record)?;
+    let mut record: TruthFile = from_record(TRUTH, record)?;
     let (mut missing, mut difference) = (Vec::new(), 0.0f64);
     for ours in references {
         let Some(theirs) = record.solution.iter_mut().find(|one| one.f == ours.f) else {

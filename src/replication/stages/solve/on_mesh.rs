@@ -10,7 +10,7 @@ use serde::Serialize;
 use signorini_mathematics::saddle::{Pair, Params, Plain, StopReason, StopRule, solve_networks};
 
 /// Parameters that determine the artifacts of a solve.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct MeshCell {
     domain: SceneDomain,
     r: f64,

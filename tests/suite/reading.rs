@@ -1,0 +1,196 @@
+//! What commands read: of a mesh its hash, of the book nothing unless it is built, and no broken scene hides another.
+
+use crate::common::{Project, TABLE, assert_same, wanting};
+use std::fs;
+use std::process::Command;
+
+const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=-1\"\n\
+    domain = { mesh = \"meshes/gear.msh\", refine = 0, free = [\"hole\"] }\n\
+    r = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\", \"surface\"]\n";
+
+fn gear() -> Vec<u8> {
+    fs::read(format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// A project with a scene on the square, `a`, and two scenes on one mesh.
+fn project() -> Project {
+    let project = Project::with(TABLE);
+    for name in ["gear", "wheel"] {
+        project.scene(name, GEAR);
+    }
+    fs::create_dir(project.path("pipeline/meshes")).unwrap();
+    project.write("pipeline/meshes/gear.msh", gear());
+    project
+}
+
+/// Replaces a hash in all records of the cache, as if the runs had read other bytes.
+fn forge(project: &Project, old: &str, new: &str) {
+    for (name, bytes) in project.files(".signorini/v2/tasks") {
+        let mut forged = String::new();
+        for line in String::from_utf8(bytes).unwrap().lines() {
+            let (_, json) = line.split_once(' ').unwrap();
+            let json = json.replace(old, new);
+            forged += &format!("{} {json}\n", signorini::pipeline::hash(json.as_bytes()));
+        }
+        project.write(&format!(".signorini/v2/tasks/{name}"), forged);
+    }
+}
+
+#[test]
+fn a_mesh_is_parsed_only_by_a_run_that_needs_it() {
+    let project = project();
+    project.run(&["run"]).lines();
+    let bad = b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\nmany\n";
+    project.write("pipeline/meshes/gear.msh", bad);
+    let before = project.times();
+    for args in [&["list"][..], &["dag"], &["dag", "--json"], &["gc", "-n"], &["run", "a"]] {
+        assert_eq!(project.run(args).code, Some(0), "{args:?}");
+    }
+    assert_eq!(project.run(&["solve", "a"]).code, Some(0));
+    let said = project.run(&["explain", "solve/gear"]);
+    assert!(said.out.contains("file pipeline/meshes/gear.msh: "), "{said:?}");
+    // What would parse it refuses it, with the name of the scene, and changes nothing.
+    let task = ["run", "--task", "solve/wheel/printed-dual/r=10"];
+    for args in [
+        &["run"][..],
+        &["run", "gear"],
+        &["run", "-n"],
+        &["run", "--force"],
+        &task,
+        &["solve", "gear"],
+    ] {
+        let said = project.run(args);
+        let scene = if args == task { "scene `wheel`: " } else { "scene `gear`: " };
+        assert!(said.refusal().contains(scene), "{args:?}: {said:?}");
+    }
+    assert_eq!(project.times(), before);
+    // If the bytes were those of the last run, nobody would look into them.
+    forge(&project, &signorini::pipeline::hash(&gear()), &signorini::pipeline::hash(bad));
+    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
+    project.write("pipeline/meshes/gear.msh", gear());
+    project.run(&["run"]).lines();
+}
+
+#[test]
+fn the_files_of_the_book_are_read_only_for_the_book() {
+    let project = Project::with(&wanting("[\"table\", \"source\"]"));
+    project.scene("b", TABLE);
+    project.write("report/large.bin", "");
+    project.run(&["run"]).lines();
+    fs::remove_file(project.path("report/large.bin")).unwrap();
+    // Whoever reads a pipe is refused.
+    let pipe = project.path("report/large.bin");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for args in [
+        &["list"][..],
+        &["dag"],
+        &["gc", "-n"],
+        &["run", "a"],
+        &["status", "a"],
+        &["run", "--only", "tabulate"],
+        &["solve", "a"],
+    ] {
+        assert_eq!(project.run(args).code, Some(0), "{args:?}");
+    }
+    assert!(project.run(&["run"]).refusal().contains("large.bin"));
+}
+
+#[test]
+fn a_broken_scene_is_named_and_hides_no_other() {
+    let project = Project::with(TABLE);
+    project.scene("b", TABLE);
+    project.run(&["run"]).lines();
+    project.scene("bad", "x = 1\n");
+    let before = project.times();
+    let said = project.run(&["list", "--json"]);
+    let json = said.json();
+    let names = |key: &str| -> Vec<String> {
+        let listed = json[key].as_array().unwrap().iter();
+        listed.map(|one| one["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(
+        (names("scenes"), names("broken")),
+        (vec!["a".into(), "b".into()], vec!["bad".into()])
+    );
+    let text = project.run(&["list"]);
+    for said in [&said, &text] {
+        assert_eq!(said.code, Some(2));
+        assert!(said.err.contains("error: scene `bad`: line 1: unknown field `x`"), "{said:?}");
+    }
+    assert!(text.out.contains("  a "), "{text:?}");
+    for args in [
+        &["run"][..],
+        &["run", "--locked"],
+        &["run", "bad"],
+        &["run", "-n"],
+        &["status"],
+        &["status", "--json"],
+        &["explain", "solve"],
+        &["dag"],
+        &["dag", "--json"],
+        &["gc"],
+        &["diff", "--json"],
+        &["report"],
+        &["certificate"],
+        &["solve", "bad", "--json"],
+    ] {
+        let said = project.run(args);
+        assert!(said.refusal().contains("scene `bad`: line 1"), "{args:?}: {said:?}");
+    }
+    assert_eq!(project.times(), before);
+    assert_eq!(project.run(&["run", "a", "b"]).lines(), ["nothing to do"]);
+    for args in [["status", "a"], ["solve", "b"]] {
+        assert_eq!(project.run(&args).code, Some(0), "{args:?}");
+    }
+    project.write("pipeline/scenes/worse.toml", b"\xff\xfe");
+    let said = project.run(&["run"]);
+    assert!(said.refusal().contains("`bad`") && said.err.contains("worse"), "{said:?}");
+    assert_eq!(project.run(&["list", "--json"]).json()["scenes"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn files_that_look_like_scenes_and_are_none_are_named() {
+    let project = Project::with(TABLE);
+    project.scene("sub.TOML", TABLE);
+    fs::rename(
+        project.path("pipeline/scenes/sub.TOML.toml"),
+        project.path("pipeline/scenes/b.TOML"),
+    )
+    .unwrap();
+    fs::create_dir(project.path("pipeline/scenes/old")).unwrap();
+    project.write("pipeline/scenes/old/c.toml", TABLE);
+    for args in [["run", "a"], ["list", "--json"]] {
+        let said = project.run(&args);
+        assert_eq!(said.code, Some(0), "{said:?}");
+        for name in ["pipeline/scenes/b.TOML is no scene", "pipeline/scenes/old/c.toml is no scene"]
+        {
+            assert_eq!(said.err.matches(name).count(), 1, "{said:?}");
+        }
+    }
+}
+
+#[test]
+fn a_refused_run_changes_nothing() {
+    let project = Project::with(&wanting("[\"table\", \"source\", \"surface\"]"));
+    project.run(&["run"]).lines();
+    project.write("figures/a-source.svg", "<svg>mine</svg>");
+    fs::remove_file(project.path("figures/a-surface.svg")).unwrap();
+    let lock = fs::read_to_string(project.path("pipeline/lock.toml")).unwrap();
+    project.write("pipeline/lock.toml", lock.replace("[exports]", "\"more\" = \"0\"\n[exports]"));
+    let (before, times) = (project.files(""), project.times());
+    for args in [&["run"][..], &["run", "a"], &["run", "--only", "figures"]] {
+        assert!(project.run(args).refusal().contains("was edited by hand"), "{args:?}");
+        assert_same(&project.files(""), &before);
+        assert_eq!(project.times(), times, "{args:?}");
+    }
+    // Even if the tasks have to run before it is known that the result has no place.
+    fs::remove_dir_all(project.path(".signorini")).unwrap();
+    project.run(&["run"]).refusal();
+    for folder in ["figures", "pipeline", "report"] {
+        let before = before.iter().filter_map(|(name, bytes)| {
+            Some((name.strip_prefix(folder)?.strip_prefix('/')?.to_owned(), bytes.clone()))
+        });
+        assert_same(&project.files(folder), &before.collect());
+    }
+}
