@@ -54,6 +54,8 @@ impl Selection {
 
 pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     let project = Project::read(Project::find(&current_folder()?)?)?;
+    // A search takes long: better in a project without mistakes.
+    project.select(&[])?;
     let asked = Search::read(args, &project)?;
     let answer = || if args.variants { compare(args, &asked) } else { find(args, &asked) };
     match &asked.pool {

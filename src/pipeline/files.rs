@@ -4,7 +4,7 @@ use crate::pipeline::error::{IoContext, Result};
 use signorini_mathematics::problem::text::is_forbidden;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs::{self, File, Permissions};
+use std::fs::{self, File, Metadata, Permissions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
 
@@ -133,9 +133,7 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
 fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
     thread_local!(static PIECE: RefCell<Vec<u8>> = RefCell::new(vec![0; 1 << 17]));
     let there = fs::metadata(path)?;
-    if !there.is_file() && !there.is_dir() {
-        return Err(io::Error::new(ErrorKind::Unsupported, "it is neither a file nor a folder"));
-    }
+    refuse_special(&there)?;
     let mut file = File::open(path)?;
     let mut read = 0;
     PIECE.with_borrow_mut(|piece| {
@@ -152,6 +150,14 @@ fn read_in_pieces(path: &Path, mut pass: impl FnMut(&[u8])) -> io::Result<()> {
             }
         }
     })
+}
+
+/// Refuses what is neither file nor folder, such as a pipe.
+fn refuse_special(there: &Metadata) -> io::Result<()> {
+    if there.is_file() || there.is_dir() {
+        return Ok(());
+    }
+    Err(io::Error::new(ErrorKind::Unsupported, "it is neither a file nor a folder"))
 }
 
 /// Returns the hexadecimal blake3 of a file, `None` if it does not exist.
@@ -267,7 +273,12 @@ pub(crate) fn list_tree(
             } else if kind.is_symlink() && path.is_dir() {
                 return Err((path, io::Error::new(ErrorKind::Unsupported, "it links to a folder")));
             } else {
-                files.insert(name, path);
+                // A link to nothing is refused by whoever reads it.
+                let special = fs::metadata(&path).and_then(|there| refuse_special(&there));
+                match special {
+                    Err(e) if e.kind() == ErrorKind::Unsupported => return Err((path, e)),
+                    _ => _ = files.insert(name, path),
+                }
             }
         }
     }

@@ -65,8 +65,11 @@ impl Project {
     /// [`Error::Io`] and [`Error::Input`] from its parts, but not from a single scene.
     pub fn read(root: PathBuf) -> Result<Self> {
         let folder = Self::read_scenes(&root)?;
-        let partial = !folder.broken.is_empty();
-        let mut project = Self::with(root, folder, &[PAPER, IDENTIFIED, TRUTH, recorded::PATH])?;
+        let broken = refuse_broken(&folder.broken);
+        let partial = broken.is_err();
+        let mut project = Self::with(root, folder, &[PAPER, IDENTIFIED, TRUTH, recorded::PATH])
+            // Of several mistakes, that in a scene comes first.
+            .or_else(|e| broken.and(Err(e)))?;
         project.partial = partial;
         let report = project.root.join("report");
         // Git keeps no empty folder.
@@ -157,7 +160,7 @@ impl Project {
     /// [`Error::Unknown`] for a name without a scene, [`Error::Input`] for a scene that cannot be read.
     pub(crate) fn select(&self, names: &[String]) -> Result<Vec<&Scene>> {
         if names.is_empty() {
-            self.refuse_broken()?;
+            refuse_broken(&self.broken)?;
         }
         for name in names {
             self.scene(name)?;
@@ -165,17 +168,6 @@ impl Project {
         let mut selected: Vec<&Scene> = self.scenes.iter().collect();
         selected.retain(|scene| names.is_empty() || names.contains(&scene.name));
         Ok(selected)
-    }
-
-    /// Refuses a project with scenes that cannot be read.
-    fn refuse_broken(&self) -> Result<()> {
-        let mut others: Vec<&str> = self.broken.keys().map(String::as_str).collect();
-        let Some((_, first)) = self.broken.first_key_value() else { return Ok(()) };
-        others.remove(0);
-        Err(Error::input(match &others[..] {
-            [] => first.clone(),
-            _ => format!("{first}; and neither can be read: {}", others.join(", ")),
-        }))
     }
 
     /// Returns the scenes of the paper's problems 1 and 2, if they exist; the chapters are about them.
@@ -192,6 +184,16 @@ impl Project {
     pub fn scene(&self, name: &str) -> Result<&Scene> {
         find(name, &self.scenes, &self.broken)
     }
+}
+
+/// Refuses scenes that cannot be read, each by its name.
+fn refuse_broken(broken: &BTreeMap<String, String>) -> Result<()> {
+    let Some((name, first)) = broken.first_key_value() else { return Ok(()) };
+    let others: Vec<_> = broken.keys().filter(|other| *other != name).cloned().collect();
+    Err(Error::input(match &others[..] {
+        [] => first.clone(),
+        _ => format!("{first}; and neither can be read: {}", others.join(", ")),
+    }))
 }
 
 /// Files and folders under `report/` that a run writes.
