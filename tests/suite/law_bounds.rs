@@ -1,15 +1,17 @@
 //! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
 
 use crate::common::Dice;
-use signorini_mathematics::bounds::triangulation::{BoundsError, bounds_on_mesh};
+use signorini_mathematics::bounds::triangulation::{BoundsError, bounds_on_cube, bounds_on_mesh};
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
+use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, OnCells, mesh_load, refined};
 use signorini_mathematics::multigrid::active_set::active_set_on;
-use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
+use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_cube, solve_square};
+use signorini_mathematics::problem;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
 
@@ -149,6 +151,79 @@ fn where_v_has_one_sign_the_upper_end_of_the_interval_plays_no_part() {
         let far = one.energy.iter().zip(other.energy).any(|(a, b)| (a - b).abs() > 1e-10);
         assert!(!far, "{problem:?}: {one:?} {other:?}");
         assert!((one.error[1] - other.error[1]).abs() < 1e-8, "{problem:?}: {one:?} {other:?}");
+    }
+}
+
+/// Laws whose far ends no reaction reaches, from ends that are near to the greatest numbers there are.
+fn far_laws(near: Law) -> Vec<Law> {
+    let law = |end: f64| if near.lo() < 0.0 { Law::friction(end) } else { Law::limited(end) };
+    [1e3, 1e6, 1e9, 1e13, 1e100, 1e300].map(|end| law(end).unwrap()).to_vec()
+}
+
+#[test]
+fn an_end_of_the_interval_that_no_reaction_reaches_does_not_widen_the_bounds() {
+    let f: Source = "rect(-0.2,0.35,-0.3,0.1)=1.1; else=-0.41".parse().unwrap();
+    let mut dice = Dice(9);
+    // Under the friction v = 0 on the whole boundary.
+    for near in [Law::limited(100.0).unwrap(), Law::friction(100.0).unwrap()] {
+        let (grid, y) = solved(64, &f, near, Goal::RoundingFloor);
+        for size in [0.0, 1e-9, 1e-5] {
+            let y = disturbed(&y, size, &mut dice);
+            let best = bounds(grid, &f, near, &y).unwrap();
+            for law in far_laws(near) {
+                let found = bounds(grid, &f, law, &y).unwrap();
+                assert!(width(&found) <= width(&best) + 1e-11, "{law} {size}: {found:?} {best:?}");
+                assert!(found.error[1] <= best.error[1] + 1e-9, "{law}: {found:?} {best:?}");
+                assert!(overlap(&[found.energy, best.energy]), "{law}: {found:?} {best:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn nor_does_it_on_meshes() {
+    let f: problem::cube::Source =
+        "box(-0.2,0.3,-0.3,0.1,-0.5,0.5)=1.1; else=-0.41".parse().unwrap();
+    let grid = cube::Grid::new(8).unwrap();
+    let load = cube::exact_load(grid, &f);
+    let mut dice = Dice(10);
+    for near in [Law::limited(100.0).unwrap(), Law::friction(100.0).unwrap()] {
+        let (y, _) =
+            solve_cube(8, near.with_load(&load), None, &MultigridParams::default()).unwrap();
+        for size in [0.0, 1e-9, 1e-5] {
+            let y = disturbed(&y, size, &mut dice);
+            let best = bounds_on_cube(grid, &f, near, &y).unwrap().bounds;
+            for law in far_laws(near) {
+                let found = bounds_on_cube(grid, &f, law, &y).unwrap().bounds;
+                assert!(width(&found) <= width(&best) + 1e-11, "{law} {size}: {found:?} {best:?}");
+                assert!(found.error[1] <= best.error[1] + 1e-9, "{law}: {found:?} {best:?}");
+                assert!(overlap(&[found.energy, best.energy]), "{law}: {found:?} {best:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_energy_is_never_above_that_of_zero() {
+    let f: Source = "quadrant(ll)=3; else=-1.25".parse().unwrap();
+    let grid = Grid::new(16).unwrap();
+    let mesh = plane("disc");
+    let (levels, mesh) = refined(&mesh, 2).unwrap();
+    let of_mesh = mesh_load(&mesh, &Halves([1.0, -1.3])).cells;
+    let mut dice = Dice(11);
+    for law in [Law::SIGNORINI, Law::friction(0.3).unwrap(), Law::limited(2.0).unwrap()] {
+        for size in [1.0, 100.0] {
+            let y: Vec<f64> = vec![size; grid.nodes()];
+            let y = disturbed(&y, size, &mut dice);
+            let [low, high] = bounds(grid, &f, law, &y).unwrap().energy;
+            assert!(low < high && high <= 0.0, "{law} {size}: {low} {high}");
+            let y = disturbed(&vec![size; mesh.points().len()], size, &mut dice);
+            let found = bounds_on_mesh(&mesh, &levels[2].network, &of_mesh, law, &y).unwrap();
+            assert!(
+                found.energy[0] < found.energy[1] && found.energy[1] <= 0.0,
+                "{law}: {found:?}"
+            );
+        }
     }
 }
 

@@ -11,6 +11,29 @@ pub(super) struct BoundaryPart {
     pub measure: f64,
 }
 
+/// Signs that a function in K may have on the boundary: those under which the law's term of the energy is finite, or some
+/// of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Slips {
+    /// Values above 0, which slip to the lower end of the interval.
+    pub up: bool,
+    /// Values below 0, which slip to the upper end.
+    pub down: bool,
+}
+
+impl Slips {
+    /// Signs that a law allows.
+    pub(super) fn of_law(law: Law) -> Self {
+        Self { up: law.lo().is_finite(), down: law.hi().is_finite() }
+    }
+
+    /// Zero in place of a value with a sign that is left out; else the value, also if it is no number.
+    pub(super) fn keep(self, value: f64) -> f64 {
+        let is_left_out = (value > 0.0 && !self.up) || (value < 0.0 && !self.down);
+        if is_left_out { 0.0 } else { value }
+    }
+}
+
 /// Signs of the values of a function on a part of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Signs {
@@ -64,6 +87,15 @@ impl PartLaw {
     fn end(self, signs: Signs) -> f64 {
         let end = if signs == Signs::Down { self.most } else { self.least };
         if end.is_finite() { end } else { 0.0 }
+    }
+
+    /// Sum of the absolute values of the ends that v with these values slips to.
+    pub(super) fn ends_in_use(self, values: &[f64]) -> f64 {
+        let ends = match Signs::of(values) {
+            Signs::Both => [Signs::Up, Signs::Down].map(|signs| self.end(signs).abs()),
+            signs => [self.end(signs).abs(), 0.0],
+        };
+        ends[0] + ends[1]
     }
 
     /// Distance of a flux from the nearer end of the interval; negative outside.

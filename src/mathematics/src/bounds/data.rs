@@ -70,6 +70,11 @@ pub(super) struct AllCells<'a> {
 }
 
 impl<'a> AllCells<'a> {
+    /// Grid of the cells.
+    pub(super) fn grid(&self) -> Grid {
+        self.grid
+    }
+
     pub(super) fn new(grid: Grid, f: &'a Source) -> Self {
         let n = grid.cells();
         let mut all = Self {

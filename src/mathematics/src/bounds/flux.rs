@@ -1,6 +1,6 @@
 //! The equilibrated flux: reactions on the boundary, and the fluxes that f requires where it is not constant.
 
-use super::boundary::{BoundaryPart, PartLaw, shift_to_sum};
+use super::boundary::{BoundaryPart, PartLaw, Slips, shift_to_sum};
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun, find_seams};
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
@@ -11,6 +11,11 @@ pub(super) struct Reactions {
     pub top: Vec<f64>,
     pub left: Vec<f64>,
     pub right: Vec<f64>,
+    /// Upper bound of the integral of `|sigma.n|`, besides what balances f, and of the law's term over the size of v: zero
+    /// for the paper's law.
+    pub flow: f64,
+    /// Ends of the interval that the reactions reach; both ends of one that is not bounded count as reached if finite.
+    pub slips: Slips,
 }
 
 impl Reactions {
@@ -34,17 +39,26 @@ impl Reactions {
             };
             values.push(along + (y[node] - y[inner]) - f.boundary_masses[b]);
         }
+        let of_nodes = PartLaw::new(law, grid.h());
+        let (flow, slips);
         if law.is_bounded() {
-            shift_reactions(law, outer, f.integral, &mut values, grid.h());
+            let largest = shift_reactions(law, outer, f.integral, &mut values, grid.h());
+            // An end that plays no part may be far from all reactions.
+            flow = nodes as f64 * largest.max(of_nodes.ends_in_use(outer));
+            slips = Slips {
+                up: values.iter().any(|value| *value <= of_nodes.least),
+                down: values.iter().any(|value| *value >= of_nodes.most),
+            };
         } else {
-            scale_reactions(PartLaw::new(law, grid.h()), outer, f.integral, &mut values);
+            scale_reactions(of_nodes, outer, f.integral, &mut values);
+            (flow, slips) = (Grid::PERIMETER * finite_size(law), Slips::of_law(law));
         }
         values.push(values[0]);
         let [bottom, right, mut top, mut left] =
             [0, 1, 2, 3].map(|side| values[side * n..=(side + 1) * n].to_vec());
         top.reverse();
         left.reverse();
-        Self { bottom, top, left, right }
+        Self { bottom, top, left, right, flow, slips }
     }
 }
 
@@ -69,7 +83,8 @@ fn scale_reactions(law: PartLaw, outer: &[f64], integral: f64, values: &mut [f64
 }
 
 /// Limits the reactions to a bounded interval, and shifts them so that they balance f: scaled ones could leave the interval.
-fn shift_reactions(law: Law, outer: &[f64], integral: f64, values: &mut [f64], h: f64) {
+/// Returns the largest absolute value of a reaction before or after the shift.
+fn shift_reactions(law: Law, outer: &[f64], integral: f64, values: &mut [f64], h: f64) -> f64 {
     let of_nodes = PartLaw::new(law, h);
     let mut parts = Vec::with_capacity(outer.len());
     for (&reaction, &y) in values.iter().zip(outer) {
@@ -82,8 +97,19 @@ fn shift_reactions(law: Law, outer: &[f64], integral: f64, values: &mut [f64], h
         };
         parts.push(BoundaryPart { flux, measure: h });
     }
+    let before = largest_flux(&parts);
     shift_to_sum(law, &mut parts, -integral);
-    values.iter_mut().zip(parts).for_each(|(value, part)| *value = part.flux);
+    values.iter_mut().zip(&parts).for_each(|(value, part)| *value = part.flux);
+    before.max(largest_flux(&parts))
+}
+
+fn largest_flux(parts: &[BoundaryPart]) -> f64 {
+    parts.iter().fold(0.0, |largest, part| part.flux.abs().max(largest))
+}
+
+/// Sum of the absolute values of the finite ends of the interval of a law.
+fn finite_size(law: Law) -> f64 {
+    [law.lo(), law.hi()].into_iter().filter(|end| end.is_finite()).map(f64::abs).sum()
 }
 
 /// Fluxes through the half edges around a node, counter-clockwise: `east` from the cell below to the cell above the

@@ -12,7 +12,7 @@
 //!
 //! where `< >` is the integral over the boundary, nowhere negative under it. Under the paper's law K has the functions that
 //! are not negative on the boundary, and j is zero. The identity holds likewise with the solution u in place of w, or its
-//! flux `grad u` in place of sigma. So J(u) lies between J(w) - G and J(w), and `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in
+//! flux `grad u` in place of sigma. So J(u) lies between J(w) - G and J(w), is at most J(0) = 0, and `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in
 //! K, with equality where v vanishes on the part of the boundary that sticks and has the sign of u on the others. No constant of Poincaré's or of the trace inequality appears, so the bounds do not depend on the
 //! problem being only semicoercive. (Prager and Synge 1947; for Signorini's problem Bartels, Gudi and Kaltenbach,
 //! arXiv 2407.10912.) Nothing is assumed of v: iteration errors, wrong loads and wrong solutions make the bounds wide,
@@ -22,7 +22,9 @@
 //! 1. Set boundary values to zero that the law forbids, under the paper's law negative ones; their energy norm is added to
 //!    the bounds of the error (`project`).
 //! 2. Integrate f over all cells (`data.rs`) and compute the reactions at the boundary nodes, inside the interval of the
-//!    law and so that they balance f: under the paper's law scaled, under others shifted by one constant (`flux.rs`).
+//!    law and so that they balance f: under the paper's law scaled, under others shifted by one constant (`flux.rs`). If
+//!    they do not reach an end of the interval, the end plays no part, and values of v that slip to it become zero too
+//!    (`bracketed`).
 //! 3. In one sweep over the cells, row by row (`walk.rs`), form the flux (`flux.rs`, `strip.rs`), the recovery
 //!    (`recovery.rs`), the sums of all energies (`regular.rs` where f is constant around a cell, else `cells.rs`), and
 //!    the residual (`residual.rs`).
@@ -69,6 +71,10 @@ mod strip;
 pub mod triangulation;
 mod walk;
 
+use boundary::Slips;
+use data::AllCells;
+use walk::Total;
+
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -93,6 +99,16 @@ impl Bounds {
         // |grad u|^2 = -2 J(u) under every law, since j(u) = -(du/dn) u on the boundary.
         let size = (-2.0 * self.energy[1]).max(0.0).sqrt();
         if size > 0.0 { self.error[1] / size } else { f64::INFINITY }
+    }
+
+    /// Bounds that follow from these and others of the same solution.
+    fn intersection(&self, other: &Self) -> Self {
+        let common = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+        Self {
+            energy: common(self.energy, other.energy),
+            error: common(self.error, other.error),
+            recovered: self.recovered.min(other.recovered),
+        }
     }
 
     /// Width of the bracket of the energy over |J(u)|; infinite if the bracket contains zero.
@@ -131,7 +147,7 @@ const LEAST_MASS: f64 = 1e-146;
 /// # Panics
 /// If `y.len() != grid.nodes()`.
 pub fn bounds(grid: Grid, f: &Source, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
-    summed(grid, f, law, y, None)
+    bracketed(grid, f, law, y, None)
 }
 
 /// Returns the values of the recovery w of `y` on the grid of half the width, which determine it, and the bounds.
@@ -149,28 +165,64 @@ pub fn recovery(
 ) -> Result<(Vec<f64>, Bounds), NoBound> {
     let side = 2 * grid.cells() + 1;
     let mut recovered = vec![0.0; side * side];
-    let bounds = summed(grid, f, law, y, Some(&mut recovered))?;
+    let bounds = bracketed(grid, f, law, y, Some(&mut recovered))?;
     Ok((recovered, bounds))
 }
 
-/// Returns the bounds and writes the recovery to `recovered`. This is the central function.
-fn summed(
+/// Returns the bounds, and writes the recovery to which they belong to `recovered`.
+///
+/// If the reactions do not reach an end of a bounded interval, all wider intervals have the same solution, and values of v
+/// that slip to that end are errors: with zero in their place the bounds hold as well, and do not feel how far the end is.
+fn bracketed(
     grid: Grid,
     f: &Source,
     law: Law,
     y: &[f64],
-    recovered: Option<&mut [f64]>,
+    mut recovered: Option<&mut [f64]>,
 ) -> Result<Bounds, NoBound> {
     assert_eq!(y.len(), grid.nodes());
-    let n = grid.cells();
-    let Projection { v, distance: projection_distance } = project(grid, law, y);
-    let total = walk::total(grid, f, law, &v, recovered)?;
-    let walk::Total { sums, work, boundary_bubble_gain, residual, largest, mass, .. } = total;
+    let data = AllCells::new(grid, f);
+    match law.check_solvable(data.integral, Grid::PERIMETER) {
+        Err(_) if law.is_signorini() => return Err(NoBound::NotCoercive),
+        Err(_) => return Err(NoBound::Unbalanced),
+        Ok(()) => (),
+    }
+    let projection = project(grid, Slips::of_law(law), y);
+    let (found, slips) = summed(&data, law, &projection, recovered.as_deref_mut());
+    let narrower = project(grid, slips, y);
+    if narrower.distance == projection.distance {
+        return found;
+    }
+    let mut other_recovered = recovered.as_ref().map(|of| vec![0.0; of.len()]);
+    let (other, _) = summed(&data, law, &narrower, other_recovered.as_deref_mut());
+    let Ok(other) = other else { return found };
+    if found.as_ref().is_ok_and(|found| found.recovered <= other.recovered) {
+        return found.map(|found| found.intersection(&other));
+    }
+    if let (Some(recovered), Some(other)) = (recovered, other_recovered) {
+        recovered.copy_from_slice(&other);
+    }
+    Ok(found.map_or_else(|_| other.clone(), |found| found.intersection(&other)))
+}
+
+/// Returns the bounds for a vector in K, writes the recovery to `recovered`, and returns the ends of the interval of the law
+/// that the reactions reach. This is the central function.
+fn summed(
+    data: &AllCells<'_>,
+    law: Law,
+    Projection { v, distance: projection_distance }: &Projection<'_>,
+    recovered: Option<&mut [f64]>,
+) -> (Result<Bounds, NoBound>, Slips) {
+    let (total, slips) = walk::total(data, law, v, recovered);
+    (combined(data.grid().cells(), &total, *projection_distance), slips)
+}
+
+/// Combines the sums over `n` by `n` cells to bounds.
+fn combined(n: usize, total: &Total, projection_distance: f64) -> Result<Bounds, NoBound> {
+    let &Total { sums, work, boundary_bubble_gain, residual, largest, mass, flow, .. } = total;
     if mass < LEAST_MASS {
         return Err(NoBound::NotFinite);
     }
-    // Largest flux through the boundary besides that which balances f; zero for the paper's law.
-    let flow = 4.0 * finite_size(law);
     let size = sums.recovered + 2.0 * largest * (mass + 4.0 * flow);
     // The longest chain of additions has as many terms as a row has cells, and fewer than 300 more.
     let rounding = (n + 300) as f64 * f64::EPSILON * size;
@@ -200,17 +252,17 @@ fn summed(
         return Err(NoBound::NotFinite);
     }
     let recovered = root(2.0 * (gap + 2.0 * rounding));
-    Ok(Bounds { energy, error, recovered })
+    Ok(Bounds { energy: below_zero(energy), error, recovered })
+}
+
+/// An interval that contains J(u), without the numbers above J(0) = 0.
+fn below_zero([low, high]: [f64; 2]) -> [f64; 2] {
+    [low, high.min(0.0)]
 }
 
 /// Square root, 0 for negative numbers.
 fn root(square: f64) -> f64 {
     square.max(0.0).sqrt()
-}
-
-/// Sum of the absolute values of the finite ends of the interval of a law.
-fn finite_size(law: Law) -> f64 {
-    [law.lo(), law.hi()].into_iter().filter(|end| end.is_finite()).map(f64::abs).sum()
 }
 
 /// A nodal vector without the values on the boundary that the law forbids.
@@ -220,13 +272,10 @@ struct Projection<'a> {
     distance: f64,
 }
 
-/// Sets boundary values to zero that the law forbids: negative ones for the paper's law, none for a bounded interval.
-fn project(grid: Grid, law: Law, y: &[f64]) -> Projection<'_> {
-    if law.is_bounded() {
-        return Projection { v: Cow::Borrowed(y), distance: 0.0 };
-    }
-    let sign = if law.lo().is_finite() { 1.0 } else { -1.0 };
-    let below: Vec<f64> = grid.boundary().map(|node| sign * (sign * y[node]).min(0.0)).collect();
+/// Sets boundary values to zero whose signs are left out: negative ones for the paper's law.
+fn project(grid: Grid, slips: Slips, y: &[f64]) -> Projection<'_> {
+    let left_out = |value: f64| if slips.keep(value) == 0.0 { value } else { 0.0 };
+    let below: Vec<f64> = grid.boundary().map(|node| left_out(y[node])).collect();
     if below.iter().all(|&value| value == 0.0) {
         return Projection { v: Cow::Borrowed(y), distance: 0.0 };
     }

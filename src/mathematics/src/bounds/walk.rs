@@ -1,7 +1,6 @@
 //! The sweep over the cells: one pass over the vector, row by row.
 
-use super::NoBound;
-use super::boundary::PartLaw;
+use super::boundary::{PartLaw, Slips};
 use super::cells::{Batch, CellSlot, SpecialCell, Sums};
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun};
 use super::flux::Reactions;
@@ -14,7 +13,6 @@ use crate::discrete::grid::Grid;
 use crate::machine::extremes::max_or_second;
 use crate::machine::simd::vectorised;
 use crate::problem::law::Law;
-use crate::problem::source::Source;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -36,34 +34,32 @@ pub(super) struct Total {
     pub largest: f64,
     /// Integral of |f|.
     pub mass: f64,
+    /// [`Reactions::flow`].
+    pub flow: f64,
 }
 
-/// Computes the sums for the nodal vector `v`, whose values on the boundary the law must allow.
+/// Computes the sums for the nodal vector `v`, whose values on the boundary the law must allow, with the ends of its interval
+/// that the reactions reach. The law must be able to balance the integral of f.
 ///
 /// Writes the recovery on the grid of half the width to `recovered`, if that is given.
 pub(super) fn total(
-    grid: Grid,
-    f: &Source,
+    data: &AllCells<'_>,
     law: Law,
     v: &[f64],
     recovered: Option<&mut [f64]>,
-) -> Result<Total, NoBound> {
-    let data = AllCells::new(grid, f);
-    match law.check_solvable(data.integral, Grid::PERIMETER) {
-        Err(_) if law.is_signorini() => return Err(NoBound::NotCoercive),
-        Err(_) => return Err(NoBound::Unbalanced),
-        Ok(()) => (),
-    }
+) -> (Total, Slips) {
+    let grid = data.grid();
     let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
-    let reactions = Reactions::new(grid, law, v, &outer, &data);
+    let reactions = Reactions::new(grid, law, v, &outer, data);
     let extended = Extended::new(grid, v, &reactions);
     let strip = FluxStrip::new(extended, data.solves_for_linear_hats(v));
     let law = PartLaw::new(law, grid.h());
-    let sweep = CellSweep::new(&data, law, strip, recovered);
-    Ok(vectorised(
+    let sweep = CellSweep::new(data, law, strip, recovered);
+    let total = vectorised(
         #[inline(always)]
         || sweep.run(),
-    ))
+    );
+    (Total { flow: reactions.flow, ..total }, reactions.slips)
 }
 
 /// Number of rows of cells whose sums are formed in lanes before they are added to the total: no lane sums more terms
@@ -215,7 +211,7 @@ impl<'a> CellSweep<'a> {
         let CellSlot { cells, lane } = self.batch.next();
         let cell = cells.lane(lane);
         let on_boundary = self.strip.on_boundary(i, j);
-        let Reactions { left, right, bottom, top } = self.strip.v.reactions;
+        let Reactions { left, right, bottom, top, .. } = self.strip.v.reactions;
         let reactions = [[&bottom[i..], &top[i..]], [&left[j..], &right[j..]]];
         for (axis, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             if on_boundary[axis][k] {

@@ -331,13 +331,6 @@ impl Law {
     }
 }
 
-/// The paper's law.
-impl Default for Law {
-    fn default() -> Self {
-        Self::SIGNORINI
-    }
-}
-
 /// The interval, as it stands in messages.
 impl fmt::Display for Law {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -12,7 +12,7 @@
 //!
 //! ```text
 //! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n w> =: G(w, sigma),
-//! -1/2 |sigma|^2 <= J(u) <= J(w),    |grad (u - w)|^2 <= 2 G.
+//! -1/2 |sigma|^2 <= J(u) <= J(w),    J(u) <= J(0) = 0,    |grad (u - w)|^2 <= 2 G.
 //! ```
 //!
 //! w is the linear function of the nodal vector, with zero in place of values on the contact boundary that the law forbids
@@ -45,7 +45,8 @@ mod sums;
 #[cfg(test)]
 mod tests;
 
-use super::{Bounds, LEAST_MASS, root};
+use super::boundary::Slips;
+use super::{Bounds, LEAST_MASS, below_zero, root};
 use crate::discrete::network::Network;
 use crate::mesh::{CellData, Mesh};
 use crate::problem::law::Law;
@@ -112,12 +113,31 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
     let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
     assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
-    let w = admissible(network, law, y);
     let sides = Sides::new(mesh);
+    let w = admissible(network, Slips::of_law(law), y);
     let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, &sides, network)?;
     let summands = Summands { mesh, sides: &sides, f, y, w: &w, law, flux: &flux };
+    let found = combined(&summands);
+    // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
+    let narrower = admissible(network, summands.slips(), y);
+    if narrower == w {
+        return found;
+    }
+    let w = narrower;
+    let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, &sides, network)?;
+    let other = combined(&Summands { w: &w, flux: &flux, ..summands });
+    match (found, other) {
+        (Ok(found), Ok(other)) => Ok(found.intersection(&other)),
+        (found, other) => found.or(other),
+    }
+}
+
+/// Combines the sums for a nodal vector in K and a flux to bounds.
+fn combined<const D: usize, const V: usize>(
+    summands: &Summands<'_, D, V>,
+) -> Result<Bounds, BoundsError> {
     let totals = summands.totals();
-    let largest = w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+    let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
     let inside = 0.5 * totals.gradient - totals.load + totals.deviation;
     let energy = inside + totals.potential + rounding;
@@ -125,7 +145,7 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     let recovered = root(2.0 * (gap + 2.0 * rounding));
     let projection = totals.projection.sqrt() * (1.0 + 1e-12);
     let bounds = Bounds {
-        energy: [-0.5 * totals.flux - rounding, energy],
+        energy: below_zero([-0.5 * totals.flux - rounding, energy]),
         error: [0.0, recovered + projection],
         recovered,
     };
@@ -138,23 +158,17 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     }
 }
 
-/// Nodal vector of a function in K: values in contact that the law forbids, and all fixed values, are replaced by zero.
-fn admissible<'a>(network: &Network, law: Law, y: &'a [f64]) -> Cow<'a, [f64]> {
-    // The maximum with zero would hide a NaN.
-    let is_forbidden = |value: f64| {
-        (law.hi().is_infinite() && value < 0.0) || (law.lo().is_infinite() && value > 0.0)
-    };
-    let is_in_k = !network.contact().iter().any(|contact| is_forbidden(y[contact.node]))
+/// Nodal vector of a function in K: values in contact whose signs are left out, and all fixed values, are replaced by zero.
+fn admissible<'a>(network: &Network, slips: Slips, y: &'a [f64]) -> Cow<'a, [f64]> {
+    let is_kept = |value: f64| value == 0.0 || slips.keep(value) != 0.0;
+    let is_in_k = network.contact().iter().all(|contact| is_kept(y[contact.node]))
         && network.fixed().iter().all(|&node| y[node as usize] == 0.0);
     if is_in_k {
         return Cow::Borrowed(y);
     }
     let mut w = y.to_vec();
     for contact in network.contact() {
-        let value = &mut w[contact.node];
-        if is_forbidden(*value) {
-            *value = 0.0;
-        }
+        w[contact.node] = slips.keep(w[contact.node]);
     }
     network.fixed().iter().for_each(|&node| w[node as usize] = 0.0);
     Cow::Owned(w)

@@ -3,8 +3,7 @@
 use super::CellData;
 use super::cells::{RaviartThomas, gradient};
 use super::sides::Sides;
-use crate::bounds::boundary::PartLaw;
-use crate::bounds::finite_size;
+use crate::bounds::boundary::{PartLaw, Slips};
 use crate::mesh::{Condition, Element, Mesh, dot, measure, size};
 use crate::problem::law::Law;
 use std::f64::consts::PI;
@@ -68,6 +67,7 @@ impl Totals {
 }
 
 /// Functions and fluxes that are summed.
+#[derive(Clone, Copy)]
 pub(super) struct Summands<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
     pub sides: &'a Sides<V>,
@@ -86,6 +86,25 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
     /// Sums over all cells and facets.
     pub(super) fn totals(&self) -> Totals {
         self.over(0..self.mesh.cells().len()).add(halved_sum(&self.boundary()))
+    }
+
+    /// Ends of the interval of the law that the flux through the boundary reaches; both ends of one that is not bounded count
+    /// as reached if finite.
+    pub(super) fn slips(&self) -> Slips {
+        if !self.law.is_bounded() {
+            return Slips::of_law(self.law);
+        }
+        let mut slips = Slips { up: false, down: false };
+        let facets = self.mesh.facets();
+        for (facet, side) in facets.iter().zip(self.sides.of_facets(facets.len())) {
+            if self.mesh.condition(facet) == Condition::Contact {
+                let law = PartLaw::new(self.law, measure(self.mesh.corners(facet)));
+                let flux = self.flux[side as usize];
+                slips.up |= flux <= law.least;
+                slips.down |= flux >= law.most;
+            }
+        }
+        slips
     }
 
     fn over(&self, cells: Range<usize>) -> Totals {
@@ -156,7 +175,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
                 terms.push(Totals {
                     work: law.work_of_facet(w, self.flux[side as usize]),
                     potential: law.potential(w, 0.0),
-                    magnitude: 2.0 * measure * finite_size(self.law) * highest,
+                    magnitude: 2.0 * law.ends_in_use(&w) * highest,
                     ..Totals::default()
                 });
             }

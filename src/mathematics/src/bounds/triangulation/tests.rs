@@ -202,7 +202,7 @@ fn noise(count: usize, frequency: f64) -> Vec<f64> {
 fn sigma_is_a_flux_for_every_vector() {
     let mut problem = annulus(Condition::Free).refined();
     problem.y = noise(problem.y.len(), 12.9898);
-    let w = admissible(&problem.network, Law::SIGNORINI, &problem.y);
+    let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
     let sides = Sides::new(&problem.mesh);
     let (mesh, f) = (&problem.mesh, &problem.f.mean);
     let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
@@ -235,7 +235,7 @@ fn circulations_around_all_nodes_lower_the_norm_and_keep_the_balance() {
     for inner in [Condition::Free, Condition::Fixed, Condition::Contact] {
         let mut problem = annulus(inner).refined();
         problem.y = noise(problem.y.len(), 12.9898);
-        let w = admissible(&problem.network, Law::SIGNORINI, &problem.y);
+        let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
         let sides = Sides::new(&problem.mesh);
         let (mesh, f) = (&problem.mesh, &problem.f.mean);
         let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
