@@ -58,7 +58,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     let workplace = Workplace::open(&args.cache)?;
     let plan = args.plan(&workplace)?;
-    args.warn_of_pieces_outside(&workplace.project)?;
+    args.warn_of_scenes(&workplace.project)?;
     if args.dry_run {
         let summary = workplace.judge(&plan, args.scope(), args.force)?;
         return say(&(left_out(&workplace.project, &plan) + &verdicts(&summary)));
@@ -122,11 +122,16 @@ impl RunArgs {
         Progress::new(self.verbose, self.quiet)
     }
 
-    /// Warns of pieces of f that lie outside of the domain and change nothing.
-    fn warn_of_pieces_outside(&self, project: &Project) -> Result<()> {
-        if !self.quiet {
-            for scene in project.select(&self.scenes)? {
-                warn_of_outside(Some(&scene.name), &scene.f.outside());
+    /// Warns of pieces of f that lie outside of the domain and change nothing, and of domains in parts that touch.
+    fn warn_of_scenes(&self, project: &Project) -> Result<()> {
+        if self.quiet {
+            return Ok(());
+        }
+        for scene in project.select(&self.scenes)? {
+            warn_of_outside(Some(&scene.name), &scene.f.outside());
+            let Some(domain) = &scene.domain else { continue };
+            if let Some(touching) = domain.coarsest(&domain.files)?.touching() {
+                talk(&format!("warning: scene `{}`: {touching}", scene.name));
             }
         }
         Ok(())
