@@ -85,7 +85,7 @@ impl Workplace {
         }
         // Project and cache are written only if the project can be run.
         refuse_edited(&summary)?;
-        self.check(&summary)?;
+        self.check(&summary, progress)?;
         let _locks = [Exports::lock(root)?, self.store.lock()?];
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
@@ -113,9 +113,12 @@ impl Workplace {
         Ok(summary)
     }
 
-    /// Refuses what a run of the tasks that are not up to date would read and could not use.
-    pub(super) fn check(&self, summary: &Summary) -> Result<()> {
-        self.project.check(&summary.not_fresh().filter_map(|one| scene_of(&one.task)).collect())
+    /// Refuses what a run of the tasks that are not up to date would read and could not use, and warns of meshes whose parts
+    /// touch without being joined.
+    pub(super) fn check(&self, summary: &Summary, progress: &Progress) -> Result<()> {
+        let at_work = summary.not_fresh().filter_map(|one| scene_of(&one.task)).collect();
+        self.project.check(&at_work)?.iter().for_each(|warning| progress.note(warning));
+        Ok(())
     }
 
     /// Runs the stale tasks of a part of the plan; returns the manifests of all tasks of the part.
@@ -132,7 +135,7 @@ impl Workplace {
     ) -> Result<Summary> {
         let (workplace, plan) = Self::with_tasks(cache, asked)?;
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
-        workplace.check(&workplace.judge(&plan, Scope::Part, false)?)?;
+        workplace.check(&workplace.judge(&plan, Scope::Part, false)?, progress)?;
         work(&plan, asked, &workplace.store, progress)
     }
 

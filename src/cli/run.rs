@@ -61,7 +61,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     args.warn(&workplace.project)?;
     if args.dry_run {
         let summary = workplace.judge(&plan, args.scope(), args.force)?;
-        workplace.check(&summary)?;
+        workplace.check(&summary, &args.progress())?;
         return say(&(left_out(&workplace.project, &plan) + &verdicts(&summary)));
     }
     let start = Instant::now();

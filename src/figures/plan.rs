@@ -95,9 +95,9 @@ impl MeshKey {
                 Condition::Free => "free",
                 Condition::Fixed => "fixed",
             };
-            format!("{}: {condition}", cut(&part.name))
+            format!("{}: {condition}", cut(&part.names.to_string()))
         });
-        let regions = mesh.region_names().iter().map(|name| cut(name));
+        let regions = mesh.region_names().iter().map(|names| cut(&names.to_string()));
         let regions = if mesh.region_names().len() > 1 { regions.collect() } else { Vec::new() };
         Self { parts: parts.collect(), regions }
     }
@@ -135,7 +135,7 @@ mod tests {
     fn all_triangles_edges_and_names_are_drawn() {
         let mut mesh = BuiltIn::Annulus.plane().unwrap();
         mesh.parts_mut()[0].condition = Condition::Free;
-        mesh.parts_mut()[1].name = "a".repeat(200);
+        mesh.parts_mut()[1].names = "a".repeat(200).as_str().into();
         let svg = svg(&mesh_picture(&[("annulus", &mesh)]));
         assert_eq!(svg.matches("<polygon").count(), 24);
         // An edge each, and one line of the key.

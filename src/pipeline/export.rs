@@ -33,7 +33,7 @@ pub enum Editor {
     Unknown,
 }
 
-/// WalkResults of a walk, to be exported.
+/// Results of a walk, to be exported.
 pub struct WalkResults<'a> {
     /// Plan that was walked.
     pub plan: &'a Plan,

@@ -77,7 +77,7 @@ impl Progress {
     }
 
     /// Writes the reason for a delay.
-    pub(super) fn note(&self, line: &str) {
+    pub(crate) fn note(&self, line: &str) {
         if !self.quiet {
             talk(line);
         }

@@ -4,7 +4,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::is_plain;
 use crate::pipeline::{InputFile, InputFiles};
 use serde::{Deserialize, Serialize, Serializer};
-use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::mesh::{AnyMesh, Condition, Touching, gmsh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::triangulated::MeshProblem;
 use std::collections::BTreeMap;
@@ -126,6 +126,14 @@ pub(crate) struct RefinedProblem {
     pub problem: MeshProblem,
 }
 
+/// What a check finds of a mesh.
+pub(crate) struct CheckedMesh {
+    /// Number of dimensions.
+    pub dimension: u8,
+    /// Place where the domain touches itself with nodes of both sides, if there is one.
+    pub touching: Option<Touching>,
+}
+
 /// True for the law that scenes do not name.
 fn is_signorini(law: &Law) -> bool {
     law.is_signorini()
@@ -176,8 +184,8 @@ impl SceneDomain {
         Ok(RefinedProblem { coarsest, problem })
     }
 
-    /// Checks the mesh, its parts and, on meshes of the usual size, f; returns the number of dimensions.
-    pub(crate) fn check(&self) -> Result<u8> {
+    /// Checks the mesh, its parts and, on meshes of the usual size, f.
+    pub(crate) fn check(&self) -> Result<CheckedMesh> {
         let coarsest = self.coarsest(&self.files)?;
         let times = self.settings.refinements(&coarsest);
         let nodes = nodes_after(&coarsest, times);
@@ -189,6 +197,6 @@ impl SceneDomain {
         if nodes <= USUAL_NODES {
             self.problem(&self.files)?;
         }
-        Ok(coarsest.dimension())
+        Ok(CheckedMesh { dimension: coarsest.dimension(), touching: coarsest.touching().cloned() })
     }
 }

@@ -139,11 +139,14 @@ impl Project {
     }
 
     /// Refuses a broken record of times, settings of the book that name another folder for it, and meshes that do not fit
-    /// the scenes with these names. Not part of [`Project::read`]: a run that has nothing to do need not parse files that
+    /// the scenes with these names; returns warnings about meshes. Not part of [`Project::read`]: a run that has nothing to do need not parse files that
     /// tasks of an earlier run have parsed.
-    pub(crate) fn check(&self, at_work: &BTreeSet<&str>) -> Result<()> {
+    pub(crate) fn check(&self, at_work: &BTreeSet<&str>) -> Result<Vec<String>> {
+        let mut warnings = Vec::new();
         for scene in self.scenes.iter().filter(|scene| at_work.contains(&*scene.name)) {
-            scene.check_domain()?;
+            if let Some(touching) = scene.check_domain()? {
+                warnings.push(format!("warning: scene `{}`: {touching}", scene.name));
+            }
         }
         if let Some(file) = self.files.get(recorded::PATH) {
             Timings::parse(file.bytes()?)?;
@@ -151,7 +154,7 @@ impl Project {
         if let Some(file) = self.templates.get("book.toml") {
             report::check_settings(file.bytes()?)?;
         }
-        Ok(())
+        Ok(warnings)
     }
 
     /// Returns the scenes with these names, each once, or all if no name is given.

@@ -3,13 +3,14 @@
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
-use crate::replication::domain::{DomainSettings, SceneDomain};
+use crate::replication::domain::{CheckedMesh, DomainSettings, SceneDomain};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, integral};
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::problems::Problem;
 use signorini_mathematics::identify::COARSEST;
+use signorini_mathematics::mesh::Touching;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::problem::source::Source;
@@ -199,19 +200,24 @@ impl Scene {
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
         let Some(domain) = &mut self.domain else { return Ok(()) };
         domain.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))?;
-        if domain.files.is_empty() { self.check_domain() } else { Ok(()) }
+        if domain.files.is_empty() {
+            self.check_domain()?;
+        }
+        Ok(())
     }
 
-    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene.
+    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene. Returns the place where the
+    /// domain touches itself, if there is one.
     ///
     /// # Errors
     /// [`Error::Input`] if it does not; [`Error::Io`].
-    pub(crate) fn check_domain(&self) -> Result<()> {
-        let Some(domain) = &self.domain else { return Ok(()) };
-        let dimension = domain.check().map_err(|e| in_scene(&self.name, e))?;
+    pub(crate) fn check_domain(&self) -> Result<Option<Touching>> {
+        let Some(domain) = &self.domain else { return Ok(None) };
+        let CheckedMesh { dimension, touching } =
+            domain.check().map_err(|e| in_scene(&self.name, e))?;
         let mut pictures = [Output::Source, Output::Surface, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
-            None => Ok(()),
+            None => Ok(touching),
             Some(output) => Err(Error::input(format!(
                 "scene `{name}`: `{output}` is a picture of a domain in the plane; drop it from `outputs`, and look at the solution with `signorini solve {name} --out {name}.vtu`",
                 name = self.name

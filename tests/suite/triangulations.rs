@@ -77,8 +77,8 @@ fn random_f(dice: &mut Dice, dimension: u8) -> String {
 /// Conditions on the parts by chance, but a boundary that is free everywhere.
 fn random_conditions(dice: &mut Dice, mesh: &mut AnyMesh) {
     let names: Vec<String> = match mesh {
-        AnyMesh::Plane(mesh) => mesh.parts().iter().map(|part| part.name.clone()).collect(),
-        AnyMesh::Space(mesh) => mesh.parts().iter().map(|part| part.name.clone()).collect(),
+        AnyMesh::Plane(mesh) => mesh.parts().iter().map(|part| part.names.to_string()).collect(),
+        AnyMesh::Space(mesh) => mesh.parts().iter().map(|part| part.names.to_string()).collect(),
     };
     for (k, name) in names.iter().enumerate() {
         let condition = match (dice.unit() * 4.0) as u8 {

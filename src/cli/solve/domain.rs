@@ -146,21 +146,23 @@ impl Domain {
         }
     }
 
-    /// Returns the difference of forces that the grid explains: h^2 times the integral of |f|.
+    /// Returns the difference of forces that the grid explains: the square of h over the size of the domain, times the
+    /// integral of |f|.
     pub(super) fn slack(&self, n: usize) -> f64 {
-        self.integrals()[1].abs() * self.h(n).powi(2)
+        let size = match self {
+            Self::Square { .. } | Self::Cube { .. } => 1.0,
+            Self::Mesh(mesh) => mesh.problem.mesh.extent(),
+        };
+        self.integrals()[1].abs() * (self.h(n) / size).powi(2)
     }
 
     /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; `None` for
-    /// smooth f, for which quadrature has an error of its own.
+    /// smooth f, for which quadrature has an error of its own, and where the sum is the integral up to rounding.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
-        let smooth = match self {
-            Self::Square { f, .. } => f.is_smooth(),
-            Self::Cube { f } => f.is_smooth(),
-            // The integral is the sum of the load vector.
-            Self::Mesh(_) => false,
-        };
-        (!smooth).then(|| self.slack(n))
+        match self {
+            Self::Square { f, .. } => (!f.is_smooth()).then(|| self.slack(n)),
+            Self::Cube { .. } | Self::Mesh(_) => None,
+        }
     }
 
     /// Returns the load vector of a grid; of a mesh, that of the finest one.

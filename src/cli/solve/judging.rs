@@ -20,10 +20,12 @@ impl Answer {
         match last.verdict {
             Verdict::NoSolution => self.failure = Some(self.without_solution(problem)),
             _ if stop.ends_with("-limit") => {
-                let remedy = if problem.solver.is_nested() {
-                    "raise --max-iterations, or use --solver multigrid"
-                } else {
-                    "choose another --h"
+                let remedy = match problem.domain {
+                    _ if problem.solver.is_nested() => {
+                        "raise --max-iterations, or use --solver multigrid"
+                    }
+                    Domain::Mesh(_) => problem.closer(),
+                    Domain::Square { .. } | Domain::Cube { .. } => "choose another --h",
                 };
                 self.failure = Some(format!("{name}: stopped at the {stop} on {grid}; {remedy}"));
             }
@@ -40,6 +42,9 @@ impl Answer {
                 problem.closer()
             )),
             Verdict::Solved => (),
+        }
+        if let Domain::Mesh(mesh) = &problem.domain {
+            self.warnings.extend(mesh.problem.mesh.touching().map(ToString::to_string));
         }
         self.warn_of_grids(problem);
         self.warn_of_tolerance(problem);

@@ -119,7 +119,11 @@ impl NamedDomain {
         let Some(name) = settings.mesh.clone().or(settings.name.clone()) else { return Ok(None) };
         for text in &args.curve {
             let (part, numbers) = curve(text)?;
-            settings.curve.insert(part, numbers);
+            if settings.curve.insert(part, numbers).is_some() {
+                return Err(Error::input(format!(
+                    "--curve {text}: the part has one already; name it once"
+                )));
+            }
         }
         let refused = |e| Error::input(format!("{name}: {e}"));
         let file = args.mesh.as_ref().map(std::fs::read).transpose().map_err(refused)?;

@@ -148,12 +148,15 @@ impl Problem {
         }
     }
 
-    /// Returns advice for a smaller residual.
+    /// Returns advice for a smaller residual; each option in it goes with those that are given.
     pub(super) fn closer(&self) -> &'static str {
-        match (self.solver.is_nested(), self.params.rule) {
-            (true, StopRule::PrintedDual) => "use --solver multigrid",
-            (true, _) => "use --stop printed-dual, or --solver multigrid",
-            (false, _) => "ask for a smaller --tolerance",
+        match (self.solver, self.params.rule) {
+            (Solver::Multigrid, _) if self.accuracy.is_some() => "ask for a smaller accuracy",
+            (Solver::Multigrid, _) if self.tolerance.is_some() => "ask for a smaller --tolerance",
+            (Solver::Multigrid, _) => "use --solver active-set",
+            (solver, StopRule::PrintedDual) if solver.is_nested() => "use --solver multigrid",
+            (solver, _) if solver.is_nested() => "use --stop printed-dual, or --solver multigrid",
+            _ => "use --solver multigrid",
         }
     }
 

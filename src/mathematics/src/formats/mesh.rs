@@ -25,7 +25,7 @@ impl MeshFields<'_> {
     }
 
     /// Mesh and solution in NPZ format, not compressed: `points`, one row of coordinates a node; `cells`, one row of nodes a
-    /// cell; `v` and `multiplier` at the nodes; `f` on the cells.
+    /// cell, in the positive sense; `v` and `multiplier` at the nodes; `f` on the cells.
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
     pub fn npz(&self) -> Option<Vec<u8>> {
@@ -106,9 +106,9 @@ fn in_space(point: &[f64]) -> [[u8; 8]; 3] {
     [0, 1, 2].map(|d| point.get(d).copied().unwrap_or(0.0).to_le_bytes())
 }
 
-/// Numbers of the vertices of all cells, as integers of 64 bits.
+/// Numbers of the vertices of all cells, in the positive sense, as integers of 64 bits.
 fn vertices<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> impl Iterator<Item = [u8; 8]> {
-    mesh.cells().as_flattened().iter().map(|&node| i64::from(node).to_le_bytes())
+    mesh.positive_cells().flatten().map(|node| i64::from(node).to_le_bytes())
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A mesh of either dimension.
 
-use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, PlaneMesh, Round, SpaceMesh, refine};
+use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
+use super::{Touching, refine};
 
 /// Mesh in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,9 +23,31 @@ pub enum PartError {
         /// Names of the parts.
         parts: String,
     },
-    /// A curve with a wrong number of coordinates.
+    /// A part of other facets than those of the boundary.
     #[error(
-        "`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: x, y, z, dx, dy, dz, radius"
+        "`{name}` lies inside the domain, where no condition holds; the parts of the boundary are {parts}"
+    )]
+    Inside {
+        /// Name asked for.
+        name: String,
+        /// Names of the parts.
+        parts: String,
+    },
+    /// Two conditions on the same facets.
+    #[error("facets named {names} would be free and fixed; choose one of the two")]
+    TwoConditions {
+        /// Names of the facets.
+        names: String,
+    },
+    /// Two curves for the same facets.
+    #[error("facets named {names} lie on another curve already; leave one of the two out")]
+    TwoCurves {
+        /// Names of the facets.
+        names: String,
+    },
+    /// A curve with a wrong number of coordinates, or with some that are no numbers.
+    #[error(
+        "`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: x, y, z, dx, dy, dz, radius; all finite, the radius above 0"
     )]
     Curve(String),
     /// A node of the part that is off the curve.
@@ -79,7 +102,7 @@ impl AnyMesh {
     }
 
     /// Names of the regions.
-    pub fn region_names(&self) -> &[String] {
+    pub fn region_names(&self) -> &[Names] {
         match self {
             Self::Plane(mesh) => &mesh.region_names,
             Self::Space(mesh) => &mesh.region_names,
@@ -117,22 +140,32 @@ impl AnyMesh {
         Ok(mesh)
     }
 
-    /// Sets the condition on a part of the boundary.
+    /// Longest side of the least box around the domain, along the axes.
+    pub fn extent(&self) -> f64 {
+        match self {
+            Self::Plane(mesh) => mesh.extent(),
+            Self::Space(mesh) => mesh.extent(),
+        }
+    }
+
+    /// Place where the domain touches itself with nodes of both sides, if there is one.
+    pub fn touching(&self) -> Option<&Touching> {
+        match self {
+            Self::Plane(mesh) => mesh.touching(),
+            Self::Space(mesh) => mesh.touching(),
+        }
+    }
+
+    /// Sets the condition on the facets of this name.
     ///
     /// # Errors
-    /// [`PartError::Unknown`].
-    pub fn set_condition(&mut self, part: &str, condition: Condition) -> Result<(), PartError> {
+    /// [`PartError::Unknown`] and [`PartError::Inside`]; [`PartError::TwoConditions`] if some facets have another condition
+    /// than contact already.
+    pub fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), PartError> {
         match self {
-            Self::Plane(mesh) => {
-                let part = mesh.part(part)?;
-                mesh.parts[part].condition = condition;
-            }
-            Self::Space(mesh) => {
-                let part = mesh.part(part)?;
-                mesh.parts[part].condition = condition;
-            }
+            Self::Plane(mesh) => mesh.set_condition(name, condition),
+            Self::Space(mesh) => mesh.set_condition(name, condition),
         }
-        Ok(())
     }
 
     /// Puts a part of the boundary on a circle, sphere or cylinder, given by its numbers: the centre and the radius, or a
@@ -145,6 +178,10 @@ impl AnyMesh {
             let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
             PartError::Curve(numbers.join(","))
         };
+        let is_radius = numbers.last().is_some_and(|&radius| radius > 0.0);
+        if !is_radius || !numbers.iter().all(|number| number.is_finite()) {
+            return Err(refused());
+        }
         match self {
             Self::Plane(mesh) => {
                 let &[x, y, radius] = numbers else { return Err(refused()) };
@@ -153,11 +190,14 @@ impl AnyMesh {
             Self::Space(mesh) => match *numbers {
                 [x, y, z, radius] => mesh.set_curve(part, Round::sphere([x, y, z], radius)),
                 [x, y, z, dx, dy, dz, radius] => {
-                    let length = (dx * dx + dy * dy + dz * dz).sqrt();
-                    if !(length > 0.0 && length.is_finite()) {
+                    let largest = dx.abs().max(dy.abs()).max(dz.abs());
+                    if largest == 0.0 {
                         return Err(refused());
                     }
-                    let axis = [dx, dy, dz].map(|d| d / length);
+                    // The squares of the numbers themselves may be zero or infinite.
+                    let scaled = [dx, dy, dz].map(|d| d / largest);
+                    let length = scaled.iter().map(|d| d * d).sum::<f64>().sqrt();
+                    let axis = scaled.map(|d| d / length);
                     mesh.set_curve(part, Round { centre: [x, y, z], axis, radius })
                 }
                 _ => Err(refused()),
@@ -167,20 +207,38 @@ impl AnyMesh {
 }
 
 impl<const D: usize, const V: usize> Mesh<D, V> {
-    /// Position of the part of this name.
-    fn part(&self, name: &str) -> Result<usize, PartError> {
-        let found = self.parts.iter().position(|part| part.name == name);
-        found.ok_or_else(|| {
-            let parts: Vec<_> = self.parts.iter().map(|part| part.name.as_str()).collect();
-            PartError::Unknown { name: name.into(), parts: parts.join(", ") }
+    /// Positions of the parts that have this name.
+    fn parts_named(&self, name: &str) -> Result<Vec<usize>, PartError> {
+        let has_name = |&part: &usize| self.parts[part].names.contains(name);
+        let found: Vec<_> = (0..self.parts.len()).filter(has_name).collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let parts = Names::all(self.parts.iter().map(|part| &part.names));
+        let is_inside = self.inside.iter().any(|inside| inside == name);
+        let name = name.to_owned();
+        Err(match is_inside {
+            true => PartError::Inside { name, parts },
+            false => PartError::Unknown { name, parts },
         })
     }
 
-    /// Puts a part on a curve on which its nodes lie.
+    fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), PartError> {
+        for part in self.parts_named(name)? {
+            let part = &mut self.parts[part];
+            if part.condition != Condition::Contact && part.condition != condition {
+                return Err(PartError::TwoConditions { names: part.names.to_string() });
+            }
+            part.condition = condition;
+        }
+        Ok(())
+    }
+
+    /// Puts the facets of this name on a curve on which their nodes lie.
     fn set_curve(&mut self, name: &str, curve: Round<D>) -> Result<(), PartError> {
-        let part = self.part(name)?;
+        let parts = self.parts_named(name)?;
         let mut farthest = 0.0f64;
-        for facet in self.facets.iter().filter(|facet| facet.part as usize == part) {
+        for facet in self.facets.iter().filter(|facet| parts.contains(&usize::from(facet.part))) {
             for point in self.corners(facet) {
                 farthest = farthest.max(curve.distance(point));
             }
@@ -188,7 +246,13 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         if farthest.is_nan() || farthest > ON_CURVE * curve.radius {
             return Err(PartError::OffCurve { name: name.into(), distance: farthest });
         }
-        self.parts[part].curve = Some(curve);
+        for part in parts {
+            let part = &mut self.parts[part];
+            if part.curve.is_some_and(|other| other != curve) {
+                return Err(PartError::TwoCurves { names: part.names.to_string() });
+            }
+            part.curve = Some(curve);
+        }
         Ok(())
     }
 

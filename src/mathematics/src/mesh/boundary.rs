@@ -1,6 +1,6 @@
 //! The boundary of a domain in the plane as closed curves.
 
-use super::{Element, PlaneMesh};
+use super::PlaneMesh;
 
 /// No node.
 pub(super) const NONE: usize = usize::MAX;
@@ -24,12 +24,8 @@ impl BoundaryLinks {
     pub(super) fn new(mesh: &PlaneMesh) -> Self {
         let nodes = mesh.points.len();
         let mut links = Self { before: vec![NONE; nodes], after: vec![NONE; nodes] };
-        let is_mirrored = Element::new(mesh.vertices(&mesh.cells[0])).is_mirrored;
         for facet in &mesh.facets {
-            let [mut from, mut to] = facet.nodes.map(|node| node as usize);
-            if is_mirrored {
-                (from, to) = (to, from);
-            }
+            let [from, to] = facet.nodes.map(|node| node as usize);
             (links.after[from], links.before[to]) = (to, from);
         }
         links

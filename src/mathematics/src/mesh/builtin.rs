@@ -67,7 +67,7 @@ fn circle(points: u32, radius: f64, turn: f64) -> impl Iterator<Item = [f64; 2]>
 
 fn round_part<const D: usize>(name: &str, radius: f64) -> Part<D> {
     let curve = Some(Round::sphere([0.0; D], radius));
-    Part { name: name.into(), condition: Condition::Contact, curve }
+    Part { names: name.into(), condition: Condition::Contact, curve }
 }
 
 /// Six triangles around the centre.

@@ -1,10 +1,10 @@
-//! Checks of a triangulation that comes from outside, and the facets of its boundary.
+//! Checks of a triangulation that comes from outside.
 
 use super::error::MeshError;
+use super::facets::{BoundaryFacets, sorted};
 use super::geometry::{Element, size};
 use super::hanging::{HangingNode, hanging_node};
-use super::{Condition, Facet, Mesh, MeshData, Part, Tags};
-use std::collections::HashMap;
+use super::{Mesh, MeshData, Tags};
 
 /// Volume of an element over the power of its longest edge, below which it is flat.
 const FLAT: f64 = 1e-10;
@@ -34,11 +34,13 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
             return Err(MeshError::TooManyNodes { cells: self.cells.len() });
         }
         self.check_points()?;
-        self.check_cells()?;
+        self.turn_cells()?;
         self.check_positions()?;
-        let facets = self.boundary()?;
-        self.check_names(&facets)?;
-        self.check_hanging(&facets)?;
+        self.check_regions()?;
+        let boundary = self.boundary()?;
+        self.check_overlap(&boundary)?;
+        self.check_hanging(&boundary)?;
+        let touching = self.touching(&boundary);
         if self.regions.is_empty() {
             self.region_names = vec!["domain".into()];
             self.regions = vec![0; self.cells.len()];
@@ -48,8 +50,10 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
             cells: self.cells,
             regions: self.regions,
             region_names: self.region_names,
-            facets,
+            facets: boundary.facets,
             parts: self.parts,
+            inside: boundary.inside,
+            touching,
         };
         Ok(mesh)
     }
@@ -61,12 +65,12 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         }
     }
 
-    fn check_cells(&self) -> Result<(), MeshError> {
+    /// Checks the cells, and turns those that are numbered in the negative sense.
+    fn turn_cells(&mut self) -> Result<(), MeshError> {
         let mut used = vec![false; self.points.len()];
-        let mut mirrored = Vec::with_capacity(self.cells.len());
-        for (k, cell) in self.cells.iter().enumerate() {
+        for (k, cell) in self.cells.iter_mut().enumerate() {
             let tag = self.tags.cell(k);
-            for &node in cell {
+            for &node in cell.iter() {
                 let Some(used) = used.get_mut(node as usize) else {
                     return Err(MeshError::MissingNode { cell: tag, node: node.into() });
                 };
@@ -77,16 +81,12 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
             if flat(&element, vertices) {
                 return Err(MeshError::Flat(tag));
             }
-            mirrored.push(element.is_mirrored);
+            if element.is_mirrored {
+                *cell = turned(*cell);
+            }
         }
-        if let Some(node) = used.iter().position(|used| !used) {
-            return Err(MeshError::Unused(self.tags.node(node)));
-        }
-        // A program may number all elements in the negative sense; one among others is a fault.
-        let count = mirrored.iter().filter(|mirrored| **mirrored).count();
-        let rare = 2 * count <= mirrored.len();
-        match mirrored.iter().position(|&mirrored| mirrored == rare) {
-            Some(k) => Err(MeshError::Inverted(self.tags.cell(k))),
+        match used.iter().position(|used| !used) {
+            Some(node) => Err(MeshError::Unused(self.tags.node(node))),
             None => Ok(()),
         }
     }
@@ -111,111 +111,67 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         }
     }
 
-    /// Facets of the boundary: sides that only one cell has, in the order of the cells.
-    fn boundary(&mut self) -> Result<Vec<Facet<D>>, MeshError> {
-        // Number of cells that have each side.
-        let mut sides: HashMap<[u32; D], u32> = HashMap::with_capacity(2 * self.cells.len());
-        for (k, cell) in self.cells.iter().enumerate() {
-            for nodes in sides_of(cell) {
-                let count = sides.entry(sorted(nodes)).or_default();
-                *count += 1;
-                if *count > 2 {
-                    let (cell, nodes) = (self.tags.cell(k), self.tags.all(sorted(nodes)));
-                    return Err(MeshError::Overlap { cell, nodes });
-                }
-            }
+    fn check_regions(&self) -> Result<(), MeshError> {
+        let mut is_used = vec![false; self.region_names.len()];
+        self.regions.iter().for_each(|&region| is_used[region as usize] = true);
+        match is_used.iter().position(|used| !used) {
+            Some(k) => Err(MeshError::EmptyName(self.region_names[k].to_string())),
+            None => Ok(()),
         }
-        let mut parts: HashMap<[u32; D], u16> = HashMap::new();
-        for facet in &self.facets {
-            let name = |part: u16| self.parts[part as usize].name.clone();
-            let key = sorted(facet.nodes);
-            if sides.get(&key) != Some(&1) {
-                let nodes = self.tags.all(facet.nodes);
-                return Err(MeshError::Inside { part: name(facet.part), nodes });
-            }
-            if let Some(other) = parts.insert(key, facet.part).filter(|part| *part != facet.part) {
-                let nodes = self.tags.all(facet.nodes);
-                return Err(MeshError::TwoParts { one: name(other), two: name(facet.part), nodes });
-            }
-        }
-        let mut facets = Vec::new();
-        for cell in &self.cells {
-            for nodes in sides_of(cell) {
-                let key = sorted(nodes);
-                if sides[&key] == 1 {
-                    let part = parts.get(&key).copied();
-                    let part = part.unwrap_or_else(|| default_part(&mut self.parts));
-                    facets.push(Facet { nodes, part });
-                }
-            }
-        }
-        Ok(facets)
     }
 
-    fn check_names(&self, facets: &[Facet<D>]) -> Result<(), MeshError> {
-        let (mut parts, mut regions) =
-            (vec![false; self.parts.len()], vec![false; self.region_names.len()]);
-        facets.iter().for_each(|facet| parts[facet.part as usize] = true);
-        self.regions.iter().for_each(|&region| regions[region as usize] = true);
-        let empty = if let Some(k) = parts.iter().position(|used| !used) {
-            &self.parts[k].name
-        } else if let Some(k) = regions.iter().position(|used| !used) {
-            &self.region_names[k]
-        } else {
+    fn check_hanging(&self, boundary: &BoundaryFacets<D>) -> Result<(), MeshError> {
+        let BoundaryFacets { facets, cells, boxes, .. } = boundary;
+        let Some(HangingNode { node, facet }) = hanging_node(&self.points, facets, boxes) else {
             return Ok(());
         };
-        Err(MeshError::EmptyName(empty.clone()))
+        let cell = self.tags.cell(cells[facet as usize] as usize);
+        Err(MeshError::Hanging {
+            cell,
+            node: self.tags.node(node as usize),
+            domains: domains::<D>(),
+        })
     }
 
-    fn check_hanging(&self, facets: &[Facet<D>]) -> Result<(), MeshError> {
-        let Some(HangingNode { node, facet }) = hanging_node(&self.points, facets) else {
-            return Ok(());
-        };
-        let has_facet = |cell: &[u32; V]| facet.iter().all(|node| cell.contains(node));
-        let cell = self.cells.iter().position(has_facet).expect("a facet is a side of a cell");
-        Err(MeshError::Hanging { cell: self.tags.cell(cell), node: self.tags.node(node as usize) })
+    fn check_overlap(&self, boundary: &BoundaryFacets<D>) -> Result<(), MeshError> {
+        let Some(cells) = self.overlap(boundary) else { return Ok(()) };
+        let [one, two] = sorted(cells).map(|cell| self.tags.cell(cell as usize));
+        Err(MeshError::Overlaid { one, two, domains: domains::<D>() })
     }
 }
 
-/// Position of the part `boundary`, which is added if there is none.
-fn default_part<const D: usize>(parts: &mut Vec<Part<D>>) -> u16 {
-    const NAME: &str = "boundary";
-    let position = parts.iter().rposition(|part| part.name == NAME).unwrap_or_else(|| {
-        parts.push(Part { name: NAME.into(), condition: Condition::default(), curve: None });
-        parts.len() - 1
-    });
-    position as u16
+/// Word for the domains of which Gmsh meshes the cells.
+fn domains<const D: usize>() -> &'static str {
+    if D == 3 { "volumes" } else { "surfaces" }
+}
+
+/// Returns a cell with its vertices in the other sense, from the same one on. Refinement cuts both into the same children.
+pub(super) fn turned<const V: usize>(mut cell: [u32; V]) -> [u32; V] {
+    cell.swap(1, V - 1);
+    cell
 }
 
 impl Tags {
-    fn node(&self, node: usize) -> u64 {
+    /// Number of a node.
+    pub(super) fn node(&self, node: usize) -> u64 {
         self.nodes.get(node).copied().unwrap_or(node as u64)
     }
 
-    fn cell(&self, cell: usize) -> u64 {
+    /// Number of a cell.
+    pub(super) fn cell(&self, cell: usize) -> u64 {
         self.cells.get(cell).copied().unwrap_or(cell as u64)
     }
 
-    fn all<const K: usize>(&self, nodes: [u32; K]) -> Vec<u64> {
+    /// Numbers of some nodes.
+    pub(super) fn all<const K: usize>(&self, nodes: [u32; K]) -> Vec<u64> {
         nodes.iter().map(|&node| self.node(node as usize)).collect()
     }
-}
-
-/// Returns the facets of a cell: the vertices without the first, without the second, and so on; those of a triangle in the
-/// sense of the triangle.
-pub(crate) fn sides_of<const D: usize, const V: usize>(cell: &[u32; V]) -> [[u32; D]; V] {
-    std::array::from_fn(|without| std::array::from_fn(|k| cell[(without + 1 + k) % V]))
-}
-
-/// Returns numbers in increasing order.
-pub(crate) fn sorted<const K: usize>(mut numbers: [u32; K]) -> [u32; K] {
-    numbers.sort_unstable();
-    numbers
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{Condition, Facet, Part};
 
     /// The unit square: two triangles, the lower edge named `south`; nodes from 11 on, cells from 21 on.
     fn square() -> MeshData<2, 3> {
@@ -230,7 +186,7 @@ mod tests {
     }
 
     fn part<const D: usize>(name: &str) -> Part<D> {
-        Part { name: name.into(), condition: Condition::default(), curve: None }
+        Part { names: name.into(), condition: Condition::default(), curve: None }
     }
 
     fn message<const D: usize, const V: usize>(data: MeshData<D, V>) -> String {
@@ -247,7 +203,7 @@ mod tests {
     #[test]
     fn the_square_passes_with_unnamed_edges_in_the_part_boundary() {
         let mesh = square().mesh().unwrap();
-        let names: Vec<_> = mesh.parts().iter().map(|part| part.name.as_str()).collect();
+        let names: Vec<String> = mesh.parts().iter().map(|part| part.names.to_string()).collect();
         assert_eq!(names, ["south", "boundary"]);
         let parts: Vec<_> = mesh.facets().iter().map(|facet| (facet.nodes, facet.part)).collect();
         // Each edge runs in the sense of its triangle, with the domain on the left.
@@ -255,8 +211,11 @@ mod tests {
         // A part that the data name `boundary` takes the unnamed edges.
         let mesh = MeshData { parts: vec![part("boundary")], ..square() }.mesh().unwrap();
         assert_eq!(mesh.parts().len(), 1);
-        // All cells in the negative sense are as good.
-        assert!(MeshData { cells: vec![[1, 0, 2], [2, 0, 3]], ..square() }.mesh().is_ok());
+        // The sense in which a cell is numbered does not matter.
+        for cells in [[[0, 2, 1], [0, 3, 2]], [[0, 2, 1], [0, 2, 3]], [[0, 1, 2], [0, 3, 2]]] {
+            let mesh = MeshData { cells: cells.into(), ..square() }.mesh();
+            assert_eq!(mesh, square().mesh());
+        }
     }
 
     #[test]
@@ -282,10 +241,6 @@ mod tests {
             "element 22 is flat: its vertices lie in a line or plane; mend or remove it"
         );
         assert_eq!(
-            after(|data| data.cells[1] = [2, 0, 3]),
-            "element 22 is inverted: its vertices are numbered in the other sense; mend the mesh"
-        );
-        assert_eq!(
             after(|data| data.points.push([2.0, 2.0])),
             "node 15 belongs to no element; save the mesh without unused nodes"
         );
@@ -295,6 +250,14 @@ mod tests {
     fn cells_that_overlap_or_hang_on_another_are_named() {
         assert_eq!(
             after(|data| data.cells.push([0, 1, 2])),
+            "elements 21 and 23 overlap: both lie on one side of their facet [12, 13]; remove what is there twice, and mesh again"
+        );
+        let third = after(|data| {
+            data.points.push([0.9, 0.2]);
+            data.cells.push([0, 4, 2]);
+        });
+        assert_eq!(
+            third,
             "element 23 overlaps others: more than two elements share its facet [11, 13]; mend the mesh"
         );
         // Two triangles below the square, whose common node halves the lower edge.
@@ -306,7 +269,7 @@ mod tests {
         });
         assert_eq!(
             hanging,
-            "node 15 hangs on a side of element 21: neighbours must share whole sides; mesh again"
+            "node 15 hangs on a side of element 21: neighbours must share whole sides; fragment the surfaces in Gmsh, and mesh again"
         );
         // Two tetrahedra above the halves of the base of a third one.
         let data = MeshData::<3, 4> {
@@ -323,7 +286,7 @@ mod tests {
         };
         assert_eq!(
             message(data),
-            "node 4 hangs on a side of element 0: neighbours must share whole sides; mesh again"
+            "node 4 hangs on a side of element 0: neighbours must share whole sides; fragment the volumes in Gmsh, and mesh again"
         );
     }
 
@@ -360,8 +323,8 @@ mod tests {
     #[test]
     fn bad_names_are_named() {
         assert_eq!(
-            after(|data| data.facets[0].nodes = [0, 2]),
-            "part `south` names the facet [11, 13], which is not on the boundary"
+            after(|data| data.facets[0].nodes = [1, 3]),
+            "part `south` names the facet [12, 14], which is no side of an element; embed it in the mesh, or leave its name out"
         );
         let two = after(|data| {
             data.facets.push(Facet { nodes: [0, 1], part: 1 });

@@ -25,9 +25,6 @@ pub enum MeshError {
     /// A cell without volume.
     #[error("element {0} is flat: its vertices lie in a line or plane; mend or remove it")]
     Flat(u64),
-    /// A cell that is numbered in another sense than the rest.
-    #[error("element {0} is inverted: its vertices are numbered in the other sense; mend the mesh")]
-    Inverted(u64),
     /// A node without a cell.
     #[error("node {0} belongs to no element; save the mesh without unused nodes")]
     Unused(u64),
@@ -41,19 +38,45 @@ pub enum MeshError {
         /// Nodes of the facet.
         nodes: Vec<u64>,
     },
+    /// Two cells on one side of a facet.
+    #[error(
+        "elements {} and {} overlap: both lie on one side of their facet {nodes:?}; remove what is there twice, and mesh again", .cells[0], .cells[1]
+    )]
+    Fold {
+        /// Cells.
+        cells: [u64; 2],
+        /// Nodes of the facet.
+        nodes: Vec<u64>,
+    },
+    /// Two cells that overlap and share no facet.
+    #[error(
+        "elements {one} and {two} overlap: fragment the {domains}, e.g. with `BooleanFragments` in Gmsh, and mesh again"
+    )]
+    Overlaid {
+        /// Cell.
+        one: u64,
+        /// Other cell.
+        two: u64,
+        /// Kind of domain in Gmsh.
+        domains: &'static str,
+    },
     /// A node inside a facet.
     #[error(
-        "node {node} hangs on a side of element {cell}: neighbours must share whole sides; mesh again"
+        "node {node} hangs on a side of element {cell}: neighbours must share whole sides; fragment the {domains} in Gmsh, and mesh again"
     )]
     Hanging {
         /// Cell on whose side the node lies.
         cell: u64,
         /// Hanging node.
         node: u64,
+        /// Kind of domain in Gmsh.
+        domains: &'static str,
     },
-    /// A named facet that does not lie on the boundary.
-    #[error("part `{part}` names the facet {nodes:?}, which is not on the boundary")]
-    Inside {
+    /// A named facet that no cell has.
+    #[error(
+        "part `{part}` names the facet {nodes:?}, which is no side of an element; embed it in the mesh, or leave its name out"
+    )]
+    NoSide {
         /// Name of the part.
         part: String,
         /// Nodes of the facet.

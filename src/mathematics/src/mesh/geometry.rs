@@ -74,6 +74,11 @@ pub(crate) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Difference of two points.
+pub(super) fn difference<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|d| a[d] - b[d])
+}
+
 /// Mean of some points.
 pub fn centroid<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> [f64; D] {
     std::array::from_fn(|d| vertices.iter().map(|vertex| vertex[d]).sum::<f64>() / V as f64)

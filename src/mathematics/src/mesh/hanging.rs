@@ -1,34 +1,14 @@
 //! Hanging nodes: nodes of the boundary inside a facet, or in space inside an edge of a facet.
-//!
-//! Facets lie in boxes a little larger than themselves, so that few facets are compared with a node, on graded meshes too.
 
 use super::Facet;
-use super::geometry::{dot, size};
-use std::collections::{BTreeSet, HashMap};
-
-/// Distance over the size of a facet up to which a node lies on the facet.
-const NEAR: f64 = 1e-9;
+use super::facet_boxes::{FacetBoxes, NEAR};
+use super::geometry::{difference, dot, size};
 
 /// Node that lies on a facet, and in no corner of the facet.
-pub(super) struct HangingNode<const D: usize> {
+pub(super) struct HangingNode {
     pub(super) node: u32,
-    /// Nodes of the facet.
-    pub(super) facet: [u32; D],
-}
-
-/// Box in space: a power of two as width, and the position in units of the width.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct GridBox<const D: usize> {
-    exponent: i32,
-    position: [i64; D],
-}
-
-impl<const D: usize> GridBox<D> {
-    /// Box of this width that holds a point.
-    fn around(point: [f64; D], exponent: i32) -> Self {
-        let position = point.map(|x| libm::floor(libm::ldexp(x, -exponent)) as i64);
-        Self { exponent, position }
-    }
+    /// Position of the facet.
+    pub(super) facet: u32,
 }
 
 /// Returns the first hanging node, if there is one.
@@ -37,57 +17,21 @@ impl<const D: usize> GridBox<D> {
 pub(super) fn hanging_node<const D: usize>(
     points: &[[f64; D]],
     facets: &[Facet<D>],
-) -> Option<HangingNode<D>> {
-    let mut exponents = BTreeSet::new();
-    let mut facets_in: HashMap<GridBox<D>, Vec<u32>> = HashMap::with_capacity(2 * facets.len());
+    boxes: &FacetBoxes<D>,
+) -> Option<HangingNode> {
     let mut is_node = vec![false; points.len()];
-    for (k, facet) in facets.iter().enumerate() {
-        facet.nodes.iter().for_each(|&node| is_node[node as usize] = true);
-        let corners = facet.nodes.map(|node| points[node as usize]);
-        for found in boxes(corners) {
-            exponents.insert(found.exponent);
-            facets_in.entry(found).or_default().push(k as u32);
-        }
-    }
+    facets.iter().flat_map(|facet| facet.nodes).for_each(|node| is_node[node as usize] = true);
     let nodes = is_node.iter().enumerate().filter(|(_, is_node)| **is_node);
     for (node, _) in nodes {
-        for &exponent in &exponents {
-            let near = facets_in.get(&GridBox::around(points[node], exponent));
-            for &facet in near.into_iter().flatten() {
-                let facet = facets[facet as usize].nodes;
-                let corners = facet.map(|node| points[node as usize]);
-                if !facet.contains(&(node as u32)) && hangs_on(corners, points[node]) {
-                    return Some(HangingNode { node: node as u32, facet });
-                }
+        for facet in boxes.near_point(points[node]) {
+            let nodes = facets[facet as usize].nodes;
+            let corners = nodes.map(|node| points[node as usize]);
+            if !nodes.contains(&(node as u32)) && hangs_on(corners, points[node]) {
+                return Some(HangingNode { node: node as u32, facet });
             }
         }
     }
     None
-}
-
-/// Returns the boxes that a facet meets, at most two or three in each direction.
-fn boxes<const D: usize>(corners: [[f64; D]; D]) -> Vec<GridBox<D>> {
-    let size = size(corners);
-    let exponent = libm::ilogb(size.max(f64::MIN_POSITIVE)) + 1;
-    let (mut low, mut high) = (corners[0], corners[0]);
-    for corner in corners {
-        low = std::array::from_fn(|d| low[d].min(corner[d]));
-        high = std::array::from_fn(|d| high[d].max(corner[d]));
-    }
-    let low = GridBox::around(low.map(|x| x - NEAR * size), exponent).position;
-    let high = GridBox::around(high.map(|x| x + NEAR * size), exponent).position;
-    let mut positions = vec![low];
-    for d in 0..D {
-        for k in 0..positions.len() {
-            let mut position = positions[k];
-            // The second bound, for numbers whose squares are zero, is reached by no mesh that has a use.
-            while position[d] < high[d].min(low[d].saturating_add(2)) {
-                position[d] += 1;
-                positions.push(position);
-            }
-        }
-    }
-    positions.into_iter().map(|position| GridBox { exponent, position }).collect()
 }
 
 /// True if a point lies on a facet, and in none of its corners.
@@ -124,16 +68,19 @@ fn triangle_meets_origin<const D: usize>(corners: [[f64; D]; D]) -> bool {
     s >= 0.0 && t >= 0.0 && s + t <= 1.0 && dot(nearest, nearest) <= NEAR * NEAR
 }
 
-fn difference<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
-    std::array::from_fn(|d| a[d] - b[d])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn facets<const D: usize>(nodes: &[[u32; D]]) -> Vec<Facet<D>> {
         nodes.iter().map(|&nodes| Facet { nodes, part: 0 }).collect()
+    }
+
+    /// Hanging node, with the nodes of its facet.
+    fn found<const D: usize>(points: &[[f64; D]], facets: &[Facet<D>]) -> Option<(u32, [u32; D])> {
+        let corners = facets.iter().map(|facet| facet.nodes.map(|node| points[node as usize]));
+        let HangingNode { node, facet } = hanging_node(points, facets, &FacetBoxes::new(corners))?;
+        Some((node, facets[facet as usize].nodes))
     }
 
     /// True if a point hangs on a facet, whatever the scale and place of both.
@@ -144,8 +91,7 @@ mod tests {
             let points: Vec<_> = points.map(|point| point.map(|x| scale * x + shift)).collect();
             // A second facet makes a boundary node of the point.
             let all = facets(&[nodes, std::array::from_fn(|k| (D - k) as u32)]);
-            let found = hanging_node(&points, &all);
-            answers.push(found.is_some_and(|found| found.node == D as u32 && found.facet == nodes));
+            answers.push(found(&points, &all) == Some((D as u32, nodes)));
         }
         assert!(answers.iter().all(|answer| *answer == answers[0]), "{answers:?}");
         answers[0]
@@ -167,8 +113,7 @@ mod tests {
     #[test]
     fn a_short_edge_finds_the_long_one_on_which_it_ends() {
         let points = [[0.0, 0.0], [1000.0, 0.0], [700.001, 0.0], [700.0015, 0.001]];
-        let found = hanging_node(&points, &facets(&[[0, 1], [2, 3]])).unwrap();
-        assert_eq!((found.node, found.facet), (2, [0, 1]));
-        assert!(hanging_node(&points, &facets(&[[1, 3], [0, 3]])).is_none());
+        assert_eq!(found(&points, &facets(&[[0, 1], [2, 3]])), Some((2, [0, 1])));
+        assert_eq!(found(&points, &facets(&[[1, 3], [0, 3]])), None);
     }
 }

@@ -11,13 +11,18 @@ mod check;
 mod curve;
 mod edges;
 mod error;
+mod facet_boxes;
+mod facets;
 mod geometry;
 pub mod gmsh;
 mod hanging;
 mod load;
+mod names;
 mod nested;
+mod overlap;
 mod quadrature;
 mod refine;
+mod same_place;
 mod source;
 mod uniform;
 
@@ -26,23 +31,25 @@ pub use arcs::mesh_arcs;
 pub use assemble::assemble;
 pub use boundary::{BoundaryCurve, boundary_curves};
 pub use builtin::{BUILT_IN, BuiltIn};
-pub(crate) use check::{sides_of, sorted};
 pub use curve::Round;
 pub use edges::Edges;
 pub use error::MeshError;
+pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, MeshLoad, OnCells, check_values, mesh_load};
+pub use names::Names;
 pub use nested::refined;
 pub(crate) use quadrature::quadrature;
 pub use refine::{Refined, refine};
+pub use same_place::Touching;
 pub use source::{MeshSource, MeshSourceError};
 pub use uniform::{uniform_cube, uniform_square};
 
 /// Condition on a part of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Condition {
-    /// The Signorini condition: v >= 0, dv/dn >= 0, v dv/dn = 0.
+    /// The law of the problem; in the paper the Signorini condition: v >= 0, dv/dn >= 0, v dv/dn = 0.
     #[default]
     Contact,
     /// dv/dn = 0.
@@ -51,11 +58,11 @@ pub enum Condition {
     Fixed,
 }
 
-/// Named part of the boundary.
+/// Named part of the boundary: the facets that have the same names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part<const D: usize> {
-    /// Name.
-    pub name: String,
+    /// Names.
+    pub names: Names,
     /// Condition there.
     pub condition: Condition,
     /// Surface on which the part lies, unless it is the polygon or polyhedron itself.
@@ -76,16 +83,20 @@ pub struct Facet<const D: usize> {
 pub struct Mesh<const D: usize, const V: usize> {
     /// Coordinates of the nodes.
     pub(crate) points: Vec<[f64; D]>,
-    /// Numbers of the vertices of each cell.
+    /// Numbers of the vertices of each cell, in the order that refinement wants: in space it has some in the negative sense.
     pub(crate) cells: Vec<[u32; V]>,
     /// Position of the region of each cell in `region_names`.
     pub(crate) regions: Vec<u16>,
     /// Names of the regions.
-    pub(crate) region_names: Vec<String>,
+    pub(crate) region_names: Vec<Names>,
     /// Facets of the boundary.
     pub(crate) facets: Vec<Facet<D>>,
     /// Parts of the boundary.
     pub(crate) parts: Vec<Part<D>>,
+    /// Names of facets that all lie inside the domain.
+    pub(crate) inside: Vec<String>,
+    /// Where the domain touches itself.
+    pub(crate) touching: Option<Touching>,
 }
 
 /// Triangulation in the plane.
@@ -103,7 +114,7 @@ pub struct MeshData<const D: usize, const V: usize> {
     /// Position of the region of each cell in `region_names`; empty if there are no regions.
     pub regions: Vec<u16>,
     /// Names of the regions.
-    pub region_names: Vec<String>,
+    pub region_names: Vec<Names>,
     /// Facets with named parts; a facet of the boundary that is not here belongs to a part named `boundary`.
     pub facets: Vec<Facet<D>>,
     /// Parts of the boundary.
@@ -127,9 +138,18 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &self.points
     }
 
-    /// Numbers of the vertices of each cell.
+    /// Numbers of the vertices of each cell: in the plane in the positive sense, in space in the order that refinement
+    /// wants, which is the negative sense for some; see [`Mesh::positive_cells`].
     pub fn cells(&self) -> &[[u32; V]] {
         &self.cells
+    }
+
+    /// Numbers of the vertices of each cell in the positive sense, as other programs want them.
+    pub fn positive_cells(&self) -> impl Iterator<Item = [u32; V]> {
+        self.cells.iter().map(|cell| {
+            let is_mirrored = Element::new(self.vertices(cell)).is_mirrored;
+            if is_mirrored { check::turned(*cell) } else { *cell }
+        })
     }
 
     /// Position of the region of each cell in [`Mesh::region_names`].
@@ -138,7 +158,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// Names of the regions.
-    pub fn region_names(&self) -> &[String] {
+    pub fn region_names(&self) -> &[Names] {
         &self.region_names
     }
 
@@ -157,6 +177,11 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &mut self.parts
     }
 
+    /// Place where the domain touches itself with nodes of both sides, if there is one.
+    pub fn touching(&self) -> Option<&Touching> {
+        self.touching.as_ref()
+    }
+
     /// Condition on a facet.
     pub fn condition(&self, facet: &Facet<D>) -> Condition {
         self.parts[facet.part as usize].condition
@@ -170,6 +195,19 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Vertices of a facet.
     pub fn corners(&self, facet: &Facet<D>) -> [[f64; D]; D] {
         facet.nodes.map(|node| self.points[node as usize])
+    }
+
+    /// Longest side of the least box around the domain, along the axes.
+    pub fn extent(&self) -> f64 {
+        let mut extent = 0.0f64;
+        for d in 0..D {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for point in &self.points {
+                (low, high) = (low.min(point[d]), high.max(point[d]));
+            }
+            extent = extent.max(high - low);
+        }
+        extent
     }
 
     /// Length, area or volume of the domain.

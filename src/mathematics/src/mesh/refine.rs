@@ -40,7 +40,7 @@ const TETRAHEDRA: [[Vertex; 4]; 8] = [
 /// Children of an edge.
 const EDGES: [[Vertex; 2]; 2] = [[[0, 0], [0, 1]], [[0, 1], [1, 1]]];
 
-/// NodeNumbers of the nodes of the refined mesh.
+/// Numbers of the nodes of the refined mesh.
 struct NodeNumbers<'a> {
     old: usize,
     edges: &'a Edges,
@@ -120,6 +120,8 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         region_names: mesh.region_names.clone(),
         facets,
         parts: mesh.parts.clone(),
+        inside: mesh.inside.clone(),
+        touching: mesh.touching.clone(),
     };
     Ok(Refined { mesh: refined, parents })
 }
@@ -173,7 +175,7 @@ fn is_mirrored_child(vertices: usize, child: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{BuiltIn, Round};
+    use crate::mesh::{AnyMesh, BuiltIn, MeshData, Round, sorted};
 
     #[test]
     fn children_fill_their_parent_and_have_the_expected_orientation() {
@@ -190,6 +192,66 @@ mod tests {
 
     const TETRAHEDRON: [[f64; 3]; 4] =
         [[0.0, 0.1, 0.0], [1.0, 0.0, 0.2], [0.1, 1.0, 0.0], [0.0, 0.3, 1.0]];
+
+    /// Checks that all positive cells of a mesh and its refinements have a positive volume, and fill the domain.
+    fn cells_are_positive<const D: usize, const V: usize>(mut mesh: Mesh<D, V>) {
+        mesh.parts.iter_mut().for_each(|part| part.curve = None);
+        let volume = mesh.volume();
+        for times in 0..4 {
+            let mut sum = 0.0;
+            for cell in mesh.positive_cells() {
+                let element = Element::<D, V>::new(mesh.vertices(&cell));
+                assert!(!element.is_mirrored && element.volume > 0.0);
+                sum += element.volume;
+            }
+            assert!((sum / volume - 1.0).abs() < 1e-12, "{times}");
+            if mesh.cells.len() < 5000 {
+                mesh = refine(&mesh).unwrap().mesh;
+            }
+        }
+    }
+
+    #[test]
+    fn other_programs_are_given_cells_of_positive_volume() {
+        for (_, domain) in crate::mesh::BUILT_IN {
+            domain.plane().map_or((), cells_are_positive);
+            domain.space().map_or((), cells_are_positive);
+        }
+        for file in [
+            &include_bytes!("../../../../tests/meshes/gear.msh")[..],
+            include_bytes!("../../../../tests/meshes/notch.msh"),
+            include_bytes!("../../../../tests/meshes/tetrahedron-22.msh"),
+        ] {
+            match crate::mesh::gmsh::read(file).unwrap() {
+                AnyMesh::Plane(mesh) => cells_are_positive(mesh),
+                AnyMesh::Space(mesh) => cells_are_positive(mesh),
+            }
+        }
+    }
+
+    #[test]
+    fn a_tetrahedron_in_the_other_sense_has_the_same_refinements() {
+        let data = |cell| MeshData::<3, 4> {
+            points: TETRAHEDRON.to_vec(),
+            cells: vec![cell],
+            ..MeshData::default()
+        };
+        // All orders that leave the same two pairs of vertices opposite to each other.
+        for cell in [[0, 1, 2, 3], [0, 3, 2, 1], [2, 1, 0, 3], [1, 2, 3, 0], [1, 0, 3, 2]] {
+            let (mut one, mut two) =
+                (data([0, 1, 2, 3]).mesh().unwrap(), data(cell).mesh().unwrap());
+            for _ in 0..3 {
+                one = refine(&one).unwrap().mesh;
+                two = refine(&two).unwrap().mesh;
+                let [a, b] = [&one, &two].map(|mesh| {
+                    let mut cells: Vec<_> = mesh.cells.iter().copied().map(sorted).collect();
+                    cells.sort_unstable();
+                    (mesh.points.clone(), cells)
+                });
+                assert_eq!(a, b);
+            }
+        }
+    }
 
     #[test]
     fn the_disc_and_the_ball_fill_up() {

@@ -3,6 +3,7 @@
 //! `region(name)=v` is f on all cells of that region, whatever the shapes say; v is a number or a formula. The rest of
 //! the text is that of a [`Source`].
 
+use super::Names;
 use super::load::OnCells;
 use crate::problem::shape::{Shape, SourceError};
 use crate::problem::source::Source;
@@ -32,6 +33,14 @@ pub enum MeshSourceError {
         /// Names of the regions.
         regions: String,
     },
+    /// Two values on the same cells.
+    #[error("f has two values on the region `{0}`; give it one")]
+    TwoValues(String),
+    /// A region without a value where others have one.
+    #[error(
+        "f has no value on the region `{0}`; give it one as on the others, or add `else=value`"
+    )]
+    NoValue(String),
 }
 
 impl<S: Shape> MeshSource<S> {
@@ -39,7 +48,7 @@ impl<S: Shape> MeshSource<S> {
     ///
     /// # Errors
     /// [`MeshSourceError`].
-    pub fn read(text: &str, region_names: &[String]) -> Result<Self, MeshSourceError> {
+    pub fn read(text: &str, region_names: &[Names]) -> Result<Self, MeshSourceError> {
         let mut regions = vec![None; region_names.len()];
         let mut rest = Vec::new();
         for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
@@ -47,17 +56,18 @@ impl<S: Shape> MeshSource<S> {
                 rest.push(item);
                 continue;
             };
-            let found = region_names.iter().position(|known| known == name);
-            let found = found.ok_or_else(|| MeshSourceError::UnknownRegion {
-                name: name.into(),
-                regions: region_names.join(", "),
-            })?;
             // A value alone, `else=v`, is a constant.
             let is_formula = value.starts_with("formula(");
             let text = if is_formula { value.to_owned() } else { format!("else={value}") };
-            regions[found] = Some(text.parse()?);
+            set_named(&mut regions, region_names, name, &text.parse()?)?;
         }
-        let complete = rest.is_empty() && regions.iter().all(Option::is_some);
+        let without = regions.iter().position(Option::is_none);
+        if let (true, true, Some(region)) =
+            (rest.is_empty(), regions.iter().any(Option::is_some), without)
+        {
+            return Err(MeshSourceError::NoValue(region_names[region].to_string()));
+        }
+        let complete = rest.is_empty() && without.is_none();
         let rest =
             if complete { Source::constant(0.0) } else { rest.join("; ").parse::<Source<S>>()? };
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -78,6 +88,30 @@ impl<S: Shape> MeshSource<S> {
         let sizes = parts.map(|f| f.largest().unwrap_or(integral_of_size));
         Source::<S>::constant(sizes.fold(0.0, f64::max)).check_scale(integral_of_size)
     }
+}
+
+/// Gives f a value on all regions of this name.
+fn set_named<S: Shape>(
+    regions: &mut [Option<Source<S>>],
+    region_names: &[Names],
+    name: &str,
+    value: &Source<S>,
+) -> Result<(), MeshSourceError> {
+    let mut is_known = false;
+    for (region, names) in regions.iter_mut().zip(region_names) {
+        if !names.contains(name) {
+            continue;
+        }
+        is_known = true;
+        if region.as_ref().is_some_and(|other| other != value) {
+            return Err(MeshSourceError::TwoValues(names.to_string()));
+        }
+        *region = Some(value.clone());
+    }
+    is_known.then_some(()).ok_or_else(|| MeshSourceError::UnknownRegion {
+        name: name.into(),
+        regions: Names::all(region_names.iter()),
+    })
 }
 
 /// Reads `region(name)=value`.
@@ -105,8 +139,8 @@ mod tests {
     use crate::mesh::{BuiltIn, mesh_load};
     use crate::problem::region::Region;
 
-    fn names(names: &[&str]) -> Vec<String> {
-        names.iter().map(|name| (*name).to_owned()).collect()
+    fn names(names: &[&str]) -> Vec<Names> {
+        names.iter().map(|name| (*name).into()).collect()
     }
 
     #[test]
@@ -119,6 +153,24 @@ mod tests {
         assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=2", &names).is_ok());
         let f = MeshSource::<Region>::read("region(core)=formula(x*y); else=-1", &names).unwrap();
         assert_eq!([f.at(0, [2.0, 3.0]), f.at(1, [2.0, 3.0])], [6.0, -1.0]);
+        let mut both = Names::from("core");
+        both.add("shell");
+        let both = [both];
+        for (text, said) in [
+            (
+                "region(core)=1",
+                "f has no value on the region `shell`; give it one as on the others, or add `else=value`",
+            ),
+            (
+                "region(core)=1; region(core)=2; else=0",
+                "f has two values on the region `core`; give it one",
+            ),
+        ] {
+            assert_eq!(MeshSource::<Region>::read(text, &names).unwrap_err().to_string(), said);
+        }
+        let said = MeshSource::<Region>::read("region(core)=1; region(shell)=2", &both);
+        assert_eq!(said.unwrap_err(), MeshSourceError::TwoValues("core, shell".into()));
+        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=1", &both).is_ok());
         for wrong in ["region(core)=1", "region(x)=1; else=2", "region(core)=x; else=1", "hello"] {
             let message = MeshSource::<Region>::read(wrong, &names).unwrap_err().to_string();
             assert!(!message.contains('\n'), "{message}");

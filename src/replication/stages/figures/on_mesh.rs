@@ -88,7 +88,8 @@ fn draw_contact(
     let curves = boundary_curves(mesh);
     let mut titles = Vec::new();
     for curve in &curves {
-        let parts: Vec<_> = curve.parts.iter().map(|&part| &*mesh.parts()[part].name).collect();
+        let parts = curve.parts.iter().map(|&part| mesh.parts()[part].names.to_string());
+        let parts: Vec<_> = parts.collect();
         titles.push(format!("{}: {}", scene.title, parts.join(", ")));
     }
     let mut panels = Vec::new();

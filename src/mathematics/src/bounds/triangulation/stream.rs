@@ -44,8 +44,6 @@ struct Stream {
     /// Position in `boundary` of each node, or [`INNER`].
     places: Vec<u32>,
     boundary: Vec<StreamEnd>,
-    /// Sense of the cells: 1 or -1.
-    sense: f64,
 }
 
 /// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays, and
@@ -95,7 +93,6 @@ impl Stream {
         flux: &[f64],
     ) -> Self {
         let (mesh, nodes) = (cells.mesh, cells.w.len());
-        let sense = if cells.cell(0).is_mirrored { -1.0 } else { 1.0 };
         let (mut places, mut boundary) = (vec![INNER; nodes], Vec::new());
         for (facet, side) in mesh.facets().iter().zip(sides.of_facets(mesh.facets().len())) {
             let condition = mesh.condition(facet);
@@ -112,14 +109,14 @@ impl Stream {
                     let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
                     let outflow = flux[side as usize];
                     let [above, below] = [outflow - law.least, law.most - outflow];
-                    let begins = (k == 0) == (sense > 0.0);
+                    let begins = k == 0;
                     let [lower, upper] = if begins { [-below, above] } else { [-above, below] };
                     let limit = Limit { other: facet.nodes[1 - k], lower, upper };
                     of.limits[usize::from(begins)] = Some(limit);
                 }
             }
         }
-        Self { psi: vec![0.0; nodes], places, boundary, sense }
+        Self { psi: vec![0.0; nodes], places, boundary }
     }
 
     /// Gives psi at a node the value of the least norm within the limits.
@@ -153,7 +150,7 @@ impl Stream {
             for (k, side) in sides.of(number).into_iter().enumerate() {
                 if sides.leaves(number, side) {
                     let [from, to] = [1, 2].map(|step| self.psi[cell[(k + step) % V] as usize]);
-                    flux[side as usize] += self.sense * (to - from);
+                    flux[side as usize] += to - from;
                 }
             }
         }

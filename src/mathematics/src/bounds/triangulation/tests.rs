@@ -116,7 +116,7 @@ fn square(n: u32, value: impl Fn(u32, u32) -> f64) -> TestProblem<2, 3> {
 }
 
 fn straight<const D: usize>(name: &str, condition: Condition) -> Part<D> {
-    Part { name: name.into(), condition, curve: None }
+    Part { names: name.into(), condition, curve: None }
 }
 
 /// True if intervals have a point in common.

@@ -2,10 +2,10 @@
 
 use super::elements::{FileElements, Simplex};
 use super::error::GmshError;
-use super::groups::GroupNames;
+use super::groups::{GroupNames, GroupSets};
 use super::nodes::FileNodes;
-use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Part, Tags};
-use std::collections::{BTreeMap, HashMap};
+use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Names, Part, Tags, sorted};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Difference of z over the size of the domain that is a rounding error.
 const SAME_Z: f64 = 1e-10;
@@ -21,7 +21,11 @@ impl Sections {
     /// Mesh in space if there are tetrahedra, else in the plane.
     pub(super) fn mesh(self) -> Result<AnyMesh, GmshError> {
         let Self { names, nodes, elements } = self;
-        let FileElements { lines, triangles, tetrahedra, .. } = elements;
+        let FileElements { lines, triangles, tetrahedra, sets, .. } = elements;
+        let mut groups = Groups { names, sets };
+        if tetrahedra.is_empty() && triangles.is_empty() && groups.is_any(&lines) {
+            return Err(GmshError::NoCellsInGroups);
+        }
         if tetrahedra.is_empty() {
             let has_cell = has_cell(&nodes, &triangles);
             check_plane(&nodes, &has_cell)?;
@@ -29,12 +33,12 @@ impl Sections {
             if !triangles.is_empty() {
                 check_dimension(&lines, &has_cell, ["line", "triangle"])?;
             }
-            Ok(AnyMesh::Plane(mesh(&names, nodes, &triangles, &lines)?))
+            Ok(AnyMesh::Plane(mesh(&mut groups, nodes, triangles, &lines)?))
         } else {
             let has_cell = has_cell(&nodes, &tetrahedra);
             check_dimension(&lines, &has_cell, ["line", "tetrahedron"])?;
             check_dimension(&triangles, &has_cell, ["triangle", "tetrahedron"])?;
-            Ok(AnyMesh::Space(mesh(&names, nodes, &tetrahedra, &triangles)?))
+            Ok(AnyMesh::Space(mesh(&mut groups, nodes, tetrahedra, &triangles)?))
         }
     }
 }
@@ -80,29 +84,24 @@ fn check_plane(nodes: &FileNodes, has_cell: &[bool]) -> Result<(), GmshError> {
 
 /// Mesh of cells and named sides. Nodes of no cell, such as centres of circles, are left out.
 fn mesh<const D: usize, const V: usize>(
-    names: &GroupNames,
+    groups: &mut Groups,
     nodes: FileNodes,
-    cells: &[Simplex<V>],
+    cells: Vec<Simplex<V>>,
     sides: &[Simplex<D>],
 ) -> Result<Mesh<D, V>, GmshError> {
-    // Version 2.2 writes an element of two groups twice.
-    if let Some([one, two]) =
-        cells.array_windows().find(|[one, two]: &&[Simplex<V>; 2]| one.nodes == two.nodes)
-    {
-        return Err(GmshError::Twice { one: one.tag, two: two.tag });
-    }
-    let regions = Labels::new(names, V as i64 - 1, cells.iter().map(|cell| cell.group))?;
-    let named: Vec<_> = sides.iter().filter(|side| side.group != 0).collect();
-    let parts = Labels::new(names, D as i64 - 1, named.iter().map(|side| side.group))?;
+    let cells = groups.cells_once(cells)?;
+    let regions = groups.labels(V as i64 - 1, cells.iter().map(|cell| cell.groups))?;
+    let sides = groups.sides_once(sides);
+    let parts = groups.labels(D as i64 - 1, sides.iter().map(|side| side.groups))?;
     let mut data = MeshData {
-        regions: cells.iter().map(|cell| regions.positions[&cell.group]).collect(),
+        regions: cells.iter().map(|cell| regions.positions[&cell.groups]).collect(),
         region_names: regions.names,
         parts: parts.names.into_iter().map(part).collect(),
         tags: Tags { nodes: Vec::new(), cells: cells.iter().map(|cell| cell.tag).collect() },
         ..MeshData::default()
     };
     let mut numbers = vec![0; nodes.points.len()];
-    for (node, has_cell) in has_cell(&nodes, cells).into_iter().enumerate() {
+    for (node, has_cell) in has_cell(&nodes, &cells).into_iter().enumerate() {
         if has_cell {
             numbers[node] = data.points.len() as u32;
             data.points.push(std::array::from_fn(|d| nodes.points[node][d]));
@@ -110,58 +109,125 @@ fn mesh<const D: usize, const V: usize>(
         }
     }
     data.cells.extend(cells.iter().map(|cell| cell.nodes.map(|node| numbers[node as usize])));
-    data.facets.extend(named.into_iter().map(|side| Facet {
+    data.facets.extend(sides.into_iter().map(|side| Facet {
         nodes: side.nodes.map(|node| numbers[node as usize]),
-        part: parts.positions[&side.group],
+        part: parts.positions[&side.groups],
     }));
     Ok(data.mesh()?)
 }
 
-fn part<const D: usize>(name: String) -> Part<D> {
-    Part { name, condition: Condition::default(), curve: None }
+fn part<const D: usize>(names: Names) -> Part<D> {
+    Part { names, condition: Condition::default(), curve: None }
 }
 
-/// Names of the groups of one dimension.
+/// Physical groups of a file.
+struct Groups {
+    names: GroupNames,
+    sets: GroupSets,
+}
+
+/// Names of the sets of groups of one dimension.
 struct Labels {
-    names: Vec<String>,
-    /// Position of the name of each group. Groups with the same name are one.
-    positions: HashMap<u64, u16>,
+    names: Vec<Names>,
+    /// Position of the names of each set. Sets with the same names are one.
+    positions: HashMap<u32, u16>,
 }
 
-impl Labels {
-    /// Names of all groups that elements have or the file names, in the order of their numbers.
-    fn new(
-        names: &GroupNames,
-        dimension: i64,
-        groups: impl Iterator<Item = u64>,
-    ) -> Result<Self, GmshError> {
-        let mut by_number: BTreeMap<u64, Option<&str>> =
-            groups.map(|group| (group, None)).collect();
-        by_number.extend(names.of(dimension).map(|(group, name)| (group, Some(name))));
-        if by_number.len() > u16::MAX as usize {
-            return Err(GmshError::Groups(by_number.len()));
-        }
-        let mut labels = Self { names: Vec::new(), positions: HashMap::new() };
-        let mut by_name = HashMap::new();
-        for (group, name) in by_number {
-            let name = match (name, group) {
-                (Some(name), _) => name.to_owned(),
-                (None, 0) => "domain".to_owned(),
-                (None, number) => number.to_string(),
-            };
-            let position = *by_name.entry(name.clone()).or_insert(labels.names.len() as u16);
-            if position as usize == labels.names.len() {
-                labels.names.push(name);
+impl Groups {
+    /// True if there is a named group, or an element in a group.
+    fn is_any<const K: usize>(&self, elements: &[Simplex<K>]) -> bool {
+        !self.names.is_empty()
+            || elements.iter().any(|element| !self.sets.of(element.groups).is_empty())
+    }
+
+    /// Cells, each once: version 2.2 writes one of several groups once for each, one after the other.
+    fn cells_once<const V: usize>(
+        &mut self,
+        cells: Vec<Simplex<V>>,
+    ) -> Result<Vec<Simplex<V>>, GmshError> {
+        let mut once: Vec<Simplex<V>> = Vec::with_capacity(cells.len());
+        for cell in cells {
+            match once.last_mut().filter(|last| last.nodes == cell.nodes) {
+                None => once.push(cell),
+                Some(last) => {
+                    let united = self.sets.union(last.groups, cell.groups);
+                    if united == last.groups {
+                        return Err(GmshError::Twice { one: last.tag, two: cell.tag });
+                    }
+                    last.groups = united;
+                }
             }
-            labels.positions.insert(group, position);
+        }
+        Ok(once)
+    }
+
+    /// Sides that are in groups, each once, with all its groups.
+    fn sides_once<const D: usize>(&mut self, sides: &[Simplex<D>]) -> Vec<Simplex<D>> {
+        let mut once: Vec<Simplex<D>> = Vec::new();
+        let mut positions: HashMap<[u32; D], usize> = HashMap::new();
+        for side in sides {
+            if self.sets.of(side.groups).is_empty() {
+                continue;
+            }
+            let position = *positions.entry(sorted(side.nodes)).or_insert(once.len());
+            match once.get_mut(position) {
+                None => once.push(Simplex { ..*side }),
+                Some(first) => first.groups = self.sets.union(first.groups, side.groups),
+            }
+        }
+        once
+    }
+
+    /// Names of all sets that elements have, in the order of their numbers, and of all groups that the file names and no
+    /// element has.
+    fn labels(
+        &mut self,
+        dimension: i64,
+        sets: impl Iterator<Item = u32>,
+    ) -> Result<Labels, GmshError> {
+        let used: BTreeSet<u32> = sets.collect();
+        let mut by_groups: BTreeMap<&[u64], Option<u32>> = BTreeMap::new();
+        by_groups.extend(used.iter().map(|&set| (self.sets.of(set), Some(set))));
+        let names: BTreeMap<u64, &str> = self.names.of(dimension).collect();
+        let in_sets: BTreeSet<u64> =
+            by_groups.keys().flat_map(|groups| groups.iter().copied()).collect();
+        let unused: Vec<[u64; 1]> =
+            names.keys().filter(|group| !in_sets.contains(group)).map(|&group| [group]).collect();
+        by_groups.extend(unused.iter().map(|group| (&group[..], None)));
+        if by_groups.len() > u16::MAX as usize {
+            return Err(GmshError::Groups(by_groups.len()));
+        }
+        let mut labels = Labels { names: Vec::new(), positions: HashMap::new() };
+        for (groups, set) in by_groups {
+            let label = label(groups, &names);
+            let known = labels.names.iter().position(|known| *known == label);
+            let position = known.unwrap_or(labels.names.len());
+            if known.is_none() {
+                labels.names.push(label);
+            }
+            labels.positions.extend(set.map(|set| (set, position as u16)));
         }
         Ok(labels)
     }
 }
 
+/// Names of some groups; that of none is `domain`.
+fn label(groups: &[u64], names: &BTreeMap<u64, &str>) -> Names {
+    let mut label = Names::default();
+    for group in groups {
+        match names.get(group) {
+            Some(name) => label.add(name),
+            None => label.add(&group.to_string()),
+        }
+    }
+    if groups.is_empty() { "domain".into() } else { label }
+}
+
 #[cfg(test)]
 mod tests {
-    use crate::mesh::gmsh::tests::{SQUARE_22, after};
+    use crate::mesh::gmsh::read;
+    use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, after, plane};
+    use crate::mesh::{AnyMesh, Condition, PartError};
 
     #[test]
     fn elements_that_make_no_mesh_are_named() {
@@ -174,7 +240,7 @@ mod tests {
             (
                 "23 2 2",
                 "23 9 2",
-                "$Elements, line 20: element 23 has second order; save the mesh with `Mesh.ElementOrder = 1`",
+                "$Elements, line 20: element 23 has second order; open the mesh in Gmsh, and save it after `SetOrder 1;`",
             ),
             (
                 "23 2 2",
@@ -184,12 +250,12 @@ mod tests {
             (
                 "13 1 1 0",
                 "13 1 1 1",
-                "nodes 11 and 13 differ in z: a surface in space is no domain; mesh the volume, or the plane z = 0",
+                "nodes 11 and 13 differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z = 0",
             ),
             (
                 "24 2 2 2 1 11 13 14",
                 "24 2 2 2 1 11 12 13",
-                "elements 23 and 24 have the same nodes; put each surface or volume into one physical group",
+                "elements 23 and 24 have the same nodes; remove one, e.g. with `gmsh.model.mesh.removeDuplicateElements()` in Python",
             ),
             (
                 "23 2 2 2 1 11 12 13",
@@ -198,16 +264,85 @@ mod tests {
             ),
             (
                 "22 1 2 1 1 11 12",
-                "22 1 2 1 1 11 13",
-                "part `south` names the facet [11, 13], which is not on the boundary",
-            ),
-            (
-                "23 2 2 2 1 11 12 13",
-                "23 2 2 2 1 13 12 11",
-                "element 23 is inverted: its vertices are numbered in the other sense; mend the mesh",
+                "22 1 2 1 1 12 14",
+                "part `south` names the facet [12, 14], which is no side of an element; embed it in the mesh, or leave its name out",
             ),
         ] {
             assert_eq!(after(SQUARE_22, from, to), message);
         }
+    }
+
+    /// Text of the square in version 2.2 with its diagonal, its lower edge twice and its cells twice, in two groups each.
+    fn in_many_groups() -> String {
+        SQUARE_22
+            .replace(
+                "$PhysicalNames\n2\n",
+                "$PhysicalNames\n5\n1 3 \"loaded\"\n1 4 \"diagonal\"\n2 5 \"steel\"\n",
+            )
+            .replace("$Elements\n4\n", "$Elements\n8\n")
+            .replace(
+                "22 1 2 1 1 11 12\n",
+                "22 1 2 1 1 11 12\n32 1 2 3 1 12 11\n33 1 2 3 1 12 13\n34 1 2 4 1 11 13\n",
+            )
+            .replace("23 2 2 2 1 11 12 13\n", "23 2 2 2 1 11 12 13\n43 2 2 5 1 11 12 13\n")
+    }
+
+    #[test]
+    fn elements_may_be_in_several_groups_and_named_lines_inside() {
+        let mesh = plane(in_many_groups().as_bytes());
+        let names: Vec<_> = mesh.parts().iter().map(|part| part.names.to_string()).collect();
+        assert_eq!(names, ["south, loaded", "loaded", "boundary"]);
+        let regions: Vec<_> = mesh.region_names().iter().map(ToString::to_string).collect();
+        assert_eq!(
+            (&regions[..], mesh.regions()),
+            (&["plate".into(), "plate, steel".into()][..], &[1, 0][..])
+        );
+        let mut mesh = AnyMesh::Plane(mesh);
+        assert_eq!(mesh.set_condition("loaded", Condition::Free), Ok(()));
+        let AnyMesh::Plane(plane) = &mesh else { unreachable!() };
+        let free = plane.facets().iter().filter(|facet| plane.condition(facet) == Condition::Free);
+        assert_eq!(free.count(), 2);
+        // Two conditions meet on the lower edge.
+        let refused = mesh.set_condition("south", Condition::Fixed).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "facets named south, loaded would be free and fixed; choose one of the two"
+        );
+        assert_eq!(mesh.set_condition("south", Condition::Free), Ok(()));
+        let refused = mesh.set_condition("diagonal", Condition::Free).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "`diagonal` lies inside the domain, where no condition holds; the parts of the boundary are south, loaded, boundary"
+        );
+        assert!(matches!(
+            mesh.set_curve("diagonal", &[0.0, 0.0, 1.0]),
+            Err(PartError::Inside { .. })
+        ));
+    }
+
+    #[test]
+    fn entities_may_be_in_several_groups() {
+        let text = SQUARE_41
+            .replace("$PhysicalNames\n2\n", "$PhysicalNames\n3\n1 3 \"loaded\"\n")
+            .replace("1 1 0\n6", "2 3 1 0\n6");
+        let mesh = plane(text.as_bytes());
+        let names: Vec<_> = mesh.parts().iter().map(|part| part.names.to_string()).collect();
+        assert_eq!(names, ["south, loaded", "boundary"]);
+    }
+
+    #[test]
+    fn cells_that_are_in_no_group_are_missed_with_what_saves_them() {
+        let cells = "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14\n";
+        let text = SQUARE_22.replace("$Elements\n4", "$Elements\n2").replace(cells, "");
+        let said = read(text.as_bytes()).unwrap_err().to_string();
+        assert_eq!(
+            said,
+            "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical Surface, in space a Physical Volume, or set `Mesh.SaveAll = 1`"
+        );
+        let (before, _) = text.split_once("$PhysicalNames").unwrap();
+        let (_, after) = text.split_once("$EndPhysicalNames\n").unwrap();
+        let text = format!("{before}{after}").replace("22 1 2 1 1 11 12", "22 1 2 0 1 11 12");
+        let said = read(text.as_bytes()).unwrap_err().to_string();
+        assert_eq!(said, "the mesh has no triangles; mesh the area itself, not only its boundary");
     }
 }

@@ -1,5 +1,6 @@
 //! Faults of a file, each in one line.
 
+use super::other_file::OtherFile;
 use crate::mesh::MeshError;
 use std::fmt;
 
@@ -7,8 +8,8 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GmshError {
     /// Another kind of file.
-    #[error("the file does not begin with $MeshFormat; save the mesh with Gmsh as .msh")]
-    NoMeshFormat,
+    #[error("{0}")]
+    NoMeshFormat(OtherFile),
     /// A fault in a section.
     #[error("${section}, {place}: {fault}")]
     Section {
@@ -22,9 +23,14 @@ pub enum GmshError {
     /// A file without nodes or elements.
     #[error("the file has no section ${0}; save the mesh, not only the geometry")]
     Missing(&'static str),
+    /// Physical groups, and no cell in one of them.
+    #[error(
+        "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical Surface, in space a Physical Volume, or set `Mesh.SaveAll = 1`"
+    )]
+    NoCellsInGroups,
     /// A surface that is not in one plane z = const.
     #[error(
-        "nodes {one} and {two} differ in z: a surface in space is no domain; mesh the volume, or the plane z = 0"
+        "nodes {one} and {two} differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z = 0"
     )]
     NotPlane {
         /// Node.
@@ -46,7 +52,7 @@ pub enum GmshError {
     },
     /// Two elements on the same nodes.
     #[error(
-        "elements {one} and {two} have the same nodes; put each surface or volume into one physical group"
+        "elements {one} and {two} have the same nodes; remove one, e.g. with `gmsh.model.mesh.removeDuplicateElements()` in Python"
     )]
     Twice {
         /// Element.
@@ -118,14 +124,6 @@ pub enum Fault {
     /// A name that is not one short line in quotes.
     #[error("the name of group {0} is not one to 127 printed letters in quotes; change the name")]
     Name(u64),
-    /// Another number of nodes or elements than the head of the section says.
-    #[error("the head of the section says {said}, and there are {found}; save the mesh again")]
-    Total {
-        /// Number that the head says.
-        said: u64,
-        /// Number that was found.
-        found: u64,
-    },
     /// A node that is there twice.
     #[error("node {0} is there twice; renumber the nodes of the mesh")]
     NodeTwice(u64),
@@ -157,16 +155,6 @@ pub enum Fault {
         element: u64,
         /// Dimension of the entity.
         dimension: i64,
-    },
-    /// An entity in several groups.
-    #[error("{kind} {entity} is in {groups} physical groups; put each {kind} into one")]
-    Entity {
-        /// Curve, surface or volume.
-        kind: &'static str,
-        /// Number of the entity.
-        entity: i64,
-        /// Number of its groups.
-        groups: u64,
     },
 }
 

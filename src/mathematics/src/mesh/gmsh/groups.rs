@@ -3,7 +3,7 @@
 use super::error::{Fault, GmshError};
 use super::scanner::Scanner;
 use crate::problem::text::is_forbidden;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Letters of the longest name.
 const LONGEST: usize = 127;
@@ -29,6 +29,11 @@ impl GroupNames {
         Ok(Self(names))
     }
 
+    /// True if there are no names.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Names of the groups of one dimension, in the order of their numbers.
     pub(super) fn of(&self, dimension: i64) -> impl Iterator<Item = (u64, &str)> {
         let groups = self.0.range((dimension, 1)..=(dimension, u64::MAX));
@@ -43,15 +48,45 @@ fn name_in_quotes(line: &str) -> Option<&str> {
     (is_short && !name.contains(is_forbidden)).then_some(name)
 }
 
-/// Groups of one entity: a curve, surface or volume of the geometry.
-struct Membership {
-    first: u64,
-    count: u64,
+/// Sets of groups to which elements belong, each set once.
+#[derive(Default)]
+pub(super) struct GroupSets {
+    sets: Vec<Vec<u64>>,
+    positions: HashMap<Vec<u64>, u32>,
 }
 
-/// Entities that are in physical groups, by dimension and number.
+impl GroupSets {
+    /// Position of the set of some groups; 0 stands for none.
+    pub(super) fn position(&mut self, groups: &[u64]) -> u32 {
+        if let Some(&position) = self.positions.get(groups) {
+            return position;
+        }
+        let set: BTreeSet<u64> = groups.iter().copied().filter(|&group| group != 0).collect();
+        let set: Vec<u64> = set.into_iter().collect();
+        let new = self.sets.len() as u32;
+        let position = *self.positions.entry(set.clone()).or_insert(new);
+        if position == new {
+            self.sets.push(set);
+        }
+        // Also for these groups in another order.
+        self.positions.insert(groups.to_vec(), position);
+        position
+    }
+
+    /// Position of the set of all groups of two sets.
+    pub(super) fn union(&mut self, one: u32, two: u32) -> u32 {
+        self.position(&[self.of(one), self.of(two)].concat())
+    }
+
+    /// Groups of a set, in increasing order.
+    pub(super) fn of(&self, position: u32) -> &[u64] {
+        &self.sets[position as usize]
+    }
+}
+
+/// Groups of the entities, which are points, curves, surfaces and volumes of the geometry, by dimension and number.
 #[derive(Default)]
-pub(super) struct Entities(HashMap<(i64, i64), Membership>);
+pub(super) struct Entities(HashMap<(i64, i64), Vec<u64>>);
 
 impl Entities {
     /// Reads the section `$Entities` of version 4.1.
@@ -69,16 +104,11 @@ impl Entities {
                 for _ in 0..reals {
                     scanner.real()?;
                 }
-                let mut membership = Membership { first: 0, count: scanner.count()? };
-                for k in 0..membership.count {
-                    let group = scanner.whole()?.unsigned_abs();
-                    if k == 0 {
-                        membership.first = group;
-                    }
+                let mut groups = Vec::new();
+                for _ in 0..scanner.count()? {
+                    groups.push(scanner.whole()?.unsigned_abs());
                 }
-                if membership.count > 0 {
-                    entities.insert((dimension, entity), membership);
-                }
+                entities.insert((dimension, entity), groups);
                 let boundary = if dimension == 0 { 0 } else { scanner.count()? };
                 for _ in 0..boundary {
                     scanner.whole()?;
@@ -88,20 +118,8 @@ impl Entities {
         Ok(Self(entities))
     }
 
-    /// Group of an entity, 0 if there is none.
-    pub(super) fn group(&self, dimension: i64, entity: i64) -> Result<u64, Fault> {
-        match self.0.get(&(dimension, entity)) {
-            None => Ok(0),
-            // The group of a point means nothing.
-            Some(Membership { first, count }) if *count == 1 || dimension == 0 => Ok(*first),
-            Some(Membership { count, .. }) => {
-                let kind = match dimension {
-                    1 => "curve",
-                    2 => "surface",
-                    _ => "volume",
-                };
-                Err(Fault::Entity { kind, entity, groups: *count })
-            }
-        }
+    /// Groups of an entity.
+    pub(super) fn groups(&self, dimension: i64, entity: i64) -> &[u64] {
+        self.0.get(&(dimension, entity)).map_or(&[], Vec::as_slice)
     }
 }

@@ -8,9 +8,11 @@ mod elements;
 mod error;
 mod groups;
 mod nodes;
+mod other_file;
 mod scanner;
 
 pub use error::{Fault, FilePlace, GmshError};
+pub use other_file::OtherFile;
 
 use super::AnyMesh;
 use build::Sections;
@@ -22,7 +24,8 @@ use scanner::{Scanner, Version};
 /// Reads a mesh: in space if there are tetrahedra, else in the plane.
 ///
 /// Nodes keep the order of the file; nodes of no line, triangle or tetrahedron are left out. A group without a name has
-/// its number for a name; cells without a group are the region `domain`.
+/// its number for a name; cells without a group are the region `domain`. An element may be in several groups: facets of the
+/// same groups are a part, cells of the same groups a region. Facets inside the domain are left out.
 ///
 /// # Errors
 /// [`GmshError`], with the section and the line or byte, or the number of the element.
@@ -40,6 +43,9 @@ pub fn read(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
                 set_once(&mut entities, &mut scanner, Entities::read)?;
             }
             "Nodes" => set_once(&mut nodes, &mut scanner, FileNodes::read)?,
+            "ParametricNodes" if scanner.version == Version::Two => {
+                set_once(&mut nodes, &mut scanner, FileNodes::read_parametric)?;
+            }
             "Elements" => {
                 let Some(nodes) = &nodes else { return Err(scanner.fault(Fault::Order("Nodes"))) };
                 let entities = entities.get_or_insert_default();
@@ -182,7 +188,7 @@ mod tests {
         bytes
     }
 
-    fn plane(bytes: &[u8]) -> PlaneMesh {
+    pub(super) fn plane(bytes: &[u8]) -> PlaneMesh {
         match read(bytes) {
             Ok(AnyMesh::Plane(mesh)) => mesh,
             other => panic!("{other:?}"),
@@ -190,10 +196,15 @@ mod tests {
     }
 
     /// Names of the parts, with the number of facets of each.
-    fn parts<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<(&str, usize)> {
-        let mut parts: Vec<_> = mesh.parts().iter().map(|part| (part.name.as_str(), 0)).collect();
+    fn parts<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<(String, usize)> {
+        let mut parts: Vec<_> =
+            mesh.parts().iter().map(|part| (part.names.to_string(), 0)).collect();
         mesh.facets().iter().for_each(|facet| parts[facet.part as usize].1 += 1);
         parts
+    }
+
+    fn named(parts: &[(&str, usize)]) -> Vec<(String, usize)> {
+        parts.iter().map(|&(name, facets)| (name.to_owned(), facets)).collect()
     }
 
     /// Message for a file after `from` in its text became `to`.
@@ -207,8 +218,8 @@ mod tests {
         let square = plane(SQUARE_22.as_bytes());
         assert_eq!(square.points(), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
         assert_eq!(square.cells(), [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(square.region_names(), ["plate"]);
-        assert_eq!(parts(&square), [("south", 1), ("boundary", 3)]);
+        assert_eq!(square.region_names(), ["plate".into()]);
+        assert_eq!(parts(&square), named(&[("south", 1), ("boundary", 3)]));
         assert_eq!(plane(SQUARE_41.as_bytes()), square);
         for is_big_endian in [false, true] {
             assert_eq!(plane(&encode(&SQUARE_22_BINARY, is_big_endian)), square);
@@ -222,8 +233,8 @@ mod tests {
     #[test]
     fn a_gear_is_the_same_in_every_form() {
         let [text, bytes] = [plane(GEAR[0]), plane(GEAR[2])];
-        assert_eq!(parts(&text), [("teeth", 84), ("hole", 12)]);
-        assert_eq!((text.region_names(), text.cells().len()), (&["gear".to_owned()][..], 448));
+        assert_eq!(parts(&text), named(&[("teeth", 84), ("hole", 12)]));
+        assert_eq!((text.region_names(), text.cells().len()), (&["gear".into()][..], 448));
         assert_eq!((plane(GEAR[1]), plane(GEAR[3])), (text.clone(), bytes.clone()));
         // Text has 16 digits.
         let pairs = text.points().iter().flatten().zip(bytes.points().iter().flatten());
@@ -234,7 +245,7 @@ mod tests {
     #[test]
     fn a_notched_box_is_in_space() {
         let Ok(AnyMesh::Space(notch)) = read(NOTCH) else { panic!("a mesh in space") };
-        assert_eq!(parts(&notch), [("walls", 150), ("notch", 12)]);
+        assert_eq!(parts(&notch), named(&[("walls", 150), ("notch", 12)]));
         assert!((notch.volume() - 1.85).abs() < 1e-13);
     }
 
@@ -243,12 +254,12 @@ mod tests {
         let Ok(AnyMesh::Space(mesh)) = read(TETRAHEDRON.as_bytes()) else {
             panic!("a mesh in space")
         };
-        assert_eq!(mesh.region_names(), ["9"]);
-        assert_eq!(parts(&mesh), [("7", 1), ("boundary", 3)]);
+        assert_eq!(mesh.region_names(), ["9".into()]);
+        assert_eq!(parts(&mesh), named(&[("7", 1), ("boundary", 3)]));
         let text = TETRAHEDRON.replace("2 7 1 ", "2 0 1 ").replace("2 9 1 ", "0 ");
         let Ok(AnyMesh::Space(mesh)) = read(text.as_bytes()) else { panic!("a mesh in space") };
-        assert_eq!(mesh.region_names(), ["domain"]);
-        assert_eq!(parts(&mesh), [("boundary", 4)]);
+        assert_eq!(mesh.region_names(), ["domain".into()]);
+        assert_eq!(parts(&mesh), named(&[("boundary", 4)]));
     }
 
     #[test]
@@ -265,5 +276,25 @@ mod tests {
             .replace("$Nodes\n4\n", "$Nodes\n5\n1 0.5 0 7\n")
             .replace("2 0 1 11", "2 0 1 1");
         assert_eq!(plane(text.as_bytes()), square);
+    }
+
+    #[test]
+    fn parameters_wrong_heads_and_the_mark_of_an_editor_change_nothing() {
+        let square = plane(SQUARE_41.as_bytes());
+        let marked = [b"\xef\xbb\xbf", SQUARE_22.as_bytes()].concat();
+        assert_eq!(plane(&marked), square);
+        for (from, to) in
+            [("1 4 11 14", "1 5 11 14"), ("3 4 21 24", "3 9 21 24"), ("1 4 11 14", "1 2 11 14")]
+        {
+            assert!(SQUARE_41.contains(from), "{from}");
+            assert_eq!(plane(SQUARE_41.replace(from, to).as_bytes()), square);
+        }
+        let parametric = SQUARE_22
+            .replace("Nodes\n", "ParametricNodes\n")
+            .replace("\n11 0 0 0\n", "\n11 0 0 0 0 1\n")
+            .replace("12 1 0 0\n", "12 1 0 0 1 7 0.5\n")
+            .replace("13 1 1 0\n", "13 1 1 0 2 3 0.5 0.25\n")
+            .replace("14 0 1 0\n", "14 0 1 0 3 1\n");
+        assert_eq!(plane(parametric.as_bytes()), square);
     }
 }

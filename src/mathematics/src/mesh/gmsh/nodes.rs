@@ -1,4 +1,4 @@
-//! The section `$Nodes`.
+//! The sections `$Nodes` and `$ParametricNodes`.
 
 use super::error::{Fault, GmshError};
 use super::scanner::{Scanner, Version};
@@ -16,15 +16,21 @@ pub(super) struct FileNodes {
 }
 
 impl FileNodes {
-    /// Reads the section.
+    /// Reads the section `$Nodes`.
     pub(super) fn read(scanner: &mut Scanner<'_>) -> Result<Self, GmshError> {
         let mut nodes = Self::default();
-        let said = match scanner.version {
-            Version::Two => nodes.read_list(scanner)?,
+        match scanner.version {
+            Version::Two => nodes.read_list(scanner, pass_over_nothing)?,
             Version::Four => nodes.read_blocks(scanner)?,
-        };
-        let found = nodes.points.len() as u64;
-        if said == found { Ok(nodes) } else { Err(scanner.fault(Fault::Total { said, found })) }
+        }
+        Ok(nodes)
+    }
+
+    /// Reads the section `$ParametricNodes` of version 2.2.
+    pub(super) fn read_parametric(scanner: &mut Scanner<'_>) -> Result<Self, GmshError> {
+        let mut nodes = Self::default();
+        nodes.read_list(scanner, pass_over_parameters)?;
+        Ok(nodes)
     }
 
     /// Position of the node of this number.
@@ -32,19 +38,26 @@ impl FileNodes {
         self.positions.get(&tag).copied()
     }
 
-    fn read_list(&mut self, scanner: &mut Scanner<'_>) -> Result<u64, GmshError> {
-        let said = scanner.number("a whole number from 0 on")?;
+    /// Nodes of version 2.2; `pass` passes over what follows the coordinates.
+    fn read_list(
+        &mut self,
+        scanner: &mut Scanner<'_>,
+        pass: fn(&mut Scanner<'_>) -> Result<(), GmshError>,
+    ) -> Result<(), GmshError> {
+        let said: u64 = scanner.number("a whole number from 0 on")?;
         scanner.begin_bytes()?;
         for _ in 0..said {
             self.add_tag(scanner)?;
             self.add_point(scanner)?;
+            pass(scanner)?;
         }
-        Ok(said)
+        Ok(())
     }
 
-    fn read_blocks(&mut self, scanner: &mut Scanner<'_>) -> Result<u64, GmshError> {
+    /// Nodes of version 4.1. The blocks say how many there are: some files have more in their heads.
+    fn read_blocks(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         scanner.begin_bytes()?;
-        let [blocks, said, _, _] = four_counts(scanner)?;
+        let [blocks, ..] = four_counts(scanner)?;
         for _ in 0..blocks {
             let (dimension, _entity) = (scanner.whole()?, scanner.whole()?);
             // Nodes with parameters have one on a curve, two on a surface, three in a volume.
@@ -60,7 +73,7 @@ impl FileNodes {
                 }
             }
         }
-        Ok(said)
+        Ok(())
     }
 
     fn add_tag(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
@@ -79,6 +92,21 @@ impl FileNodes {
         self.points.push([scanner.real()?, scanner.real()?, scanner.real()?]);
         Ok(())
     }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "has the type of `pass_over_parameters`")]
+fn pass_over_nothing(_: &mut Scanner<'_>) -> Result<(), GmshError> {
+    Ok(())
+}
+
+/// Passes over the dimension and the number of an entity, and the parameters there: one on a curve, two on a surface.
+fn pass_over_parameters(scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
+    let (dimension, _entity) = (scanner.whole()?, scanner.whole()?);
+    let parameters = if dimension == 1 || dimension == 2 { dimension } else { 0 };
+    for _ in 0..parameters {
+        scanner.real()?;
+    }
+    Ok(())
 }
 
 /// Reads the head of a section with blocks: numbers of blocks and of nodes or elements, least and largest number.

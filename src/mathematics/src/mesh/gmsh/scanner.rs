@@ -1,10 +1,14 @@
 //! Words and numbers of a file, one after the other, in text or in bytes.
 
 use super::error::{Fault, FilePlace, GmshError};
+use super::other_file::OtherFile;
 use std::str::FromStr;
 
 /// Letters of a word that a message shows.
 const SHOWN: usize = 24;
+
+/// Bytes that some editors put before a text.
+pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Letters of the longest name of a section.
 const LONGEST_NAME: usize = 127;
@@ -44,12 +48,13 @@ impl<'a> Scanner<'a> {
     /// Scanner after the section `$MeshFormat`.
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, GmshError> {
         let (version, encoding) = (Version::Four, Encoding::Text);
-        let mut scanner = Self { bytes, at: 0, last: 0, section: b"MeshFormat", version, encoding };
+        let at = if bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        let mut scanner = Self { bytes, at, last: at, section: b"MeshFormat", version, encoding };
         loop {
             match scanner.section() {
                 Ok(Some("MeshFormat")) => break,
                 Ok(Some("Comments")) => scanner.skip()?,
-                _ => return Err(GmshError::NoMeshFormat),
+                _ => return Err(GmshError::NoMeshFormat(OtherFile::of(bytes))),
             }
         }
         scanner.version = match scanner.word()? {
