@@ -7,7 +7,7 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
-use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, OnCells, mesh_load, refined};
+use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, mesh_load, refined};
 use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
 use signorini_mathematics::problem::law::{BoundaryState, Law};
@@ -177,15 +177,6 @@ fn plane(name: &str) -> Mesh<2, 3> {
     mesh
 }
 
-/// Value for each half of the plane.
-struct Halves([f64; 2]);
-
-impl OnCells<2> for Halves {
-    fn at(&self, _: u16, [x, _]: [f64; 2]) -> f64 {
-        if x < 0.0 { self.0[0] } else { self.0[1] }
-    }
-}
-
 #[test]
 fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
     let mut dice = Dice(77);
@@ -194,9 +185,10 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
         let mut coarse = plane(name);
         coarse.parts_mut().iter_mut().for_each(|part| part.curve = None);
         for problem in 0..25 {
-            let f = Halves([0.0; 2].map(|_| dice.between(-6.0, 6.0)));
+            let [left, right] = [0.0; 2].map(|_| dice.between(-6.0, 6.0));
+            let f: Source = format!("halfplane(1,0,0)={left}; else={right}").parse().unwrap();
             let (levels, finest) = refined(&coarse, 3).unwrap();
-            let MeshLoad { integral, .. } = mesh_load(&finest, &f);
+            let MeshLoad { integral, .. } = mesh_load(&finest, &f).unwrap();
             let perimeter = levels[3].network.perimeter();
             let g = 1.01 * integral.abs() / perimeter + 0.02 + dice.between(0.0, 1.0).powi(2);
             let law = match problem % 4 {
@@ -209,7 +201,7 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
             for times in 1..=3 {
                 let (levels, mesh) = refined(&coarse, times).unwrap();
                 let network = &levels[times].network;
-                let made = mesh_load(&mesh, &f);
+                let made = mesh_load(&mesh, &f).unwrap();
                 let (y, _) = active_set_on(network, law, &made.load).unwrap();
                 let states = judge_network(network, law, &y, &made.load).states;
                 let both = [BoundaryState::SlipsUp, BoundaryState::SlipsDown];

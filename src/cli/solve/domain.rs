@@ -1,5 +1,6 @@
 //! Square, cube and meshes under one interface: load vector, judgement, errors, files.
 
+use super::bound::Reserve;
 use super::format::{Format, ReportedAs};
 use super::mesh::MeshDomain;
 use crate::figures::{Surface, surfaces, uphill};
@@ -21,6 +22,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
+use signorini_mathematics::triangulated::MeshProblem;
 use std::borrow::Cow;
 
 /// Square, cube or mesh, with f and its quadrature.
@@ -42,8 +44,8 @@ pub(super) struct KnownErrors {
 /// Bounds of the error and the energy.
 pub(super) struct Guarantee {
     pub bounds: Bounds,
-    /// True if f is not constant on each cell, and integrated by quadrature there.
-    pub by_quadrature: bool,
+    /// Approximations that the bounds leave out.
+    pub reserve: Vec<Reserve>,
 }
 
 /// Cells per side of the finest grid of the cube with bounds: about a second.
@@ -240,7 +242,7 @@ impl Domain {
         match self {
             Self::Square { f, .. } => {
                 let bounds = bounds(square(n), f, law, y).map_err(|reason| reason.to_string())?;
-                Ok(Guarantee { bounds, by_quadrature: f.is_smooth() })
+                Ok(Guarantee { bounds, reserve: Reserve::list(f.is_smooth(), false) })
             }
             Self::Cube { .. } if n > MOST_WITH_BOUNDS => {
                 Err(format!("on the cube there are bounds down to 1/{MOST_WITH_BOUNDS}"))
@@ -248,11 +250,13 @@ impl Domain {
             Self::Cube { f } => {
                 let CubeBounds { bounds, by_quadrature } =
                     bounds_on_cube(cube(n), f, law, y).map_err(|reason| reason.to_string())?;
-                Ok(Guarantee { bounds, by_quadrature })
+                Ok(Guarantee { bounds, reserve: Reserve::list(by_quadrature, false) })
             }
             Self::Mesh(mesh) => {
+                let MeshProblem { f, mesh: finest, .. } = &mesh.problem;
                 let bounds = mesh.problem.bounds(y).map_err(|reason| reason.to_string())?;
-                Ok(Guarantee { bounds, by_quadrature: mesh.problem.f.cells.deviation.is_some() })
+                let reserve = Reserve::list(f.unsettled.is_some(), finest.is_curved());
+                Ok(Guarantee { bounds, reserve })
             }
         }
     }

@@ -5,10 +5,14 @@
 mod any;
 mod arcs;
 mod assemble;
+mod ball;
 mod boundary;
 mod builtin;
 mod check;
 mod curve;
+mod cut;
+mod cut_plane;
+mod cut_space;
 mod edges;
 mod error;
 mod geometry;
@@ -16,7 +20,6 @@ pub mod gmsh;
 mod hanging;
 mod load;
 mod nested;
-mod quadrature;
 mod refine;
 mod source;
 mod uniform;
@@ -28,13 +31,13 @@ pub use boundary::{BoundaryCurve, boundary_curves};
 pub use builtin::{BUILT_IN, BuiltIn};
 pub(crate) use check::{sides_of, sorted};
 pub use curve::Round;
+pub use cut::{CutMoments, CutShape, FramedCell};
 pub use edges::Edges;
 pub use error::MeshError;
 pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
-pub use load::{CellData, MeshLoad, OnCells, check_values, mesh_load};
-pub use nested::refined;
-pub(crate) use quadrature::quadrature;
+pub use load::{CellData, ConstantPieces, MeshLoad, OnCells, mesh_load};
+pub use nested::{refined, refined_with};
 pub use refine::{Refined, refine};
 pub use source::{MeshSource, MeshSourceError};
 pub use uniform::{uniform_cube, uniform_square};
@@ -170,6 +173,11 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Vertices of a facet.
     pub fn corners(&self, facet: &Facet<D>) -> [[f64; D]; D] {
         facet.nodes.map(|node| self.points[node as usize])
+    }
+
+    /// Largest coordinate, without its sign.
+    pub fn largest_coordinate(&self) -> f64 {
+        self.points.iter().flatten().fold(0.0, |largest, x| x.abs().max(largest))
     }
 
     /// Length, area or volume of the domain.
