@@ -12,6 +12,7 @@ pub mod nested;
 pub mod network;
 pub mod norms;
 pub(crate) mod quadrature;
+pub mod sampled;
 pub(crate) mod stencils;
 pub mod stiffness;
 pub mod transfer;
