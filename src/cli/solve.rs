@@ -10,6 +10,7 @@ mod format;
 mod judging;
 mod mesh;
 mod problem;
+mod quadrature;
 mod solvers;
 mod spectral;
 

@@ -8,7 +8,7 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
-use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, OnCells, mesh_load, refined};
+use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, mesh_load, refined};
 use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_cube, solve_square};
 use signorini_mathematics::problem;
@@ -209,7 +209,8 @@ fn the_energy_is_never_above_that_of_zero() {
     let grid = Grid::new(16).unwrap();
     let mesh = plane("disc");
     let (levels, mesh) = refined(&mesh, 2).unwrap();
-    let of_mesh = mesh_load(&mesh, &Halves([1.0, -1.3])).cells;
+    let halves: Source = "halfplane(1,0,0)=1; else=-1.3".parse().unwrap();
+    let of_mesh = mesh_load(&mesh, &halves).unwrap().cells;
     let mut dice = Dice(11);
     for law in [Law::SIGNORINI, Law::friction(0.3).unwrap(), Law::limited(2.0).unwrap()] {
         for size in [1.0, 100.0] {
@@ -252,15 +253,6 @@ fn plane(name: &str) -> Mesh<2, 3> {
     mesh
 }
 
-/// Value for each half of the plane.
-struct Halves([f64; 2]);
-
-impl OnCells<2> for Halves {
-    fn at(&self, _: u16, [x, _]: [f64; 2]) -> f64 {
-        if x < 0.0 { self.0[0] } else { self.0[1] }
-    }
-}
-
 #[test]
 fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
     let mut dice = Dice(77);
@@ -269,9 +261,10 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
         let mut coarse = plane(name);
         coarse.parts_mut().iter_mut().for_each(|part| part.curve = None);
         for problem in 0..25 {
-            let f = Halves([0.0; 2].map(|_| dice.between(-6.0, 6.0)));
+            let [left, right] = [0.0; 2].map(|_| dice.between(-6.0, 6.0));
+            let f: Source = format!("halfplane(1,0,0)={left}; else={right}").parse().unwrap();
             let (levels, finest) = refined(&coarse, 3).unwrap();
-            let MeshLoad { integral, .. } = mesh_load(&finest, &f);
+            let MeshLoad { integral, .. } = mesh_load(&finest, &f).unwrap();
             let perimeter = levels[3].network.perimeter();
             let g = 1.01 * integral.abs() / perimeter + 0.02 + dice.between(0.0, 1.0).powi(2);
             let law = match problem % 4 {
@@ -284,7 +277,7 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
             for times in 1..=3 {
                 let (levels, mesh) = refined(&coarse, times).unwrap();
                 let network = &levels[times].network;
-                let made = mesh_load(&mesh, &f);
+                let made = mesh_load(&mesh, &f).unwrap();
                 let (y, _) = active_set_on(network, law, &made.load).unwrap();
                 let states = judge_network(network, law, &y, &made.load).states;
                 let both = [BoundaryState::SlipsUp, BoundaryState::SlipsDown];

@@ -203,8 +203,7 @@ impl Answer {
 
     pub(super) fn json(&self, problem: &Problem) -> Value {
         let last = self.last();
-        let (n, kkt, bounds) =
-            (problem.finest(), last.kkt, self.bounds.as_ref().ok().map(|of| &of.bounds));
+        let (n, kkt, bounds) = (problem.finest(), last.kkt, self.bounds.as_ref().ok());
         let levels = &self.solved.levels;
         let mut json = json!({
             "schema": 1,
@@ -233,12 +232,13 @@ impl Answer {
                 "relative": kkt.relative,
             },
             "contact_nodes": { "nodes": self.states.sticks, "boundary_nodes": self.states.all() },
-            "bound": bounds.map(|of| {
+            "bound": bounds.map(|Guarantee { bounds: of, reserve }| {
                 json!({
                     "energy": of.energy,
                     "error": of.error,
                     "recovered": of.recovered,
                     "relative": { "energy": of.relative_energy(), "error": of.relative() },
+                    "reserve": reserve,
                 })
             }),
             "contact": self.contact,
@@ -317,7 +317,7 @@ impl Answer {
             text.push('\n');
         }
         if !self.last().verdict.is_failure() || problem.accuracy.is_some() {
-            text += &bound::text(&self.bounds);
+            text += &bound::text(&self.bounds, problem.domain.dimension());
         }
         for warning in &self.warnings {
             text += &format!("warning: {warning}\n");

@@ -1,22 +1,46 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use super::domain::Guarantee;
+use serde::Serialize;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::Solver;
 
-/// Returns the bounds as text.
-pub(super) fn text(guarantee: &Result<Guarantee, String>) -> String {
-    let Guarantee { bounds: bound, by_quadrature } = match guarantee {
+/// Approximation that bounds leave out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Reserve {
+    /// Of integrals of f, by formulas.
+    Quadrature,
+    /// Of a curved domain, by the polygon or polyhedron of the finest mesh.
+    Polygon,
+}
+
+impl Reserve {
+    /// List of the approximations that are made.
+    pub(super) fn list(quadrature: bool, polygon: bool) -> Vec<Self> {
+        let made = [(quadrature, Self::Quadrature), (polygon, Self::Polygon)];
+        made.into_iter().filter(|(is_made, _)| *is_made).map(|(_, reserve)| reserve).collect()
+    }
+}
+
+/// Returns the bounds in `dimension` dimensions as text.
+pub(super) fn text(guarantee: &Result<Guarantee, String>, dimension: u8) -> String {
+    let Guarantee { bounds: bound, reserve } = match guarantee {
         Ok(guarantee) => guarantee,
         Err(reason) => return format!("no bound of the error: {reason}\n"),
     };
     let [low, high] = bound.energy;
     let [least, most] = bound.error;
     let relative = 100.0 * bound.relative();
-    let guaranteed =
-        if *by_quadrature { "guaranteed, but for the quadrature of f:\n " } else { "guaranteed:" };
+    let domain = if dimension == 2 { "polygon" } else { "polyhedron" };
+    let guaranteed = match &reserve[..] {
+        [] => "guaranteed:".to_owned(),
+        [Reserve::Quadrature] => "guaranteed, but for the quadrature of f:\n ".to_owned(),
+        [Reserve::Polygon] => format!("guaranteed, on the {domain}:\n "),
+        _ => format!("guaranteed, on the {domain}, but for the quadrature of f:\n "),
+    };
     let mut text = format!(
         "{guaranteed} true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
     );

@@ -1,5 +1,6 @@
 //! Square, cube and meshes under one interface: load vector, judgement, errors, files.
 
+use super::bound::Reserve;
 use super::format::{Format, ReportedAs};
 use super::mesh::MeshDomain;
 use crate::figures::{Surface, surfaces, uphill};
@@ -12,7 +13,7 @@ use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::{Judgement, judge};
-use signorini_mathematics::discrete::load::{self, LoadRule, load};
+use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
 use signorini_mathematics::formats::Fields;
@@ -21,14 +22,15 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
+use signorini_mathematics::triangulated::MeshProblem;
 use std::borrow::Cow;
 
 /// Square, cube or mesh, with f and its quadrature.
 ///
 /// The number of a grid is that of its cells per side, on a mesh that of its refinements.
 pub(super) enum Domain {
-    Square { f: Source, rule: LoadRule },
-    Cube { f: problem::cube::Source },
+    Square { f: Source, rule: LoadRule, integrals: [f64; 2] },
+    Cube { f: problem::cube::Source, integrals: [f64; 2] },
     Mesh(Box<MeshDomain>),
 }
 
@@ -42,10 +44,12 @@ pub(super) struct KnownErrors {
 /// Bounds of the error and the energy.
 pub(super) struct Guarantee {
     pub bounds: Bounds,
-    /// True if f is not constant on each cell, and integrated by quadrature there.
-    pub by_quadrature: bool,
+    /// Approximations that the bounds leave out.
+    pub reserve: Vec<Reserve>,
 }
 
+/// Error of the sum of the load vector of a formula, over the integral of |f|, that gets no warning on any grid.
+const RESOLVED: f64 = 1e-2;
 /// Cells per side of the finest grid of the cube with bounds: about a second.
 const MOST_WITH_BOUNDS: usize = 32;
 
@@ -107,7 +111,7 @@ impl Domain {
     pub(super) fn f(&self) -> String {
         match self {
             Self::Square { f, .. } => f.to_string(),
-            Self::Cube { f } => f.to_string(),
+            Self::Cube { f, .. } => f.to_string(),
             Self::Mesh(mesh) => mesh.problem.text.clone(),
         }
     }
@@ -116,7 +120,7 @@ impl Domain {
     pub(super) fn outside(&self) -> Vec<String> {
         match self {
             Self::Square { f, .. } => f.outside(),
-            Self::Cube { f } => f.outside(),
+            Self::Cube { f, .. } => f.outside(),
             Self::Mesh(_) => Vec::new(),
         }
     }
@@ -124,8 +128,7 @@ impl Domain {
     /// Returns the integrals of f and of |f|.
     pub(super) fn integrals(&self) -> [f64; 2] {
         match self {
-            Self::Square { f, .. } => [load::integral(f), load::integral(&f.absolute())],
-            Self::Cube { f } => [cube::integral(f), cube::integral(&f.absolute())],
+            Self::Square { integrals, .. } | Self::Cube { integrals, .. } => *integrals,
             Self::Mesh(mesh) => [mesh.problem.f.integral, mesh.problem.f.size],
         }
     }
@@ -136,7 +139,7 @@ impl Domain {
             Self::Square { f, .. } => {
                 solvable(f, self.integrals(), BoundaryFlux { law, perimeter: Grid::PERIMETER })
             }
-            Self::Cube { f } => solvable(
+            Self::Cube { f, .. } => solvable(
                 f,
                 self.integrals(),
                 BoundaryFlux { law, perimeter: cube::Grid::PERIMETER },
@@ -157,19 +160,27 @@ impl Domain {
     }
 
     /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; `None` for
-    /// smooth f, for which quadrature has an error of its own, and where the sum is the integral up to rounding.
+    /// known solutions, and on meshes, where the integral is the sum of the load vector.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
-        match self {
-            Self::Square { f, .. } => (!f.is_smooth()).then(|| self.slack(n)),
-            Self::Cube { .. } | Self::Mesh(_) => None,
-        }
+        let (is_smooth, is_known) = match self {
+            Self::Square { f, .. } => (f.is_smooth(), f.exact().is_some()),
+            Self::Cube { f, .. } => (f.is_smooth(), f.exact().is_some()),
+            Self::Mesh(_) => return None,
+        };
+        // Values at the nodes of a smooth f are off by some multiple of h^2, the others by less.
+        let slack = if is_smooth {
+            (4.0 * self.slack(n)).max(RESOLVED * self.integrals()[1])
+        } else {
+            self.slack(n)
+        };
+        (!is_known).then_some(slack)
     }
 
     /// Returns the load vector of a grid; of a mesh, that of the finest one.
     pub(super) fn load(&self, n: usize) -> Cow<'_, [f64]> {
         match self {
-            Self::Square { f, rule } => load(square(n), f, *rule).into(),
-            Self::Cube { f } => cube::exact_load(cube(n), f).into(),
+            Self::Square { f, rule, .. } => load(square(n), f, *rule).into(),
+            Self::Cube { f, .. } => cube::exact_load(cube(n), f).into(),
             Self::Mesh(mesh) => Cow::from(&mesh.problem.f.load),
         }
     }
@@ -209,7 +220,7 @@ impl Domain {
                 let values = errors(grid, exact, y);
                 Some(KnownErrors { values, multiplier_l2: Some(multiplier_l2) })
             }
-            Self::Cube { f } => {
+            Self::Cube { f, .. } => {
                 let values = cube::errors(cube(n), f.exact()?, y);
                 Some(KnownErrors { values, multiplier_l2: None })
             }
@@ -242,19 +253,21 @@ impl Domain {
         match self {
             Self::Square { f, .. } => {
                 let bounds = bounds(square(n), f, law, y).map_err(|reason| reason.to_string())?;
-                Ok(Guarantee { bounds, by_quadrature: f.is_smooth() })
+                Ok(Guarantee { bounds, reserve: Reserve::list(f.is_smooth(), false) })
             }
             Self::Cube { .. } if n > MOST_WITH_BOUNDS => {
                 Err(format!("on the cube there are bounds down to 1/{MOST_WITH_BOUNDS}"))
             }
-            Self::Cube { f } => {
+            Self::Cube { f, .. } => {
                 let CubeBounds { bounds, by_quadrature } =
                     bounds_on_cube(cube(n), f, law, y).map_err(|reason| reason.to_string())?;
-                Ok(Guarantee { bounds, by_quadrature })
+                Ok(Guarantee { bounds, reserve: Reserve::list(by_quadrature, false) })
             }
             Self::Mesh(mesh) => {
+                let MeshProblem { f, mesh: finest, .. } = &mesh.problem;
                 let bounds = mesh.problem.bounds(y).map_err(|reason| reason.to_string())?;
-                Ok(Guarantee { bounds, by_quadrature: mesh.problem.f.cells.deviation.is_some() })
+                let reserve = Reserve::list(f.unsettled.is_some(), finest.is_curved());
+                Ok(Guarantee { bounds, reserve })
             }
         }
     }
@@ -300,7 +313,7 @@ impl Domain {
     ) -> Result<Vec<u8>> {
         let fields = match self {
             Self::Square { f, .. } => Fields::square(square(n), f, pair),
-            Self::Cube { f } => Fields::new(3, n, |at| f.at(at), cube(n).boundary(), pair),
+            Self::Cube { f, .. } => Fields::new(3, n, |at| f.at(at), cube(n).boundary(), pair),
             Self::Mesh(mesh) => return mesh.file(kind, pair, ReportedAs { name, law }),
         };
         match kind {

@@ -120,9 +120,16 @@ impl Answer {
         if self.load_misses(problem) {
             let (integral, sum_load) = (problem.integral, self.last().sum_load);
             let grid = problem.domain.grid(problem.finest());
+            let reason = if problem.domain.is_smooth() {
+                "its points miss some of f; choose a smaller --h"
+            } else {
+                "values at the nodes miss where f jumps; --load exact does not"
+            };
             self.warnings.push(format!(
-                "the load vector sums to {sum_load:+.3e} on {grid}, the integral of f is {integral:+.3e}: values at the nodes miss where f jumps; --load exact does not"
+                "the load vector sums to {sum_load:+.3e} on {grid}, the integral of f is {integral:+.3e}: {reason}"
             ));
+        } else if let Some(warning) = problem.domain.quadrature_warning(problem.finest()) {
+            self.warnings.push(warning);
         }
     }
 

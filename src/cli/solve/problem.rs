@@ -12,9 +12,11 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Scene, positive_r};
 use crate::timing::machine;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::nested;
-use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::discrete::load::{LoadRule, integrals};
 use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::problem::cube::Source as CubeSource;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
@@ -251,8 +253,9 @@ fn domain(
         return Ok(Domain::Mesh(Box::new(mesh)));
     }
     if let Some(text) = &args.cube {
-        let f = text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
-        return Ok(Domain::Cube { f });
+        let f: CubeSource = text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
+        let integrals = cube::integrals(&f);
+        return Ok(Domain::Cube { f, integrals });
     }
     let f: Source = match (&args.f, scene) {
         (Some(text), _) => text.parse().map_err(|e| Error::input(format!("--f: {e}")))?,
@@ -263,7 +266,8 @@ fn domain(
     // closest, and the grids that they need coarsest.
     let given = args.load.map(|rule| rule.0).or(args.accuracy().map(|_| LoadRule::Bilinear {}));
     let rule = choose("load", given, scene.map(|s| s.load), rule_name, overridden);
-    Ok(Domain::Square { f, rule: rule.unwrap_or(LoadRule::Bilinear {}) })
+    let (rule, integrals) = (rule.unwrap_or(LoadRule::Bilinear {}), integrals(&f));
+    Ok(Domain::Square { f, rule, integrals })
 }
 
 /// Returns the default solver: the paper's method for a scene or with an option that only this method takes, else

@@ -5,18 +5,18 @@ use crate::bounds::triangulation::{BoundsError, bounds_on_mesh};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
-use crate::discrete::nested::{NestedNetwork, restricted};
+use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{
-    AnyMesh, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, OnCells, check_values,
-    mesh_arcs, mesh_load, refined,
+    AnyMesh, CutShape, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, mesh_arcs,
+    mesh_load, refined_with,
 };
 use crate::multigrid::InputError;
 use crate::multigrid::input::loaded_components;
 use crate::problem::cube::Body;
 use crate::problem::law::{Law, LawError};
 use crate::problem::region::Region;
-use crate::problem::shape::{Shape, SourceError};
+use crate::problem::shape::SourceError;
 
 /// Problem on a triangulation and its refinements.
 pub struct MeshProblem {
@@ -28,6 +28,8 @@ pub struct MeshProblem {
     pub text: String,
     /// f on the finest mesh.
     pub f: MeshLoad,
+    /// Load vectors of the coarser meshes, coarsest first, each by the rule of the finest one.
+    pub coarse_loads: Vec<Vec<f64>>,
     /// Law on the boundary.
     pub law: Law,
 }
@@ -84,21 +86,30 @@ impl MeshProblem {
         law: Law,
     ) -> Result<Self, MeshProblemError> {
         let problem = match coarsest {
-            AnyMesh::Plane(mesh) => {
-                let f = MeshSource::<Region>::read(f, mesh.region_names())?;
-                let (levels, mesh, load) = prepared(mesh, times, &f)?;
-                let text = f.text().into();
-                Self { levels, mesh: AnyMesh::Plane(mesh), text, f: load, law }
-            }
-            AnyMesh::Space(mesh) => {
-                let f = MeshSource::<Body>::read(f, mesh.region_names())?;
-                let (levels, mesh, load) = prepared(mesh, times, &f)?;
-                let text = f.text().into();
-                Self { levels, mesh: AnyMesh::Space(mesh), text, f: load, law }
-            }
+            AnyMesh::Plane(mesh) => Self::prepared::<Region, 2, 3>(mesh, times, f, law)?,
+            AnyMesh::Space(mesh) => Self::prepared::<Body, 3, 4>(mesh, times, f, law)?,
         };
         problem.check_solvable()?;
         Ok(problem)
+    }
+
+    fn prepared<S: CutShape<D, V>, const D: usize, const V: usize>(
+        coarsest: &Mesh<D, V>,
+        times: usize,
+        f: &str,
+        law: Law,
+    ) -> Result<Self, MeshProblemError>
+    where
+        AnyMesh: From<Mesh<D, V>>,
+    {
+        let f = read::<S, D, V>(coarsest, f)?;
+        let mut coarser = Vec::new();
+        let visit = |mesh: &Mesh<D, V>| coarser.push(mesh_load(mesh, &f).map(|made| made.load));
+        let (levels, mesh) = refined_with(coarsest, times, visit)?;
+        let load = mesh_load(&mesh, &f)?;
+        f.check_scale(load.size)?;
+        let coarse_loads = coarser.into_iter().collect::<Result<_, _>>()?;
+        Ok(Self { levels, mesh: mesh.into(), text: f.text().into(), f: load, coarse_loads, law })
     }
 
     /// Discrete problem on the finest mesh.
@@ -106,9 +117,11 @@ impl MeshProblem {
         &self.levels[self.levels.len() - 1].network
     }
 
-    /// Load vectors of all levels, coarsest first: those of the coarser ones by the transpose of interpolation.
+    /// Load vectors of all levels, coarsest first: (6) on each mesh.
     pub fn loads(&self) -> Vec<Vec<f64>> {
-        restricted(&self.levels, self.f.load.clone())
+        let mut loads = self.coarse_loads.clone();
+        loads.push(self.f.load.clone());
+        loads
     }
 
     /// Judges a nodal vector of the finest mesh, apart from the solvers.
@@ -162,38 +175,22 @@ impl MeshProblem {
     }
 }
 
+/// Reads f on a mesh.
+fn read<S: CutShape<D, V>, const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    f: &str,
+) -> Result<MeshSource<S>, MeshSourceError> {
+    MeshSource::read(f, mesh.region_names(), mesh.largest_coordinate())
+}
+
 /// Returns the means of f, given as text, over the cells of a mesh.
 ///
 /// # Errors
-/// As [`MeshSource::read`].
-pub fn means_on(mesh: &AnyMesh, f: &str) -> Result<Vec<f64>, MeshSourceError> {
-    let means = match mesh {
-        AnyMesh::Plane(mesh) => {
-            mesh_load(mesh, &MeshSource::<Region>::read(f, mesh.region_names())?).cells.mean
-        }
-        AnyMesh::Space(mesh) => {
-            mesh_load(mesh, &MeshSource::<Body>::read(f, mesh.region_names())?).cells.mean
-        }
+/// As [`MeshSource::read`], and [`SourceError::NoValue`] where f is not finite.
+pub fn means_on(mesh: &AnyMesh, f: &str) -> Result<Vec<f64>, MeshProblemError> {
+    let made = match mesh {
+        AnyMesh::Plane(mesh) => mesh_load(mesh, &read::<Region, 2, 3>(mesh, f)?)?,
+        AnyMesh::Space(mesh) => mesh_load(mesh, &read::<Body, 3, 4>(mesh, f)?)?,
     };
-    Ok(means)
-}
-
-/// Nested discrete problems, finest mesh, and f on it.
-type Prepared<const D: usize, const V: usize> = (Vec<NestedNetwork>, Mesh<D, V>, MeshLoad);
-
-fn prepared<S: Shape<Point = [f64; D]>, const D: usize, const V: usize>(
-    coarsest: &Mesh<D, V>,
-    times: usize,
-    f: &MeshSource<S>,
-) -> Result<Prepared<D, V>, MeshProblemError>
-where
-    MeshSource<S>: OnCells<D>,
-{
-    let (levels, mesh) = refined(coarsest, times)?;
-    let load = mesh_load(&mesh, f);
-    if !load.size.is_finite() {
-        check_values(&mesh, f)?;
-    }
-    f.check_scale(load.size)?;
-    Ok((levels, mesh, load))
+    Ok(made.cells.mean)
 }

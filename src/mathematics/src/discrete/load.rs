@@ -4,6 +4,7 @@ mod exact;
 
 use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
+use super::sampled::{sampled, triangles};
 use crate::machine::threads::{TASK, in_tasks};
 use crate::problem::shape::Convex;
 use crate::problem::source::{Source, Tie};
@@ -71,7 +72,7 @@ pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {
     }
 }
 
-/// The integral of f over the square: exact for constant pieces, to quadrature error for smooth f.
+/// The integral of f over the square: exact for constant pieces, [sampled] for smooth f.
 pub fn integral(f: &Source) -> f64 {
     let grid = |cells| Grid::new(cells).expect("not below the least");
     match f {
@@ -86,10 +87,17 @@ pub fn integral(f: &Source) -> f64 {
             });
             rows.sum()
         }
-        Source::Exact(_) | Source::Formula(_) => {
-            exact(grid(64), f, Some(Diagonal::Rising)).iter().sum()
-        }
+        Source::Exact(_) | Source::Formula(_) => integrals(f)[0],
     }
+}
+
+/// The integrals over the square of f and of |f|; no numbers if a smooth f is not finite at some point.
+pub fn integrals(f: &Source) -> [f64; 2] {
+    if !f.is_smooth() {
+        return [integral(f), integral(&f.absolute())];
+    }
+    let found = sampled(&triangles(1), &|point| f.at(point));
+    found.map_or([f64::NAN; 2], |of| [of.integral, of.size])
 }
 
 /// Fills a nodal vector in blocks of rows, which are worked on in parallel; `fill` gets the number of the

@@ -65,6 +65,18 @@ pub enum PartError {
 /// Distance of a node from the curve of its part, over the radius, that is taken for rounding of the file.
 const ON_CURVE: f64 = 1e-4;
 
+impl From<PlaneMesh> for AnyMesh {
+    fn from(mesh: PlaneMesh) -> Self {
+        Self::Plane(mesh)
+    }
+}
+
+impl From<SpaceMesh> for AnyMesh {
+    fn from(mesh: SpaceMesh) -> Self {
+        Self::Space(mesh)
+    }
+}
+
 impl AnyMesh {
     /// Coarsest mesh of a built-in domain, or `None` if there is no domain of this name.
     pub fn built_in(name: &str) -> Option<Self> {

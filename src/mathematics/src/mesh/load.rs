@@ -1,15 +1,34 @@
 //! f on a mesh: its load vector, its integrals, and its means over the cells.
 //!
-//! On each cell by the [quadrature] of degree 5, exactly where f is constant on the cell.
+//! A cell on which f is constant, or which the borders of shapes with constant f [cut](super::cut), is integrated exactly.
+//! Any other f is [sampled](crate::discrete::adaptive): the cells are divided until two formulas agree.
 
-use super::quadrature::{QuadraturePoint, quadrature};
+use super::cut::{CellCutter, CutShape};
 use super::{Element, Mesh};
-use crate::problem::shape::SourceError;
+use crate::discrete::adaptive::{BadValue, SampledCell, Sampler, Settling};
+use crate::machine::threads::in_tasks;
+use crate::problem::shape::{Shape, SourceError};
+use rayon::prelude::*;
 
-/// Value of f at a point of a cell, given by its number and the point.
-pub trait OnCells<const D: usize> {
+/// f on the cells of a mesh.
+pub trait OnCells<const D: usize>: Sync {
+    /// Shapes on which f may be constant.
+    type Shape: Shape<Point = [f64; D]>;
+
+    /// The constant pieces of f on the cells of a region; none if f is known there by its values only.
+    fn pieces(&self, region: u16) -> Option<ConstantPieces<'_, Self::Shape>>;
+
     /// Value at a point of a cell of this region.
     fn at(&self, region: u16, point: [f64; D]) -> f64;
+}
+
+/// Function that is constant on shapes, of which the last one wins.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantPieces<'a, S> {
+    /// Value where no shape is.
+    pub background: f64,
+    /// Shapes with their values.
+    pub pieces: &'a [(S, f64)],
 }
 
 /// Function on the cells of a mesh.
@@ -32,74 +51,207 @@ pub struct MeshLoad {
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,
+    /// Sum of the differences of the formulas by which f was sampled; none if all integrals are exact.
+    pub unsettled: Option<f64>,
 }
 
-/// Checks the values of f at the points of the quadrature.
-///
-/// # Errors
-/// [`SourceError::NoValue`] with the first point where f is not finite.
-pub fn check_values<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-    f: &impl OnCells<D>,
-) -> Result<(), SourceError> {
-    let points = quadrature::<V>();
-    for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
-        for point in &points {
-            let point = point.within(mesh.vertices(cell));
-            SourceError::check_value(f.at(region, point), &point)?;
+/// Integrals of f over a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellPart<const V: usize> {
+    /// Of f times the hat functions of the vertices.
+    pub shares: [f64; V],
+    /// Mean of f.
+    pub mean: f64,
+    /// L2 norm of f less its mean.
+    pub deviation: f64,
+    /// Integral of |f|.
+    pub size: f64,
+}
+
+impl<const V: usize> CellPart<V> {
+    /// Integrals of a constant.
+    pub(super) fn constant(volume: f64, value: f64) -> Self {
+        Self {
+            shares: [volume * (value / V as f64); V],
+            mean: value,
+            deviation: 0.0,
+            size: volume * value.abs(),
         }
     }
-    Ok(())
+
+    fn sampled(volume: f64, of: &SampledCell<V>) -> Self {
+        Self {
+            shares: of.shares.map(|share| volume * share),
+            mean: of.mean,
+            deviation: (volume * of.variance.max(0.0)).sqrt(),
+            size: volume * of.size,
+        }
+    }
 }
+
+/// Parts of cells at least over a whole mesh: peaks of a width of some hundredths of the mesh are not missed.
+const LEAST_PARTS: usize = 1 << 14;
+/// Parts of cells at most over a whole mesh, besides one for each cell.
+const MOST_PARTS: usize = 1 << 18;
+/// Difference of the formulas on a part of the mesh up to which it is settled, over the integral of |f| and the share of the
+/// part to the power (D - 1) / D.
+const SETTLED: f64 = 1e-6;
+/// Cells between which their parts are added to the sums.
+const RUN: usize = 1 << 16;
 
 /// Integrates f over all cells.
-pub fn mesh_load<const D: usize, const V: usize>(
+///
+/// # Errors
+/// [`SourceError::NoValue`] with a point where f is not finite.
+pub fn mesh_load<const D: usize, const V: usize, F: OnCells<D>>(
     mesh: &Mesh<D, V>,
-    f: &impl OnCells<D>,
-) -> MeshLoad {
-    let points = quadrature::<V>();
+    f: &F,
+) -> Result<MeshLoad, SourceError>
+where
+    F::Shape: CutShape<D, V>,
+{
     let cells = mesh.cells().len();
-    let mut made = MeshLoad {
-        load: vec![0.0; mesh.points().len()],
-        cells: CellData { mean: Vec::with_capacity(cells), deviation: None },
-        integral: 0.0,
-        size: 0.0,
+    let work = CellWork { mesh, f, sampler: Sampler::default(), volume: mesh.volume() };
+    let mut made = LoadSums::new(mesh);
+    // Cells that are not settled as far as f is known, with their parts.
+    let mut open = Vec::new();
+    let once = Settling {
+        least_parts: LEAST_PARTS.div_ceil(cells).next_power_of_two(),
+        most_parts: 0,
+        tolerance: f64::INFINITY,
     };
-    let mut deviation = Vec::with_capacity(cells);
-    let mut values = vec![0.0; points.len()];
-    for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
-        let vertices = mesh.vertices(cell);
-        let volume = Element::new(vertices).volume;
-        for (value, point) in values.iter_mut().zip(&points) {
-            *value = f.at(region, point.within(vertices));
-        }
-        let is_constant = values.iter().all(|value| *value == values[0]);
-        let mean = if is_constant { values[0] } else { sum(&points, &values, |_, value| value) };
-        for (vertex, &node) in cell.iter().enumerate() {
-            let share = if is_constant {
-                mean / V as f64
+    for start in (0..cells).step_by(RUN) {
+        let run = (start..cells.min(start + RUN)).into_par_iter();
+        let parts = in_tasks(run, COST)
+            .map_init(CellCutter::new, |cutter, cell| work.integrate(cutter, cell, once));
+        for (cell, part) in (start..).zip(parts.collect::<Vec<_>>()) {
+            let part = part?;
+            made.size += part.part.size;
+            if part.worst > SETTLED * made.size {
+                open.push((cell, part));
             } else {
-                sum(&points, &values, |point, value| point.barycentric[vertex] * value)
-            };
-            made.load[node as usize] += volume * share;
+                made.add(cell, &part);
+            }
         }
-        let square = sum(&points, &values, |_, value| (value - mean) * (value - mean));
-        made.cells.mean.push(mean);
-        deviation.push(if is_constant { 0.0 } else { (volume * square).sqrt() });
-        made.integral += volume * mean;
-        made.size += volume * sum(&points, &values, |_, value| value.abs());
     }
-    if deviation.iter().any(|deviation| *deviation > 0.0) {
-        made.cells.deviation = Some(deviation);
+    let size = made.size;
+    let (open, settled): (Vec<_>, Vec<_>) =
+        open.into_iter().partition(|(_, part)| part.worst > SETTLED * size);
+    settled.iter().for_each(|(cell, part)| made.add(*cell, part));
+    let more = Settling {
+        most_parts: once.least_parts + MOST_PARTS.div_ceil(open.len().max(1)),
+        tolerance: SETTLED * size,
+        ..once
+    };
+    let finer = in_tasks(open.par_iter(), COST * more.most_parts)
+        .map_init(CellCutter::new, |cutter, (cell, _)| work.integrate(cutter, *cell, more));
+    for ((cell, coarse), part) in open.iter().zip(finer.collect::<Vec<_>>()) {
+        let part = part?;
+        made.size += part.part.size - coarse.part.size;
+        made.add(*cell, &part);
     }
-    made
+    Ok(made.finished())
 }
 
-/// Weighted sum over the points of a formula.
-fn sum<const V: usize>(
-    points: &[QuadraturePoint<V>],
-    values: &[f64],
-    term: impl Fn(&QuadraturePoint<V>, f64) -> f64,
-) -> f64 {
-    points.iter().zip(values).map(|(point, &value)| point.weight * term(point, value)).sum()
+/// Numbers whose work takes as long as that on a cell.
+const COST: usize = 64;
+
+/// Integrals over one cell, and how far they are settled.
+struct WeighedPart<const V: usize> {
+    part: CellPart<V>,
+    /// Difference of the formulas; none if the integrals are exact.
+    difference: Option<f64>,
+    /// Largest difference on a part of the cell, to be compared with that of [`SETTLED`].
+    worst: f64,
+}
+
+/// Mesh and function to be integrated.
+struct CellWork<'a, F, const D: usize, const V: usize> {
+    mesh: &'a Mesh<D, V>,
+    f: &'a F,
+    sampler: Sampler<V>,
+    /// Volume of the mesh.
+    volume: f64,
+}
+
+impl<F: OnCells<D>, const D: usize, const V: usize> CellWork<'_, F, D, V>
+where
+    F::Shape: CutShape<D, V>,
+{
+    /// Integrates over a cell. A tolerance is for the mesh, as [`SETTLED`].
+    fn integrate(
+        &self,
+        cutter: &mut CellCutter<F::Shape, D, V>,
+        cell: usize,
+        settling: Settling,
+    ) -> Result<WeighedPart<V>, SourceError> {
+        let (mesh, region) = (self.mesh, self.mesh.regions()[cell]);
+        let vertices = mesh.vertices(&mesh.cells()[cell]);
+        let volume = Element::new(vertices).volume;
+        if let Some(pieces) = self.f.pieces(region) {
+            let part = cutter.integrate(vertices, volume, pieces);
+            return Ok(WeighedPart { part, difference: None, worst: 0.0 });
+        }
+        let fraction = volume / self.volume;
+        let power = libm::pow(fraction, (D as f64 - 1.0) / D as f64);
+        // The tolerance is 0 for f = 0, and the volume of a flat cell.
+        let tolerance = settling.tolerance * power / volume;
+        let settling =
+            Settling { tolerance: if tolerance.is_nan() { 0.0 } else { tolerance }, ..settling };
+        let values = |point| self.f.at(region, point);
+        let found = self.sampler.integrate(vertices, &values, settling);
+        let found =
+            found.map_err(|BadValue { value, point }| SourceError::no_value(value, &point))?;
+        Ok(WeighedPart {
+            part: CellPart::sampled(volume, &found),
+            difference: Some(volume * found.difference),
+            worst: volume * found.worst / power,
+        })
+    }
+}
+
+/// Sums over the cells.
+struct LoadSums<'a, const D: usize, const V: usize> {
+    mesh: &'a Mesh<D, V>,
+    load: Vec<f64>,
+    mean: Vec<f64>,
+    deviation: Vec<f64>,
+    size: f64,
+    unsettled: Option<f64>,
+}
+
+impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
+    fn new(mesh: &'a Mesh<D, V>) -> Self {
+        let cells = mesh.cells().len();
+        Self {
+            mesh,
+            load: vec![0.0; mesh.points().len()],
+            mean: vec![0.0; cells],
+            deviation: vec![0.0; cells],
+            size: 0.0,
+            unsettled: None,
+        }
+    }
+
+    /// Adds the integrals over a cell, but for that of |f|.
+    fn add(&mut self, cell: usize, WeighedPart { part, difference, .. }: &WeighedPart<V>) {
+        for (&node, share) in self.mesh.cells()[cell].iter().zip(part.shares) {
+            self.load[node as usize] += share;
+        }
+        self.mean[cell] = part.mean;
+        self.deviation[cell] = part.deviation;
+        if let Some(difference) = difference {
+            *self.unsettled.get_or_insert(0.0) += difference;
+        }
+    }
+
+    fn finished(self) -> MeshLoad {
+        let Self { mesh, load, mean, deviation, size, unsettled } = self;
+        let masses = mesh.cells().iter().zip(&mean);
+        let integral =
+            masses.map(|(cell, mean)| Element::new(mesh.vertices(cell)).volume * mean).sum();
+        let is_constant = deviation.iter().all(|deviation| *deviation == 0.0);
+        let cells = CellData { mean, deviation: (!is_constant).then_some(deviation) };
+        MeshLoad { load, cells, integral, size, unsettled }
+    }
 }

@@ -5,10 +5,14 @@
 mod any;
 mod arcs;
 mod assemble;
+mod ball;
 mod boundary;
 mod builtin;
 mod check;
 mod curve;
+mod cut;
+mod cut_plane;
+mod cut_space;
 mod edges;
 mod error;
 mod facet_boxes;
@@ -20,7 +24,6 @@ mod load;
 mod names;
 mod nested;
 mod overlap;
-mod quadrature;
 mod refine;
 mod same_place;
 mod source;
@@ -32,15 +35,15 @@ pub use assemble::assemble;
 pub use boundary::{BoundaryCurve, boundary_curves};
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use curve::Round;
+pub use cut::{CutMoments, CutShape, FramedCell};
 pub use edges::Edges;
 pub use error::MeshError;
 pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
-pub use load::{CellData, MeshLoad, OnCells, check_values, mesh_load};
+pub use load::{CellData, ConstantPieces, MeshLoad, OnCells, mesh_load};
 pub use names::Names;
-pub use nested::refined;
-pub(crate) use quadrature::quadrature;
+pub use nested::{refined, refined_with};
 pub use refine::{Refined, refine};
 pub use same_place::Touching;
 pub use source::{MeshSource, MeshSourceError};
@@ -208,6 +211,11 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
             extent = extent.max(high - low);
         }
         extent
+    }
+
+    /// Largest coordinate, without its sign.
+    pub fn largest_coordinate(&self) -> f64 {
+        self.points.iter().flatten().fold(0.0, |largest, x| x.abs().max(largest))
     }
 
     /// Length, area or volume of the domain.

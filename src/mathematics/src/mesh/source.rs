@@ -4,7 +4,7 @@
 //! the text is that of a [`Source`].
 
 use super::Names;
-use super::load::OnCells;
+use super::load::{ConstantPieces, OnCells};
 use crate::problem::shape::{Shape, SourceError};
 use crate::problem::source::Source;
 
@@ -44,11 +44,11 @@ pub enum MeshSourceError {
 }
 
 impl<S: Shape> MeshSource<S> {
-    /// Reads a text for a mesh with these regions.
+    /// Reads a text for a mesh with these regions, whose largest coordinate has this size.
     ///
     /// # Errors
     /// [`MeshSourceError`].
-    pub fn read(text: &str, region_names: &[Names]) -> Result<Self, MeshSourceError> {
+    pub fn read(text: &str, region_names: &[Names], size: f64) -> Result<Self, MeshSourceError> {
         let mut regions = vec![None; region_names.len()];
         let mut rest = Vec::new();
         for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
@@ -59,7 +59,7 @@ impl<S: Shape> MeshSource<S> {
             // A value alone, `else=v`, is a constant.
             let is_formula = value.starts_with("formula(");
             let text = if is_formula { value.to_owned() } else { format!("else={value}") };
-            set_named(&mut regions, region_names, name, &text.parse()?)?;
+            set_named(&mut regions, region_names, name, &Source::read(&text, size)?)?;
         }
         let without = regions.iter().position(Option::is_none);
         if let (true, true, Some(region)) =
@@ -69,7 +69,7 @@ impl<S: Shape> MeshSource<S> {
         }
         let complete = rest.is_empty() && without.is_none();
         let rest =
-            if complete { Source::constant(0.0) } else { rest.join("; ").parse::<Source<S>>()? };
+            if complete { Source::constant(0.0) } else { Source::read(&rest.join("; "), size)? };
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         Ok(Self { regions, rest, text })
     }
@@ -77,6 +77,11 @@ impl<S: Shape> MeshSource<S> {
     /// Text from which f was read, in one line.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// f on the cells of a region.
+    fn on(&self, region: u16) -> &Source<S> {
+        self.regions[region as usize].as_ref().unwrap_or(&self.rest)
     }
 
     /// Checks that f is of a size to compute with, as [`Source::check_scale`] does.
@@ -122,14 +127,31 @@ fn region(item: &str) -> Option<(&str, &str)> {
 }
 
 impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for Source<S> {
+    type Shape = S;
+
+    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, S>> {
+        match self {
+            Self::Pieces { background, pieces } => {
+                Some(ConstantPieces { background: *background, pieces })
+            }
+            Self::Exact(_) | Self::Formula(_) => None,
+        }
+    }
+
     fn at(&self, _region: u16, point: [f64; D]) -> f64 {
         Source::at(self, point)
     }
 }
 
 impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for MeshSource<S> {
+    type Shape = S;
+
+    fn pieces(&self, region: u16) -> Option<ConstantPieces<'_, S>> {
+        OnCells::pieces(self.on(region), region)
+    }
+
     fn at(&self, region: u16, point: [f64; D]) -> f64 {
-        self.regions[region as usize].as_ref().unwrap_or(&self.rest).at(point)
+        self.on(region).at(point)
     }
 }
 
@@ -146,12 +168,14 @@ mod tests {
     #[test]
     fn regions_and_shapes_are_read_together() {
         let names = names(&["core", "shell"]);
-        let f = MeshSource::<Region>::read("region(core)=-1/4;  disc(0,0,1)=2; else=-1", &names)
-            .unwrap();
+        let f =
+            MeshSource::<Region>::read("region(core)=-1/4;  disc(0,0,1)=2; else=-1", &names, 1.0)
+                .unwrap();
         assert_eq!([f.at(0, [0.0; 2]), f.at(1, [0.0; 2]), f.at(1, [2.0; 2])], [-0.25, 2.0, -1.0]);
         assert_eq!(f.text(), "region(core)=-1/4; disc(0,0,1)=2; else=-1");
-        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=2", &names).is_ok());
-        let f = MeshSource::<Region>::read("region(core)=formula(x*y); else=-1", &names).unwrap();
+        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=2", &names, 1.0).is_ok());
+        let f =
+            MeshSource::<Region>::read("region(core)=formula(x*y); else=-1", &names, 1.0).unwrap();
         assert_eq!([f.at(0, [2.0, 3.0]), f.at(1, [2.0, 3.0])], [6.0, -1.0]);
         let mut both = Names::from("core");
         both.add("shell");
@@ -166,13 +190,16 @@ mod tests {
                 "f has two values on the region `core`; give it one",
             ),
         ] {
-            assert_eq!(MeshSource::<Region>::read(text, &names).unwrap_err().to_string(), said);
+            assert_eq!(
+                MeshSource::<Region>::read(text, &names, 1.0).unwrap_err().to_string(),
+                said
+            );
         }
-        let said = MeshSource::<Region>::read("region(core)=1; region(shell)=2", &both);
+        let said = MeshSource::<Region>::read("region(core)=1; region(shell)=2", &both, 1.0);
         assert_eq!(said.unwrap_err(), MeshSourceError::TwoValues("core, shell".into()));
-        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=1", &both).is_ok());
+        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=1", &both, 1.0).is_ok());
         for wrong in ["region(core)=1", "region(x)=1; else=2", "region(core)=x; else=1", "hello"] {
-            let message = MeshSource::<Region>::read(wrong, &names).unwrap_err().to_string();
+            let message = MeshSource::<Region>::read(wrong, &names, 1.0).unwrap_err().to_string();
             assert!(!message.contains('\n'), "{message}");
         }
     }
@@ -180,11 +207,11 @@ mod tests {
     #[test]
     fn loads_sum_to_the_integral_and_constants_are_exact() {
         let mesh = BuiltIn::LShape.plane().unwrap();
-        let f = |text: &str| MeshSource::<Region>::read(text, mesh.region_names()).unwrap();
-        let made = mesh_load(&mesh, &f("rect(-1,0,-1,0)=3; else=-2"));
+        let f = |text: &str| MeshSource::<Region>::read(text, mesh.region_names(), 1.0).unwrap();
+        let made = mesh_load(&mesh, &f("rect(-1,0,-1,0)=3; else=-2")).unwrap();
         assert_eq!((made.integral, made.size, made.cells.deviation), (-1.0, 7.0, None));
         assert!((made.load.iter().sum::<f64>() + 1.0).abs() < 1e-15);
-        let cut = mesh_load(&mesh, &f("disc(0,0,0.5)=3; else=-2"));
+        let cut = mesh_load(&mesh, &f("disc(0,0,0.5)=3; else=-2")).unwrap();
         assert!(cut.cells.deviation.is_some());
     }
 }

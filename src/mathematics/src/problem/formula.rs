@@ -128,11 +128,13 @@ impl SourceError {
     /// # Errors
     /// [`SourceError::NoValue`] if the value is not finite.
     pub fn check_value(value: f64, point: &[f64]) -> Result<(), Self> {
-        if value.is_finite() {
-            return Ok(());
-        }
+        if value.is_finite() { Ok(()) } else { Err(Self::no_value(value, point)) }
+    }
+
+    /// The error of a value at a point that is not finite.
+    pub(crate) fn no_value(value: f64, point: &[f64]) -> Self {
         let point: Vec<_> = point.iter().map(|&at| Written(at).to_string()).collect();
-        Err(Self::NoValue { value, point: point.join(", ") })
+        Self::NoValue { value, point: point.join(", ") }
     }
 }
 

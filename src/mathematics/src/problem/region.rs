@@ -102,9 +102,11 @@ impl Shape for Region {
         }
     }
 
-    fn is_vast(&self) -> bool {
+    fn is_vast(&self, size: f64) -> bool {
         match *self {
-            Self::Disc { centre: [x, y], radius } => [x, y, radius].iter().any(|s| s.abs() > VAST),
+            Self::Disc { centre: [x, y], radius } => {
+                [x, y, radius].iter().any(|s| s.abs() > VAST * size)
+            }
             _ => false,
         }
     }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 /// A closed convex set on which f may be constant.
-pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
+pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq + Send + Sync {
     /// A point of the square or the cube.
     type Point: Copy + AsRef<[f64]>;
     /// The problems there whose solutions are known.
@@ -23,8 +23,9 @@ pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
     /// True if it has no interior.
     fn is_empty(&self) -> bool;
 
-    /// True if it is round and so large, or so far away, that where its border crosses the domain is lost to rounding.
-    fn is_vast(&self) -> bool;
+    /// True if it is round and so large, or so far away, that where its border crosses a domain with coordinates of this
+    /// size is lost to rounding.
+    fn is_vast(&self, size: f64) -> bool;
 
     /// True if it does not reach into the domain.
     fn is_outside(&self) -> bool;
@@ -36,7 +37,7 @@ pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq {
 }
 
 /// A problem with a known solution.
-pub trait Known<Point>: Copy + fmt::Debug + PartialEq + 'static {
+pub trait Known<Point>: Copy + fmt::Debug + PartialEq + Send + Sync + 'static {
     /// All of them.
     const KNOWN: &'static [Self];
 
@@ -147,9 +148,15 @@ pub enum SourceError {
     Empty(String),
     /// A disc or ball too large or too far away.
     #[error(
-        "`{0}` in f: the centre and the radius of what is round are at most {VAST}; write a straight border as a half-plane or half-space"
+        "`{shape}` in f: the centre and the radius of what is round are at most {}; write a straight border as a half-plane or half-space",
+        Written(*most)
     )]
-    Vast(String),
+    Vast {
+        /// Text of the shape.
+        shape: String,
+        /// Largest coordinate and radius.
+        most: f64,
+    },
     /// Values too large or too small to compute with.
     #[error("{what} is {}, outside {} to {}; scale f", Written(*size), Written(SCALE.start), Written(SCALE.end))]
     Scale {
@@ -193,7 +200,8 @@ pub enum SourceError {
 /// `(1e-16 * 1e-130)^2 = 1e-292`, nor does a sum of squares over a grid overflow.
 pub const SCALE: Range<f64> = 1e-130..1e130;
 
-/// The largest coordinate of a centre, and radius: the border of a disc or ball is then known to 1e-13.
+/// The largest coordinate of a centre, and radius, over the coordinates of the domain: the border of a disc or ball is then
+/// known to 1e-13.
 pub(super) const VAST: f64 = 1e3;
 
 /// Reads a finite number, or a fraction of two such as `-1/3`.

@@ -5,7 +5,7 @@
 
 use crate::problem::formula::Formula;
 pub use crate::problem::region::Region;
-use crate::problem::shape::{Known, SCALE, Shape, SourceError, Written, number};
+use crate::problem::shape::{Known, SCALE, Shape, SourceError, VAST, Written, number};
 use std::fmt;
 use std::str::FromStr;
 
@@ -47,6 +47,39 @@ impl<S: Shape> Source<S> {
     /// f = `value` everywhere.
     pub fn constant(value: f64) -> Self {
         Self::Pieces { background: value, pieces: Vec::new() }
+    }
+
+    /// Reads f for a domain whose largest coordinate has this size.
+    ///
+    /// # Errors
+    /// Any [`SourceError`] but those of values.
+    pub fn read(text: &str, size: f64) -> Result<Self, SourceError> {
+        if let Some(name) = text.trim().strip_prefix("exact(").and_then(|t| t.strip_suffix(')')) {
+            return exact::<S>(name.trim()).map(Self::Exact);
+        }
+        if let Some(rest) = text.trim().strip_prefix("formula(") {
+            let formula = rest.strip_suffix(')').ok_or(SourceError::NotAlone)?;
+            return Formula::read(formula, S::DIMENSION).map(Self::Formula);
+        }
+        let (mut background, mut pieces) = (None, Vec::new());
+        for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
+            let syntax = || SourceError::Syntax { text: item.into(), example: S::EXAMPLE };
+            let (left, value) = item.split_once('=').ok_or_else(syntax)?;
+            let value = number(value)?;
+            if left.trim() == "else" {
+                if background.replace(value).is_some() {
+                    return Err(syntax());
+                }
+            } else {
+                pieces.push((shape(left.trim(), size).ok_or_else(syntax)??, value));
+            }
+        }
+        let shapes: Vec<S> = pieces.iter().map(|(shape, _)| *shape).collect();
+        match background {
+            Some(background) => Ok(Self::Pieces { background, pieces }),
+            None if S::cover(&shapes) => Ok(Self::Pieces { background: 0.0, pieces }),
+            None => Err(SourceError::NoElse { text: one_line(text), example: S::EXAMPLE }),
+        }
     }
 
     /// The exact problem that f belongs to, if its solution is known.
@@ -176,33 +209,9 @@ impl<'de, S: Shape> serde::Deserialize<'de> for Source<S> {
 impl<S: Shape> FromStr for Source<S> {
     type Err = SourceError;
 
+    /// Reads f for the square or the cube.
     fn from_str(text: &str) -> Result<Self, SourceError> {
-        if let Some(name) = text.trim().strip_prefix("exact(").and_then(|t| t.strip_suffix(')')) {
-            return exact::<S>(name.trim()).map(Self::Exact);
-        }
-        if let Some(rest) = text.trim().strip_prefix("formula(") {
-            let formula = rest.strip_suffix(')').ok_or(SourceError::NotAlone)?;
-            return Formula::read(formula, S::DIMENSION).map(Self::Formula);
-        }
-        let (mut background, mut pieces) = (None, Vec::new());
-        for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
-            let syntax = || SourceError::Syntax { text: item.into(), example: S::EXAMPLE };
-            let (left, value) = item.split_once('=').ok_or_else(syntax)?;
-            let value = number(value)?;
-            if left.trim() == "else" {
-                if background.replace(value).is_some() {
-                    return Err(syntax());
-                }
-            } else {
-                pieces.push((shape(left.trim()).ok_or_else(syntax)??, value));
-            }
-        }
-        let shapes: Vec<S> = pieces.iter().map(|(shape, _)| *shape).collect();
-        match background {
-            Some(background) => Ok(Self::Pieces { background, pieces }),
-            None if S::cover(&shapes) => Ok(Self::Pieces { background: 0.0, pieces }),
-            None => Err(SourceError::NoElse { text: one_line(text), example: S::EXAMPLE }),
-        }
+        Self::read(text, 1.0)
     }
 }
 
@@ -220,12 +229,12 @@ fn one_line(text: &str) -> String {
 }
 
 /// `None` if the text is not `name(arguments)` with a known name.
-fn shape<S: Shape>(text: &str) -> Option<Result<S, SourceError>> {
+fn shape<S: Shape>(text: &str, size: f64) -> Option<Result<S, SourceError>> {
     let (name, rest) = text.split_once('(')?;
     let shape = S::read(name.trim(), rest.strip_suffix(')')?)?;
-    Some(shape.and_then(|shape| match (shape.is_empty(), shape.is_vast()) {
+    Some(shape.and_then(|shape| match (shape.is_empty(), shape.is_vast(size)) {
         (true, _) => Err(SourceError::Empty(text.into())),
-        (_, true) => Err(SourceError::Vast(text.into())),
+        (_, true) => Err(SourceError::Vast { shape: text.into(), most: VAST * size }),
         _ => Ok(shape),
     }))
 }

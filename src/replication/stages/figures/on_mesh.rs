@@ -46,7 +46,7 @@ fn draw_map(
     refined: &RefinedProblem,
 ) -> Result<Picture, Failure> {
     let mesh = mesh_to_draw(refined)?;
-    let f = means_on(&mesh, &domain.f)?;
+    let f = means_on(&mesh, &domain.f).map_err(|e| e.to_string())?;
     Ok(mesh_map(&scene.title, plane(&mesh)?, &f))
 }
 

@@ -6,7 +6,7 @@
 use super::{BoundsError, bounds_on_mesh};
 use crate::bounds::Bounds;
 use crate::discrete::cube::Grid;
-use crate::mesh::{assemble, mesh_load, uniform_cube};
+use crate::mesh::{MeshLoad, assemble, mesh_load, uniform_cube};
 use crate::problem::cube::Source;
 use crate::problem::law::Law;
 
@@ -15,7 +15,7 @@ use crate::problem::law::Law;
 pub struct CubeBounds {
     /// Bounds, for v linear on each tetrahedron.
     pub bounds: Bounds,
-    /// True if f is not constant on each tetrahedron, so that means and deviations are those of a quadrature.
+    /// True if f is not constant on pieces, so that its means and deviations are those of a quadrature.
     pub by_quadrature: bool,
 }
 
@@ -34,9 +34,10 @@ pub fn bounds_on_cube(
     y: &[f64],
 ) -> Result<CubeBounds, BoundsError> {
     let mesh = uniform_cube(grid);
-    let cells = mesh_load(&mesh, f).cells;
+    let MeshLoad { cells, unsettled, .. } =
+        mesh_load(&mesh, f).map_err(|_| BoundsError::NotFinite)?;
     let bounds = bounds_on_mesh(&mesh, &assemble(&mesh), &cells, law, y)?;
-    Ok(CubeBounds { bounds, by_quadrature: cells.deviation.is_some() })
+    Ok(CubeBounds { bounds, by_quadrature: unsettled.is_some() })
 }
 
 #[cfg(test)]

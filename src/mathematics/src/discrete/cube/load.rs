@@ -2,10 +2,11 @@
 
 use super::{Grid, load};
 use crate::discrete::cells::{CutCube, Rows};
+use crate::discrete::sampled::{sampled, tetrahedra};
 use crate::problem::cube::{Body, Source};
 use rayon::prelude::*;
 
-/// The integral of f over the cube: exact for constant pieces, by quadrature for smooth f.
+/// The integral of f over the cube: exact for constant pieces, [sampled] for smooth f.
 pub fn integral(f: &Source) -> f64 {
     match f {
         Source::Pieces { background, pieces } => {
@@ -29,23 +30,17 @@ pub fn integral(f: &Source) -> f64 {
             };
             (0..n).into_par_iter().map(plane).collect::<Vec<_>>().iter().sum()
         }
-        Source::Exact(_) | Source::Formula(_) => {
-            let grid = Grid::new(16).expect("not below the least");
-            // Gauss' rule with two points along each axis of each cell.
-            let step = grid.h() / 12f64.sqrt();
-            let points = |i: usize| [-step, step].map(|s| grid.coordinate(i) + 0.5 * grid.h() + s);
-            let plane = |k: usize| {
-                let mut sum = 0.0;
-                for (i, j) in (0..16).flat_map(|j| (0..16).map(move |i| (i, j))) {
-                    for (x, y) in points(j).into_iter().flat_map(|y| points(i).map(|x| (x, y))) {
-                        sum += points(k).iter().map(|&z| f.at([x, y, z])).sum::<f64>();
-                    }
-                }
-                sum / 8.0 * grid.h().powi(3)
-            };
-            (0..16).into_par_iter().map(plane).collect::<Vec<_>>().iter().sum()
-        }
+        Source::Exact(_) | Source::Formula(_) => integrals(f)[0],
     }
+}
+
+/// The integrals over the cube of f and of |f|; no numbers if a smooth f is not finite at some point.
+pub fn integrals(f: &Source) -> [f64; 2] {
+    if !f.is_smooth() {
+        return [integral(f), integral(&f.absolute())];
+    }
+    let found = sampled(&tetrahedra(), &|point| f.at(point));
+    found.map_or([f64::NAN; 2], |of| [of.integral, of.size])
 }
 
 /// The load vector of f, a nodal vector, the same whatever the number of threads: for constant pieces the integrals

@@ -6,7 +6,7 @@
 mod load;
 mod norms;
 
-pub use load::{exact_load, integral};
+pub use load::{exact_load, integral, integrals};
 pub use norms::errors;
 
 use crate::discrete::grid::{GridError, MIN_CELLS};

@@ -1,11 +1,13 @@
 //! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
 
 use crate::discrete::judging::judge_network;
-use crate::mesh::{BuiltIn, Element, Mesh, OnCells, mesh_arcs, mesh_load, quadrature, refined};
+use crate::discrete::quadrature::quadrature;
+use crate::mesh::{BuiltIn, ConstantPieces, Element, Mesh, OnCells, mesh_arcs, mesh_load, refined};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
 use crate::problem::law::{ContactNode, Law};
+use crate::problem::region::Region;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -48,6 +50,12 @@ pub struct DiscLevel {
 }
 
 impl OnCells<2> for DiscProblem {
+    type Shape = Region;
+
+    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, Region>> {
+        None
+    }
+
     fn at(&self, _region: u16, point: [f64; 2]) -> f64 {
         self.f(point)
     }
@@ -88,7 +96,7 @@ fn on_disc(problem: DiscProblem, refinements: usize) -> Result<DiscFindings, Str
 
 fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<DiscLevel, String> {
     let (levels, mesh) = refined(coarsest, times).map_err(|e| e.to_string())?;
-    let load = mesh_load(&mesh, &problem).load;
+    let load = mesh_load(&mesh, &problem).map_err(|e| e.to_string())?.load;
     let loaded = Law::SIGNORINI.with_load(&load);
     let (y, _) = solve_nested_networks(&levels, loaded, &MultigridParams::default())
         .map_err(|e| e.to_string())?;

@@ -90,10 +90,10 @@ impl Shape for Body {
         }
     }
 
-    fn is_vast(&self) -> bool {
+    fn is_vast(&self, size: f64) -> bool {
         match *self {
             Self::Ball { centre: [x, y, z], radius } => {
-                [x, y, z, radius].iter().any(|s| s.abs() > VAST)
+                [x, y, z, radius].iter().any(|s| s.abs() > VAST * size)
             }
             _ => false,
         }

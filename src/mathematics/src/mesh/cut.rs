@@ -1,0 +1,163 @@
+//! Integrals over one cell of a mesh of a function that is constant on shapes, of which the last one wins.
+//!
+//! Most cells lie inside or outside each shape. The others are integrated exactly, in coordinates in which the cell just
+//! fits into the unit box, whatever the scale of the mesh.
+
+use super::geometry::{Element, centroid, dot};
+use super::load::{CellPart, ConstantPieces};
+use crate::problem::shape::Shape;
+
+/// Shape whose border may cut triangles, V = 3, or tetrahedra, V = 4.
+pub trait CutShape<const D: usize, const V: usize>: Shape<Point = [f64; D]> + Send + Sync {
+    /// Storage for the work on one cell.
+    type Storage: Default;
+
+    /// This shape in coordinates with another origin and unit.
+    fn moved(&self, origin: [f64; D], unit: f64) -> Self;
+
+    /// True if the shape certainly has no point inside the cell.
+    fn misses(&self, cell: &FramedCell<D, V>) -> bool;
+
+    /// Integrals over a cell of a function less `background`, which is its value where no piece is; of the pieces the first
+    /// one wins. Cell and pieces are in the coordinates of the frame.
+    fn integrate(
+        storage: &mut Self::Storage,
+        cell: &FramedCell<D, V>,
+        background: f64,
+        pieces: &[(Self, f64)],
+    ) -> CutMoments<D>;
+}
+
+/// Integrals of a function f over a cell, in the coordinates of its frame. c is the value where no piece is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutMoments<const D: usize> {
+    /// Of f - c.
+    pub one: f64,
+    /// Of f - c times each coordinate.
+    pub first: [f64; D],
+    /// Of the square of f - c.
+    pub square: f64,
+    /// Of |f| - |c|.
+    pub size: f64,
+}
+
+/// Cell in the frame in which its bounding box has the centre 0 and the longest side 1.
+#[derive(Clone, Copy, Debug)]
+pub struct FramedCell<const D: usize, const V: usize> {
+    /// Centre of the bounding box.
+    origin: [f64; D],
+    /// Longest side of the bounding box.
+    unit: f64,
+    /// Vertices as they are in the mesh.
+    vertices: [[f64; D]; V],
+    /// Vertices in the frame.
+    pub(super) framed: [[f64; D]; V],
+    /// Element of the framed vertices.
+    pub(super) element: Element<D, V>,
+    /// Least and greatest coordinates in the mesh along each axis.
+    pub(super) bounds: [[f64; 2]; D],
+}
+
+impl<const D: usize, const V: usize> FramedCell<D, V> {
+    /// Cell with these vertices.
+    pub(super) fn new(vertices: [[f64; D]; V]) -> Self {
+        let bounds = bounds(vertices);
+        let origin = bounds.map(|[least, greatest]| 0.5 * least + 0.5 * greatest);
+        let unit =
+            bounds.iter().fold(0.0, |most: f64, [least, greatest]| most.max(greatest - least));
+        let framed = vertices.map(|x| std::array::from_fn(|d| (x[d] - origin[d]) / unit));
+        Self { origin, unit, vertices, framed, element: Element::new(framed), bounds }
+    }
+
+    /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or equal.
+    pub(super) fn is_beyond(&self, normal: [f64; D], d: f64) -> bool {
+        self.vertices.iter().all(|&vertex| dot(normal, vertex) >= d)
+    }
+
+    /// True if the circle or sphere does not reach across the line or plane of a side of the cell, or across the one at a
+    /// right angle to the way from its centre to that of the cell.
+    pub(super) fn is_away_from(&self, centre: [f64; D], radius: f64) -> bool {
+        let centre: [f64; D] = std::array::from_fn(|d| (centre[d] - self.origin[d]) / self.unit);
+        let radius = radius / self.unit;
+        for (vertex, gradient) in self.element.gradients.iter().enumerate() {
+            // The side opposite to a vertex holds the next one.
+            let on_side = self.framed[(vertex + 1) % V];
+            let from_side = std::array::from_fn(|d| on_side[d] - centre[d]);
+            if dot(*gradient, from_side) >= radius * dot(*gradient, *gradient).sqrt() {
+                return true;
+            }
+        }
+        let middle = centroid(self.framed);
+        let way: [f64; D] = std::array::from_fn(|d| middle[d] - centre[d]);
+        let reach = radius * dot(way, way).sqrt();
+        self.framed.iter().all(|x| dot(way, std::array::from_fn(|d| x[d] - centre[d])) >= reach)
+    }
+}
+
+/// Least and greatest coordinates of some points along each axis.
+fn bounds<const D: usize, const V: usize>(points: [[f64; D]; V]) -> [[f64; 2]; D] {
+    std::array::from_fn(|d| {
+        let first = [points[0][d]; 2];
+        points.iter().fold(first, |[least, greatest], x| [least.min(x[d]), greatest.max(x[d])])
+    })
+}
+
+/// The pieces that share a cell, with storage for the work on them.
+pub(super) struct CellCutter<S: CutShape<D, V>, const D: usize, const V: usize> {
+    storage: S::Storage,
+    /// Pieces whose borders may cross the cell, the last one first, in the frame.
+    across: Vec<(S, f64)>,
+}
+
+impl<S: CutShape<D, V>, const D: usize, const V: usize> CellCutter<S, D, V> {
+    pub(super) fn new() -> Self {
+        Self { storage: S::Storage::default(), across: Vec::new() }
+    }
+
+    /// Integrates over the cell with these vertices and this volume.
+    pub(super) fn integrate(
+        &mut self,
+        vertices: [[f64; D]; V],
+        volume: f64,
+        f: ConstantPieces<'_, S>,
+    ) -> CellPart<V> {
+        if f.pieces.is_empty() {
+            return CellPart::constant(volume, f.background);
+        }
+        let cell = FramedCell::new(vertices);
+        let background = self.find_across(&cell, f);
+        if self.across.iter().all(|&(_, value)| value == background) {
+            return CellPart::constant(volume, background);
+        }
+        let moments = S::integrate(&mut self.storage, &cell, background, &self.across);
+        let whole = cell.element.volume;
+        let (one, first) = (moments.one / whole, moments.first.map(|first| first / whole));
+        let middle = centroid(cell.framed);
+        let shares = cell.element.gradients.map(|slopes| {
+            // The hat function is 1 / V at the centroid.
+            let at_origin = 1.0 / V as f64 - dot(slopes, middle);
+            volume * (background / V as f64 + (at_origin * one + dot(slopes, first)))
+        });
+        CellPart {
+            shares,
+            mean: background + one,
+            deviation: (volume * (moments.square / whole - one * one).max(0.0)).sqrt(),
+            size: volume * (background.abs() + moments.size / whole),
+        }
+    }
+
+    /// Finds the pieces whose borders may cross the cell, and returns the value of f where none of them is.
+    fn find_across(&mut self, cell: &FramedCell<D, V>, f: ConstantPieces<'_, S>) -> f64 {
+        self.across.clear();
+        for (shape, value) in f.pieces.iter().rev() {
+            // A convex shape covers the cell if it holds the vertices.
+            if cell.vertices.iter().all(|&vertex| shape.contains(vertex)) {
+                return *value;
+            }
+            if !shape.misses(cell) {
+                self.across.push((shape.moved(cell.origin, cell.unit), *value));
+            }
+        }
+        f.background
+    }
+}
