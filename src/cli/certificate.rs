@@ -158,6 +158,11 @@ const RECORD: &str = "ro-crate-metadata.json";
 /// Returns the verdicts on the whole project, if there is nothing to do and the lock file has these results.
 fn up_to_date(workplace: &Workplace) -> Result<Summary> {
     let summary = workplace.judge(&workplace.tasks(&[], None)?, Scope::Whole, false)?;
+    if summary.verdicts.is_empty() {
+        return Err(Error::input(
+            "no scene asks for outputs, so that there is no run to record; name some in `outputs`",
+        ));
+    }
     let refused = if let Some(first) = summary.not_fresh().next() {
         let of = summary.verdicts.len();
         format!(

@@ -22,12 +22,15 @@ mod status;
 
 use crate::pipeline::error::{Error, Result};
 use crate::timing::machine;
-use clap::builder::{PossibleValue, PossibleValuesParser, Resettable, TypedValueParser};
+use clap::builder::{
+    PossibleValue, PossibleValuesParser, Resettable, StringValueParser, TypedValueParser,
+};
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::{say, styled, talk};
 use serde_json::{Value, json};
 use signorini_mathematics::solvers::{SOLVERS, Solver};
+use std::ffi::OsStr;
 use std::panic::PanicHookInfo;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -173,6 +176,27 @@ fn solver_parser() -> impl TypedValueParser<Value = Solver> {
     let names = SOLVERS.map(|entry| PossibleValue::new(entry.name).help(entry.description));
     PossibleValuesParser::new(names)
         .map(|name| Solver::named(&name).expect("the parser takes no other name"))
+}
+
+/// Parser of a text for which shells suggest some values; the command itself refuses others, with its own remedy.
+#[derive(Clone)]
+struct Suggested(Vec<&'static str>);
+
+impl TypedValueParser for Suggested {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> std::result::Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.0.iter().map(PossibleValue::new)))
+    }
 }
 
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.

@@ -7,6 +7,7 @@ use std::fmt::Display;
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use unicode_width::UnicodeWidthStr;
 
 /// Writes data to standard output; a reader that has closed it is no error.
 pub(super) fn say(text: &str) -> Result<u8> {
@@ -73,16 +74,18 @@ pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> 
     for line in &lines {
         widths.resize(widths.len().max(line.len()), 0);
         for (width, cell) in widths.iter_mut().zip(line) {
-            *width = (*width).max(cell.chars().count());
+            *width = (*width).max(cell.width());
         }
     }
     let mut text = String::new();
     for line in &lines {
         let mut padded = Vec::new();
         for (k, (cell, &width)) in line.iter().zip(&widths).enumerate() {
+            // A format would count characters, of which some are two columns wide, and some have none.
+            let space = " ".repeat(width - cell.width());
             padded.push(match left.contains(&k) {
-                true => format!("{cell:<width$}"),
-                false => format!("{cell:>width$}"),
+                true => format!("{cell}{space}"),
+                false => format!("{space}{cell}"),
             });
         }
         text += padded.join("  ").trim_end();
@@ -93,11 +96,18 @@ pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> 
 
 /// Cuts a text to this number of columns; dots mark the cut.
 pub(super) fn cut(text: &str, width: usize) -> String {
-    if text.chars().count() <= width {
+    if text.width() <= width {
         return text.to_owned();
     }
-    let kept: String = text.chars().take(width.saturating_sub(3)).collect();
-    kept.trim_end().to_owned() + "..."
+    let mut end = 0;
+    for (at, c) in text.char_indices() {
+        let next = at + c.len_utf8();
+        if text[..next].width() + 3 > width {
+            break;
+        }
+        end = next;
+    }
+    text[..end].trim_end().to_owned() + "..."
 }
 
 /// Quotes a path for a shell, to be copied into a command.
@@ -199,4 +209,24 @@ fn why_not_writable(path: &Path) -> Result<Option<String>> {
     }
     fs::remove_file(&trial).context("remove", &trial)?;
     Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_counted_as_a_terminal_shows_them() {
+        let names = ["ab", "鍋", "e\u{301}t", "ひび割れ"];
+        let rows = names.map(|name| vec![name.to_owned(), "1".to_owned()]).to_vec();
+        let text = columns(&[], &[0], rows);
+        for line in text.lines() {
+            assert_eq!(line.width(), 8 + 2 + 1, "{line}");
+        }
+        assert_eq!(columns(&[], &[], vec![vec!["鍋".into()], vec!["abc".into()]]), " 鍋\nabc\n");
+        assert_eq!(cut("鍋鍋鍋鍋", 8), "鍋鍋鍋鍋");
+        assert_eq!(cut("鍋鍋鍋鍋", 7), "鍋鍋...");
+        assert_eq!(cut("e\u{301}te\u{301}te\u{301}", 4), "e\u{301}...");
+        assert_eq!(cut("abcd", 2), "...");
+    }
 }

@@ -15,7 +15,7 @@ mod solvers;
 mod spectral;
 
 use super::output::{OutputFile, say, say_json};
-use super::solver_parser;
+use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
@@ -24,9 +24,10 @@ use domain::{Domain, square};
 use format::Format;
 use problem::Problem;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Tie;
-use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::saddle::{Pair, StopRule};
 use signorini_mathematics::solvers::Solver;
 use std::path::PathBuf;
 
@@ -47,7 +48,8 @@ pub(super) struct SolveArgs {
         conflicts_with_all = ["scene", "cube", "h", "load", "accuracy", "accuracy_energy", "recover"])]
     mesh: Option<PathBuf>,
     /// A domain by its name: disc, lshape, annulus, ball
-    #[arg(long, value_name = "NAME", requires = "f",
+    #[arg(long, value_name = "NAME", requires = "f", hide_possible_values = true,
+        value_parser = Suggested(AnyMesh::built_in_names()),
         conflicts_with_all = ["mesh", "scene", "cube", "h", "load", "accuracy", "accuracy_energy", "recover"])]
     domain: Option<String>,
     /// Number of refinements of the mesh [default: up to 20 000 nodes]
@@ -99,7 +101,8 @@ pub(super) struct SolveArgs {
     r: Option<f64>,
     /// Stopping rule: signed (as in the tables), printed (as in (13)), signed-dual, printed-dual
     /// [default: the scene's, or printed]
-    #[arg(long, value_name = "RULE", hide_short_help = true)]
+    #[arg(long, value_name = "RULE", hide_short_help = true, hide_possible_values = true,
+        value_parser = Suggested(StopRule::ALL.map(StopRule::name).to_vec()))]
     stop: Option<String>,
     /// Cap on iterations per grid; for the Uzawa solvers, on sweeps [default: the scene's, or 1000000]
     #[arg(long, value_name = "N", hide_short_help = true, value_parser = clap::value_parser!(u64).range(1..))]

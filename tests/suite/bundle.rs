@@ -177,7 +177,8 @@ fn a_certificate_killed_at_any_moment_can_be_repeated() {
         while child.try_wait().unwrap().is_none() && !is_at_work(folder.0.path()) {
             std::thread::yield_now();
         }
-        let until = Instant::now() + Duration::from_micros(dice.below(40_000));
+        let longest = 1 << dice.below(16);
+        let until = Instant::now() + Duration::from_micros(dice.below(longest));
         while Instant::now() < until && is_at_work(folder.0.path()) {
             std::hint::spin_loop();
         }

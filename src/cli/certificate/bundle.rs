@@ -97,8 +97,8 @@ impl<'a> Bundle<'a> {
         Ok(bundle)
     }
 
-    /// Returns the bytes of the file at this path, `None` if there is nothing, or the path of what is in the way: a link
-    /// or a folder in the place of the file, or of a folder above it.
+    /// Returns the bytes of the file at this path, `None` if there is nothing, or the path of what is in the way: a
+    /// link or a folder in the place of the file, or what is no folder above it.
     fn found(&self, path: &str) -> Result<std::result::Result<Option<Vec<u8>>, String>> {
         let mut here = String::new();
         for part in path.split('/') {
@@ -132,7 +132,8 @@ impl<'a> Bundle<'a> {
         }
     }
 
-    /// True if a certificate wrote the manifest, which somebody may have edited: only such a one has a record of the run.
+    /// True if a certificate wrote the manifest, which somebody may have edited: only such a one names a record of the
+    /// run.
     fn manifest_is_ours(&self) -> bool {
         self.manifest.contains("\n  run_record: ")
     }
@@ -226,8 +227,8 @@ impl<'a> Bundle<'a> {
         }
     }
 
-    /// Returns the paths below the folder `top` of the bundle that are not `known`: files and links, and in the place of
-    /// all its files a folder that has no known one.
+    /// Returns the paths below the folder `top` of the bundle that are not `known`: files and links, and in the place
+    /// of all its files a folder that has no known one.
     fn others(&self, top: &str, known: &BTreeSet<&str>) -> Result<BTreeSet<String>> {
         let (mut others, mut folders) = (BTreeSet::new(), vec![top.to_owned()]);
         while let Some(prefix) = folders.pop() {
@@ -252,8 +253,8 @@ impl<'a> Bundle<'a> {
         Ok(others)
     }
 
-    /// Makes the folder the bundle, so that after an interruption at any point every file of a certificate is on record:
-    /// earlier files that the new record would not know go before it, and new files come after it.
+    /// Makes the folder the bundle, so that after an interruption at any point every file of a certificate is on
+    /// record: earlier files that the new record would not know go before it, and new files come after it.
     fn perform(&self, change: &Change) -> Result<()> {
         for path in change.remove.iter().chain(change.write.iter().map(|file| &file.path)) {
             let path = self.folder.join(path);

@@ -66,8 +66,8 @@ fn entry(line: &str) -> Option<(&str, &str)> {
     Some((path, about.rsplit(' ').next()?))
 }
 
-/// Variables with which git, for a hook or an alias, names the repository that it is at work in, beside its settings: those
-/// that `git rev-parse --local-env-vars` lists. That repository may be another than the project's.
+/// Variables with which git, for a hook or an alias, names the repository that it is at work in: those that
+/// `git rev-parse --local-env-vars` lists, but for the settings. That repository may be another than the project's.
 const NAMING: [&str; 13] = [
     "GIT_ALTERNATE_OBJECT_DIRECTORIES",
     "GIT_COMMON_DIR",

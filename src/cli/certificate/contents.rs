@@ -79,8 +79,8 @@ const RESERVED: &AsciiSet = &CONTROLS
     .add(b'|')
     .add(b'}');
 
-/// Returns the address of a file in the bundle. RO-Crate prefers letters beyond ASCII as they are; other characters there
-/// may be some that no address has.
+/// Returns the address of a file in the bundle. RO-Crate prefers letters beyond ASCII as they are; other characters
+/// there may be some that no address has.
 fn address(path: &str) -> String {
     let mut address = String::new();
     for c in path.chars() {
