@@ -49,7 +49,9 @@ impl Own {
         for list in ["additional-css", "additional-js"] {
             config.set(format!("output.html.{list}"), Vec::<String>::new())?;
         }
-        config.set("output.html.redirect", BTreeMap::<String, String>::new())?;
+        for table in ["redirect", "search.chapter"] {
+            config.set(format!("output.html.{table}"), BTreeMap::<String, String>::new())?;
+        }
         Pages.render(&RenderContext::new(root, Book::new(), config, scratch))?;
         let files = read_tree(scratch, |_| false).map_err(|(_, error)| Error::from(error))?;
         Ok(Self(files.keys().map(|name| alike(name)).collect()))
