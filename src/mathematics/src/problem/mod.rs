@@ -9,4 +9,5 @@ pub mod formula;
 pub mod law;
 pub mod region;
 pub mod shape;
+pub mod side;
 pub mod source;
