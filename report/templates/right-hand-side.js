@@ -185,11 +185,41 @@ const rightHandSide = (() => {
 
   // ---- Load vectors -----------------------------------------------------------------------------
 
+  // True if a node belongs to a half-plane or disc: on the border, if the step with these signs leads into it; where the
+  // step is along the border, if its horizontal part does. As in src/mathematics/src/problem/side.rs.
+  function tied(shape, node, signs) {
+    let gradient, value;
+    if (shape.kind === "halfplane") {
+      const [a, b, c] = plain(shape);
+      [gradient, value] = [[a, b], a * node[0] + b * node[1] - c];
+    } else {
+      const [x, y] = [node[0] - shape.x, node[1] - shape.y];
+      [gradient, value] = [[x, y], 0.5 * (x * x + y * y - shape.radius * shape.radius)];
+    }
+    const size = Math.abs(gradient[0]) + Math.abs(gradient[1]);
+    if (Math.abs(value) > STEP_OFF * size) return value < 0;
+    const steps = [0, 1].map((axis) => gradient[axis] * signs[axis]), both = steps[0] + steps[1];
+    const change = Math.abs(both) > 1e-9 * size ? both : steps[0];
+    const isInside = [0, 1].some((axis) => [-1, 1].some((step) => {
+      return node[axis] * step < 0.5 && gradient[axis] * step * change > 0;
+    }));
+    return isInside === change < 0;
+  }
+
   // f at the nodes times the integrals of the hats; `tie` is the side from which f is taken on a jump.
   function nodal(n, source, { tie, diagonal }) {
     const h = 1 / n, values = new Float64Array((n + 1) * (n + 1));
     const [dy, dx] = tie.split("-").map((side) => (/lower|left/.test(side) ? -STEP_OFF : STEP_OFF));
     const moved = (t, d) => (Math.abs(t + d) <= 0.5 ? t + d : t - d);
+    const signs = [Math.sign(dx), Math.sign(dy)];
+    const painted = ({ background, pieces }, x, y) => {
+      for (let k = pieces.length - 1; k >= 0; k--) {
+        const { shape, value } = pieces[k];
+        const held = shape.kind === "rect" ? contains(shape, moved(x, dx), moved(y, dy)) : tied(shape, [x, y], signs);
+        if (held) return value;
+      }
+      return background;
+    };
     const corner = (i, j) => {
       if (diagonal === "") return 0.25;
       // A diagonal gives the corners it ends in two triangles, the others one.
@@ -199,7 +229,7 @@ const rightHandSide = (() => {
       for (let i = 0; i <= n; i++) {
         const [onSide, onEnd] = [i === 0 || i === n, j === 0 || j === n];
         const weight = onSide && onEnd ? corner(i, j) : onSide || onEnd ? 0.5 : 1;
-        const f = at(source, moved(i / n - 0.5, dx), moved(j / n - 0.5, dy));
+        const f = painted(source, i / n - 0.5, j / n - 0.5);
         values[j * (n + 1) + i] = weight * h * h * f;
       }
     }

@@ -390,14 +390,10 @@ pub(crate) fn solvable<S: Shape>(
         ));
     }
     let rounding = ROUNDING * of_size.abs();
-    for near in [integral - rounding, integral + rounding] {
-        match law.check_solvable(near, perimeter) {
-            Err(error) if !law.is_signorini() => return Err(Error::input(error.to_string())),
-            _ => (),
-        }
-    }
-    if !law.is_signorini() || integral < -rounding {
-        return Ok(integral);
+    match law.check_solvable_by(rounding, integral, perimeter) {
+        Err(error) if !law.is_signorini() => return Err(Error::input(error.to_string())),
+        Err(_) => (),
+        Ok(()) => return Ok(integral),
     }
     let size = integral.abs();
     let exactly =
@@ -411,7 +407,8 @@ pub(crate) fn solvable<S: Shape>(
 pub(crate) fn shown_integral(integral: f64) -> String {
     match integral.abs() {
         1e-2..1e6 => format!("{integral:.4}"),
-        _ => format!("{integral:.3e}"),
+        // The sum with zero is never the zero with a minus.
+        _ => format!("{:.3e}", integral + 0.0),
     }
 }
 

@@ -105,6 +105,44 @@ fn bad_laws_get_one_line() {
 }
 
 #[test]
+fn a_nodal_load_that_the_flux_cannot_balance_is_one_of_the_grid() {
+    let project = Project::with(SCENE);
+    let f = ["solve", "--f", "halfplane(2,1,0.1728)=8.21; else=-12.67", "--h", "1/4"];
+    for law in [["--limit", "0.115"], ["--friction", "0.115"]] {
+        for solver in ["multigrid", "active-set", "arrow-hurwicz"] {
+            let args = [&f[..], &law, &["--solver", solver, "--load", "nodal"]].concat();
+            let said = project.run(&args);
+            assert_eq!(said.code, Some(3), "{said:?}");
+            let words = "the load vector sums to -9.250e-1 on grid 1/4, where the discrete problem has no solution; \
+                use --load exact";
+            assert!(said.err.contains(words), "{said:?}");
+        }
+        // The remedy works.
+        let args = [&f[..], &law, &["--load", "exact"]].concat();
+        assert_eq!(project.run(&args).code, Some(0));
+    }
+}
+
+#[test]
+fn messages_have_the_integral_itself_and_no_zero_with_a_minus() {
+    let project = Project::with(SCENE);
+    let refused = |args: &[&str]| project.run(&[&["solve"], args].concat()).refusal().to_owned();
+    let balanced = "rect(-0.25,0.25,-0.5,0)=3; else=-1";
+    let message = refused(&["--f", balanced, "--limit", "0.5"]);
+    let words = "the integral of f is 0.0000e0, but the flux through the boundary can only balance one between \
+        -2.0000e0 and 0.0000e0;";
+    assert!(message.contains(words), "{message}");
+    let message = refused(&["--f", "else=0", "--limit", "0.5"]);
+    assert!(message.contains(words), "{message}");
+    let message = refused(&["--domain", "disc", "--f", "else=0", "--limit", "0.5"]);
+    assert!(message.contains("is 0.0000e0,") && message.contains(" and 0.0000e0;"), "{message}");
+    // The borders coincide; what is near is the end of the interval of the law.
+    let f = "rect(-0.25,0.25,-0.5,0)=3; else=1.66665333333";
+    let said = project.run(&["solve", "--f", f, "--friction", "0.5", "--solver", "spectral"]);
+    assert!(said.code != Some(0) && !said.err.contains("nearly touch"), "{said:?}");
+}
+
+#[test]
 fn scenes_with_a_law_are_made_and_kept() {
     let project = project(SCENE);
     project.run(&["run"]).lines();

@@ -149,6 +149,26 @@ fn energies_with_both_signs_lie_in_the_brackets_of_a_grid() {
 }
 
 #[test]
+fn a_corner_between_opposite_signs_is_solved_or_refused() {
+    // On the grid of the start one node or two stick at two opposite corners.
+    for (f, limit) in [
+        ("quadrant(ur)=-351; else=116.6", 0.15),
+        ("quadrant(ll)=-351; else=116.6", 0.15),
+        ("quadrant(lr)=-351; else=116.6", 0.15),
+        ("quadrant(ul)=-351; else=116.6", 0.15),
+    ] {
+        let law = Law::limited(limit).unwrap();
+        match spectral_under(law, &f.parse().unwrap(), SpectralParams::default()) {
+            Ok(solution) => {
+                let energy = solution.energy;
+                assert!((-1_374.558_619_792..=-1_374.558_231_372).contains(&energy), "{energy}");
+            }
+            Err(error) => assert_eq!(error, SpectralError::ShortArcs(law), "{f}"),
+        }
+    }
+}
+
+#[test]
 fn arcs_too_short_between_both_signs_are_refused_with_one_line() {
     let f = FRICTION[3].source();
     let law = Law::friction(0.3).unwrap();

@@ -306,7 +306,7 @@ impl Answer {
         }
         text += &words.force(self.force, 0.0 - problem.integral, 6);
         if self.load_misses(problem) {
-            text += &format!("minus the sum of the load {:.5e}\n", -self.last().sum_load);
+            text += &format!("minus the sum of the load {:.5e}\n", 0.0 - self.last().sum_load);
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
             let Errors { l2, h1, max, .. } = values;

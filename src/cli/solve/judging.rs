@@ -118,7 +118,9 @@ impl Answer {
     /// Warns if the load vector belongs to another f.
     fn warn_of_load(&mut self, problem: &Problem) {
         if self.load_misses(problem) {
-            let (integral, sum_load) = (problem.integral, self.last().sum_load);
+            // The sum with zero is never the zero with a minus.
+            let [integral, sum_load] =
+                [problem.integral, self.last().sum_load].map(|sum| sum + 0.0);
             let grid = problem.domain.grid(problem.finest());
             let reason = if problem.domain.is_smooth() {
                 "its points miss some of f; choose a smaller --h"
@@ -138,7 +140,7 @@ impl Answer {
     ///
     /// A difference counts where it exceeds the error of the grid and the error that the user accepts.
     fn warn_of_force(&mut self, problem: &Problem) {
-        let (force, load) = (self.force, -self.last().sum_load);
+        let (force, load) = (self.force, 0.0 - self.last().sum_load);
         let accepted =
             problem.accuracy.map_or(0.0, Accuracy::error) * problem.domain.integrals()[1].abs();
         let slack = problem.domain.slack(problem.finest()).max(accepted);

@@ -13,6 +13,7 @@ use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, MultigridStop};
 use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::law::LawError;
 use signorini_mathematics::saddle::{
     self, Params, SaddleRun, StopReason, on_nested, solve_networks, tolerance,
 };
@@ -203,13 +204,17 @@ impl Problem {
 
     /// Returns the message that no nodal vector solves the discrete problem for a load vector with this sum.
     pub(super) fn without_solution(&self, sum_load: f64) -> String {
-        let lower = match self.domain {
-            Domain::Square { .. } => "use --load exact, another --h, or a lower f",
-            Domain::Cube { .. } | Domain::Mesh(_) => "lower f somewhere",
+        let is_square = matches!(self.domain, Domain::Square { .. });
+        let remedy = match (is_square, self.law.is_signorini()) {
+            (true, true) => "use --load exact, another --h, or a lower f",
+            (true, false) => "use --load exact, another --h, or a wider law",
+            (false, true) => "lower f somewhere",
+            (false, false) => "change f, or widen the law",
         };
         let (name, grid) = (self.name(), self.domain.grid(self.finest()));
+        let sum_load = sum_load + 0.0;
         format!(
-            "{name}: the load vector sums to {sum_load:+.3e} on {grid}, where the discrete problem has no solution; {lower}"
+            "{name}: the load vector sums to {sum_load:+.3e} on {grid}, where the discrete problem has no solution; {remedy}"
         )
     }
 
@@ -217,7 +222,11 @@ impl Problem {
         let option = if self.domain.dimension() == 2 { "--f" } else { "--cube" };
         let place = self.scene.as_deref().unwrap_or(option);
         match e {
-            InputError::NotCoercive(sum) => Error::Stage(vec![self.without_solution(*sum)]),
+            // The integral of f has been judged before.
+            InputError::NotCoercive(sum)
+            | InputError::Law(LawError::Unbalanced { integral: sum, .. }) => {
+                Error::Stage(vec![self.without_solution(*sum)])
+            }
             InputError::GridSize { .. } => Error::input(format!("--h: {e}")),
             _ => Error::input(format!("{place}: {e}; check f")),
         }

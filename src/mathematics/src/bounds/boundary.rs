@@ -89,13 +89,13 @@ impl PartLaw {
         if end.is_finite() { end } else { 0.0 }
     }
 
-    /// Sum of the absolute values of the ends that v with these values slips to.
+    /// Sum of the absolute values of the ends that v with these values slips to; zero where v is.
     pub(super) fn ends_in_use(self, values: &[f64]) -> f64 {
-        let ends = match Signs::of(values) {
-            Signs::Both => [Signs::Up, Signs::Down].map(|signs| self.end(signs).abs()),
-            signs => [self.end(signs).abs(), 0.0],
-        };
-        ends[0] + ends[1]
+        let is_up = values.iter().any(|value| *value > 0.0);
+        let is_down = values.iter().any(|value| *value < 0.0);
+        let up = if is_up { self.end(Signs::Up).abs() } else { 0.0 };
+        let down = if is_down { self.end(Signs::Down).abs() } else { 0.0 };
+        up + down
     }
 
     /// Distance of a flux from the nearer end of the interval; negative outside.

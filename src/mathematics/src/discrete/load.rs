@@ -6,7 +6,7 @@ use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
 use super::sampled::{sampled, triangles};
 use crate::machine::threads::{TASK, in_tasks};
-use crate::problem::shape::Convex;
+use crate::problem::side::TiedRow;
 use crate::problem::source::{Source, Tie};
 use exact::exact;
 pub use exact::radon;
@@ -138,13 +138,15 @@ fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f6
     let moved =
         |axis: usize| (0..side).map(|i| tie.step_off(grid.coordinate(i), axis)).collect::<Vec<_>>();
     let (xs, ys) = (moved(0), moved(1));
+    let at: Vec<f64> = (0..side).map(|i| grid.coordinate(i)).collect();
     by_rows(grid, |first, block| {
         for (j, row) in (first..).zip(block.chunks_exact_mut(side)) {
             match f {
                 Source::Pieces { background, pieces } => {
                     row.fill(*background);
+                    let nodes = TiedRow { xs: &at, y: at[j], moved_xs: &xs, moved_y: ys[j], tie };
                     for (region, value) in pieces {
-                        row[region.along(&xs, [ys[j]])].fill(*value);
+                        nodes.paint(region, *value, row);
                     }
                 }
                 Source::Exact(_) | Source::Formula(_) => {
@@ -333,6 +335,60 @@ mod tests {
         assert!((integral(&f) + 8.0).abs() < 1e-9);
         let nodal = load(Grid::new(64).unwrap(), &f, LoadRule::default());
         assert!((sum(&nodal) + 8.0).abs() < 1e-2);
+    }
+
+    /// Values of f at the nodes, by the nodal rule.
+    fn nodal_values(n: usize, f: &str, tie: Tie) -> Vec<f64> {
+        let grid = Grid::new(n).unwrap();
+        let rule = LoadRule::Nodal { tie, diagonal: None };
+        let ones = load(grid, &Source::constant(1.0), rule);
+        let values = load(grid, &f.parse().unwrap(), rule);
+        values.iter().zip(ones).map(|(value, one)| value / one).collect()
+    }
+
+    #[test]
+    fn all_nodes_on_a_line_take_f_from_one_side() {
+        let ties = [Tie::LowerLeft, Tie::LowerRight, Tie::UpperLeft, Tie::UpperRight];
+        // Normal a, b with a x + b y = c on the line; lines through corners have one side in the square at the corner.
+        for (a, b) in [(1, -1), (-1, 1), (1, 1), (-1, -1), (1, 2), (2, -1), (-1, 2), (3, 3)] {
+            for (tie, n) in ties.into_iter().flat_map(|tie| [8, 10, 16, 40].map(|n| (tie, n))) {
+                for shift in [1, 3] {
+                    let c = f64::from(shift) / n as f64;
+                    let values = nodal_values(n, &format!("halfplane({a},{b},{c})=7; else=5"), tie);
+                    let grid = Grid::new(n).unwrap();
+                    let mut on_line = Vec::new();
+                    for j in 0..=n {
+                        for i in 0..=n {
+                            // In units of 1 / (2 n), so that nothing is rounded.
+                            let [x, y] = [i, j].map(|k| 2 * k as i64 - n as i64);
+                            if i64::from(a) * x + i64::from(b) * y == 2 * i64::from(shift) {
+                                on_line.push(values[grid.index(i, j)]);
+                            }
+                        }
+                    }
+                    assert!(on_line.len() > 1, "{a} {b} {c} 1/{n}");
+                    assert!(on_line.iter().all(|v| *v == on_line[0]), "{tie:?} {a} {b} {c} 1/{n}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_along_the_step_is_taken_from_its_horizontal_side() {
+        let at_centre = |f: &str, tie| nodal_values(4, f, tie)[Grid::new(4).unwrap().index(2, 2)];
+        // To the left of a rising line is above it.
+        assert_eq!(at_centre("halfplane(1,-1,0)=1; else=2", Tie::LowerLeft), 1.0);
+        assert_eq!(at_centre("halfplane(1,-1,0)=1; else=2", Tie::UpperRight), 2.0);
+        assert_eq!(at_centre("halfplane(1,1,0)=1; else=2", Tie::UpperLeft), 1.0);
+        assert_eq!(at_centre("halfplane(1,1,0)=1; else=2", Tie::LowerRight), 2.0);
+        assert_eq!(at_centre("halfplane(1,1,0)=1; else=2", Tie::LowerLeft), 1.0);
+        // A line through a corner alone, and a side: f has one side there.
+        for tie in [Tie::LowerLeft, Tie::UpperRight] {
+            let corner = |f: &str| nodal_values(4, f, tie)[0];
+            assert_eq!(corner("halfplane(1,1,-1)=1; else=2"), 2.0);
+            assert_eq!(corner("halfplane(-1,-1,1)=1; else=2"), 1.0);
+            assert_eq!(corner("halfplane(1,0,-0.5)=1; else=2"), 2.0);
+        }
     }
 
     #[test]

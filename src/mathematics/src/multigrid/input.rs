@@ -77,14 +77,12 @@ pub(crate) struct LoadedComponent {
 impl LoadedComponent {
     /// Checks the condition (2): the flux can balance the load by more than its rounding error, or a node is fixed.
     pub(crate) fn check(&self, law: Law, rounding: f64) -> Result<(), InputError> {
-        let near = [self.sum - rounding, self.sum + rounding];
-        let checked = near.map(|sum| law.check_solvable(sum, self.measure));
-        match checked.into_iter().find_map(Result::err) {
-            Some(_) if law.is_signorini() && !self.has_fixed => {
-                Err(InputError::NotCoercive(self.sum))
-            }
-            Some(error) if !self.has_fixed => Err(error.into()),
-            _ => Ok(()),
+        if self.has_fixed {
+            return Ok(());
+        }
+        match law.check_solvable_by(rounding, self.sum, self.measure) {
+            Err(_) if law.is_signorini() => Err(InputError::NotCoercive(self.sum)),
+            checked => Ok(checked?),
         }
     }
 }

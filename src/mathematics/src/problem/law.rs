@@ -222,7 +222,7 @@ impl Law {
     /// Law of -v, if this is the law of v.
     #[must_use]
     pub fn reflected(self) -> Self {
-        Self { lo: -self.hi, hi: -self.lo }
+        Self { lo: 0.0 - self.hi, hi: 0.0 - self.lo }
     }
 
     /// The problem under this law with the load vector `load` as one under the law `[0, limit]`.
@@ -322,9 +322,25 @@ impl Law {
     /// # Errors
     /// [`LawError::Unbalanced`].
     pub fn check_solvable(self, integral: f64, perimeter: f64) -> Result<(), LawError> {
-        let [least, most] = [-self.hi * perimeter, -self.lo * perimeter];
+        self.check_solvable_by(0.0, integral, perimeter)
+    }
+
+    /// Checks the condition (2), as [`Law::check_solvable`] does, by more than `rounding`, the largest rounding error of the
+    /// integral.
+    ///
+    /// # Errors
+    /// [`LawError::Unbalanced`], with the integral, zero if that is within `rounding`.
+    pub fn check_solvable_by(
+        self,
+        rounding: f64,
+        integral: f64,
+        perimeter: f64,
+    ) -> Result<(), LawError> {
+        // By subtraction, since the negative of zero is another zero.
+        let [least, most] = [0.0 - self.hi * perimeter, 0.0 - self.lo * perimeter];
         // NaN is left to the checks of numbers.
-        if integral <= least || integral >= most {
+        if integral - rounding <= least || integral + rounding >= most {
+            let integral = if integral.abs() <= rounding { 0.0 } else { integral };
             return Err(LawError::Unbalanced { integral, least, most });
         }
         Ok(())

@@ -10,5 +10,6 @@ pub mod formula;
 pub mod law;
 pub mod region;
 pub mod shape;
+pub mod side;
 pub mod source;
 pub mod text;

@@ -41,7 +41,7 @@ pub enum Tie {
 }
 
 /// Distance by which a sample steps off a jump; any jump closer than this to a node counts as through it.
-const STEP_OFF: f64 = 1e-9;
+pub(super) const STEP_OFF: f64 = 1e-9;
 
 impl<S: Shape> Source<S> {
     /// f = `value` everywhere.
@@ -162,16 +162,20 @@ impl<S: Shape> Source<S> {
 }
 
 impl Tie {
+    /// Signs of the step off a jump along both axes.
+    pub(super) fn signs(self) -> [f64; 2] {
+        match self {
+            Self::LowerLeft => [-1.0, -1.0],
+            Self::LowerRight => [1.0, -1.0],
+            Self::UpperLeft => [-1.0, 1.0],
+            Self::UpperRight => [1.0, 1.0],
+        }
+    }
+
     /// The coordinate `t` along axis 0 or 1, moved off any jump there to the side that this rule takes,
     /// or to the other one if that lies outside the square.
     pub fn step_off(self, t: f64, axis: usize) -> f64 {
-        let upward = match self {
-            Self::LowerLeft => [false, false],
-            Self::LowerRight => [true, false],
-            Self::UpperLeft => [false, true],
-            Self::UpperRight => [true, true],
-        };
-        let step = if upward[axis] { STEP_OFF } else { -STEP_OFF };
+        let step = STEP_OFF * self.signs()[axis];
         let moved = t + step;
         if moved.abs() <= 0.5 { moved } else { t - step }
     }

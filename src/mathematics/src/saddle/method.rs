@@ -21,7 +21,7 @@
 
 use super::gradient::{Duality, Extrema, Gradient, dual_step};
 use super::outcome::LastStep;
-use super::stopping::{StopReason, StopRule};
+use super::stopping::{GradientTerms, RoundingFloor, SWEEPS_TO_FLOOR, StopReason, StopRule};
 use super::sweep::GaussSeidel;
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
@@ -124,8 +124,9 @@ pub struct SaddleRun {
 /// Iterates on `pair` in place until the stopping rule is met or the limit on sweeps is reached.
 ///
 /// The central function of this room. Without a monitor the gradient is compared with the tolerance row by row, up to
-/// the first row that exceeds the tolerance; with a monitor all rows are evaluated. The iterates are the same. An inner
-/// bound below the rounding errors of the gradient is never met: the run ends at the limit on sweeps.
+/// the first row that exceeds the tolerance; with a monitor all rows are evaluated. The iterates are the same. Bounds of
+/// Uzawa's method below the rounding errors of the gradient count as those; the paper's method has no inner bound, and ends
+/// where the stopping rule holds.
 ///
 /// # Panics
 /// If a slice has the wrong length for `grid`, or `params.r` is not positive.
@@ -147,8 +148,10 @@ pub fn solve(
             let (gradient_signed, gradient_abs) = (signed, absolute);
             monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a });
         }
-        if (!params.rule.asks_dual() || delta_a <= params.tolerance)
-            && steps.gradient.within(load, pair, params.tolerance, params.rule.is_printed())
+        let RoundingFloor { gradient, dual } = steps.floor;
+        let tolerance = params.tolerance.max(gradient);
+        if (!params.rule.asks_dual() || delta_a <= params.tolerance.max(dual))
+            && steps.gradient.within(load, pair, tolerance, params.rule.is_printed())
         {
             break StopReason::Converged;
         }
@@ -191,6 +194,10 @@ pub struct Steps<'a> {
     bound: Option<f64>,
     /// Diagonal entry `c h^2` of the proximal term at an interior node.
     shift: f64,
+    /// Terms of the inner gradient.
+    terms: GradientTerms,
+    /// Rounding errors of Uzawa's method.
+    floor: RoundingFloor,
     /// Load vector of the inner problem: F plus `shift y^k`, halved on edges, quartered at corners.
     target: Vec<f64>,
     /// Steps of the multiplier done.
@@ -220,6 +227,12 @@ impl<'a> Steps<'a> {
             inner: Gradient::new(grid, duality, shift),
             bound: method.inner_bound(largest(load)),
             shift,
+            terms: GradientTerms {
+                matrix: 8.0 + shift + grid.h() * duality.r,
+                most_measure: grid.h(),
+                least_measure: grid.h(),
+            },
+            floor: RoundingFloor::default(),
             target: load.to_vec(),
             iterations: 0,
             sweeps: 0,
@@ -253,7 +266,10 @@ impl<'a> Steps<'a> {
             if !self.boundary.iter().all(|&node| pair.y[node].is_finite()) {
                 return ControlFlow::Break(StopReason::Diverged);
             }
-            if self.inner.within(&self.target, pair, bound, true) {
+            if self.sweeps.is_multiple_of(SWEEPS_TO_FLOOR) {
+                self.floor = self.terms.floor(largest(&self.target), pair);
+            }
+            if self.inner.within(&self.target, pair, bound.max(self.floor.gradient), true) {
                 break;
             }
         }

@@ -2,6 +2,7 @@
 
 use super::method::Method;
 use super::plain::Plain;
+use super::stopping::{GradientTerms, RoundingFloor, SWEEPS_TO_FLOOR};
 use super::{Outcome, Pair, Params, StopReason, tolerance};
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
@@ -78,6 +79,8 @@ pub fn solve_network(
     let mut bound = method.inner_bound(largest(load));
     let mut run =
         NetworkRun { iterations: 0, sweeps: 0, stop: StopReason::IterationLimit, delta_a: 0.0 };
+    let terms = terms_on(inner_network, r);
+    let mut floor = RoundingFloor::default();
     let mut target = load.to_vec();
     loop {
         if weight > 0.0 {
@@ -92,7 +95,11 @@ pub fn solve_network(
             }
             inner.sweep(pair);
             run.sweeps += 1;
-            if bound.is_none_or(|bound| inner.largest_gradient(pair) <= bound) {
+            let Some(bound) = bound else { break };
+            if run.sweeps.is_multiple_of(SWEEPS_TO_FLOOR) {
+                floor = terms.floor(largest(&target), pair);
+            }
+            if inner.largest_gradient(pair) <= bound.max(floor.gradient) {
                 break;
             }
             if !pair.y.iter().all(|value| value.is_finite()) {
@@ -107,9 +114,22 @@ pub fn solve_network(
         if matches!(method, Method::Uzawa { loose: true, .. }) {
             bound = method.inner_bound(outer.largest_gradient(pair));
         }
-        if outer.stops(params.rule, params.tolerance, run.delta_a, pair) {
+        // A change of the multiplier that is a rounding error counts as none.
+        let delta_a = if run.delta_a <= floor.dual { 0.0 } else { run.delta_a };
+        if outer.stops(params.rule, params.tolerance.max(floor.gradient), delta_a, pair) {
             return NetworkRun { stop: StopReason::Converged, ..run };
         }
+    }
+}
+
+/// Sizes of the terms of the gradient on a network.
+fn terms_on(network: &Network, r: f64) -> GradientTerms {
+    let measures = || network.contact().iter().map(|contact| contact.measure);
+    let most_measure = measures().fold(0.0, f64::max);
+    GradientTerms {
+        matrix: 2.0 * largest(network.diagonal()) + most_measure * r,
+        most_measure,
+        least_measure: measures().fold(f64::INFINITY, f64::min),
     }
 }
 
@@ -154,6 +174,25 @@ mod tests {
     use crate::discrete::grid::Grid;
     use crate::problem::law::Law;
     use crate::saddle::{StopRule, solve};
+
+    #[test]
+    fn uzawa_ends_at_the_rounding_errors_of_huge_loads() {
+        let grid = Grid::new(8).unwrap();
+        let network = Network::of_square(grid);
+        let load: Vec<_> =
+            (0..grid.nodes()).map(|k| 1e20 * ((k * 37 % 11) as f64 - 5.6) / 64.0).collect();
+        for (weight, rule) in [0.0, 1.0].into_iter().flat_map(|w| StopRule::ALL.map(|of| (w, of))) {
+            let method = Method::Uzawa { weight, inner: 1e-4, loose: false };
+            let params = Params { method, r: 4.0, tolerance: 1e-3, rule, ..Params::default() };
+            let problem = Law::SIGNORINI.with_load(&load);
+            let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero_on(&network));
+            let run = solve(grid, problem, &params, &mut on_grid, None);
+            assert_eq!(run.outcome.stop, StopReason::Converged, "{weight} {rule}");
+            assert!(rule != StopRule::PrintedDual || run.outcome.kkt.relative < 1e-9, "{run:?}");
+            let run = solve_network(&network, problem, &params, &mut on_network);
+            assert_eq!(run.stop, StopReason::Converged, "{weight} {rule}");
+        }
+    }
 
     #[test]
     fn every_method_gives_the_bits_of_the_square() {

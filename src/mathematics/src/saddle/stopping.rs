@@ -1,5 +1,7 @@
 //! Stopping rules: criterion (13) as printed, without its absolute value as in the tables, and each with a dual bound.
 
+use super::Pair;
+use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -44,6 +46,43 @@ impl StopRule {
 impl fmt::Display for StopRule {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(self.name())
+    }
+}
+
+/// Sweeps of Uzawa's method after which the rounding errors of the gradient are estimated again.
+pub(super) const SWEEPS_TO_FLOOR: usize = 64;
+
+/// Sizes of the terms of a gradient (8), from which its rounding errors follow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GradientTerms {
+    /// Twice the largest diagonal entry of the matrix, with the proximal term and r times the measure of the boundary at a
+    /// node: factor of the largest |y|.
+    pub(super) matrix: f64,
+    /// Largest measure of the boundary at a node, factor of the largest multiplier.
+    pub(super) most_measure: f64,
+    /// Least measure of the boundary at a node.
+    pub(super) least_measure: f64,
+}
+
+/// Bounds below which the measures of a stopping rule are rounding errors; zero until they are estimated.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RoundingFloor {
+    /// Bound of the components of the gradient.
+    pub(super) gradient: f64,
+    /// Bound of the changes of the multiplier.
+    pub(super) dual: f64,
+}
+
+impl GradientTerms {
+    /// Rounding errors at a pair, for a load vector with entries up to `load`.
+    ///
+    /// Sweeps do not end in a pair without gradient, but go round among pairs that differ in their last bits.
+    pub(super) fn floor(&self, load: f64, Pair { y, a }: &Pair) -> RoundingFloor {
+        /// Roundings of an entry, each at most half of `EPSILON`.
+        const ROUNDINGS: f64 = 4.0;
+        let terms = self.matrix * largest(y) + load + self.most_measure * largest(a);
+        let gradient = ROUNDINGS * f64::EPSILON * terms;
+        RoundingFloor { gradient, dual: gradient / self.least_measure }
     }
 }
 

@@ -43,20 +43,16 @@ impl ContactStart {
         let goal = if careful { Goal::RoundingFloor } else { quick };
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let (y, _) = multigrid::solve_square(n, law.with_load(&load), None, &params).ok()?;
-        let values: Vec<f64> = grid.boundary().map(|node| y[node]).collect();
-        let mut free = free_nodes(&values, n);
-        for b in 0..values.len() {
-            if crossing(&values, b).is_some_and(|crossing| crossing.cells == 2) {
-                free[(b + 1) % values.len()] = true;
-            }
-        }
-        let mut places = changes(&values, &free, n);
+        let values = grid.boundary().map(|node| y[node]).collect();
+        let nodes = SettledNodes::new(values, n);
+        let mut places = nodes.changes(n);
         if careful {
             for (j, end) in places.iter_mut().enumerate() {
                 *end = behind_corner(j, *end);
             }
         }
-        let flux = (0..places.len() / 2).map(|gap| flux_on(gap, &places, &values, law)).collect();
+        let flux =
+            (0..places.len() / 2).map(|gap| flux_on(gap, &places, &nodes.values, law)).collect();
         Some(StickArcs { places, flux })
     }
 }
@@ -100,20 +96,51 @@ fn alike(free: &[bool], node: usize, step: usize) -> usize {
     (1..=2).take_while(|k| free[(node + k * step) % free.len()] == free[node]).count()
 }
 
-/// Ends of contact between the free boundary nodes and the others, beginnings first.
-fn changes(values: &[f64], free: &[bool], n: usize) -> Vec<BoundaryPlace> {
-    let mut places = Vec::new();
-    for b in 0..free.len() {
-        if let Some(crossing) = crossing(values, b) {
-            places.extend(arc_between(b, crossing, n));
-        } else if free[b] != free[(b + 1) % free.len()] {
-            places.push(end_after(b, values, free, n));
+/// Boundary nodes of a grid, anticlockwise, each of which sticks or is free.
+struct SettledNodes {
+    /// Values of v, zero where a node sticks.
+    values: Vec<f64>,
+    /// True for the nodes that are free, and for those between two of them of opposite signs.
+    free: Vec<bool>,
+    /// Change of the sign after each node.
+    crossings: Vec<Option<Crossing>>,
+}
+
+impl SettledNodes {
+    fn new(mut values: Vec<f64>, n: usize) -> Self {
+        let mut free = free_nodes(&values, n);
+        for (value, free) in values.iter_mut().zip(&free) {
+            // A crossing is between free nodes, so that it takes the place of no end of contact.
+            if !free {
+                *value = 0.0;
+            }
         }
+        let many = values.len();
+        let crossings: Vec<_> = (0..many).map(|b| crossing(&values, &free, b)).collect();
+        for (b, crossing) in crossings.iter().enumerate() {
+            let cells = crossing.as_ref().map_or(1, |crossing| crossing.cells);
+            (1..cells).for_each(|k| free[(b + k) % many] = true);
+        }
+        Self { values, free, crossings }
     }
-    if !free[0] && !places.is_empty() {
-        places.rotate_left(1);
+
+    /// Ends of contact between the free nodes and the others, beginnings first: two for each crossing, and as many ends as
+    /// beginnings.
+    fn changes(&self, n: usize) -> Vec<BoundaryPlace> {
+        let Self { values, free, crossings } = self;
+        let mut places = Vec::new();
+        for (b, crossing) in crossings.iter().enumerate() {
+            if let Some(crossing) = crossing {
+                places.extend(arc_between(b, crossing, n));
+            } else if free[b] != free[(b + 1) % free.len()] {
+                places.push(end_after(b, values, free, n));
+            }
+        }
+        if !free[0] && !places.is_empty() {
+            places.rotate_left(1);
+        }
+        places
     }
-    places
 }
 
 /// End of contact between a boundary node and the next one, by extrapolation from the free nodes.
@@ -128,24 +155,28 @@ fn end_after(b: usize, values: &[f64], free: &[bool], n: usize) -> BoundaryPlace
 
 /// Change of the sign of v after a boundary node.
 struct Crossing {
-    /// Number of cells to the node where v has the other sign: two if the node between sticks.
+    /// Number of cells to the node where v has the other sign.
     cells: usize,
     /// Distance from the node to the zero of the line through the values, in cells.
     zero: f64,
 }
 
-/// Change of the sign of v between a boundary node and the next one that does not stick, if at most one sticks between: an
-/// arc there is shorter than two cells.
-fn crossing(values: &[f64], b: usize) -> Option<Crossing> {
-    let value = |cells: usize| values[(b + cells) % values.len()];
-    let cells = (1..=2).find(|&cells| value(cells) != 0.0)?;
+/// Change of the sign of v between a boundary node and the next one where v is not zero, if at most one node between
+/// sticks: an arc there is shorter than two cells.
+fn crossing(values: &[f64], free: &[bool], b: usize) -> Option<Crossing> {
+    /// Cells to the next node at most: a corner that was settled as free has up to three nodes with it where v is zero.
+    const MOST: usize = 5;
+    let many = values.len();
+    let value = |cells: usize| values[(b + cells) % many];
+    let cells = (1..=MOST).find(|&cells| value(cells) != 0.0)?;
+    let sticking = (1..cells).filter(|k| !free[(b + k) % many]).count();
     let is_opposite = value(0) * value(cells) < 0.0;
     let zero = cells as f64 * value(0) / (value(0) - value(cells));
-    is_opposite.then_some(Crossing { cells, zero })
+    (is_opposite && sticking <= 1).then_some(Crossing { cells, zero })
 }
 
 /// Ends of the arc that sticks where v changes its sign after a boundary node.
-fn arc_between(b: usize, crossing: Crossing, n: usize) -> [BoundaryPlace; 2] {
+fn arc_between(b: usize, crossing: &Crossing, n: usize) -> [BoundaryPlace; 2] {
     /// Half of its length in cells: at a longer one, more nodes would stick.
     const HALF: f64 = 0.1;
     let middle = crossing.zero.clamp(2.0 * HALF, crossing.cells as f64 - 2.0 * HALF);
@@ -313,6 +344,27 @@ mod tests {
         let flux = vec![0.0; ends.len() / 2];
         let left = without_short(StickArcs { places, flux }, SHORTEST)?;
         Some(left.places.iter().map(|place| place.distance_from(0)).collect())
+    }
+
+    #[test]
+    fn arcs_begin_as_often_as_they_end_whatever_signs_the_nodes_have() {
+        const CELLS: usize = 4;
+        let mut dice = 1u64;
+        for _ in 0..20_000 {
+            let mut values = Vec::new();
+            for _ in 0..4 * CELLS {
+                // The upper bits of a linear congruential generator.
+                dice = dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                values.push([-1.0, 0.0, 0.0, 0.5][(dice >> 60) as usize % 4]);
+            }
+            let nodes = SettledNodes::new(values.clone(), CELLS);
+            let places = nodes.changes(CELLS);
+            assert!(places.len().is_multiple_of(2), "{values:?}");
+            for (b, crossing) in nodes.crossings.iter().enumerate() {
+                let Some(Crossing { cells, .. }) = crossing else { continue };
+                assert!((0..=*cells).all(|k| nodes.free[(b + k) % values.len()]), "{values:?}");
+            }
+        }
     }
 
     #[test]

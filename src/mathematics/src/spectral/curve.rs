@@ -120,6 +120,13 @@ impl Curve {
         if straight { angle.max(other.distance(self.origin).abs()) } else { angle }
     }
 
+    /// True if the curve equals another one or touches it, as [`Self::meets`] sees it.
+    pub(super) fn touches(self, other: Self) -> bool {
+        let Relation { square, bend, .. } = self.relation(other);
+        let straight = self.curvature == 0.0 && other.curvature == 0.0;
+        self.same(other) || (!straight && square.abs() < SAME * bend)
+    }
+
     /// Points at which the curve meets another one, as distances from the origin along it. Curves that overlap by, or
     /// lack, less than half of [`SAME`] touch, as is frequent with decimal input.
     pub(super) fn meets(self, other: Self) -> Vec<f64> {

@@ -103,7 +103,7 @@ impl Jumps {
         for k in 0..many {
             for j in k + 1..curves.len() {
                 let apart = curves[k].apartness(curves[j]);
-                if apart < nearest {
+                if apart < nearest && !curves[k].touches(curves[j]) {
                     nearest = apart;
                     touch = Some(Touch([k, j].map(|k| self.border_name(k))));
                 }

@@ -19,13 +19,17 @@ struct Outlet {
     measure: f64,
     /// Distance of the flux from the ends of the interval of the law.
     room: f64,
+    /// Absolute value of the flux.
+    size: f64,
 }
 
 impl Outlet {
-    /// Order by fitness for a root: fixed sides first, then sides with much room, for the paper's law much outflow.
+    /// Order by fitness for a root: fixed sides first, then sides with much room, for the paper's law much outflow. Where the
+    /// ends of the interval are so far away that all rooms are rounded to one number, the smallest flux has most room.
     fn compare(&self, other: &Self) -> Ordering {
         let by_condition = other.is_fixed.cmp(&self.is_fixed);
-        by_condition.then(other.room.total_cmp(&self.room))
+        let by_room = by_condition.then(other.room.total_cmp(&self.room));
+        by_room.then(self.size.total_cmp(&other.size))
     }
 }
 
@@ -72,7 +76,13 @@ pub(super) fn balance<const D: usize, const V: usize>(
                 // Sums of parts at the end of the interval may exceed the end by rounding.
                 *flux = law.clamp(*flux);
             }
-            outlets.push(Outlet { side, is_fixed, measure, room: law.room(*flux) });
+            outlets.push(Outlet {
+                side,
+                is_fixed,
+                measure,
+                room: law.room(*flux),
+                size: flux.abs(),
+            });
         }
     }
     outlets.sort_by(Outlet::compare);
@@ -171,7 +181,8 @@ impl Component {
         for (side, part) in outlets.into_iter().zip(parts) {
             flux[side as usize] = part.flux;
             let room = PartLaw::new(law, part.measure).room(part.flux);
-            let outlet = Outlet { side, is_fixed: false, measure: part.measure, room };
+            let (measure, size) = (part.measure, part.flux.abs());
+            let outlet = Outlet { side, is_fixed: false, measure, room, size };
             if law.is_bounded() && outlet.compare(&self.outlet) == Ordering::Less {
                 self.outlet = outlet;
             }
