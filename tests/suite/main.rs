@@ -40,6 +40,7 @@ mod links;
 mod load_symmetry;
 mod loads;
 mod merges;
+mod mesh_files;
 mod meshes;
 mod multigrid;
 mod pages;

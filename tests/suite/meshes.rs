@@ -5,9 +5,7 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::TestCaseError;
 use signorini_mathematics::mesh::gmsh::read;
-use signorini_mathematics::mesh::{
-    AnyMesh, BuiltIn, Element, Facet, Mesh, MeshData, MeshError, refine,
-};
+use signorini_mathematics::mesh::{AnyMesh, BuiltIn, Facet, Mesh, MeshData, MeshError, refine};
 use std::sync::LazyLock;
 use std::{fs, path::Path};
 
@@ -162,14 +160,10 @@ fn shuffled<const D: usize, const V: usize>(mesh: &Mesh<D, V>, dice: &mut Dice) 
         data.points[places[node] as usize] =
             point.map(|x| scale * (x + reach * (2.0 * dice.unit() - 1.0) + shift));
     }
-    // All in one sense: a refined tetrahedron has children in both.
-    let is_negative = dice.below(2) == 0;
+    // In any order, which is in either sense.
     for cell in mesh.cells() {
         let mut nodes = cell.map(|node| places[node as usize]);
-        if Element::new(mesh.vertices(cell)).is_mirrored != is_negative {
-            nodes.swap(0, 1);
-        }
-        nodes.rotate_left(2 * dice.below(2) as usize);
+        shuffle(&mut nodes, dice);
         data.cells.push(nodes);
     }
     shuffle(&mut data.cells, dice);

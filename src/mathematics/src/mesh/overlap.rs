@@ -13,9 +13,9 @@ const CLEAR: f64 = 1e-6;
 
 /// Barycentric coordinate of a point of a cell for the vertex off the boundary.
 const DEPTH: f64 = 0.061;
-/// Those for the corners of the facet, from the nearest one on: uneven, so that no side of another cell runs through the
+/// Weights of the corners of the facet, from the nearest one on: uneven, so that no side of another cell runs through the
 /// point by coincidence, as it does where nodes of both lie on one lattice.
-const ALONG: [f64; 2] = [0.817, 0.081];
+const ALONG: [f64; 3] = [0.817, 0.121, 0.062];
 
 /// Point of a cell.
 struct Probe<const D: usize> {
@@ -49,53 +49,29 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
 
     /// A cell at the boundary, and another one in which a point of the first lies.
     fn probed(&self, boundary: &BoundaryFacets<D>) -> Option<[u32; 2]> {
-        // The longest direction parts the points best.
-        let axis = self.longest_axis();
         let mut probes = self.probes(boundary);
-        probes.sort_by(|one, two| one.point[axis].total_cmp(&two.point[axis]));
-        for (k, cell) in self.cells.iter().enumerate() {
+        arrange(&mut probes, 0);
+        self.cells.iter().zip(0..).find_map(|(cell, k)| {
             let vertices = cell.map(|node| self.points[node as usize]);
-            let [low, high] = vertices.iter().fold([f64::MAX, f64::MIN], |[low, high], vertex| {
-                [low.min(vertex[axis]), high.max(vertex[axis])]
-            });
-            let first = probes.partition_point(|probe| probe.point[axis] < low);
-            let near = probes[first..].iter().take_while(|probe| probe.point[axis] <= high);
-            let mut near = near.filter(|probe| probe.cell as usize != k).peekable();
-            if near.peek().is_none() {
-                continue;
-            }
-            let element = Element::new(vertices);
-            if let Some(probe) = near.find(|probe| is_inside(&element, vertices, probe.point)) {
-                return Some([probe.cell, k as u32]);
-            }
-        }
-        None
-    }
-
-    fn longest_axis(&self) -> usize {
-        let extents: [f64; D] = std::array::from_fn(|d| {
-            let [low, high] =
-                self.points.iter().fold([f64::MAX, f64::MIN], |[low, high], point| {
-                    [low.min(point[d]), high.max(point[d])]
-                });
-            high - low
-        });
-        (0..D).max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(0)
+            let found = find(&probes, 0, &around(vertices), &|probe| {
+                probe.cell != k && is_inside(vertices, probe.point)
+            })?;
+            Some([found.cell, k])
+        })
     }
 
     /// Points of the cells at the boundary, one next to each corner of each facet.
     fn probes(&self, boundary: &BoundaryFacets<D>) -> Vec<Probe<D>> {
         let mut probes = Vec::with_capacity(D * boundary.facets.len());
+        let all: f64 = ALONG[..D].iter().sum();
         for (facet, &owner) in boundary.facets.iter().zip(&boundary.cells) {
             let cell = self.cells[owner as usize];
             let inner = cell.into_iter().find(|node| !facet.nodes.contains(node));
             let inner = self.points[inner.expect("a facet leaves one vertex out") as usize];
             for nearest in 0..D {
                 let mut point = inner.map(|x| DEPTH * x);
-                let mut left = 1.0 - DEPTH;
-                for k in 0..D {
-                    let weight = if k + 1 < D { ALONG[k] } else { left };
-                    left -= weight;
+                for (k, weight) in ALONG[..D].iter().enumerate() {
+                    let weight = (1.0 - DEPTH) * weight / all;
                     let corner = self.points[facet.nodes[(nearest + k) % D] as usize];
                     point.iter_mut().zip(corner).for_each(|(sum, x)| *sum += weight * x);
                 }
@@ -106,17 +82,53 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     }
 }
 
+/// Arranges points as a tree: the middle one parts the others by a coordinate, those on either side by the next one.
+fn arrange<const D: usize>(probes: &mut [Probe<D>], axis: usize) {
+    let middle = probes.len() / 2;
+    if middle == 0 {
+        return;
+    }
+    probes.select_nth_unstable_by(middle, |a, b| a.point[axis].total_cmp(&b.point[axis]));
+    let (below, above) = probes.split_at_mut(middle);
+    arrange(below, (axis + 1) % D);
+    arrange(&mut above[1..], (axis + 1) % D);
+}
+
+/// Returns a point of a tree that lies between two corners of a box and passes a test, if there is one.
+fn find<'a, const D: usize>(
+    tree: &'a [Probe<D>],
+    axis: usize,
+    corners: &[[f64; D]; 2],
+    test: &impl Fn(&Probe<D>) -> bool,
+) -> Option<&'a Probe<D>> {
+    let middle = tree.len() / 2;
+    let probe = tree.get(middle)?;
+    let ([low, high], next) = (corners, (axis + 1) % D);
+    let (is_above, is_below) = (low[axis] <= probe.point[axis], probe.point[axis] <= high[axis]);
+    let is_within = (0..D).all(|d| (low[d]..=high[d]).contains(&probe.point[d]));
+    if is_within && test(probe) {
+        return Some(probe);
+    }
+    let below = if is_above { find(&tree[..middle], next, corners, test) } else { None };
+    below.or_else(|| if is_below { find(&tree[middle + 1..], next, corners, test) } else { None })
+}
+
+/// Lowest and highest corner of the least box around some points.
+fn around<const D: usize, const V: usize>(points: [[f64; D]; V]) -> [[f64; D]; 2] {
+    [f64::min, f64::max].map(|choose| {
+        std::array::from_fn(|d| {
+            points[1..].iter().fold(points[0][d], |x, point| choose(x, point[d]))
+        })
+    })
+}
+
 /// True if a point is clearly inside a cell.
-fn is_inside<const D: usize, const V: usize>(
-    element: &Element<D, V>,
-    vertices: [[f64; D]; V],
-    point: [f64; D],
-) -> bool {
+fn is_inside<const D: usize, const V: usize>(vertices: [[f64; D]; V], point: [f64; D]) -> bool {
     let from_first = difference(point, vertices[0]);
-    let [first, rest @ ..] = &element.gradients[..] else { return false };
-    // Written so that NaN is outside.
-    1.0 + dot(*first, from_first) > CLEAR
-        && rest.iter().all(|gradient| dot(*gradient, from_first) > CLEAR)
+    let gradients = Element::new(vertices).gradients;
+    // Barycentric coordinates; written so that NaN is outside.
+    1.0 + dot(gradients[0], from_first) > CLEAR
+        && gradients[1..].iter().all(|gradient| dot(*gradient, from_first) > CLEAR)
 }
 
 /// True if two facets clearly cross.

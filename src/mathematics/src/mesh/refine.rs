@@ -214,8 +214,8 @@ mod tests {
     #[test]
     fn other_programs_are_given_cells_of_positive_volume() {
         for (_, domain) in crate::mesh::BUILT_IN {
-            domain.plane().map_or((), cells_are_positive);
-            domain.space().map_or((), cells_are_positive);
+            domain.plane().into_iter().for_each(cells_are_positive);
+            domain.space().into_iter().for_each(cells_are_positive);
         }
         for file in [
             &include_bytes!("../../../../tests/meshes/gear.msh")[..],

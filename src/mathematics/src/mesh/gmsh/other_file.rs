@@ -15,13 +15,13 @@ pub struct OtherFile {
 type Beginning = (&'static [u8], &'static str, &'static str);
 
 const UNPACK: &str = "unpack it, and give the mesh that is inside";
-const CONVERT: &str = "convert it with `meshio convert FILE mesh.msh`";
+const CONVERT: &str = "convert it with `meshio convert FILE mesh.msh --output-format gmsh`";
 const MESH: &str = "mesh it with `gmsh -2 FILE -o mesh.msh`, in space with -3";
 const SURFACE: &str = "mesh its inside, as a volume, in Gmsh, and save that as .msh";
 const DOWNLOAD: &str = "download the mesh itself";
 
 /// Beginnings after blanks, in the order in which they are tried.
-const BEGINNINGS: [Beginning; 26] = [
+const BEGINNINGS: [Beginning; 31] = [
     (b"version https://git-lfs.github.com/", "is a pointer of Git LFS", "do `git lfs pull`"),
     (b"/annex/objects/", "is a pointer of git-annex", "do `git annex get FILE`"),
     (b"<!doctype html", "is an HTML page, as of a failed download", DOWNLOAD),
@@ -40,6 +40,11 @@ const BEGINNINGS: [Beginning; 26] = [
     (b"<xdmf", "is an XDMF file", CONVERT),
     (b"\x89hdf", "is an HDF5 file, as of MED", CONVERT),
     (b"meshversionformatted", "is a mesh of Medit", CONVERT),
+    (b"(0 \"", "is a mesh of ANSYS", CONVERT),
+    (b"(1 \"", "is a mesh of ANSYS", CONVERT),
+    (b"<dolfin", "is a mesh of DOLFIN", CONVERT),
+    (b"ndime=", "is a mesh of SU2", CONVERT),
+    (b"cdf\x01", "is a NetCDF file, as of Exodus", CONVERT),
     (b"*heading", "is a mesh of Abaqus", CONVERT),
     (b"*node", "is a mesh of Abaqus", CONVERT),
     (b"$nod\n", "is a mesh of Gmsh in version 1", "save it with `Mesh.MshFileVersion = 4.1`"),
@@ -85,11 +90,16 @@ impl OtherFile {
     }
 }
 
-/// True if a file in small letters begins so, perhaps after the declaration of XML, with any end of a line.
+/// True if a file in small letters begins so, with any end of a line; what stands before the root of XML is passed over.
 fn begins(head: &[u8], beginning: &[u8]) -> bool {
-    let declared = head.starts_with(b"<?xml");
-    let end = head.windows(2).position(|pair| pair == b"?>").filter(|_| declared);
-    let rest = end.map_or(head, |end| head[end + 2..].trim_ascii_start());
+    let mut rest = head;
+    for (open, close) in [(&b"<?xml"[..], &b"?>"[..]), (b"<!--", b"-->")] {
+        if rest.starts_with(open)
+            && let Some(end) = rest.windows(close.len()).position(|window| window == close)
+        {
+            rest = rest[end + close.len()..].trim_ascii_start();
+        }
+    }
     match beginning.strip_suffix(b"\n") {
         None => rest.starts_with(beginning),
         Some(line) => {
@@ -137,11 +147,11 @@ mod tests {
             (b"PK\x03\x04", "is a ZIP archive; unpack it, and give the mesh that is inside"),
             (
                 b"# vtk DataFile Version 2.0\n",
-                "is a VTK file; convert it with `meshio convert FILE mesh.msh`",
+                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh`",
             ),
             (
-                b"<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">",
-                "is a VTK file; convert it with `meshio convert FILE mesh.msh`",
+                b"<?xml version=\"1.0\"?>\n<!-- disc -->\n<VTKFile type=\"UnstructuredGrid\">",
+                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh`",
             ),
             (
                 b"$NOD\r\n4\r\n",

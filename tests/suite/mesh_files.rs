@@ -1,0 +1,121 @@
+//! Mesh files as `solve` and `run` take them: what is said of parts that are not joined, units, names, and other files.
+
+use crate::common::{Project, Said, TABLE};
+use std::fmt::Write;
+
+/// Unit squares side by side, of two triangles each; the second has nodes of its own.
+const TWO_SQUARES: &str = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 1 0 0\n6 2 0 0\n7 2 1 0\n8 1 1 0";
+/// Cells of the squares, joined and not.
+const JOINED: &str = "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n3 2 2 2 2 2 6 7\n4 2 2 2 2 2 7 3";
+const APART: &str = "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n3 2 2 2 2 5 6 7\n4 2 2 2 2 5 7 8";
+/// The second triangle of each square is numbered in the other sense.
+const MIXED: &str = "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 4 3\n3 2 2 2 2 2 6 7\n4 2 2 2 2 2 3 7";
+/// Two tetrahedra on either side of a triangle.
+const TETRAHEDRA: [&str; 2] =
+    ["1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1", "1 4 2 1 1 1 2 3 4\n2 4 2 1 1 2 3 4 5"];
+
+/// File of version 2.2 with these nodes, in some unit, and elements.
+fn mesh(nodes: &str, unit: &str, elements: &str) -> String {
+    let unit: f64 = unit.parse().unwrap();
+    let mut text =
+        format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", nodes.lines().count());
+    for node in nodes.lines() {
+        let mut words = node.split(' ');
+        text += words.next().unwrap();
+        for word in words {
+            write!(text, " {:e}", unit * word.parse::<f64>().unwrap()).unwrap();
+        }
+        text += "\n";
+    }
+    let count = elements.lines().count();
+    text + &format!("$EndNodes\n$Elements\n{count}\n{elements}\n$EndElements\n")
+}
+
+/// Answer of `solve` on a file, with more options.
+fn solve(project: &Project, file: impl AsRef<[u8]>, more: &[&str]) -> Said {
+    project.write("m.msh", file);
+    let path = project.path("m.msh");
+    project.run(&[&["solve", "--mesh", path.to_str().unwrap(), "--refine", "2"], more].concat())
+}
+
+#[test]
+fn warnings_do_not_depend_on_the_unit() {
+    let project = Project::with(TABLE);
+    for (nodes, elements) in [(TWO_SQUARES, JOINED), (TETRAHEDRA[0], TETRAHEDRA[1])] {
+        let nodes =
+            nodes.lines().filter(|node| elements == TETRAHEDRA[1] || !"58".contains(&node[..1]));
+        let nodes = nodes.collect::<Vec<_>>().join("\n");
+        for solver in ["multigrid", "active-set"] {
+            let warnings = ["1", "1e-40", "1e-6", "1e6", "1e40"].map(|unit| {
+                let more = ["--f", "else=-1", "--json", "--solver", solver];
+                let json = solve(&project, mesh(&nodes, unit, elements), &more).json();
+                json["warnings"].to_string()
+            });
+            assert!(
+                !warnings[0].contains("balance") && !warnings[0].contains("sums"),
+                "{warnings:?}"
+            );
+            assert!(warnings.iter().all(|one| *one == warnings[0]), "{warnings:?}");
+        }
+    }
+}
+
+#[test]
+fn squares_that_are_not_joined_are_told_and_the_sense_of_their_elements_does_not_matter() {
+    let project = Project::with(TABLE);
+    let f = ["--f", "else=-1", "--json"];
+    let joined = solve(&project, mesh(TWO_SQUARES, "1", JOINED), &f).json();
+    let mixed = solve(&project, mesh(TWO_SQUARES, "1", MIXED), &f).json();
+    assert_eq!(joined["energy"], mixed["energy"]);
+    let told = "nodes 2 and 5 have the same place: the domain is in two parts, in contact along 1 edge; in Gmsh, `Coherence`, fragments or `removeDuplicateNodes` join them";
+    let apart = mesh(TWO_SQUARES, "1", APART);
+    let json = solve(&project, &apart, &f).json();
+    assert_eq!(json["warnings"][0], told);
+    let text = solve(&project, &apart, &f[..2]).out;
+    assert!(text.contains(&format!("warning: {told}\n")), "{text}");
+    // A run tells it as well.
+    project.write("pipeline/apart.msh", apart);
+    project.scene(
+        "apart",
+        "title = \"Apart\"\nf = \"else=-1\"\ndomain = { mesh = \"apart.msh\", refine = 1 }\nr = [10]\noutputs = [\"table\"]\n",
+    );
+    let said = project.run(&["run", "apart"]);
+    assert!(said.err.contains(&format!("warning: scene `apart`: {told}")), "{said:?}");
+}
+
+#[test]
+fn contradictions_and_numbers_that_are_none_are_refused() {
+    let project = Project::with(TABLE);
+    let file = mesh(TWO_SQUARES, "1", APART);
+    for (f, said) in [
+        ("region(1)=-1", "f has no value on the region `2`; "),
+        ("region(1)=-1; region(1)=-2; else=-1", "f has two values on the region `1`; "),
+    ] {
+        let refused = solve(&project, &file, &["--f", f]);
+        assert!(refused.refusal().contains(said), "{refused:?}");
+    }
+    let cases: [(&[&str], &str); 6] = [
+        (
+            &["--free", "rim", "--fixed", "rim"],
+            "facets named rim would be free and fixed; choose one",
+        ),
+        (&["--curve", "rim=0,0,nan"], "a circle takes x, y, radius;"),
+        (&["--curve", "rim=0,0,1e400"], "a circle takes x, y, radius;"),
+        (&["--curve", "rim=0,0,-1"], "a circle takes x, y, radius;"),
+        (&["--curve", "rim=0,0,1", "--curve", "rim=0,0,1"], "name it once"),
+        (&["--free", "nan"], "the mesh has no part `nan`; its parts are rim"),
+    ];
+    for (args, said) in cases {
+        let refused =
+            project.run(&[&["solve", "--domain", "disc", "--f", "else=-1"], args].concat());
+        assert!(refused.refusal().contains(said), "{refused:?}");
+    }
+}
+
+#[test]
+fn a_pointer_in_the_place_of_a_mesh_is_told() {
+    let project = Project::with(TABLE);
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";
+    let refused = solve(&project, pointer, &["--f", "else=-1"]);
+    assert!(refused.refusal().ends_with("the file is a pointer of Git LFS; do `git lfs pull`"));
+}
