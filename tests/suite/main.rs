@@ -37,6 +37,7 @@ mod links;
 mod load_symmetry;
 mod loads;
 mod merges;
+mod mesh_loads;
 mod meshes;
 mod multigrid;
 mod pages;

@@ -37,7 +37,7 @@ pub use error::MeshError;
 pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, ConstantPieces, MeshLoad, OnCells, mesh_load};
-pub use nested::{refined, refined_with};
+pub use nested::refined;
 pub use refine::{Refined, refine};
 pub use source::{MeshSource, MeshSourceError};
 pub use uniform::{uniform_cube, uniform_square};
