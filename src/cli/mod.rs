@@ -115,7 +115,7 @@ enum Command {
         quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
         problem with known solution: full-contact, torsion, free-segment, free-corner. formula(3*x*y - 1.1) is f \
         by a formula in x and y, with + - * / ^, pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, atan2; \
-        integrals of it are by quadrature of degree 5.\n\n\
+        integrals of it are by quadrature, of degree 5 on the square, until they settle on a mesh.\n\n\
         The cube is [-0.5,0.5]^3; its regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
         halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc; \
         a formula, in x, y and z, is taken at the nodes."

@@ -41,6 +41,7 @@ mod load_symmetry;
 mod loads;
 mod merges;
 mod mesh_files;
+mod mesh_loads;
 mod meshes;
 mod multigrid;
 mod pages;

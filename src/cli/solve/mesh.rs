@@ -46,6 +46,11 @@ impl MeshDomain {
         Ok(Some(Self { coarsest, width: problem.mesh.width(), problem, name }))
     }
 
+    /// Returns the load vectors of all meshes, coarsest first.
+    pub(super) fn loads(&self) -> Result<Vec<Vec<f64>>> {
+        self.problem.loads().map_err(|e| Error::input(format!("{}: {e}", self.name)))
+    }
+
     /// Returns the bytes of a file with the solution.
     pub(super) fn file(
         &self,

@@ -27,7 +27,7 @@ impl Problem {
         let run = self.solver.entry().run;
         let loads: Vec<_> = match (&self.domain, self.solver.is_nested()) {
             (_, false) => Vec::new(),
-            (Domain::Mesh(mesh), true) => mesh.problem.loads(),
+            (Domain::Mesh(mesh), true) => mesh.loads()?,
             _ => self.grids.iter().map(|&n| self.domain.load(n).into_owned()).collect(),
         };
         let finest = match loads.last() {

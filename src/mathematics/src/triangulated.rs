@@ -9,7 +9,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, CutShape, Mesh, MeshError, MeshLoad, MeshSource, MeshSourceError, mesh_arcs,
-    mesh_load, refined_with,
+    mesh_load, refined,
 };
 use crate::multigrid::InputError;
 use crate::multigrid::input::loaded_components;
@@ -28,8 +28,8 @@ pub struct MeshProblem {
     pub text: String,
     /// f on the finest mesh.
     pub f: MeshLoad,
-    /// Load vectors of the coarser meshes, coarsest first, each by the rule of the finest one.
-    pub coarse_loads: Vec<Vec<f64>>,
+    /// Coarsest mesh.
+    coarsest: AnyMesh,
     /// Law on the boundary.
     pub law: Law,
 }
@@ -103,13 +103,11 @@ impl MeshProblem {
         AnyMesh: From<Mesh<D, V>>,
     {
         let f = read::<S, D, V>(coarsest, f)?;
-        let mut coarser = Vec::new();
-        let visit = |mesh: &Mesh<D, V>| coarser.push(mesh_load(mesh, &f).map(|made| made.load));
-        let (levels, mesh) = refined_with(coarsest, times, visit)?;
+        let (levels, mesh) = refined(coarsest, times)?;
         let load = mesh_load(&mesh, &f)?;
         f.check_scale(load.size)?;
-        let coarse_loads = coarser.into_iter().collect::<Result<_, _>>()?;
-        Ok(Self { levels, mesh: mesh.into(), text: f.text().into(), f: load, coarse_loads, law })
+        let (text, coarsest) = (f.text().into(), coarsest.clone().into());
+        Ok(Self { levels, mesh: mesh.into(), text, f: load, coarsest, law })
     }
 
     /// Discrete problem on the finest mesh.
@@ -118,10 +116,19 @@ impl MeshProblem {
     }
 
     /// Load vectors of all levels, coarsest first: (6) on each mesh.
-    pub fn loads(&self) -> Vec<Vec<f64>> {
-        let mut loads = self.coarse_loads.clone();
+    ///
+    /// # Errors
+    /// [`MeshProblemError`] if f is not finite at a point of a coarser mesh.
+    pub fn loads(&self) -> Result<Vec<Vec<f64>>, MeshProblemError> {
+        let (mut loads, mut mesh) = (Vec::new(), self.coarsest.clone());
+        for coarser in 1..self.levels.len() {
+            loads.push(load_on(&mesh, &self.text)?.load);
+            if coarser + 1 < self.levels.len() {
+                mesh = mesh.refined(1)?;
+            }
+        }
         loads.push(self.f.load.clone());
-        loads
+        Ok(loads)
     }
 
     /// Judges a nodal vector of the finest mesh, apart from the solvers.
@@ -188,9 +195,13 @@ fn read<S: CutShape<D, V>, const D: usize, const V: usize>(
 /// # Errors
 /// As [`MeshSource::read`], and [`SourceError::NoValue`] where f is not finite.
 pub fn means_on(mesh: &AnyMesh, f: &str) -> Result<Vec<f64>, MeshProblemError> {
-    let made = match mesh {
+    Ok(load_on(mesh, f)?.cells.mean)
+}
+
+/// Integrates f, given as text, on a mesh.
+fn load_on(mesh: &AnyMesh, f: &str) -> Result<MeshLoad, MeshProblemError> {
+    Ok(match mesh {
         AnyMesh::Plane(mesh) => mesh_load(mesh, &read::<Region, 2, 3>(mesh, f)?)?,
         AnyMesh::Space(mesh) => mesh_load(mesh, &read::<Body, 3, 4>(mesh, f)?)?,
-    };
-    Ok(made.cells.mean)
+    })
 }

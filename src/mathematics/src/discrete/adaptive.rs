@@ -104,13 +104,17 @@ impl<const V: usize> Sampler<V> {
         settling: Settling,
     ) -> Result<SampledCell<V>, BadValue<D>> {
         let cell = CellValues { vertices, f };
-        let whole = self.part(&cell, std::array::from_fn(unit), 1.0)?;
-        if settling.least_parts <= 1 && whole.weighted <= settling.tolerance {
-            return Ok(whole.cell());
+        let mut pieces = vec![std::array::from_fn(unit)];
+        while pieces.len() < settling.least_parts {
+            pieces = pieces.into_iter().flat_map(|corners| cell.halves(corners)).collect();
         }
-        let mut open = vec![whole];
-        while open.len() < settling.least_parts {
-            open = self.halved(&cell, &open)?;
+        let fraction = 1.0 / pieces.len() as f64;
+        let open = pieces.into_iter().map(|corners| self.part(&cell, corners, fraction));
+        let mut open = open.collect::<Result<Vec<_>, _>>()?;
+        if let [whole] = open[..]
+            && whole.weighted <= settling.tolerance
+        {
+            return Ok(whole.cell());
         }
         let (mut sum, mut parts) = (SampledPart::default(), open.len());
         loop {

@@ -1,12 +1,13 @@
 //! Tetrahedra that borders of boxes, half-spaces and balls cross.
 //!
 //! Planes cut a tetrahedron into smaller ones, on each of which f is constant but for balls. A ball takes its
-//! [share](super::ball) of each in closed form, less that of the balls inside it. Only where spheres cross each other, or are
-//! so large that they are nearly planes, slices are integrated as on the cube.
+//! [share](super::ball) of each in closed form, less that of the balls inside it. Two spheres that cross each other meet in
+//! the plane in which the powers of a point to both are the same: on each side of that plane, the one ball is inside the
+//! other. Only for balls so large that their surfaces are nearly planes, slices are integrated as on the cube.
 
 use super::ball::{self, Measure};
 use super::cut::{CutMoments, CutShape, FramedCell};
-use super::geometry::dot;
+use super::geometry::{centroid, dot};
 use crate::discrete::cells::CutCube;
 use crate::problem::cube::Body;
 use crate::problem::shape::{Convex, Shape, plain};
@@ -48,14 +49,9 @@ impl CutShape<3, 4> for Body {
         background: f64,
         pieces: &[(Self, f64)],
     ) -> CutMoments<3> {
-        let mut balls = Vec::new();
-        for (shape, value) in pieces {
-            if let Self::Ball { centre, radius } = *shape {
-                balls.push(OpenBall { centre, radius, value: *value });
-            }
-        }
-        let crosses = |k: usize| balls[..k].iter().any(|other| balls[k].crosses(other));
-        if balls.iter().any(|ball| ball.radius > FLAT) || (0..balls.len()).any(crosses) {
+        let is_flat =
+            |(shape, _): &(Self, f64)| matches!(shape, Self::Ball { radius, .. } if *radius > FLAT);
+        if pieces.iter().any(is_flat) {
             return by_slices(storage, cell, background, pieces);
         }
         let least = NOTHING * cell.element.volume;
@@ -93,6 +89,24 @@ impl OpenBall {
     fn crosses(&self, other: &Self) -> bool {
         let apart = self.radius + other.radius;
         self.square_to(other) < apart * apart && !self.holds(other) && !other.holds(self)
+    }
+
+    /// Plane `normal . x = d` in which the powers of a point to both balls are the same; that to this ball is less where the
+    /// left side is.
+    fn radical_plane(&self, other: &Self) -> ([f64; 3], f64) {
+        let normal: [f64; 3] = std::array::from_fn(|d| other.centre[d] - self.centre[d]);
+        let middle = std::array::from_fn(|d| 0.5 * (self.centre[d] + other.centre[d]));
+        let radii = (self.radius - other.radius) * (self.radius + other.radius);
+        (normal, dot(normal, middle) + 0.5 * radii)
+    }
+
+    /// True if this ball holds what the other one has of a part around this point, which no radical plane cuts.
+    fn holds_at(&self, other: &Self, middle: [f64; 3]) -> bool {
+        if !self.crosses(other) {
+            return self.holds(other);
+        }
+        let (normal, d) = self.radical_plane(other);
+        dot(normal, middle) <= d
     }
 }
 
@@ -148,15 +162,29 @@ impl Parts {
         }
     }
 
-    /// Adds a part with one value but in `balls`, of which the first one wins and no two cross each other.
+    /// Adds a part with one value but in `balls`, of which the first one wins.
     fn settle(&mut self, corners: Corners, value: f64, balls: &[OpenBall]) {
-        self.count(value, self.background, ball::whole(corners));
+        let mut parts = vec![corners];
         for (k, ball) in balls.iter().enumerate() {
-            if balls[..k].iter().any(|above| above.holds(ball)) {
+            for other in balls[..k].iter().filter(|other| ball.crosses(other)) {
+                let (normal, d) = ball.radical_plane(other);
+                parts =
+                    parts.into_iter().flat_map(|part| halves(part, normal, d)).flatten().collect();
+            }
+        }
+        parts.into_iter().for_each(|part| self.settle_nested(part, value, balls));
+    }
+
+    /// As [`Parts::settle`], where of two balls one holds the other, or they have nothing in common.
+    fn settle_nested(&mut self, corners: Corners, value: f64, balls: &[OpenBall]) {
+        self.count(value, self.background, ball::whole(corners));
+        let middle = centroid(corners);
+        for (k, ball) in balls.iter().enumerate() {
+            if balls[..k].iter().any(|above| above.holds_at(ball, middle)) {
                 continue;
             }
             // The ball lies in the first one below that holds it, if there is one.
-            let around = balls[k + 1..].iter().find(|below| below.holds(ball));
+            let around = balls[k + 1..].iter().find(|below| below.holds_at(ball, middle));
             let before = around.map_or(value, |ball| ball.value);
             if ball.value != before {
                 self.count(ball.value, before, ball::common(corners, ball.centre, ball.radius));

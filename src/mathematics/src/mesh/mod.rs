@@ -43,7 +43,7 @@ pub use geometry::{Element, centroid, size};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, ConstantPieces, MeshLoad, OnCells, mesh_load};
 pub use names::Names;
-pub use nested::{refined, refined_with};
+pub use nested::refined;
 pub use refine::{Refined, refine};
 pub use same_place::Touching;
 pub use source::{MeshSource, MeshSourceError};

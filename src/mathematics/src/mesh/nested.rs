@@ -13,22 +13,9 @@ pub fn refined<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     times: usize,
 ) -> Result<(Vec<NestedNetwork>, Mesh<D, V>), MeshError> {
-    refined_with(mesh, times, |_| ())
-}
-
-/// As [`refined`]; shows each mesh but the finest to `visit`, coarsest first.
-///
-/// # Errors
-/// As [`refine`](super::refine).
-pub fn refined_with<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-    times: usize,
-    mut visit: impl FnMut(&Mesh<D, V>),
-) -> Result<(Vec<NestedNetwork>, Mesh<D, V>), MeshError> {
     let (mut levels, mut finest, mut between) = (Vec::new(), mesh.clone(), Vec::new());
     for _ in 0..times {
         let edges = Edges::new(finest.points.len(), &finest.cells);
-        visit(&finest);
         let network = assemble_edges(&finest, &edges);
         let Refined { mesh, parents } = refine_edges(&finest, &edges)?;
         levels.push(NestedNetwork { network, parents: std::mem::replace(&mut between, parents) });

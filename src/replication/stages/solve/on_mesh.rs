@@ -30,7 +30,8 @@ pub(super) fn task(id: String, domain: &SceneDomain, cell: &Cell) -> Task {
 
 fn solve(cell: &MeshCell, inputs: &Inputs) -> Result<Artifacts, Failure> {
     let RefinedProblem { problem, .. } = cell.domain.problem(inputs.files)?;
-    let (networks, law, loads) = (&problem.levels, problem.law, problem.loads());
+    let law = problem.law;
+    let (networks, loads) = (&problem.levels, problem.loads().map_err(|e| e.to_string())?);
     let params = Params {
         r: cell.r,
         rule: cell.stop,

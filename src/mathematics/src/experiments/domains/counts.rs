@@ -113,7 +113,8 @@ fn ratio<'a>(counts: impl Iterator<Item = &'a usize>) -> f64 {
 /// Counts iterations on one domain.
 pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<CountedDomain, String> {
     let made = problem(domain, domain.first + plan.levels - 1)?;
-    let (levels, loads) = (&made.levels[domain.first..], &made.loads()[domain.first..]);
+    let loads = made.loads().map_err(|e| e.to_string())?;
+    let (levels, loads) = (&made.levels[domain.first..], &loads[domain.first..]);
     let row = |&r: &f64| {
         let run = |rule| {
             let params =
@@ -143,13 +144,14 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
         return Ok(Vec::new());
     };
     let made = problem(disc, disc.first + plan.levels - 1)?;
+    let loads = made.loads().map_err(|e| e.to_string())?;
     let mut counts = Vec::new();
     for numbering in
         [Numbering::Refinement, Numbering::Reversed, Numbering::Rows, Numbering::Random]
     {
         let orders = orders(&made, numbering)?;
         for &r in &plan.r {
-            let counts_of_r = renumbered_counts(&made, &orders, r, plan.max_iterations);
+            let counts_of_r = renumbered_counts(&made, &loads, &orders, r, plan.max_iterations);
             counts.push(NumberingCounts { numbering, r, counts: counts_of_r });
         }
     }
@@ -189,11 +191,11 @@ fn orders(problem: &MeshProblem, numbering: Numbering) -> Result<Vec<Vec<u32>>, 
 /// Counts on nested meshes whose nodes are renumbered, with interpolation between the nodes as they were.
 fn renumbered_counts(
     problem: &MeshProblem,
+    loads: &[Vec<f64>],
     orders: &[Vec<u32>],
     r: f64,
     max_iterations: usize,
 ) -> Vec<usize> {
-    let loads = problem.loads();
     let mut counts = Vec::new();
     let mut pair = Pair::zero_on(&problem.levels[0].network);
     for (k, (level, places)) in problem.levels.iter().zip(orders).enumerate() {

@@ -1,0 +1,313 @@
+//! f on meshes: exact integrals of constant pieces, sampled ones of formulas, and brackets that hold the true energy.
+
+use crate::common::{Dice, Project, TABLE};
+use serde_json::json;
+use signorini_mathematics::discrete::cube;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::mesh::{
+    AnyMesh, BuiltIn, Mesh, MeshData, PlaneMesh, gmsh, mesh_load, uniform_cube, uniform_square,
+};
+use signorini_mathematics::multigrid::MultigridParams;
+use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::triangulated::MeshProblem;
+use std::f64::consts::PI;
+use std::fs;
+
+fn mesh(name: &str) -> AnyMesh {
+    AnyMesh::built_in(name).unwrap_or_else(|| {
+        let path = format!("{}/tests/meshes/{name}.msh", env!("CARGO_MANIFEST_DIR"));
+        gmsh::read(&fs::read(path).unwrap()).unwrap()
+    })
+}
+
+/// Shapes of all kinds, smaller and larger than the cells, some of them hidden or beside the domain.
+fn random_shapes(dice: &mut Dice, count: usize) -> String {
+    let mut text = String::new();
+    for _ in 0..count {
+        let [x, y] = [0.0; 2].map(|_| dice.between(-1.0, 1.0));
+        let size = 10f64.powf(dice.between(-3.0, 0.0));
+        let value = dice.between(-1.0, 1.0) * (3.0 + 0.02 / (size * size));
+        text += &match (4.0 * dice.unit()) as usize {
+            0 => format!("rect({x},{},{y},{})={value}; ", x + size, y + 0.3 * size),
+            1 => format!("halfplane({x},{y},{})={}; ", 0.5 * size, dice.between(-3.0, 3.0)),
+            _ => format!("disc({x},{y},{size})={value}; "),
+        };
+    }
+    text
+}
+
+#[test]
+fn loads_on_triangles_are_those_of_the_square() {
+    let mut dice = Dice(31);
+    let grid = Grid::new(8).unwrap();
+    let mesh = uniform_square(grid);
+    for case in 0..60 {
+        let text = format!("{}else=-1", random_shapes(&mut dice, 1 + case % 6));
+        let f: Source = text.parse().unwrap();
+        let ours = mesh_load(&mesh, &f).unwrap();
+        let exact = load(grid, &f, LoadRule::Exact { diagonal: Diagonal::Rising });
+        let apart =
+            ours.load.iter().zip(&exact).fold(0.0f64, |most, (p, q)| most.max((p - q).abs()));
+        assert!(apart < 1e-13 * (1.0 + ours.size), "{text}: {apart:e}");
+        let absolute = mesh_load(&mesh, &f.absolute()).unwrap().integral;
+        assert!((ours.size - absolute).abs() < 1e-13 * absolute, "{text}");
+        assert_eq!(ours.unsettled, None);
+    }
+}
+
+#[test]
+fn deviations_are_those_of_the_square_of_f() {
+    // On each of two triangles f is 3 on a disc and -2 elsewhere.
+    let data = MeshData {
+        points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        cells: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    };
+    let mesh: PlaneMesh = data.mesh().unwrap();
+    let f: Source = "disc(0.7,0.3,0.01)=3; disc(0.3,0.7,0.0001)=3; else=-2".parse().unwrap();
+    let made = mesh_load(&mesh, &f).unwrap();
+    for (cell, radius) in [0.01f64, 0.0001].into_iter().enumerate() {
+        let share = 2.0 * PI * radius * radius;
+        let deviation = 5.0 * (0.5 * share * (1.0 - share)).sqrt();
+        assert!((made.cells.mean[cell] - (5.0 * share - 2.0)).abs() < 1e-14);
+        let found = made.cells.deviation.as_ref().unwrap()[cell];
+        assert!((found - deviation).abs() < 1e-10 * deviation, "{found} {deviation}");
+    }
+}
+
+#[test]
+fn integrals_on_tetrahedra_are_those_of_the_cube() {
+    let mut dice = Dice(7);
+    let grid = cube::Grid::new(3).unwrap();
+    let mesh = uniform_cube(grid);
+    for case in 0..24 {
+        let mut text = String::new();
+        for _ in 0..1 + case % 4 {
+            let [x, y, z, value] = [0.0; 4].map(|_| dice.between(-0.5, 0.5));
+            let size = 10f64.powf(dice.between(-2.0, 0.0));
+            text += &match (4.0 * dice.unit()) as usize {
+                0 => format!("halfspace({x},{y},{z},{})={value}; ", 0.1 * size),
+                1 => format!("box({x},{},{y},{},{z},{})={value}; ", x + size, y + 0.5, z + size),
+                _ => format!("ball({x},{y},{z},{})={value}; ", 0.8 * size),
+            };
+        }
+        let f = format!("{text}else=-0.3").parse().unwrap();
+        let ours = mesh_load(&mesh, &f).unwrap();
+        let exact = cube::exact_load(grid, &f);
+        // Linear and trilinear hat functions sum to 1, and to x, with weights x.
+        let moments = [&ours.load, &exact].map(|load| {
+            let of_axis = |axis: usize| {
+                let points = mesh.points().iter().zip(load);
+                points.map(|(point, load)| point[axis] * load).sum::<f64>()
+            };
+            [load.iter().sum(), of_axis(0), of_axis(1), of_axis(2)]
+        });
+        for (p, q) in moments[0].iter().zip(moments[1]) {
+            assert!((p - q).abs() < 1e-9, "{f}: {moments:?}");
+        }
+        let absolute = cube::integral(&f.absolute());
+        assert!((ours.size - absolute).abs() < 1e-9, "{f}: {} {absolute}", ours.size);
+    }
+}
+
+#[test]
+fn small_balls_are_seen_in_large_cells() {
+    for radius in [0.3f64, 1e-2, 1e-4] {
+        let f = format!("ball(0.21,-0.13,0.17,{radius})=1; else=0").parse().unwrap();
+        let mesh = BuiltIn::Ball.space().unwrap();
+        let volume = mesh_load(&mesh, &f).unwrap().integral;
+        let exact = 4.0 / 3.0 * PI * radius.powi(3);
+        assert!((volume / exact - 1.0).abs() < 1e-10, "{radius}: {volume:e} {exact:e}");
+    }
+}
+
+#[test]
+fn integrals_have_no_scale() {
+    let integral = |name: &str, scale: f64| {
+        let f = match name {
+            "lshape" => format!(
+                "disc({},{},{})=5; rect({},{},0,{scale})=3; halfplane(1,2,{})=-7; else=1",
+                0.3 * scale,
+                0.4 * scale,
+                0.01 * scale,
+                -0.7 * scale,
+                -0.2 * scale,
+                -0.5 * scale
+            ),
+            _ => format!(
+                "ball({},{},0,{})=5; box(0,{scale},{},0,0,{scale})=3; else=1",
+                0.1 * scale,
+                0.2 * scale,
+                0.3 * scale,
+                -0.4 * scale
+            ),
+        };
+        let mesh = match mesh(name) {
+            AnyMesh::Plane(mesh) => AnyMesh::Plane(scaled(&mesh, scale)),
+            AnyMesh::Space(mesh) => AnyMesh::Space(scaled(&mesh, scale)),
+        };
+        let made = MeshProblem::new(&mesh, 1, &f, Law::friction(1e60).unwrap()).unwrap();
+        made.f.integral / scale.powi(mesh.dimension().into())
+    };
+    for name in ["lshape", "ball"] {
+        let one = integral(name, 1.0);
+        for scale in [1e-40, 1e-6, 3e4, 1e40] {
+            let other = integral(name, scale);
+            assert!((other / one - 1.0).abs() < 1e-12, "{name} {scale:e}: {other} {one}");
+        }
+    }
+}
+
+/// A mesh with all coordinates multiplied by a number.
+fn scaled<const D: usize, const V: usize>(mesh: &Mesh<D, V>, scale: f64) -> Mesh<D, V> {
+    let points = mesh.points().iter().map(|point| point.map(|x| scale * x)).collect();
+    let data = MeshData { points, cells: mesh.cells().to_vec(), ..MeshData::default() };
+    data.mesh().unwrap()
+}
+
+/// Energy of the discrete solution, with the bracket of the true energy.
+fn energies(problem: &MeshProblem) -> (f64, [f64; 2]) {
+    let params = MultigridParams { law: problem.law, ..MultigridParams::default() };
+    let (y, _) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
+    (problem.judge(&y).energy, problem.bounds(&y).unwrap().energy)
+}
+
+#[test]
+fn brackets_hold_the_energy_of_a_solution_four_refinements_finer() {
+    let mut dice = Dice(500);
+    let mut tried = 0;
+    for case in 0..150 {
+        let mesh = mesh(["lshape", "square", "gear"][case % 3]);
+        let law = match case % 5 {
+            0 | 1 => Law::SIGNORINI,
+            2 | 3 => Law::friction(dice.between(1.0, 6.0)).unwrap(),
+            _ => Law::new(-0.3, dice.between(2.0, 6.0)).unwrap(),
+        };
+        let f =
+            format!("{}else=-{}", random_shapes(&mut dice, 1 + case % 4), dice.between(0.1, 5.0));
+        let times = if mesh.nodes() < 20 { case % 2 } else { 0 };
+        let Ok(problem) = MeshProblem::new(&mesh, times, &f, law) else { continue };
+        assert_eq!(problem.f.unsettled, None);
+        let (_, [low, high]) = energies(&problem);
+        let (fine, finer) = energies(&MeshProblem::new(&mesh, times + 4, &f, law).unwrap());
+        let slack = 1e-10 * low.abs();
+        assert!(low - slack <= fine && fine <= high + slack, "{f} {law}: {fine} {low} {high}");
+        assert!(finer[1] - finer[0] < high - low, "{f} {law}: {finer:?} {low} {high}");
+        tried += 1;
+    }
+    assert!(tried >= 60, "{tried}");
+}
+
+#[test]
+fn answers_say_on_what_their_bounds_rest() {
+    let project = Project::with(TABLE);
+    let square = format!("{}/tests/meshes/square.msh", env!("CARGO_MANIFEST_DIR"));
+    let (pieces, formula) = ("disc(0.1,0.2,0.05)=-2; else=-1", "formula(x*y - 2)");
+    for (args, reserve, words) in [
+        (&["--h", "1/8", "--f", pieces][..], &[][..], "guaranteed: true energy"),
+        (
+            &["--h", "1/8", "--f", formula],
+            &["quadrature"],
+            "guaranteed, but for the quadrature of f:",
+        ),
+        (&["--cube", "ball(0,0,0,0.2)=-2; else=-1", "--h", "1/4"], &[], "guaranteed: true energy"),
+        (&["--cube", "formula(x - 2)", "--h", "1/4"], &["quadrature"], "but for the quadrature"),
+        (&["--domain", "lshape", "--f", pieces], &[], "guaranteed: true energy"),
+        (&["--domain", "lshape", "--f", formula], &["quadrature"], "but for the quadrature"),
+        (&["--domain", "disc", "--f", pieces], &["polygon"], "guaranteed, on the polygon:"),
+        (
+            &["--domain", "annulus", "--f", formula],
+            &["quadrature", "polygon"],
+            "guaranteed, on the polygon, but for the quadrature of f:",
+        ),
+        (&["--domain", "ball", "--f", "else=-1"], &["polygon"], "guaranteed, on the polyhedron:"),
+        (&["--mesh", &square, "--f", pieces], &[], "guaranteed: true energy"),
+        (
+            &["--mesh", &square, "--f", pieces, "--curve", "south=0.5,-10,10.012492197250394"],
+            &["polygon"],
+            "guaranteed, on the polygon:",
+        ),
+    ] {
+        let mut args = [&["solve"], args].concat();
+        if !args.contains(&"--h") {
+            args.extend(["--refine", "1"]);
+        }
+        let said = project.run(&args);
+        assert!(said.lines().iter().any(|line| line.contains(words)), "{args:?}: {said:?}");
+        args.push("--json");
+        assert_eq!(project.run(&args).json()["bound"]["reserve"], json!(reserve), "{args:?}");
+    }
+}
+
+#[test]
+fn sources_between_the_points_of_a_quadrature_are_seen() {
+    let project = Project::with(TABLE);
+    for (args, integral) in [
+        (["lshape", "2", "disc(-0.36,0.69,0.05)=-141; else=-0.991"], -4.0726),
+        (["lshape", "3", "disc(0.53,0.43,0.02)=800; else=-1"], -1.9934),
+        (["lshape", "0", "rect(0.1,0.1001,0.1,0.1001)=-1e8; else=-1"], -4.0),
+    ] {
+        let [domain, refine, f] = args;
+        let said =
+            project.run(&["solve", "--domain", domain, "--refine", refine, "--f", f, "--json"]);
+        let found = said.json()["integral_f"].as_f64().unwrap();
+        assert!((found - integral).abs() < 1e-4, "{args:?}: {found}");
+    }
+    let peak = "formula(-1+1e7*exp(-4e6*((x-0.0003)^2+(y-0.0004)^2)))";
+    for (args, words) in [
+        (
+            ["--domain", "disc", "--refine", "2", "--f", "disc(0.31,0.27,0.02)=2000; else=-0.5"],
+            "the integral of f is 9.6",
+        ),
+        (["--domain", "lshape", "--refine", "2", "--f", peak], "the integral of f is 4.85"),
+        (
+            ["--domain", "lshape", "--refine", "1", "--f", "formula(1/(x-0.5)-3)"],
+            "f is inf at (0.5",
+        ),
+        (["--h", "1/64", "--load", "bilinear", "--f", peak], "the integral of f is 6.85"),
+    ] {
+        let said = project.run(&[&["solve"], &args[..]].concat());
+        assert!(said.refusal().contains(words), "{said:?}");
+    }
+}
+
+#[test]
+fn peaks_that_a_grid_misses_get_a_warning() {
+    let project = Project::with(TABLE);
+    let peak = "formula(-1-1e5*exp(-4e5*((x-0.107)^2+(y-0.204)^2)))";
+    for (args, words) in [
+        (["--h", "1/16", "--f", peak], "the quadrature of f on grid 1/16 misses"),
+        (
+            ["--h", "1/16", "--cube", "formula(-1-1e3*exp(-1e3*((x-0.1)^2+y^2+z^2)))"],
+            "miss some of f",
+        ),
+        (["--domain", "lshape", "--f", "formula(-2+sin(1e5*x)*sin(7e4*y))"], "did not settle"),
+    ] {
+        let said = project.run(&[&["solve"], &args[..], &["--json"]].concat());
+        let warnings = said.json()["warnings"].to_string();
+        assert!(warnings.contains(words), "{args:?}: {warnings}");
+    }
+    for args in [
+        ["--h", "1/16", "--f", "formula(max(x,0)-1)"],
+        ["--h", "1/16", "--cube", "formula(cos(3*x)*y-1)"],
+        ["--domain", "disc", "--f", "formula(sqrt(1-x^2-y^2)-1)"],
+        ["--domain", "lshape", "--f", "formula(abs(x-y)-2)"],
+    ] {
+        let said = project.run(&[&["solve"], &args[..], &["--json"]].concat());
+        assert_eq!(said.json()["warnings"], json!([]), "{args:?}");
+    }
+}
+
+#[test]
+fn loads_on_a_mesh_do_not_depend_on_the_refinements_that_follow() {
+    let f = "disc(-0.3,-0.3,0.4)=-6; else=0.6";
+    let [short, long] = [2, 3].map(|times| {
+        MeshProblem::new(&mesh("disc"), times, f, Law::SIGNORINI).unwrap().loads().unwrap()
+    });
+    assert_eq!(short[..], long[..3]);
+    let sums = [2, 3].map(|level: usize| long[level].iter().sum::<f64>());
+    assert!((sums[0] - sums[1]).abs() > 1e-3, "{sums:?}");
+}
