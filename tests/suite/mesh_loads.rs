@@ -170,8 +170,9 @@ fn scaled<const D: usize, const V: usize>(mesh: &Mesh<D, V>, scale: f64) -> Mesh
 
 /// Energy of the discrete solution, with the bracket of the true energy.
 fn energies(problem: &MeshProblem) -> (f64, [f64; 2]) {
-    let params = MultigridParams { law: problem.law, ..MultigridParams::default() };
-    let (y, _) = solve_nested_networks(&problem.levels, &problem.f.load, &params).unwrap();
+    let loaded = problem.law.with_load(&problem.f.load);
+    let (y, _) =
+        solve_nested_networks(&problem.levels, loaded, &MultigridParams::default()).unwrap();
     (problem.judge(&y).energy, problem.bounds(&y).unwrap().energy)
 }
 

@@ -171,8 +171,8 @@ impl AnyMesh {
     /// Sets the condition on the facets of this name.
     ///
     /// # Errors
-    /// [`PartError::Unknown`] and [`PartError::Inside`]; [`PartError::TwoConditions`] if some facets have another condition
-    /// than contact already.
+    /// [`PartError::Unknown`] and [`PartError::Inside`]; [`PartError::TwoConditions`] if some facets have another
+    /// condition than contact already.
     pub fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), PartError> {
         match self {
             Self::Plane(mesh) => mesh.set_condition(name, condition),

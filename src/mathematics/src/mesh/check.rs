@@ -145,7 +145,8 @@ fn domains<const D: usize>() -> &'static str {
     if D == 3 { "volumes" } else { "surfaces" }
 }
 
-/// Returns a cell with its vertices in the other sense, from the same one on. Refinement cuts both into the same children.
+/// Returns a cell with its vertices in the other sense, from the same one on. Refinement cuts both into the same
+/// children.
 pub(super) fn turned<const V: usize>(mut cell: [u32; V]) -> [u32; V] {
     cell.swap(1, V - 1);
     cell

@@ -27,8 +27,8 @@ struct SideCells {
 }
 
 impl<const D: usize, const V: usize> MeshData<D, V> {
-    /// Boundary of the cells, which are numbered in the positive sense. Named facets inside the domain are left out, and so
-    /// are parts that have no others.
+    /// Boundary of the cells, which are numbered in the positive sense. Named facets inside the domain are left out, and
+    /// so are parts that have no others.
     ///
     /// # Errors
     /// Cells that overlap at a facet, and parts that name no facet or one facet twice.
@@ -98,7 +98,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         Ok(parts)
     }
 
-    /// Leaves out the parts without a facet of the boundary; returns the names that name facets inside the domain alone.
+    /// Leaves out the parts without a facet of the boundary; returns the names of facets inside the domain alone.
     fn keep_parts_of(&mut self, facets: &mut [Facet<D>]) -> Result<Vec<String>, MeshError> {
         let (mut is_named, mut is_kept) =
             (vec![false; self.parts.len()], vec![false; self.parts.len()]);

@@ -86,7 +86,7 @@ pub struct Facet<const D: usize> {
 pub struct Mesh<const D: usize, const V: usize> {
     /// Coordinates of the nodes.
     pub(crate) points: Vec<[f64; D]>,
-    /// Numbers of the vertices of each cell, in the order that refinement wants: in space it has some in the negative sense.
+    /// Numbers of the vertices of each cell, in the order that refinement wants: in space some in the negative sense.
     pub(crate) cells: Vec<[u32; V]>,
     /// Position of the region of each cell in `region_names`.
     pub(crate) regions: Vec<u16>,

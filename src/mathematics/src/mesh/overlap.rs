@@ -13,8 +13,8 @@ const CLEAR: f64 = 1e-6;
 
 /// Barycentric coordinate of a point of a cell for the vertex off the boundary.
 const DEPTH: f64 = 0.061;
-/// Weights of the corners of the facet, from the nearest one on: uneven, so that no side of another cell runs through the
-/// point by coincidence, as it does where nodes of both lie on one lattice.
+/// Weights of the corners of the facet, from the nearest one on: uneven, so that no side of another cell runs through
+/// the point by coincidence, as it does where nodes of both lie on one lattice.
 const ALONG: [f64; 3] = [0.817, 0.121, 0.062];
 
 /// Point of a cell.

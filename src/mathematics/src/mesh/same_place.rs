@@ -16,7 +16,7 @@ const APART: f64 = 1e-3;
 pub struct Touching {
     /// Numbers of two nodes with the same place.
     nodes: [u64; 2],
-    /// Number of connected components of the domain, if two of them touch each other; one if a component touches itself.
+    /// Number of connected components of the domain if two of them touch; one if a component touches itself.
     components: usize,
     /// Number of pairs of facets, or of pairs of nodes if no facets touch.
     count: usize,

@@ -2,10 +2,10 @@
 
 use super::elements::{FileElements, Simplex};
 use super::error::GmshError;
-use super::groups::{GroupNames, GroupSets};
+use super::groups::GroupNames;
+use super::labels::Groups;
 use super::nodes::FileNodes;
-use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Names, Part, Tags, sorted};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Names, Part, Tags};
 
 /// Difference of z over the size of the domain that is a rounding error.
 const SAME_Z: f64 = 1e-10;
@@ -120,109 +120,6 @@ fn part<const D: usize>(names: Names) -> Part<D> {
     Part { names, condition: Condition::default(), curve: None }
 }
 
-/// Physical groups of a file.
-struct Groups {
-    names: GroupNames,
-    sets: GroupSets,
-}
-
-/// Names of the sets of groups of one dimension.
-struct Labels {
-    names: Vec<Names>,
-    /// Position of the names of each set. Sets with the same names are one.
-    positions: HashMap<u32, u16>,
-}
-
-impl Groups {
-    /// True if there is a named group, or an element in a group.
-    fn is_any<const K: usize>(&self, elements: &[Simplex<K>]) -> bool {
-        !self.names.is_empty()
-            || elements.iter().any(|element| !self.sets.of(element.groups).is_empty())
-    }
-
-    /// Cells, each once: version 2.2 writes one of several groups once for each, one after the other.
-    fn cells_once<const V: usize>(
-        &mut self,
-        cells: Vec<Simplex<V>>,
-    ) -> Result<Vec<Simplex<V>>, GmshError> {
-        let mut once: Vec<Simplex<V>> = Vec::with_capacity(cells.len());
-        for cell in cells {
-            match once.last_mut().filter(|last| last.nodes == cell.nodes) {
-                None => once.push(cell),
-                Some(last) => {
-                    let united = self.sets.union(last.groups, cell.groups);
-                    if united == last.groups {
-                        return Err(GmshError::Twice { one: last.tag, two: cell.tag });
-                    }
-                    last.groups = united;
-                }
-            }
-        }
-        Ok(once)
-    }
-
-    /// Sides that are in groups, each once, with all its groups.
-    fn sides_once<const D: usize>(&mut self, sides: &[Simplex<D>]) -> Vec<Simplex<D>> {
-        let mut once: Vec<Simplex<D>> = Vec::new();
-        let mut positions: HashMap<[u32; D], usize> = HashMap::new();
-        for side in sides {
-            if self.sets.of(side.groups).is_empty() {
-                continue;
-            }
-            let position = *positions.entry(sorted(side.nodes)).or_insert(once.len());
-            match once.get_mut(position) {
-                None => once.push(Simplex { ..*side }),
-                Some(first) => first.groups = self.sets.union(first.groups, side.groups),
-            }
-        }
-        once
-    }
-
-    /// Names of all sets that elements have, in the order of their numbers, and of all groups that the file names and no
-    /// element has.
-    fn labels(
-        &mut self,
-        dimension: i64,
-        sets: impl Iterator<Item = u32>,
-    ) -> Result<Labels, GmshError> {
-        let used: BTreeSet<u32> = sets.collect();
-        let mut by_groups: BTreeMap<&[u64], Option<u32>> = BTreeMap::new();
-        by_groups.extend(used.iter().map(|&set| (self.sets.of(set), Some(set))));
-        let names: BTreeMap<u64, &str> = self.names.of(dimension).collect();
-        let in_sets: BTreeSet<u64> =
-            by_groups.keys().flat_map(|groups| groups.iter().copied()).collect();
-        let unused: Vec<[u64; 1]> =
-            names.keys().filter(|group| !in_sets.contains(group)).map(|&group| [group]).collect();
-        by_groups.extend(unused.iter().map(|group| (&group[..], None)));
-        if by_groups.len() > u16::MAX as usize {
-            return Err(GmshError::Groups(by_groups.len()));
-        }
-        let mut labels = Labels { names: Vec::new(), positions: HashMap::new() };
-        for (groups, set) in by_groups {
-            let label = label(groups, &names);
-            let known = labels.names.iter().position(|known| *known == label);
-            let position = known.unwrap_or(labels.names.len());
-            if known.is_none() {
-                labels.names.push(label);
-            }
-            labels.positions.extend(set.map(|set| (set, position as u16)));
-        }
-        Ok(labels)
-    }
-}
-
-/// Names of some groups; that of none is `domain`.
-fn label(groups: &[u64], names: &BTreeMap<u64, &str>) -> Names {
-    let mut label = Names::default();
-    for group in groups {
-        match names.get(group) {
-            Some(name) => label.add(name),
-            None => label.add(&group.to_string()),
-        }
-    }
-    if groups.is_empty() { "domain".into() } else { label }
-}
-
 #[cfg(test)]
 mod tests {
     use crate::mesh::gmsh::read;
@@ -272,7 +169,7 @@ mod tests {
         }
     }
 
-    /// Text of the square in version 2.2 with its diagonal, its lower edge twice and its cells twice, in two groups each.
+    /// Square in version 2.2 with its diagonal; its lower edge and one of its cells are in two groups.
     fn in_many_groups() -> String {
         SQUARE_22
             .replace(

@@ -7,6 +7,7 @@ mod build;
 mod elements;
 mod error;
 mod groups;
+mod labels;
 mod nodes;
 mod other_file;
 mod scanner;
@@ -24,8 +25,8 @@ use scanner::{Scanner, Version};
 /// Reads a mesh: in space if there are tetrahedra, else in the plane.
 ///
 /// Nodes keep the order of the file; nodes of no line, triangle or tetrahedron are left out. A group without a name has
-/// its number for a name; cells without a group are the region `domain`. An element may be in several groups: facets of the
-/// same groups are a part, cells of the same groups a region. Facets inside the domain are left out.
+/// its number for a name; cells without a group are the region `domain`. An element may be in several groups: facets of
+/// the same groups are a part, cells of the same groups a region. Facets inside the domain are left out.
 ///
 /// # Errors
 /// [`GmshError`], with the section and the line or byte, or the number of the element.

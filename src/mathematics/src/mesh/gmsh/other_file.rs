@@ -1,7 +1,9 @@
 //! Files that stand in the place of a mesh, told by their first bytes.
 
-use super::scanner::BYTE_ORDER_MARK;
 use std::fmt;
+
+/// Bytes that some editors put before a text.
+pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Kind of a file that is no mesh of Gmsh, with a remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +92,7 @@ impl OtherFile {
     }
 }
 
-/// True if a file in small letters begins so, with any end of a line; what stands before the root of XML is passed over.
+/// True if a file in small letters begins so, with any end of a line, what stands before the root of XML aside.
 fn begins(head: &[u8], beginning: &[u8]) -> bool {
     let mut rest = head;
     for (open, close) in [(&b"<?xml"[..], &b"?>"[..]), (b"<!--", b"-->")] {

@@ -1,14 +1,11 @@
 //! Words and numbers of a file, one after the other, in text or in bytes.
 
 use super::error::{Fault, FilePlace, GmshError};
-use super::other_file::OtherFile;
+use super::other_file::{BYTE_ORDER_MARK, OtherFile};
 use std::str::FromStr;
 
 /// Letters of a word that a message shows.
 const SHOWN: usize = 24;
-
-/// Bytes that some editors put before a text.
-pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Letters of the longest name of a section.
 const LONGEST_NAME: usize = 127;
