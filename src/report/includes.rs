@@ -108,7 +108,8 @@ fn has_part(bytes: &[u8], part: Option<&str>) -> Result<(), String> {
     }
 }
 
-/// Refuses a last line before the `first` one, and what is no number of a line; without a number the file ends the part.
+/// Refuses a last line before the `first` one, and what is no number of a line; without a number the part goes to the
+/// end of the file.
 fn is_last_line(last: Option<&str>, first: usize) -> Result<(), String> {
     let Some(last) = last.filter(|last| !last.is_empty()) else { return Ok(()) };
     match last.parse::<usize>() {

@@ -76,8 +76,8 @@ fn html(file: &str) -> String {
     file.strip_suffix(".md").map_or(file.into(), |stem| format!("{stem}.html"))
 }
 
-/// Returns the target of a link as mdBook writes it: links to pages in Markdown become links to their HTML, without what
-/// follows the ending but an anchor.
+/// Returns the target of a link as mdBook writes it: links to pages in Markdown become links to their HTML. Of what
+/// follows the ending, only an anchor is kept.
 fn written(target: &str) -> String {
     match target.rsplit_once(".md") {
         Some((page, anchor)) if anchor.starts_with('#') => format!("{page}.html{anchor}"),

@@ -19,7 +19,8 @@ pub(super) const PAGES: &str = "templates";
 /// List of the pages.
 const SUMMARY: &str = "src/SUMMARY.md";
 
-/// Page with which a link to the book opens. mdBook copies the first page there, unless the book has a page of this name.
+/// Page with which a link to the book opens. mdBook copies the first page there, unless the book has a page of this
+/// name.
 const FIRST: &str = "index.html";
 
 /// mdBook's HTML, without the files beside the pages.
