@@ -187,7 +187,9 @@ fn read<S: CutShape<D, V>, const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
 ) -> Result<MeshSource<S>, MeshSourceError> {
-    MeshSource::read(f, mesh.region_names(), mesh.largest_coordinate())
+    // A power of ten, which messages show.
+    let size = libm::exp10(libm::log10(mesh.largest_coordinate()).ceil());
+    MeshSource::read(f, mesh.region_names(), size)
 }
 
 /// Returns the means of f, given as text, over the cells of a mesh.

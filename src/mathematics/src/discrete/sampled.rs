@@ -19,7 +19,7 @@ pub struct SampledIntegrals {
 }
 
 /// Parts of cells at least over the whole domain: peaks of a width of some hundredths of it are not missed.
-const LEAST_PARTS: usize = 1 << 13;
+const LEAST_PARTS: usize = 1 << 15;
 /// Parts of cells at most over the whole domain, besides the least ones.
 const MOST_PARTS: usize = 1 << 16;
 /// Difference of the formulas on a part of the domain up to which it is settled, over the integral of |f| and the share of the

@@ -90,7 +90,7 @@ impl<const V: usize> CellPart<V> {
 }
 
 /// Parts of cells at least over a whole mesh: peaks of a width of some hundredths of the mesh are not missed.
-const LEAST_PARTS: usize = 1 << 14;
+const LEAST_PARTS: usize = 1 << 15;
 /// Parts of cells at most over a whole mesh, besides one for each cell.
 const MOST_PARTS: usize = 1 << 17;
 /// Difference of the formulas on a part of the mesh up to which it is settled, over the integral of |f| and the share of the
