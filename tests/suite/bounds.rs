@@ -151,7 +151,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
             (Goal::RoundingFloor, 0),
             (Goal::RoundingFloor, 1),
         ] {
-            let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
+            let params = MultigridParams { goal, max_cycles };
             let (y, _) =
                 multigrid::solve_square(cells, Law::SIGNORINI.with_load(&load), None, &params)
                     .unwrap();

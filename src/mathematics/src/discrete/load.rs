@@ -350,7 +350,7 @@ mod tests {
     fn all_nodes_on_a_line_take_f_from_one_side() {
         let ties = [Tie::LowerLeft, Tie::LowerRight, Tie::UpperLeft, Tie::UpperRight];
         // Normal a, b with a x + b y = c on the line; lines through corners have one side in the square at the corner.
-        for (a, b) in [(1, -1), (-1, 1), (1, 1), (-1, -1), (1, 2), (2, -1), (-1, 2), (3, 3)] {
+        for (a, b) in [(1, -1), (-1, 1), (1, 1), (-1, -1), (1, 2), (2, -1), (-1, 2)] {
             for (tie, n) in ties.into_iter().flat_map(|tie| [8, 10, 16, 40].map(|n| (tie, n))) {
                 for shift in [1, 3] {
                     let c = f64::from(shift) / n as f64;

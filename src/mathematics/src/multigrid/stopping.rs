@@ -184,7 +184,7 @@ mod tests {
 
         /// Iterates to the goal, and fails if a scripted residual is left over.
         fn iterate(mut self, scale: f64, goal: Goal) -> (MultigridStop, usize, f64) {
-            let params = MultigridParams { goal, max_cycles: 9, ..MultigridParams::default() };
+            let params = MultigridParams { goal, max_cycles: 9 };
             let end = iterate(&mut self, InitialState { scale, ..INITIAL }, &params);
             assert!(self.cycles.is_empty() && self.checks.is_empty());
             (end.stop, end.cycles, end.kkt)
