@@ -185,8 +185,8 @@ const rightHandSide = (() => {
 
   // ---- Load vectors -----------------------------------------------------------------------------
 
-  // True if a node belongs to a half-plane or disc: on the border, if the step with these signs leads into it; where the
-  // step is along the border, if its horizontal part does. As in src/mathematics/src/problem/side.rs.
+  // True if a node belongs to a half-plane or disc: on the border, if the step with these signs leads into it; where
+  // the step is along the border, if its horizontal part does. As in src/mathematics/src/problem/side.rs.
   function tied(shape, node, signs) {
     let gradient, value;
     if (shape.kind === "halfplane") {

@@ -214,7 +214,8 @@ impl Problem {
         let (name, grid) = (self.name(), self.domain.grid(self.finest()));
         let sum_load = sum_load + 0.0;
         format!(
-            "{name}: the load vector sums to {sum_load:+.3e} on {grid}, where the discrete problem has no solution; {remedy}"
+            "{name}: the load vector sums to {sum_load:+.3e} on {grid}, where the discrete problem has no \
+             solution; {remedy}"
         )
     }
 

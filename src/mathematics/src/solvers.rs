@@ -72,7 +72,8 @@ pub enum SolverRun {
     Spectral,
 }
 
-/// Solve on the grid with this number of cells per side, for a law and a load vector, with the goal of these parameters.
+/// Solve on the grid with this number of cells per side, for a law and a load vector, with the goal of these
+/// parameters.
 pub type SolveOnGrid = fn(usize, LawAndLoad<'_>, &MultigridParams) -> Result<FinestRun, InputError>;
 
 /// Solvers, in the order of the help.

@@ -11,8 +11,8 @@ pub(super) struct BoundaryPart {
     pub measure: f64,
 }
 
-/// Signs that a function in K may have on the boundary: those under which the law's term of the energy is finite, or some
-/// of them.
+/// Signs that a function in K may have on the boundary: those under which the law's term of the energy is finite, or
+/// some of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slips {
     /// Values above 0, which slip to the lower end of the interval.

@@ -11,8 +11,8 @@ pub(super) struct Reactions {
     pub top: Vec<f64>,
     pub left: Vec<f64>,
     pub right: Vec<f64>,
-    /// Upper bound of the integral of `|sigma.n|`, besides what balances f, and of the law's term over the size of v: zero
-    /// for the paper's law.
+    /// Upper bound of the integral of `|sigma.n|`, besides what balances f, and of the law's term over the size of v:
+    /// zero for the paper's law.
     pub flow: f64,
     /// Ends of the interval that the reactions reach; both ends of one that is not bounded count as reached if finite.
     pub slips: Slips,

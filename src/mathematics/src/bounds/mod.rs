@@ -12,19 +12,20 @@
 //!
 //! where `< >` is the integral over the boundary, nowhere negative under it. Under the paper's law K has the functions that
 //! are not negative on the boundary, and j is zero. The identity holds likewise with the solution u in place of w, or its
-//! flux `grad u` in place of sigma. So J(u) lies between J(w) - G and J(w), is at most J(0) = 0, and `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in
-//! K, with equality where v vanishes on the part of the boundary that sticks and has the sign of u on the others. No constant of Poincaré's or of the trace inequality appears, so the bounds do not depend on the
-//! problem being only semicoercive. (Prager and Synge 1947; for Signorini's problem Bartels, Gudi and Kaltenbach,
-//! arXiv 2407.10912.) Nothing is assumed of v: iteration errors, wrong loads and wrong solutions make the bounds wide,
-//! not wrong.
+//! flux `grad u` in place of sigma. So J(u) lies between J(w) - G and J(w), is at most J(0) = 0, and
+//! `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in K, with equality where v vanishes on the part of the boundary that
+//! sticks and has the sign of u on the others. No constant of Poincaré's or of the trace inequality appears, so the
+//! bounds do not depend on the problem being only semicoercive. (Prager and Synge 1947; for Signorini's problem
+//! Bartels, Gudi and Kaltenbach, arXiv 2407.10912.) Nothing is assumed of v: iteration errors, wrong loads and wrong
+//! solutions make the bounds wide, not wrong.
 //!
 //! # Algorithm
 //! 1. Set boundary values to zero that the law forbids, under the paper's law negative ones; their energy norm is added to
 //!    the bounds of the error (`project`).
 //! 2. Integrate f over all cells (`data.rs`) and compute the reactions at the boundary nodes, inside the interval of the
-//!    law and so that they balance f: under the paper's law scaled, under others shifted by one constant (`flux.rs`). If
-//!    they do not reach an end of the interval, the end plays no part, and values of v that slip to it become zero too
-//!    (`bracketed`).
+//!    law and so that they balance f: under the paper's law scaled, under others shifted by one constant (`flux.rs`).
+//!    If they do not reach an end of the interval, the end plays no part, and values of v that slip to it become zero
+//!    too (`bracketed`).
 //! 3. In one sweep over the cells, row by row (`walk.rs`), form the flux (`flux.rs`, `strip.rs`), the recovery
 //!    (`recovery.rs`), the sums of all energies (`regular.rs` where f is constant around a cell, else `cells.rs`), and
 //!    the residual (`residual.rs`).
@@ -171,8 +172,9 @@ pub fn recovery(
 
 /// Returns the bounds, and writes the recovery to which they belong to `recovered`.
 ///
-/// If the reactions do not reach an end of a bounded interval, all wider intervals have the same solution, and values of v
-/// that slip to that end are errors: with zero in their place the bounds hold as well, and do not feel how far the end is.
+/// If the reactions do not reach an end of a bounded interval, all wider intervals have the same solution, and values
+/// of v that slip to that end are errors: with zero in their place the bounds hold as well, and do not feel how far the
+/// end is.
 fn bracketed(
     grid: Grid,
     f: &Source,
@@ -205,8 +207,8 @@ fn bracketed(
     Ok(found.map_or_else(|_| other.clone(), |found| found.intersection(&other)))
 }
 
-/// Returns the bounds for a vector in K, writes the recovery to `recovered`, and returns the ends of the interval of the law
-/// that the reactions reach. This is the central function.
+/// Returns the bounds for a vector in K, writes the recovery to `recovered`, and returns the ends of the interval of
+/// the law that the reactions reach. This is the central function.
 fn summed(
     data: &AllCells<'_>,
     law: Law,

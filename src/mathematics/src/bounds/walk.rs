@@ -38,8 +38,8 @@ pub(super) struct Total {
     pub flow: f64,
 }
 
-/// Computes the sums for the nodal vector `v`, whose values on the boundary the law must allow, with the ends of its interval
-/// that the reactions reach. The law must be able to balance the integral of f.
+/// Computes the sums for the nodal vector `v`, whose values on the boundary the law must allow, with the ends of its
+/// interval that the reactions reach. The law must be able to balance the integral of f.
 ///
 /// Writes the recovery on the grid of half the width to `recovered`, if that is given.
 pub(super) fn total(

@@ -14,7 +14,8 @@
 //!       by red-black Gauss-Seidel sweeps (`stencil.rs`).
 //!
 //! All half-sweeps and transfers between two visits to the coarser grid are one *pass* over the memory (`pass.rs`).
-//! The central function is `find_correction` in `cycle.rs`. [`square`] and [`cube`] give the theory, the cost and the references.
+//! The central function is `find_correction` in `cycle.rs`. [`square`] and [`cube`] give the theory, the cost and the
+//! references.
 //!
 //! # Easily broken
 //! - Results are compared by hash between machines and numbers of threads: neither the order of additions nor the

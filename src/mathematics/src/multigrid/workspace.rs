@@ -60,8 +60,8 @@ impl Multigrid {
     /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
     ///
     /// # Errors
-    /// If a length is wrong, a number is not finite, or the flux cannot balance the load; under the paper's law, if its sum is
-    /// not negative.
+    /// If a length is wrong, a number is not finite, or the flux cannot balance the load; under the paper's law, if its
+    /// sum is not negative.
     pub fn solve(
         &mut self,
         problem: LawAndLoad<'_>,
@@ -103,15 +103,15 @@ impl Multigrid {
 }
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the boundary nodes of the square, under the paper's law
-/// over `y >= 0` there; `A` is the five-point stiffness matrix of the natural boundary condition on a grid with `n` cells
-/// per side.
+/// over `y >= 0` there; `A` is the five-point stiffness matrix of the natural boundary condition on a grid with `n`
+/// cells per side.
 ///
 /// The load and the solution hold `(n + 1)^2` numbers, x fastest. `start`, if given, replaces the nested iteration.
 ///
 /// # Errors
 /// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7, a length is wrong, a number is not finite, or the flux
-/// cannot balance the load, under the paper's law if its sum is not negative: then the energy is not bounded below, or has
-/// no unique minimiser.
+/// cannot balance the load, under the paper's law if its sum is not negative: then the energy is not bounded below, or
+/// has no unique minimiser.
 pub fn solve_square(
     n: usize,
     problem: LawAndLoad<'_>,

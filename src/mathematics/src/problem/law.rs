@@ -325,8 +325,8 @@ impl Law {
         self.check_solvable_by(0.0, integral, perimeter)
     }
 
-    /// Checks the condition (2), as [`Law::check_solvable`] does, by more than `rounding`, the largest rounding error of the
-    /// integral.
+    /// Checks the condition (2), as [`Law::check_solvable`] does, by more than `rounding`, the largest rounding error
+    /// of the integral.
     ///
     /// # Errors
     /// [`LawError::Unbalanced`], with the integral, zero if that is within `rounding`.

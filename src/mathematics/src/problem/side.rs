@@ -22,8 +22,8 @@ pub struct TiedRow<'a> {
 impl TiedRow<'_> {
     /// Writes `value` at the nodes that belong to a region.
     ///
-    /// A node on the border of a half-plane or disc is inside if the tie rule steps into the region; where the step is along
-    /// the border, its horizontal part decides, so that all nodes on a line are on one side of it.
+    /// A node on the border of a half-plane or disc is inside if the tie rule steps into the region; where the step is
+    /// along the border, its horizontal part decides, so that all nodes on a line are on one side of it.
     pub fn paint(&self, region: &Region, value: f64, row: &mut [f64]) {
         match *region {
             // Its sides are along the axes, and a step along each axis is off them.
@@ -54,8 +54,8 @@ impl TiedRow<'_> {
         rect.along(self.moved_xs, [self.moved_y])
     }
 
-    /// True if a function with this value and gradient at a node is negative, or zero and negative on the side of the tie
-    /// rule; on the other side if the square has no points on that one.
+    /// True if a function with this value and gradient at a node is negative, or zero and negative on the side of the
+    /// tie rule; on the other side if the square has no points on that one.
     fn is_below(&self, node: [f64; 2], value: f64, gradient: [f64; 2]) -> bool {
         let size = gradient[0].abs() + gradient[1].abs();
         if value.abs() > STEP_OFF * size {

@@ -67,6 +67,17 @@ impl Method {
             }
         }
     }
+
+    /// The method whose minimisations are as exact as is of use, where the rounding errors of the inner gradient are as
+    /// large as `floor`: loose, if the bound that was asked for is out of reach.
+    pub(super) fn above(self, floor: f64) -> Self {
+        match self {
+            Self::Uzawa { weight, inner, loose } => {
+                Self::Uzawa { weight, inner, loose: loose || inner < floor }
+            }
+            Self::ArrowHurwicz => self,
+        }
+    }
 }
 
 /// Parameters of the iteration, besides grid, law and load vector.
@@ -124,9 +135,9 @@ pub struct SaddleRun {
 /// Iterates on `pair` in place until the stopping rule is met or the limit on sweeps is reached.
 ///
 /// The central function of this room. Without a monitor the gradient is compared with the tolerance row by row, up to
-/// the first row that exceeds the tolerance; with a monitor all rows are evaluated. The iterates are the same. Bounds of
-/// Uzawa's method below the rounding errors of the gradient count as those; the paper's method has no inner bound, and ends
-/// where the stopping rule holds.
+/// the first row that exceeds the tolerance; with a monitor all rows are evaluated. The iterates are the same. Bounds
+/// of Uzawa's method below the rounding errors of the gradient count as those; the paper's method has no inner bound,
+/// and ends where the stopping rule holds.
 ///
 /// # Panics
 /// If a slice has the wrong length for `grid`, or `params.r` is not positive.
@@ -278,8 +289,9 @@ impl<'a> Steps<'a> {
             return ControlFlow::Break(StopReason::Diverged);
         };
         self.delta_a = delta_a;
-        if matches!(self.method, Method::Uzawa { loose: true, .. }) {
-            self.bound = self.method.inner_bound(self.gradient.extrema(self.load, pair).absolute);
+        let method = self.method.above(self.floor.gradient);
+        if matches!(method, Method::Uzawa { loose: true, .. }) {
+            self.bound = method.inner_bound(self.gradient.extrema(self.load, pair).absolute);
         }
         ControlFlow::Continue(())
     }

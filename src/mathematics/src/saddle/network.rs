@@ -111,6 +111,7 @@ pub fn solve_network(
         if !pair.a.iter().chain(&pair.y).all(|value| value.is_finite()) {
             return NetworkRun { stop: StopReason::Diverged, ..run };
         }
+        let method = method.above(floor.gradient);
         if matches!(method, Method::Uzawa { loose: true, .. }) {
             bound = method.inner_bound(outer.largest_gradient(pair));
         }

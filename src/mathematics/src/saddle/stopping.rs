@@ -55,8 +55,8 @@ pub(super) const SWEEPS_TO_FLOOR: usize = 64;
 /// Sizes of the terms of a gradient (8), from which its rounding errors follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GradientTerms {
-    /// Twice the largest diagonal entry of the matrix, with the proximal term and r times the measure of the boundary at a
-    /// node: factor of the largest |y|.
+    /// Twice the largest diagonal entry of the matrix, with the proximal term and r times the measure of the boundary
+    /// at a node: factor of the largest |y|.
     pub(super) matrix: f64,
     /// Largest measure of the boundary at a node, factor of the largest multiplier.
     pub(super) most_measure: f64,

@@ -124,8 +124,8 @@ impl SettledNodes {
         Self { values, free, crossings }
     }
 
-    /// Ends of contact between the free nodes and the others, beginnings first: two for each crossing, and as many ends as
-    /// beginnings.
+    /// Ends of contact between the free nodes and the others, beginnings first: two for each crossing, and as many ends
+    /// as beginnings.
     fn changes(&self, n: usize) -> Vec<BoundaryPlace> {
         let Self { values, free, crossings } = self;
         let mut places = Vec::new();

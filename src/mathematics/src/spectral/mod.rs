@@ -71,16 +71,16 @@
 //! refused.
 //!
 //! # Limits
-//! An f is refused if arcs or gaps of less than 2e-6 matter, arcs between opposite signs of v of less than 1e-7, and where
-//! the integral of f is lost to rounding. Under the paper's law, of random f, one piece of which balances the background,
-//! one in 4000 was refused where the integral was 1e-6 to 0.1 of the piece's, one in 600 where it was 1e-7 to 1e-6, one in
-//! five where it was 1e-8 to 1e-7. Where a piece of size r has values like r^-2 the energy loses digits like r^-3, so that
-//! f is refused for r below about 2e-4.
+//! An f is refused if arcs or gaps of less than 2e-6 matter, arcs between opposite signs of v of less than 1e-7, and
+//! where the integral of f is lost to rounding. Under the paper's law, of random f, one piece of which balances the
+//! background, one in 4000 was refused where the integral was 1e-6 to 0.1 of the piece's, one in 600 where it was 1e-7
+//! to 1e-6, one in five where it was 1e-8 to 1e-7. Where a piece of size r has values like r^-2 the energy loses digits
+//! like r^-3, so that f is refused for r below about 2e-4.
 //!
-//! Under other laws more are refused: 9 % of 228 random f under friction, 16 % of 222 under a limit, all but one since arcs
-//! between both signs of v may be too short. There a rectangle, quadrant, disc or half-plane had values of 0.3 to 300 of
-//! either sign, the law an end of 0.06 to 10, both with uniform logarithms, and the background was such that the integral
-//! lay anywhere in what the flux can balance.
+//! Under other laws more are refused: 9 % of 228 random f under friction, 16 % of 222 under a limit, all but one since
+//! arcs between both signs of v may be too short. There a rectangle, quadrant, disc or half-plane had values of 0.3 to
+//! 300 of either sign, the law an end of 0.06 to 10, both with uniform logarithms, and the background was such that the
+//! integral lay anywhere in what the flux can balance.
 //!
 //! # Literature
 //! - N. I. Muskhelishvili, Singular integral equations, Noordhoff (1953), for the Riemann-Hilbert problem

@@ -24,8 +24,9 @@ struct Outlet {
 }
 
 impl Outlet {
-    /// Order by fitness for a root: fixed sides first, then sides with much room, for the paper's law much outflow. Where the
-    /// ends of the interval are so far away that all rooms are rounded to one number, the smallest flux has most room.
+    /// Order by fitness for a root: fixed sides first, then sides with much room, for the paper's law much outflow.
+    /// Where the ends of the interval are so far away that all rooms are rounded to one number, the smallest flux has
+    /// most room.
     fn compare(&self, other: &Self) -> Ordering {
         let by_condition = other.is_fixed.cmp(&self.is_fixed);
         let by_room = by_condition.then(other.room.total_cmp(&self.room));

@@ -158,7 +158,8 @@ fn combined<const D: usize, const V: usize>(
     }
 }
 
-/// Nodal vector of a function in K: values in contact whose signs are left out, and all fixed values, are replaced by zero.
+/// Nodal vector of a function in K: values in contact whose signs are left out, and all fixed values, are replaced by
+/// zero.
 fn admissible<'a>(network: &Network, slips: Slips, y: &'a [f64]) -> Cow<'a, [f64]> {
     let is_kept = |value: f64| value == 0.0 || slips.keep(value) != 0.0;
     let is_in_k = network.contact().iter().all(|contact| is_kept(y[contact.node]))

@@ -88,8 +88,8 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         self.over(0..self.mesh.cells().len()).add(halved_sum(&self.boundary()))
     }
 
-    /// Ends of the interval of the law that the flux through the boundary reaches; both ends of one that is not bounded count
-    /// as reached if finite.
+    /// Ends of the interval of the law that the flux through the boundary reaches; both ends of one that is not bounded
+    /// count as reached if finite.
     pub(super) fn slips(&self) -> Slips {
         if !self.law.is_bounded() {
             return Slips::of_law(self.law);
