@@ -11,6 +11,7 @@ mod judging;
 mod mesh;
 mod problem;
 mod quadrature;
+mod reserve;
 mod solvers;
 mod spectral;
 

@@ -1,29 +1,11 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use super::domain::Guarantee;
-use serde::Serialize;
+use super::reserve::Reserve;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::Solver;
-
-/// Approximation that bounds leave out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Reserve {
-    /// Of integrals of f, by formulas.
-    Quadrature,
-    /// Of a curved domain, by the polygon or polyhedron of the finest mesh.
-    Polygon,
-}
-
-impl Reserve {
-    /// List of the approximations that are made.
-    pub(super) fn list(quadrature: bool, polygon: bool) -> Vec<Self> {
-        let made = [(quadrature, Self::Quadrature), (polygon, Self::Polygon)];
-        made.into_iter().filter(|(is_made, _)| *is_made).map(|(_, reserve)| reserve).collect()
-    }
-}
 
 /// Returns the bounds in `dimension` dimensions as text.
 pub(super) fn text(guarantee: &Result<Guarantee, String>, dimension: u8) -> String {

@@ -1,8 +1,8 @@
 //! Square, cube and meshes under one interface: load vector, judgement, errors, files.
 
-use super::bound::Reserve;
 use super::format::{Format, ReportedAs};
 use super::mesh::MeshDomain;
+use super::reserve::Reserve;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::{BoundaryFlux, MAX_CELLS, solvable};

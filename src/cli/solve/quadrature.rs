@@ -1,8 +1,7 @@
 //! Warnings of integrals of f that formulas have not found.
 
 use super::domain::Domain;
-use signorini_mathematics::discrete::sampled::{sampled, triangles};
-use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::discrete::load::missed_on;
 
 /// Error over the integral of |f| from which on a warning is given.
 const MISSED: f64 = 1e-3;
@@ -25,9 +24,9 @@ impl Domain {
     pub(super) fn quadrature_warning(&self, n: usize) -> Option<String> {
         match self {
             Self::Square { f, .. } if f.is_smooth() && f.exact().is_none() => {
-                let mut missed = missed(f, n.min(LOOKED_AT))?;
+                let mut missed = missed_on(f, n.min(LOOKED_AT))?;
                 if missed > MISSED && n > LOOKED_AT {
-                    missed = self::missed(f, n.min(FINEST))?;
+                    missed = missed_on(f, n.min(FINEST))?;
                 }
                 (missed > MISSED).then(|| {
                     format!(
@@ -48,10 +47,4 @@ impl Domain {
             }
         }
     }
-}
-
-/// Part of the integral of |f| that the formula of degree 5 misses on a grid.
-fn missed(f: &Source, n: usize) -> Option<f64> {
-    let found = sampled(&triangles(n), &|point| f.at(point)).ok()?;
-    Some(found.missed.max(found.unsettled) / found.size)
 }

@@ -1,6 +1,6 @@
 //! The discrete problem: grid, stiffness matrix, load vector, transfer between grids, optimality conditions, norms.
 
-pub mod adaptive;
+pub(crate) mod adaptive;
 pub mod cells;
 pub mod contact;
 pub mod cube;
@@ -13,7 +13,7 @@ pub mod nested;
 pub mod network;
 pub mod norms;
 pub(crate) mod quadrature;
-pub mod sampled;
+pub(crate) mod sampled;
 pub(crate) mod stencils;
 pub mod stiffness;
 pub mod transfer;

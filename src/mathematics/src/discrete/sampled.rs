@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// Integrals of f over the square or the cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampledIntegrals {
+pub(crate) struct SampledIntegrals {
     /// Of f.
     pub integral: f64,
     /// Of |f|.
@@ -32,7 +32,7 @@ const COST: usize = 64;
 ///
 /// # Errors
 /// [`SourceError::NoValue`] with a point where f is not finite.
-pub fn sampled<const D: usize, const V: usize>(
+pub(crate) fn sampled<const D: usize, const V: usize>(
     cells: &[[[f64; D]; V]],
     f: &(impl Fn([f64; D]) -> f64 + Sync),
 ) -> Result<SampledIntegrals, SourceError> {
@@ -73,7 +73,7 @@ pub fn sampled<const D: usize, const V: usize>(
 }
 
 /// Triangles of the grid with n cells along each side of the square, cut by rising diagonals.
-pub fn triangles(n: usize) -> Vec<[[f64; 2]; 3]> {
+pub(crate) fn triangles(n: usize) -> Vec<[[f64; 2]; 3]> {
     let at = |i: usize, j: usize| [i, j].map(|i| i as f64 / n as f64 - 0.5);
     let mut triangles = Vec::with_capacity(2 * n * n);
     for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
@@ -84,7 +84,7 @@ pub fn triangles(n: usize) -> Vec<[[f64; 2]; 3]> {
 }
 
 /// Six tetrahedra that make up the cube.
-pub fn tetrahedra() -> Vec<[[f64; 3]; 4]> {
+pub(crate) fn tetrahedra() -> Vec<[[f64; 3]; 4]> {
     const AXES: [[usize; 3]; 6] =
         [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
     let along = |axes: [usize; 3]| {

@@ -16,7 +16,7 @@ use super::cut_space::Corners;
 use super::geometry::{centroid, dot};
 /// Volume and integrals of the coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Measure {
+pub(super) struct PartMeasure {
     pub volume: f64,
     pub first: [f64; 3],
 }
@@ -27,13 +27,13 @@ pub(super) fn volume(corners: Corners) -> f64 {
 }
 
 /// Measure of a tetrahedron.
-pub(super) fn whole(corners: Corners) -> Measure {
+pub(super) fn whole(corners: Corners) -> PartMeasure {
     let volume = volume(corners);
-    Measure { volume, first: centroid(corners).map(|x| volume * x) }
+    PartMeasure { volume, first: centroid(corners).map(|x| volume * x) }
 }
 
 /// Measure of what a tetrahedron and a ball have in common.
-pub(super) fn common(corners: Corners, centre: [f64; 3], radius: f64) -> Measure {
+pub(super) fn common(corners: Corners, centre: [f64; 3], radius: f64) -> PartMeasure {
     let scaled = corners.map(|corner| difference(corner, centre).map(|x| x / radius));
     if scaled.iter().all(|&x| dot(x, x) <= 1.0) {
         return whole(corners);
@@ -51,7 +51,7 @@ pub(super) fn common(corners: Corners, centre: [f64; 3], radius: f64) -> Measure
     // The solid angle is known up to multiples of rounding only, which must not make more than there is.
     let volume = ((sums.flow + sums.sphere) / 3.0 * cube).clamp(0.0, all);
     let first = std::array::from_fn(|d| 0.5 * sums.moment[d] * cube * radius + centre[d] * volume);
-    Measure { volume, first }
+    PartMeasure { volume, first }
 }
 
 /// Sums over the sides of a tetrahedron.

@@ -5,7 +5,7 @@
 //! the plane in which the powers of a point to both are the same: on each side of that plane, the one ball is inside the
 //! other. Only for balls so large that their surfaces are nearly planes, slices are integrated as on the cube.
 
-use super::ball::{self, Measure};
+use super::ball::{self, PartMeasure};
 use super::cut::{CutMoments, CutShape, FramedCell};
 use super::geometry::{centroid, dot};
 use crate::discrete::cells::CutCube;
@@ -193,7 +193,7 @@ impl Parts {
     }
 
     /// Puts one value in place of another.
-    fn count(&mut self, value: f64, before: f64, Measure { volume, first }: Measure) {
+    fn count(&mut self, value: f64, before: f64, PartMeasure { volume, first }: PartMeasure) {
         let sums = &mut self.sums;
         let [new, old] = [value, before].map(|value| value - self.background);
         sums.one += (new - old) * volume;

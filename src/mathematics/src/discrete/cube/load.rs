@@ -6,7 +6,7 @@ use crate::discrete::sampled::{sampled, tetrahedra};
 use crate::problem::cube::{Body, Source};
 use rayon::prelude::*;
 
-/// The integral of f over the cube: exact for constant pieces, [sampled] for smooth f.
+/// The integral of f over the cube: exact for constant pieces, sampled for smooth f.
 pub fn integral(f: &Source) -> f64 {
     match f {
         Source::Pieces { background, pieces } => {
