@@ -1,6 +1,7 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
-use super::domain::Guarantee;
+use super::domain::{Domain, Guarantee};
+use super::problem::Problem;
 use super::reserve::Reserve;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
@@ -35,13 +36,20 @@ pub(super) fn text(guarantee: &Result<Guarantee, String>, dimension: u8) -> Stri
 }
 
 /// Returns warnings if the bounds contradict the `energy` of an answer, or if its error may be large.
-pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<String> {
+pub(super) fn warnings(bound: &Bounds, energy: f64, problem: &Problem) -> Vec<String> {
     let mut warnings = Vec::new();
     let ([low, high], [_, most]) = (bound.energy, bound.error);
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;
     if !(low - explained <= energy && energy <= high + explained) {
-        warnings.push("the energy is further from the true one than the error explains: the load vector is not that of f; try --load exact".into());
+        // The square alone has --load.
+        let remedy = match &problem.domain {
+            Domain::Square { .. } => "try --load exact",
+            Domain::Cube { .. } | Domain::Mesh(_) => "refine the grid",
+        };
+        warnings.push(format!(
+            "the energy is further from the true one than the error explains: the load vector is not that of f; {remedy}"
+        ));
     }
     let relative = bound.relative();
     if relative >= POOR {
@@ -49,7 +57,7 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, solver: Solver) -> Vec<Strin
             true => format!("{:.0} % of the solution", 100.0 * relative),
             false => "as large as the solution".into(),
         };
-        let remedy = match solver {
+        let remedy = match problem.solver {
             Solver::Multigrid => "refine the grid",
             _ => "refine the grid, or try --solver multigrid",
         };

@@ -55,7 +55,7 @@ impl Answer {
         if let (Ok(Guarantee { bounds, .. }), None, None) =
             (&self.bounds, problem.accuracy, &self.failure)
         {
-            self.warnings.extend(bound::warnings(bounds, energy, problem.solver));
+            self.warnings.extend(bound::warnings(bounds, energy, problem));
         }
     }
 

@@ -220,7 +220,7 @@ impl Problem {
     }
 
     fn refused(&self, e: &InputError) -> Error {
-        let option = if self.domain.dimension() == 2 { "--f" } else { "--cube" };
+        let option = if matches!(self.domain, Domain::Cube { .. }) { "--cube" } else { "--f" };
         let place = self.scene.as_deref().unwrap_or(option);
         match e {
             // The integral of f has been judged before.
