@@ -159,7 +159,7 @@ mod tests {
         lost.retain(|path| !of_tests.iter().any(|name| path.ends_with(name)));
         lost.retain(|path| path.iter().all(|part| part != "tests"));
         assert_eq!(lost, Vec::<PathBuf>::new());
-        for included in ["cli/init/gitattributes", "pipeline/engine/head.mk"] {
+        for included in ["cli/init/gitattributes", "pipeline/engine/head.smk"] {
             assert!(found.iter().any(|path| path.ends_with(included)), "{included}");
         }
     }

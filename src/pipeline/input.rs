@@ -17,7 +17,7 @@ pub type InputFiles = BTreeMap<String, InputFile>;
 #[derive(Clone, Debug)]
 pub struct InputFile(Arc<Content>);
 
-/// What is known of the contents of a file.
+/// Contents of a file, as far as they are known.
 #[derive(Debug)]
 struct Content {
     path: PathBuf,

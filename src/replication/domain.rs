@@ -126,7 +126,7 @@ pub(crate) struct RefinedProblem {
     pub problem: MeshProblem,
 }
 
-/// What a check finds of a mesh.
+/// Findings of the check of a mesh.
 pub(crate) struct CheckedMesh {
     /// Number of dimensions.
     pub dimension: u8,

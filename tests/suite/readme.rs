@@ -58,7 +58,7 @@ fn commands_run_and_outputs_are_true() {
     assert!(project.join("target/first/pipeline/scenes/plate.toml").is_file());
 
     ran = follow("report/templates/machines.md.tera", project);
-    assert_eq!(ran, 2, "the makefile, and its use");
+    assert_eq!(ran, 1, "the workflow");
     changes_are_explained(project);
 }
 

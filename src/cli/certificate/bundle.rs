@@ -46,7 +46,7 @@ enum Origin {
 }
 
 /// Change of a folder to a bundle.
-struct Change<'a> {
+struct FolderChange<'a> {
     write: Vec<&'a File>,
     remove: BTreeSet<String>,
 }
@@ -154,10 +154,10 @@ impl<'a> Bundle<'a> {
     }
 
     /// Returns the change that makes the folder the bundle of these files.
-    fn change<'b>(&self, files: &'b [File], force: bool) -> Result<Change<'b>> {
+    fn change<'b>(&self, files: &'b [File], force: bool) -> Result<FolderChange<'b>> {
         // A certificate writes its record first: what is not in a record that is there, it has not written.
         let overwrites = force && self.described.is_empty() && self.manifest.is_empty();
-        let mut change = Change { write: Vec::new(), remove: BTreeSet::new() };
+        let mut change = FolderChange { write: Vec::new(), remove: BTreeSet::new() };
         let mut in_the_way = BTreeSet::new();
         for file in files {
             let (origin, place) = self.origin(&file.path, Some(&file.bytes))?;
@@ -255,7 +255,7 @@ impl<'a> Bundle<'a> {
 
     /// Makes the folder the bundle, so that after an interruption at any point every file of a certificate is on
     /// record: earlier files that the new record would not know go before it, and new files come after it.
-    fn perform(&self, change: &Change) -> Result<()> {
+    fn perform(&self, change: &FolderChange) -> Result<()> {
         for path in change.remove.iter().chain(change.write.iter().map(|file| &file.path)) {
             let path = self.folder.join(path);
             if path.parent().is_some_and(Path::is_dir) {

@@ -20,7 +20,7 @@ pub(super) struct Reviewer {
     orcid: Option<String>,
     /// Place of the code, as the user says it.
     repository: String,
-    /// The same, if programs can follow it.
+    /// Address of the code, if programs can follow it.
     address: Option<String>,
 }
 

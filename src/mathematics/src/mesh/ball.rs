@@ -12,8 +12,11 @@
 //! |S| is the sum of the solid angles of the sides without F. All integrals over F and the rest of a side are sums over the
 //! edges, each cut at the circle: in polar coordinates around the foot of the centre they are integrals over the angle.
 
-use super::cut_space::Corners;
 use super::geometry::{centroid, dot};
+
+/// Corners of a tetrahedron.
+pub(super) type Corners = [[f64; 3]; 4];
+
 /// Volume and integrals of the coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PartMeasure {
@@ -87,7 +90,7 @@ impl SideSums {
             let along = way.map(|x| x / length);
             // Distance of the foot from the line, positive to the left of it.
             let away = dot(cross(p, along), normal);
-            circle.add_edge(&mut sums, Edge { away, ends: [dot(p, along), dot(q, along)] });
+            circle.add_edge(&mut sums, SideEdge { away, ends: [dot(p, along), dot(q, along)] });
         }
         self.flow += height * sums.area;
         self.sphere += sums.angle;
@@ -116,15 +119,15 @@ struct Circle {
     square: f64,
 }
 
-/// Edge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the foot on.
+/// SideEdge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the foot on.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
+struct SideEdge {
     away: f64,
     ends: [f64; 2],
 }
 
 impl Circle {
-    fn add_edge(&self, sums: &mut PlaneSums, Edge { away, ends: [start, end] }: Edge) {
+    fn add_edge(&self, sums: &mut PlaneSums, SideEdge { away, ends: [start, end] }: SideEdge) {
         // By rounding, a short edge may run backwards.
         let end = end.max(start);
         let half = (self.square - away * away).max(0.0).sqrt();

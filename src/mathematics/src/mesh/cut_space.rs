@@ -5,15 +5,12 @@
 //! the plane in which the powers of a point to both are the same: on each side of that plane, the one ball is inside the
 //! other. Only for balls so large that their surfaces are nearly planes, slices are integrated as on the cube.
 
-use super::ball::{self, PartMeasure};
+use super::ball::{self, Corners, PartMeasure};
 use super::cut::{CutMoments, CutShape, FramedCell};
 use super::geometry::{centroid, dot};
 use crate::discrete::cells::CutCube;
 use crate::problem::cube::Body;
 use crate::problem::shape::{Convex, Shape, plain};
-
-/// Corners of a tetrahedron.
-pub(super) type Corners = [[f64; 3]; 4];
 
 /// Radius over the size of a cell from which on the closed form loses digits: it takes angles at the centre.
 const FLAT: f64 = 300.0;

@@ -98,7 +98,7 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) parts: Vec<Part<D>>,
     /// Names of facets that all lie inside the domain.
     pub(crate) inside: Vec<String>,
-    /// Where the domain touches itself.
+    /// Place where the domain touches itself.
     pub(crate) touching: Option<Touching>,
 }
 

@@ -194,7 +194,7 @@ impl Tags {
 mod tests {
     use crate::mesh::{MeshData, Tags};
 
-    /// What is said of two unit squares side by side, of two triangles each, after a change.
+    /// Message on two unit squares side by side, of two triangles each, after a change.
     fn after(change: impl FnOnce(&mut MeshData<2, 3>)) -> Option<String> {
         let [one, two] = [0.0, 1.0].map(|x| [[x, 0.0], [x + 1.0, 0.0], [x + 1.0, 1.0], [x, 1.0]]);
         let mut data = MeshData {

@@ -25,8 +25,7 @@ struct Outlet {
 
 impl Outlet {
     /// Order by fitness for a root: fixed sides first, then sides with much room, for the paper's law much outflow.
-    /// Where the ends of the interval are so far away that all rooms are rounded to one number, the smallest flux has
-    /// most room.
+    /// Of two sides with equal room, the one with the smaller flux.
     fn compare(&self, other: &Self) -> Ordering {
         let by_condition = other.is_fixed.cmp(&self.is_fixed);
         let by_room = by_condition.then(other.room.total_cmp(&self.room));
@@ -179,9 +178,11 @@ impl Component {
         } else {
             scale_to_sum(law, &mut parts, -integral);
         }
+        // More room than all fluxes together is of no use, so that ends of the interval out of reach choose no outlet.
+        let reach: f64 = parts.iter().map(|part| part.flux.abs()).sum();
         for (side, part) in outlets.into_iter().zip(parts) {
             flux[side as usize] = part.flux;
-            let room = PartLaw::new(law, part.measure).room(part.flux);
+            let room = PartLaw::new(law, part.measure).room(part.flux).min(reach);
             let (measure, size) = (part.measure, part.flux.abs());
             let outlet = Outlet { side, is_fixed: false, measure, room, size };
             if law.is_bounded() && outlet.compare(&self.outlet) == Ordering::Less {

@@ -6,7 +6,7 @@ use crate::experiments::power_of_ten;
 use crate::experiments::problems::{Discrete, Problem};
 use crate::problem::law::Law;
 use crate::saddle::StopRule;
-use crate::saddle::batch::{Nested, NestedGrids, run_nested};
+use crate::saddle::batch::{End, Nested, NestedGrids, run_nested};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,8 @@ impl LoadNoise {
     /// Repeats the runs of each table with random errors in the entries of all load vectors, of greater and greater size,
     /// until a count changes.
     pub(super) fn of(tables: &[Problem]) -> Result<Self, String> {
-        let tables: Vec<Table> = tables.iter().map(Table::new).collect::<Result<_, _>>()?;
+        let tables: Vec<Undisturbed> =
+            tables.iter().map(Undisturbed::new).collect::<Result<_, _>>()?;
         let mut sizes = EXPONENTS.map(power_of_ten);
         let first_change = sizes.find(|&size| tables.iter().any(|table| table.changes(size)));
         let least = power_of_ten(*EXPONENTS.start());
@@ -38,8 +39,8 @@ impl LoadNoise {
     }
 }
 
-/// Table of counts without errors.
-struct Table<'a> {
+/// Undisturbed of counts without errors.
+struct Undisturbed<'a> {
     problem: &'a Problem,
     grids: Vec<Grid>,
     loads: Vec<Vec<f64>>,
@@ -54,7 +55,7 @@ struct Repeated {
     loads: Vec<Vec<f64>>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> Undisturbed<'a> {
     fn new(problem: &'a Problem) -> Result<Self, String> {
         let Discrete { grids, loads, .. } = problem.discrete()?;
         let mut table = Self { problem, grids, loads, counts: Vec::new() };
@@ -110,6 +111,6 @@ impl<'a> Table<'a> {
         let grids = NestedGrids { grids: &self.grids, prolongation: self.problem.prolongation };
         let ends =
             run_nested(grids, Law::SIGNORINI, &nested, |run, grid| limit(repeated[run].row, grid));
-        ends.iter().map(|ends| ends.iter().map(|end| end.count()).collect()).collect()
+        ends.iter().map(|ends| ends.iter().map(End::count).collect()).collect()
     }
 }
