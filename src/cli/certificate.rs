@@ -83,7 +83,8 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let shown = folder.strip_prefix(&here).unwrap_or(&folder);
     let named = [PAGE, MANIFEST, RECORD].into_iter();
     let written = named.filter(|name| bundle.iter().any(|file| file.path == *name));
-    say(&written.map(|name| format!("{}\n", shown.join(name).display())).collect::<String>())?;
+    let lines: Vec<String> = written.map(|name| shown.join(name).display().to_string()).collect();
+    say(&(lines.join("\n") + "\n"))?;
     talk(&format!("{count} files with their hashes"));
     for table in &tables {
         talk(&format!(

@@ -84,7 +84,7 @@ impl<'a> Bundle<'a> {
         let mut bundle =
             Self { folder, described: BTreeMap::new(), is_foreign: false, manifest: String::new() };
         if let Ok(Some(bytes)) = bundle.found(MANIFEST)? {
-            bundle.manifest = String::from_utf8_lossy(&bytes).trim().to_owned();
+            String::from_utf8_lossy(&bytes).trim().clone_into(&mut bundle.manifest);
         }
         if let Ok(Some(bytes)) = bundle.found(RECORD)?
             && let Ok(record) = serde_json::from_slice::<Value>(&bytes)

@@ -33,7 +33,7 @@ impl Reviewer {
         let orcid = args.orcid.as_deref().map(orcid).transpose()?;
         let name = line("--name", &args.name)?;
         let repository = line("--repository", &args.repository)?;
-        let address = is_web(&repository).then(|| check_address(&repository)).transpose()?;
+        let address = is_web(repository).then(|| check_address(repository)).transpose()?;
         Ok(Self {
             is_named: name != NOBODY,
             name: name.to_owned(),
