@@ -4,7 +4,6 @@
 //! fits into the unit box, whatever the scale of the mesh.
 
 use super::geometry::{Element, centroid, dot};
-use super::load::{CellPart, ConstantPieces};
 use crate::problem::shape::Shape;
 
 /// Shape whose border may cut triangles, V = 3, or tetrahedra, V = 4.
@@ -26,6 +25,40 @@ pub trait CutShape<const D: usize, const V: usize>: Shape<Point = [f64; D]> + Se
         background: f64,
         pieces: &[(Self, f64)],
     ) -> CutMoments<D>;
+}
+
+/// Function that is constant on shapes, of which the last one wins.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantPieces<'a, S> {
+    /// Value where no shape is.
+    pub background: f64,
+    /// Shapes with their values.
+    pub pieces: &'a [(S, f64)],
+}
+
+/// Integrals of f over a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellPart<const V: usize> {
+    /// Of f times the hat functions of the vertices.
+    pub shares: [f64; V],
+    /// Mean of f.
+    pub mean: f64,
+    /// L2 norm of f less its mean.
+    pub deviation: f64,
+    /// Integral of |f|.
+    pub size: f64,
+}
+
+impl<const V: usize> CellPart<V> {
+    /// Integrals of a constant.
+    pub(super) fn constant(volume: f64, value: f64) -> Self {
+        Self {
+            shares: [volume * (value / V as f64); V],
+            mean: value,
+            deviation: 0.0,
+            size: volume * value.abs(),
+        }
+    }
 }
 
 /// Integrals of a function f over a cell, in the coordinates of its frame. c is the value where no piece is.

@@ -3,7 +3,7 @@
 //! A cell on which f is constant, or which the borders of shapes with constant f [cut](super::cut), is integrated exactly.
 //! Any other f is sampled: the cells are divided until two formulas agree.
 
-use super::cut::{CellCutter, CutShape};
+use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
 use super::{Element, Mesh};
 use crate::discrete::adaptive::{BadValue, SampledCell, Sampler, Settling};
 use crate::machine::threads::in_tasks;
@@ -20,15 +20,6 @@ pub trait OnCells<const D: usize>: Sync {
 
     /// Value at a point of a cell of this region.
     fn at(&self, region: u16, point: [f64; D]) -> f64;
-}
-
-/// Function that is constant on shapes, of which the last one wins.
-#[derive(Clone, Copy, Debug)]
-pub struct ConstantPieces<'a, S> {
-    /// Value where no shape is.
-    pub background: f64,
-    /// Shapes with their values.
-    pub pieces: &'a [(S, f64)],
 }
 
 /// Function on the cells of a mesh.
@@ -55,30 +46,7 @@ pub struct MeshLoad {
     pub unsettled: Option<f64>,
 }
 
-/// Integrals of f over a cell.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CellPart<const V: usize> {
-    /// Of f times the hat functions of the vertices.
-    pub shares: [f64; V],
-    /// Mean of f.
-    pub mean: f64,
-    /// L2 norm of f less its mean.
-    pub deviation: f64,
-    /// Integral of |f|.
-    pub size: f64,
-}
-
 impl<const V: usize> CellPart<V> {
-    /// Integrals of a constant.
-    pub(super) fn constant(volume: f64, value: f64) -> Self {
-        Self {
-            shares: [volume * (value / V as f64); V],
-            mean: value,
-            deviation: 0.0,
-            size: volume * value.abs(),
-        }
-    }
-
     fn sampled(volume: f64, of: &SampledCell<V>) -> Self {
         Self {
             shares: of.shares.map(|share| volume * share),

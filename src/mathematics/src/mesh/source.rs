@@ -4,7 +4,8 @@
 //! the text is that of a [`Source`].
 
 use super::Names;
-use super::load::{ConstantPieces, OnCells};
+use super::cut::ConstantPieces;
+use super::load::OnCells;
 use crate::problem::shape::{Shape, SourceError};
 use crate::problem::source::Source;
 

@@ -178,11 +178,9 @@ impl Component {
         } else {
             scale_to_sum(law, &mut parts, -integral);
         }
-        // More room than all fluxes together is of no use, so that ends of the interval out of reach choose no outlet.
-        let reach: f64 = parts.iter().map(|part| part.flux.abs()).sum();
         for (side, part) in outlets.into_iter().zip(parts) {
             flux[side as usize] = part.flux;
-            let room = PartLaw::new(law, part.measure).room(part.flux).min(reach);
+            let room = PartLaw::new(law, part.measure).room(part.flux);
             let (measure, size) = (part.measure, part.flux.abs());
             let outlet = Outlet { side, is_fixed: false, measure, room, size };
             if law.is_bounded() && outlet.compare(&self.outlet) == Ordering::Less {
