@@ -195,9 +195,8 @@ fn nor_does_it_on_meshes() {
             let best = bounds_on_cube(grid, &f, near, &y).unwrap().bounds;
             for law in far_laws(near) {
                 let found = bounds_on_cube(grid, &f, law, &y).unwrap().bounds;
-                // The lower end is that of the flux of y or of the flux of y without the values that slip to far ends. The
-                // two differ by as much as y is disturbed; far ends leave the second one, because of rounding errors.
-                let allowed = width(&best) * (1.0 + 1e-6 + size);
+                // Which of two valid fluxes gives the lower end is a matter of rounding.
+                let allowed = width(&best) * (1.0 + 1e-6);
                 assert!(width(&found) <= allowed, "{law} {size}: {found:?} {best:?}");
                 assert!(found.error[1] <= best.error[1] + 1e-9, "{law}: {found:?} {best:?}");
                 assert!(overlap(&[found.energy, best.energy]), "{law}: {found:?} {best:?}");

@@ -145,7 +145,7 @@ fn combined<const D: usize, const V: usize>(
     let recovered = root(2.0 * (gap + 2.0 * rounding));
     let projection = totals.projection.sqrt() * (1.0 + 1e-12);
     let bounds = Bounds {
-        energy: below_zero([-0.5 * totals.flux - rounding, energy]),
+        energy: below_zero([-0.5 * totals.flux - totals.rounding_of_flux(largest), energy]),
         error: [0.0, recovered + projection],
         recovered,
     };

@@ -36,8 +36,10 @@ pub(super) struct Totals {
     pub potential: f64,
     /// Integral of |f|, its means.
     pub mass: f64,
-    /// Sum of absolute values, of which rounding errors are a small part.
+    /// Sum of absolute values inside, of which rounding errors are a small part.
     magnitude: f64,
+    /// Sum of absolute values of the law's terms on the boundary.
+    boundary_magnitude: f64,
     /// Sum of the absolute values of the fluxes.
     flow: f64,
 }
@@ -55,6 +57,7 @@ impl Totals {
             potential: self.potential + other.potential,
             mass: self.mass + other.mass,
             magnitude: self.magnitude + other.magnitude,
+            boundary_magnitude: self.boundary_magnitude + other.boundary_magnitude,
             flow: self.flow + other.flow,
         }
     }
@@ -62,7 +65,14 @@ impl Totals {
     /// Upper bound of the rounding errors of energies; `largest` is the largest |w|, on which a flux does work that is
     /// not balanced to the last digit.
     pub(super) fn rounding(&self, largest: f64) -> f64 {
-        f64::EPSILON * (ROUNDINGS * (self.magnitude + self.work) + 8.0 * largest * self.flow)
+        let of_law = f64::EPSILON * ROUNDINGS * (self.boundary_magnitude + self.work);
+        self.rounding_of_flux(largest) + of_law
+    }
+
+    /// Upper bound of the rounding errors of `|sigma|^2`, to which the law's terms contribute nothing; `largest` as in
+    /// [`Self::rounding`].
+    pub(super) fn rounding_of_flux(&self, largest: f64) -> f64 {
+        f64::EPSILON * (ROUNDINGS * self.magnitude + 8.0 * largest * self.flow)
     }
 }
 
@@ -146,6 +156,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             work: 0.0,
             potential: 0.0,
             mass: mean.abs() * volume,
+            boundary_magnitude: 0.0,
             magnitude: volume * (steepest * steepest + mean.abs() * highest)
                 + longer_square(fields.largest_square(outflows), field),
             flow: outflows.iter().map(|q| q.abs()).sum(),
@@ -175,7 +186,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
                 terms.push(Totals {
                     work: law.work_of_facet(w, self.flux[side as usize]),
                     potential: law.potential(w, 0.0),
-                    magnitude: 2.0 * law.ends_in_use(&w) * highest,
+                    boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
                     ..Totals::default()
                 });
             }
