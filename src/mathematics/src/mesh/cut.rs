@@ -102,6 +102,12 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
         Self { origin, unit, vertices, framed, element: Element::new(framed), bounds }
     }
 
+    /// True if the box with these sides, in the coordinates of the mesh, has no point inside that of the cell.
+    pub(super) fn is_beside(&self, sides: [[f64; 2]; D]) -> bool {
+        let mut both = sides.iter().zip(&self.bounds);
+        both.any(|(side, bounds)| side[1] <= bounds[0] || bounds[1] <= side[0])
+    }
+
     /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or equal.
     pub(super) fn is_beyond(&self, normal: [f64; D], d: f64) -> bool {
         self.vertices.iter().all(|&vertex| dot(normal, vertex) >= d)

@@ -17,12 +17,7 @@ impl CutShape<2, 3> for Region {
 
     fn misses(&self, cell: &FramedCell<2, 3>) -> bool {
         match *self {
-            Self::Rect { x, y } => {
-                let apart = |(side, bounds): (&[f64; 2], &[f64; 2])| {
-                    side[1] <= bounds[0] || bounds[1] <= side[0]
-                };
-                [x, y].iter().zip(&cell.bounds).any(apart)
-            }
+            Self::Rect { x, y } => cell.is_beside([x, y]),
             Self::HalfPlane { a, b, c } => {
                 let (normal, c) = plain([a, b], c);
                 cell.is_beyond(normal, c)

@@ -26,12 +26,7 @@ impl CutShape<3, 4> for Body {
 
     fn misses(&self, cell: &FramedCell<3, 4>) -> bool {
         match *self {
-            Self::Box(sides) => {
-                let apart = |(side, bounds): (&[f64; 2], &[f64; 2])| {
-                    side[1] <= bounds[0] || bounds[1] <= side[0]
-                };
-                sides.iter().zip(&cell.bounds).any(apart)
-            }
+            Self::Box(sides) => cell.is_beside(sides),
             Self::HalfSpace { normal, d } => {
                 let (normal, d) = plain(normal, d);
                 cell.is_beyond(normal, d)
