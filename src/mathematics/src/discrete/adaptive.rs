@@ -5,6 +5,7 @@
 //! settled is halved across its longest edge, the part with the largest difference first.
 
 use super::quadrature::{QuadraturePoint, quadrature};
+use crate::problem::shape::SourceError;
 
 /// Integrals of a function over a cell, over the volume of the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,20 @@ pub(crate) struct BadValue<const D: usize> {
     /// Point.
     pub point: [f64; D],
 }
+
+impl<const D: usize> From<BadValue<D>> for SourceError {
+    fn from(BadValue { value, point }: BadValue<D>) -> Self {
+        Self::no_value(value, &point)
+    }
+}
+
+/// Parts of cells at least over a whole domain: peaks of a width of some hundredths of the domain are not missed.
+pub(crate) const LEAST_PARTS: usize = 1 << 15;
+/// Difference of the formulas on a part of a domain up to which it is settled, over the integral of |f| and the share of the
+/// part to the power (D - 1) / D.
+pub(crate) const SETTLED: f64 = 1e-6;
+/// Numbers whose work takes as long as that on a cell.
+pub(crate) const COST: usize = 64;
 
 /// Parts of a cell at which its division ends.
 #[derive(Clone, Copy, Debug)]

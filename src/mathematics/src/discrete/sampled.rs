@@ -1,6 +1,6 @@
 //! Integrals over the square and the cube of an f that is known by its values only.
 
-use super::adaptive::{BadValue, SampledCell, Sampler, Settling};
+use super::adaptive::{BadValue, COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
 use crate::machine::threads::in_tasks;
 use crate::problem::shape::SourceError;
 use rayon::prelude::*;
@@ -18,15 +18,8 @@ pub(crate) struct SampledIntegrals {
     pub missed: f64,
 }
 
-/// Parts of cells at least over the whole domain: peaks of a width of some hundredths of it are not missed.
-const LEAST_PARTS: usize = 1 << 15;
 /// Parts of cells at most over the whole domain, besides the least ones.
 const MOST_PARTS: usize = 1 << 16;
-/// Difference of the formulas on a part of the domain up to which it is settled, over the integral of |f| and the share of the
-/// part to the power (D - 1) / D.
-const SETTLED: f64 = 1e-6;
-/// Numbers whose work takes as long as that on a cell.
-const COST: usize = 64;
 
 /// Integrates f over cells of equal volume that make up the square or the cube.
 ///
@@ -37,17 +30,15 @@ pub(crate) fn sampled<const D: usize, const V: usize>(
     f: &(impl Fn([f64; D]) -> f64 + Sync),
 ) -> Result<SampledIntegrals, SourceError> {
     let (sampler, count) = (Sampler::default(), cells.len() as f64);
-    let integrate = |vertices: [[f64; D]; V], settling: Settling| {
-        let found = sampler.integrate(vertices, f, settling);
-        found.map_err(|BadValue { value, point }| SourceError::no_value(value, &point))
-    };
+    let integrate =
+        |vertices: [[f64; D]; V], settling: Settling| sampler.integrate(vertices, f, settling);
     let whole = Settling { least_parts: 1, most_parts: 0, tolerance: f64::INFINITY };
     let least_parts = LEAST_PARTS.div_ceil(cells.len()).next_power_of_two();
     let settling = Settling { least_parts, ..whole };
     let first = in_tasks(cells.par_iter(), COST).map(|&vertices| {
         let coarse = integrate(vertices, whole)?;
         let fine = if least_parts == 1 { coarse } else { integrate(vertices, settling)? };
-        Ok((coarse.mean, fine))
+        Ok::<_, BadValue<D>>((coarse.mean, fine))
     });
     let first: Vec<(f64, SampledCell<V>)> =
         first.collect::<Vec<_>>().into_iter().collect::<Result<_, _>>()?;

@@ -3,7 +3,7 @@
 //! Most cells lie inside or outside each shape. The others are integrated exactly, in coordinates in which the cell just
 //! fits into the unit box, whatever the scale of the mesh.
 
-use super::geometry::{Element, centroid, dot};
+use super::geometry::{Element, bounds, centroid, dot, longest_side};
 use crate::problem::shape::Shape;
 
 /// Shape whose border may cut triangles, V = 3, or tetrahedra, V = 4.
@@ -94,10 +94,9 @@ pub struct FramedCell<const D: usize, const V: usize> {
 impl<const D: usize, const V: usize> FramedCell<D, V> {
     /// Cell with these vertices.
     pub(super) fn new(vertices: [[f64; D]; V]) -> Self {
-        let bounds = bounds(vertices);
+        let bounds = bounds(&vertices);
         let origin = bounds.map(|[least, greatest]| 0.5 * least + 0.5 * greatest);
-        let unit =
-            bounds.iter().fold(0.0, |most: f64, [least, greatest]| most.max(greatest - least));
+        let unit = longest_side(bounds);
         let framed = vertices.map(|x| std::array::from_fn(|d| (x[d] - origin[d]) / unit));
         Self { origin, unit, vertices, framed, element: Element::new(framed), bounds }
     }
@@ -131,14 +130,6 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
         let reach = radius * dot(way, way).sqrt();
         self.framed.iter().all(|x| dot(way, std::array::from_fn(|d| x[d] - centre[d])) >= reach)
     }
-}
-
-/// Least and greatest coordinates of some points along each axis.
-fn bounds<const D: usize, const V: usize>(points: [[f64; D]; V]) -> [[f64; 2]; D] {
-    std::array::from_fn(|d| {
-        let first = [points[0][d]; 2];
-        points.iter().fold(first, |[least, greatest], x| [least.min(x[d]), greatest.max(x[d])])
-    })
 }
 
 /// The pieces that share a cell, with storage for the work on them.

@@ -2,7 +2,7 @@
 //!
 //! The boxes are a little larger than the facets, so that this holds on graded meshes too.
 
-use super::geometry::size;
+use super::geometry::{bounds, size};
 use std::collections::{BTreeSet, HashMap};
 
 /// Distance over the size of a facet up to which a point lies on the facet.
@@ -65,13 +65,10 @@ fn exponent<const D: usize>(corners: [[f64; D]; D]) -> i32 {
 /// Returns the boxes of a width that a facet meets, at most two or three in each direction.
 fn boxes_around<const D: usize>(corners: [[f64; D]; D], exponent: i32) -> Vec<GridBox<D>> {
     let size = size(corners);
-    let (mut low, mut high) = (corners[0], corners[0]);
-    for corner in corners {
-        low = std::array::from_fn(|d| low[d].min(corner[d]));
-        high = std::array::from_fn(|d| high[d].max(corner[d]));
-    }
-    let low = GridBox::around(low.map(|x| x - NEAR * size), exponent).position;
-    let high = GridBox::around(high.map(|x| x + NEAR * size), exponent).position;
+    let bounds = bounds(&corners);
+    let low = GridBox::around(bounds.map(|[least, _]| least - NEAR * size), exponent).position;
+    let high =
+        GridBox::around(bounds.map(|[_, greatest]| greatest + NEAR * size), exponent).position;
     let mut positions = vec![low];
     for d in 0..D {
         for k in 0..positions.len() {

@@ -84,6 +84,20 @@ pub fn centroid<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> [f64
     std::array::from_fn(|d| vertices.iter().map(|vertex| vertex[d]).sum::<f64>() / V as f64)
 }
 
+/// Least and greatest coordinates of some points along each axis; the greatest is below the least if there is no point.
+pub(super) fn bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; 2]; D] {
+    std::array::from_fn(|d| {
+        points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], point| {
+            [least.min(point[d]), greatest.max(point[d])]
+        })
+    })
+}
+
+/// Length of the longest side of a box.
+pub(super) fn longest_side<const D: usize>(bounds: [[f64; 2]; D]) -> f64 {
+    bounds.iter().fold(0.0, |longest, [least, greatest]| (greatest - least).max(longest))
+}
+
 /// Length of the longest edge between some points.
 pub fn size<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> f64 {
     let mut longest = 0.0f64;

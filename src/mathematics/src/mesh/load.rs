@@ -5,7 +5,7 @@
 
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
 use super::{Element, Mesh};
-use crate::discrete::adaptive::{BadValue, SampledCell, Sampler, Settling};
+use crate::discrete::adaptive::{COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
 use crate::machine::threads::in_tasks;
 use crate::problem::shape::{Shape, SourceError};
 use rayon::prelude::*;
@@ -57,13 +57,8 @@ impl<const V: usize> CellPart<V> {
     }
 }
 
-/// Parts of cells at least over a whole mesh: peaks of a width of some hundredths of the mesh are not missed.
-const LEAST_PARTS: usize = 1 << 15;
 /// Parts of cells at most over a whole mesh, besides one for each cell.
 const MOST_PARTS: usize = 1 << 17;
-/// Difference of the formulas on a part of the mesh up to which it is settled, over the integral of |f| and the share of the
-/// part to the power (D - 1) / D.
-const SETTLED: f64 = 1e-6;
 /// Cells between which their parts are added to the sums.
 const RUN: usize = 1 << 16;
 
@@ -121,9 +116,6 @@ where
     Ok(made.finished())
 }
 
-/// Numbers whose work takes as long as that on a cell.
-const COST: usize = 64;
-
 /// Integrals over one cell, and how far they are settled.
 struct WeighedPart<const V: usize> {
     part: CellPart<V>,
@@ -167,9 +159,7 @@ where
         let settling =
             Settling { tolerance: if tolerance.is_nan() { 0.0 } else { tolerance }, ..settling };
         let values = |point| self.f.at(region, point);
-        let found = self.sampler.integrate(vertices, &values, settling);
-        let found =
-            found.map_err(|BadValue { value, point }| SourceError::no_value(value, &point))?;
+        let found = self.sampler.integrate(vertices, &values, settling)?;
         Ok(WeighedPart {
             part: CellPart::sampled(volume, &found),
             difference: Some(volume * found.difference),

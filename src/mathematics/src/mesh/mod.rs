@@ -40,6 +40,7 @@ pub use edges::Edges;
 pub use error::MeshError;
 pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size};
+use geometry::{bounds, longest_side};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, MeshLoad, OnCells, mesh_load};
 pub use names::Names;
@@ -202,15 +203,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
     /// Longest side of the least box around the domain, along the axes.
     pub fn extent(&self) -> f64 {
-        let mut extent = 0.0f64;
-        for d in 0..D {
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for point in &self.points {
-                (low, high) = (low.min(point[d]), high.max(point[d]));
-            }
-            extent = extent.max(high - low);
-        }
-        extent
+        longest_side(bounds(&self.points))
     }
 
     /// Largest coordinate, without its sign.

@@ -4,7 +4,7 @@
 //! touch, up to rounding errors of the nodes, do not overlap.
 
 use super::facets::BoundaryFacets;
-use super::geometry::{Element, difference, dot, size};
+use super::geometry::{Element, bounds, difference, dot, size};
 use super::{Facet, MeshData};
 
 /// Distance of the ends of an edge from a facet that they cross, over the size of the larger one; and barycentric
@@ -53,7 +53,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         arrange(&mut probes, 0);
         self.cells.iter().zip(0..).find_map(|(cell, k)| {
             let vertices = cell.map(|node| self.points[node as usize]);
-            let found = find(&probes, 0, &around(vertices), &|probe| {
+            let found = find(&probes, 0, &bounds(&vertices), &|probe| {
                 probe.cell != k && is_inside(vertices, probe.point)
             })?;
             Some([found.cell, k])
@@ -94,32 +94,24 @@ fn arrange<const D: usize>(probes: &mut [Probe<D>], axis: usize) {
     arrange(&mut above[1..], (axis + 1) % D);
 }
 
-/// Returns a point of a tree that lies between two corners of a box and passes a test, if there is one.
+/// Returns a point of a tree that lies within these bounds and passes a test, if there is one.
 fn find<'a, const D: usize>(
     tree: &'a [Probe<D>],
     axis: usize,
-    corners: &[[f64; D]; 2],
+    bounds: &[[f64; 2]; D],
     test: &impl Fn(&Probe<D>) -> bool,
 ) -> Option<&'a Probe<D>> {
     let middle = tree.len() / 2;
     let probe = tree.get(middle)?;
-    let ([low, high], next) = (corners, (axis + 1) % D);
-    let (is_above, is_below) = (low[axis] <= probe.point[axis], probe.point[axis] <= high[axis]);
-    let is_within = (0..D).all(|d| (low[d]..=high[d]).contains(&probe.point[d]));
+    let ([low, high], next) = (bounds[axis], (axis + 1) % D);
+    let (is_above, is_below) = (low <= probe.point[axis], probe.point[axis] <= high);
+    let is_within =
+        bounds.iter().zip(probe.point).all(|([low, high], x)| (*low..=*high).contains(&x));
     if is_within && test(probe) {
         return Some(probe);
     }
-    let below = if is_above { find(&tree[..middle], next, corners, test) } else { None };
-    below.or_else(|| if is_below { find(&tree[middle + 1..], next, corners, test) } else { None })
-}
-
-/// Lowest and highest corner of the least box around some points.
-fn around<const D: usize, const V: usize>(points: [[f64; D]; V]) -> [[f64; D]; 2] {
-    [f64::min, f64::max].map(|choose| {
-        std::array::from_fn(|d| {
-            points[1..].iter().fold(points[0][d], |x, point| choose(x, point[d]))
-        })
-    })
+    let below = if is_above { find(&tree[..middle], next, bounds, test) } else { None };
+    below.or_else(|| if is_below { find(&tree[middle + 1..], next, bounds, test) } else { None })
 }
 
 /// True if a point is clearly inside a cell.

@@ -1,7 +1,7 @@
 //! Nodes of the boundary with the same place: surfaces or volumes that touch without being joined, and slits.
 
 use super::facets::{BoundaryFacets, sorted};
-use super::geometry::{difference, dot};
+use super::geometry::{bounds, difference, dot, longest_side};
 use super::{MeshData, Tags};
 use std::collections::HashMap;
 use std::fmt;
@@ -97,9 +97,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     /// Places of the nodes of the boundary.
     fn places(&self, boundary: &BoundaryFacets<D>) -> Places {
         let reach = self.reach(boundary);
-        let low: [f64; D] = std::array::from_fn(|d| {
-            self.points.iter().fold(f64::MAX, |low, point| low.min(point[d]))
-        });
+        let low = bounds(&self.points).map(|[least, _]| least);
         // Of boxes of twice the greatest reach, a node meets two in each direction.
         let width = 2.0 * reach.iter().fold(f64::MIN_POSITIVE, |most, reach| reach.max(most));
         let mut places =
@@ -133,13 +131,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
 
     /// Distance of each node of the boundary up to which another one has the same place; zero for inner nodes.
     fn reach(&self, boundary: &BoundaryFacets<D>) -> Vec<f64> {
-        let size = (0..D).fold(0.0f64, |size, d| {
-            let [low, high] =
-                self.points.iter().fold([f64::MAX, f64::MIN], |[low, high], point| {
-                    [low.min(point[d]), high.max(point[d])]
-                });
-            size.max(high - low)
-        });
+        let size = longest_side(bounds(&self.points));
         let mut shortest = vec![f64::INFINITY; self.points.len()];
         for facet in &boundary.facets {
             for (k, &one) in facet.nodes.iter().enumerate() {
