@@ -178,10 +178,13 @@ impl SceneDomain {
     /// Returns the problem, its mesh read from these files.
     pub(crate) fn problem(&self, files: &InputFiles) -> Result<RefinedProblem> {
         let coarsest = self.coarsest(files)?;
-        let times = self.settings.refinements(&coarsest);
-        let problem = MeshProblem::new(&coarsest, times, &self.f, self.law)
-            .map_err(|e| Error::input(e.to_string()))?;
+        let problem = self.refined(&coarsest)?;
         Ok(RefinedProblem { coarsest, problem })
+    }
+
+    fn refined(&self, coarsest: &AnyMesh) -> Result<MeshProblem> {
+        MeshProblem::new(coarsest, self.settings.refinements(coarsest), &self.f, self.law)
+            .map_err(|e| Error::input(e.to_string()))
     }
 
     /// Checks the mesh, its parts and, on meshes of the usual size, f.
@@ -195,7 +198,7 @@ impl SceneDomain {
             )));
         }
         if nodes <= USUAL_NODES {
-            self.problem(&self.files)?;
+            self.refined(&coarsest)?;
         }
         Ok(CheckedMesh { dimension: coarsest.dimension(), touching: coarsest.touching().cloned() })
     }

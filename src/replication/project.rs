@@ -103,7 +103,7 @@ impl Project {
 
     /// Returns the project with these scenes and those `more` files that exist.
     fn with(root: PathBuf, folder: SceneFolder, more: &[&str]) -> Result<Self> {
-        let SceneFolder { scenes, broken, ignored, mut files } = folder;
+        let SceneFolder { scenes, broken, ignored, mut files, .. } = folder;
         for &path in more {
             let file = InputFile::if_there(&root.join(path))?;
             files.extend(file.map(|file| (path.into(), file)));

@@ -23,6 +23,8 @@ pub(crate) struct SceneFolder {
     pub ignored: Vec<String>,
     /// Files of the scenes and their meshes, by path in the project.
     pub files: InputFiles,
+    /// Names of the scenes, by the form in which names that some file systems do not tell apart are the same.
+    known_as: BTreeMap<String, String>,
 }
 
 impl SceneFolder {
@@ -75,8 +77,9 @@ impl SceneFolder {
         let text = read_text(path)?;
         let mut scene = Scene::parse(name, &text)?;
         scene.find_mesh(root, &mut self.files)?;
-        self.refuse_name_alike(&scene)?;
+        self.refuse_name_alike(name)?;
         self.refuse_second_of_a_table(&scene)?;
+        self.known_as.insert(alike(name), name.to_owned());
         let file = InputFile::with(path.to_path_buf(), text.into_bytes());
         self.files.insert(format!("{SCENES}/{name}{ENDING}"), file);
         Ok(scene)
@@ -84,13 +87,11 @@ impl SceneFolder {
 
     /// Refuses names that some file systems do not tell apart: there, the files of one scene would overwrite those of the
     /// other.
-    fn refuse_name_alike(&self, Scene { name, .. }: &Scene) -> Result<()> {
-        let known_as = alike(name);
-        match self.scenes.iter().find(|other| alike(&other.name) == known_as) {
+    fn refuse_name_alike(&self, name: &str) -> Result<()> {
+        match self.known_as.get(&alike(name)) {
             None => Ok(()),
             Some(other) => Err(Error::input(format!(
-                "{SCENES}: `{}` and `{name}` are one name where capitals or the way to write accents do not count; rename one of them",
-                other.name
+                "{SCENES}: `{other}` and `{name}` are one name where capitals or the way to write accents do not count; rename one of them"
             ))),
         }
     }
