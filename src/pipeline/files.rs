@@ -206,7 +206,7 @@ pub(crate) fn is_plain(path: &str) -> bool {
     !path.is_empty()
         && !path.contains('\\')
         && !path.contains(is_forbidden)
-         // A path drops empty parts and most dots: another spelling of one place, not a place of its own.
+        // A path drops empty parts and most dots: another spelling of one place, not a place of its own.
         && path.split('/').all(|part| !["", ".", ".."].contains(&part))
         && Path::new(path).components().all(|part| matches!(part, Component::Normal(_)))
 }

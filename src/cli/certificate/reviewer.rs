@@ -2,6 +2,7 @@
 
 use super::CertificateArgs;
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::refuse_forbidden;
 use regex::Regex;
 use serde::Serialize;
 
@@ -52,13 +53,13 @@ impl Reviewer {
     }
 }
 
-/// Returns the text without space around it; refuses one that is empty or no single line.
+/// Returns the text without space around it; refuses one that is empty or has a character that no line of text may have.
 fn line<'a>(option: &str, text: &'a str) -> Result<&'a str> {
     let text = text.trim();
-    if text.is_empty() || text.contains(char::is_control) {
-        let why = if text.is_empty() { "is empty" } else { "is no single line" };
-        return Err(Error::input(format!("{option} {why}; give it some text, or leave it out")));
+    if text.is_empty() {
+        return Err(Error::input(format!("{option} is empty; give it some text, or leave it out")));
     }
+    refuse_forbidden(option, text)?;
     Ok(text)
 }
 

@@ -162,13 +162,13 @@ impl Domain {
     /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; `None` for
     /// known solutions, and on meshes, where the integral is the sum of the load vector.
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
-        let (is_smooth, is_known) = match self {
-            Self::Square { f, .. } => (f.is_smooth(), f.exact().is_some()),
-            Self::Cube { f, .. } => (f.is_smooth(), f.exact().is_some()),
+        let is_known = match self {
+            Self::Square { f, .. } => f.exact().is_some(),
+            Self::Cube { f, .. } => f.exact().is_some(),
             Self::Mesh(_) => return None,
         };
         // Values at the nodes of a smooth f are off by some multiple of h^2, the others by less.
-        let slack = if is_smooth {
+        let slack = if self.is_smooth() {
             (4.0 * self.slack(n)).max(RESOLVED * self.integrals()[1])
         } else {
             self.slack(n)
