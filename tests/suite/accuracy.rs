@@ -3,9 +3,9 @@
 use crate::common::{Project, TABLE};
 use crate::solvers::{ALGEBRAIC, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, on_threads};
 use signorini::timing::recorded::{Goal, PATH, PUBLISHED, Timings};
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::accuracy::{AccuracyFindings, AccuracyPlan, accuracy};
 use signorini_mathematics::experiments::work::REACHED;
-use signorini_mathematics::multigrid::MultigridStop;
 use signorini_mathematics::solvers::Solver;
 use std::collections::BTreeSet;
 use std::process::{Command, Output};
@@ -53,7 +53,7 @@ fn multigrid_takes_few_work_units() {
         assert!(ranges.known[k][1] < usual && ranges.others[k][1] < hard, "{ranges:?}");
     }
     for level in findings().problems.iter().flat_map(|problem| &problem.levels) {
-        assert_eq!(level.cost.goals[2].stop, MultigridStop::RoundingFloor);
+        assert_eq!(level.cost.goals[2].stop, Stop::RoundingFloor);
         assert!(level.cost.goals[1].kkt <= 1e-10);
     }
 }

@@ -7,11 +7,10 @@ use crate::solvers::{ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, distance};
 use proptest::prelude::*;
 use signorini_mathematics::discrete::cube::{Grid, errors, judge};
 use signorini_mathematics::discrete::norms::Errors;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::cube::Cube;
-use signorini_mathematics::multigrid::{
-    Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
-};
+use signorini_mathematics::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams};
 use signorini_mathematics::problem::cube::Exact;
 use signorini_mathematics::problem::law::Law;
 
@@ -55,7 +54,7 @@ fn one_cycle_reaches_the_discretisation_error() {
             let load = exact_load(problem, n);
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!((outcome.stop, outcome.cycles), (MultigridStop::Converged, 1));
+            assert_eq!((outcome.stop, outcome.cycles), (Stop::Converged, 1));
             assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
             let grid = grid(n);
             let discretisation = errors(grid, problem, &exact_discrete);
@@ -97,8 +96,7 @@ fn work_does_not_depend_on_the_grid() {
                     .expect("valid load");
                 assert!(outcome.work_units < limit, "{name} {n} {goal:?} {outcome:?}");
                 let floor = goal == Goal::RoundingFloor;
-                let expected =
-                    if floor { MultigridStop::RoundingFloor } else { MultigridStop::Converged };
+                let expected = if floor { Stop::RoundingFloor } else { Stop::Converged };
                 assert_eq!(outcome.stop, expected, "{name} {n} {goal:?}");
             }
         }
@@ -127,7 +125,7 @@ fn no_two_contact_sets_take_turns() {
         let amplitudes: Vec<f64> = (0..12).map(|_| 2.0 * dice.unit() - 1.0).collect();
         let load = random_load(4, &amplitudes, dice.unit(), -8.0 + 7.7 * dice.unit());
         let (_, outcome) = run(4, &load, Goal::RoundingFloor);
-        assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{number}: {outcome:?}");
+        assert_eq!(outcome.stop, Stop::RoundingFloor, "{number}: {outcome:?}");
     }
 }
 
@@ -144,7 +142,7 @@ proptest! {
     ) {
         let load = random_load(n, &amplitudes, roughness, deficit_exponent);
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-        prop_assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
+        prop_assert_eq!(outcome.stop, Stop::RoundingFloor);
         let (oracle, _) = active_set::<Cube>(n, Law::SIGNORINI, &load).expect("valid");
         let level = 2.0 * rounding_level::<Cube>(n, &oracle);
         prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
@@ -153,7 +151,7 @@ proptest! {
         for tolerance in [1e-5, 1e-9, 1e-13] {
             let (y, outcome) = run(n, &load, Goal::Kkt(tolerance));
             let measured = natural_residual(n, &y, &load);
-            let claimed = outcome.stop == MultigridStop::Converged;
+            let claimed = outcome.stop == Stop::Converged;
             prop_assert!(!claimed || measured <= tolerance + 0.25 * level, "{measured:e}");
         }
     }

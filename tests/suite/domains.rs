@@ -3,13 +3,13 @@
 use crate::solvers::{BYTES, absurd_starts, assert_threads_do_not_matter, distance};
 use crate::{cube, multigrid as square};
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::problems;
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::cube::Cube;
 use signorini_mathematics::multigrid::square::Square;
 use signorini_mathematics::multigrid::{
-    Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop, solve_cube,
-    solve_square,
+    Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, solve_cube, solve_square,
 };
 use signorini_mathematics::problem::law::Law;
 
@@ -159,7 +159,7 @@ fn multigrid_and_active_set_agree_to_rounding<D: Domain>() {
         for (name, load) in D::exact_loads(n).into_iter().chain(D::stress_loads(n)) {
             let (y, outcome) = run::<D>(n, &load, Goal::RoundingFloor);
             let oracle = D::direct(n, &load).expect("valid load");
-            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{name} {n} {outcome:?}");
+            assert_eq!(outcome.stop, Stop::RoundingFloor, "{name} {n} {outcome:?}");
             // Values are determined up to the conditioning of the contact set.
             let rounding = 500.0 * f64::EPSILON * largest(&oracle) * n as f64;
             let apart = distance(&y, &oracle);
@@ -180,8 +180,8 @@ fn a_claimed_tolerance_holds<D: Domain>() {
             let tolerance = 10_f64.powi(-exponent);
             let (y, outcome) = run::<D>(n, &load, Goal::Kkt(tolerance));
             let claimed = match outcome.stop {
-                MultigridStop::Converged => tolerance,
-                MultigridStop::RoundingFloor => rounding_level::<D>(n, &y),
+                Stop::Converged => tolerance,
+                Stop::RoundingFloor => rounding_level::<D>(n, &y),
                 stop => panic!("{name} {tolerance:e} {stop:?}"),
             };
             let measured = D::natural_residual(n, &y, &load);
@@ -218,7 +218,7 @@ fn absurd_starts_lead_to_the_same_solution<D: Domain>() {
         for (k, start) in absurd_starts(&y).iter().enumerate() {
             let (z, outcome) =
                 D::solve(n, Law::SIGNORINI.with_load(&load), Some(start), &params).expect("valid");
-            assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{name} start {k} {outcome:?}");
+            assert_eq!(outcome.stop, Stop::RoundingFloor, "{name} start {k} {outcome:?}");
             let rounding = 1e3 * f64::EPSILON * largest(&y);
             assert!(distance(&y, &z) < rounding, "{name} start {k} {}", distance(&y, &z));
         }

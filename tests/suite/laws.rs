@@ -8,13 +8,14 @@ use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::problems::FRICTION;
 use signorini_mathematics::mesh::gmsh::read;
 use signorini_mathematics::mesh::{AnyMesh, refined};
 use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
 use signorini_mathematics::multigrid::square::Square;
-use signorini_mathematics::multigrid::{InputError, MultigridParams, MultigridStop};
+use signorini_mathematics::multigrid::{InputError, MultigridParams};
 use signorini_mathematics::multigrid::{MultigridOutcome, solve_cube, solve_square};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
@@ -83,7 +84,7 @@ fn compare(
     for problem in 0..problems {
         let (law, load) = random_problem(network, &mut dice);
         let (y, outcome) = solve(law.with_load(&load)).unwrap();
-        assert_eq!(outcome.stop, MultigridStop::RoundingFloor, "{problem}: {law}");
+        assert_eq!(outcome.stop, Stop::RoundingFloor, "{problem}: {law}");
         let (expected, _) = active_set_on(network, law, &load).unwrap();
         let judged = judge_network(network, law, &y, &load);
         let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
@@ -267,7 +268,7 @@ fn components_may_slip_in_opposite_directions() {
     let law = Law::friction(0.2).unwrap();
     let (y, outcome) =
         solve_nested_networks(&levels, law.with_load(&load), &MultigridParams::default()).unwrap();
-    assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
+    assert_eq!(outcome.stop, Stop::RoundingFloor);
     let (expected, _) = active_set_on(network, law, &load).unwrap();
     let mut left = 0.0f64;
     for (node, [x, y_at]) in mesh.points().iter().enumerate() {

@@ -10,12 +10,11 @@ use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::stiffness::energy;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::problems::{nodal_load, paper_loads, stress_loads};
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::square::Square;
-use signorini_mathematics::multigrid::{
-    Goal, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
-};
+use signorini_mathematics::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::{Source, Tie};
@@ -73,7 +72,7 @@ fn one_cycle_reaches_the_discretisation_error() {
             let load = exact_load(problem, n);
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!((outcome.stop, outcome.cycles), (MultigridStop::Converged, 1));
+            assert_eq!((outcome.stop, outcome.cycles), (Stop::Converged, 1));
             if n >= 64 {
                 assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
             }
@@ -162,8 +161,8 @@ fn work_does_not_depend_on_the_grid() {
                 let outcome = run(n, &load, goal).1;
                 assert!(outcome.work_units < limit, "{name} {n} {goal:?} {outcome:?}");
                 let stop = match goal {
-                    Goal::RoundingFloor => MultigridStop::RoundingFloor,
-                    _ => MultigridStop::Converged,
+                    Goal::RoundingFloor => Stop::RoundingFloor,
+                    _ => Stop::Converged,
                 };
                 assert_eq!(outcome.stop, stop, "{name} {n} {goal:?}");
             }
@@ -201,7 +200,7 @@ proptest! {
             smooth + roughness * ((x * 517.3 + y * 917.7).sin() * 4317.5).fract()
         });
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-        prop_assert_eq!(outcome.stop, MultigridStop::RoundingFloor);
+        prop_assert_eq!(outcome.stop, Stop::RoundingFloor);
         let (oracle, _) = active_set::<Square>(n, Law::SIGNORINI, &load).expect("valid");
         // Twice what the solver asks for: the check adds in another order.
         let level = 2.0 * rounding_level::<Square>(n, &oracle);

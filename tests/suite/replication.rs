@@ -8,13 +8,14 @@ use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::discrete::network::{Network, NodeCondition};
 use signorini_mathematics::discrete::norms::max_error;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::{assemble, uniform_square};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::{
-    Monitor, Pair, Params, Plain, PlainEnd, StopReason, StopRule, arrow_hurwicz, on_nested,
-    solve_nested, tolerance,
+    Monitor, Pair, Params, Plain, PlainEnd, StopRule, arrow_hurwicz, on_nested, solve_nested,
+    tolerance,
 };
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
@@ -31,7 +32,7 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
         Row {
             r,
             counts: outcomes.iter().map(|o| o.iterations).collect(),
-            capped: outcomes.iter().map(|o| o.stop == StopReason::IterationLimit).collect(),
+            capped: outcomes.iter().map(|o| o.stop == Stop::IterationLimit).collect(),
             delta_a: outcomes.last().unwrap().delta_a,
         }
     };
@@ -76,13 +77,13 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
             on_nested(grids, &loads, scene.prolongation, |level, grid, load, pair| {
                 let definition =
                     Plain { network: &Network::of_square(grid), law: Law::SIGNORINI, load, r };
-                (definition.iterate(rule, tolerance(level), CAP, pair), StopReason::Converged)
+                (definition.iterate(rule, tolerance(level), CAP, pair), Stop::Converged)
             });
         let made: Vec<_> = made
             .iter()
             .map(|outcome| PlainEnd {
                 iterations: outcome.iterations,
-                met: outcome.stop == StopReason::Converged,
+                met: outcome.stop == Stop::Converged,
                 delta_a: outcome.delta_a,
             })
             .collect();
@@ -199,7 +200,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
             &params,
             &mut pair,
         );
-        assert_eq!(outcome.stop, StopReason::Converged);
+        assert_eq!(outcome.stop, Stop::Converged);
         assert!(outcome.kkt.relative < 1e-6, "{:?}", outcome.kkt);
         errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
     }

@@ -5,12 +5,13 @@ use proptest::prelude::*;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::problems::Problem;
 use signorini_mathematics::experiments::stress::{self, Stress, stress};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, arrow_hurwicz};
+use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use std::sync::OnceLock;
 
 fn tables(grids: &[usize]) -> Vec<Problem> {
@@ -151,12 +152,12 @@ fn what_is_not_a_number_is_never_a_result() {
                 &params,
                 &mut Pair::zero(grid),
             );
-            assert_eq!(outcome.stop, StopReason::Diverged, "load {bad} {rule}");
+            assert_eq!(outcome.stop, Stop::Diverged, "load {bad} {rule}");
             let mut pair = Pair::zero(grid);
             pair.a[3] = bad;
             let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&good), &params, &mut pair);
             let finite = pair.y.iter().chain(&pair.a).all(|v| v.is_finite());
-            assert!(finite || outcome.stop == StopReason::Diverged, "a {bad} {rule}");
+            assert!(finite || outcome.stop == Stop::Diverged, "a {bad} {rule}");
         }
     }
 }
@@ -204,7 +205,7 @@ proptest! {
         let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair);
         let natural = kkt(grid, Law::SIGNORINI, &pair.y, &load).natural;
         prop_assert!(natural.is_finite());
-        if outcome.stop == StopReason::Converged {
+        if outcome.stop == Stop::Converged {
             let bound = tolerance * (1.0 / r).max(1.0);
             prop_assert!(natural <= bound * (1.0 + 1e-9), "{natural:e} {bound:e} {outcome:?}");
         }

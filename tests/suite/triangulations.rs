@@ -3,13 +3,14 @@
 use crate::common::{Dice, Project, TABLE};
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::network::Network;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::domains::{DomainsPlan, domains};
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::multigrid::active_set::active_set_on;
-use signorini_mathematics::multigrid::{Goal, MultigridParams, MultigridStop, solve_cube};
+use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_cube};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, Params, StopReason, StopRule, solve_network};
+use signorini_mathematics::saddle::{Pair, Params, StopRule, solve_network};
 use signorini_mathematics::triangulated::MeshProblem;
 use std::f64::consts::PI;
 use std::fs;
@@ -22,7 +23,7 @@ fn mesh(name: &str) -> AnyMesh {
     })
 }
 
-fn solve(problem: &MeshProblem, goal: Goal) -> (Vec<f64>, MultigridStop) {
+fn solve(problem: &MeshProblem, goal: Goal) -> (Vec<f64>, Stop) {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let load = problem.law.with_load(&problem.f.load);
     let (y, outcome) = solve_nested_networks(&problem.levels, load, &params).unwrap();
@@ -103,7 +104,7 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
         let Ok(problem) = MeshProblem::new(&mesh, times, &f, Law::SIGNORINI) else { continue };
         let (y, stop) = solve(&problem, Goal::RoundingFloor);
         let name = format!("case {case}: {f}");
-        assert_eq!(stop, MultigridStop::RoundingFloor, "{name}");
+        assert_eq!(stop, Stop::RoundingFloor, "{name}");
         let judged = problem.judge(&y);
         assert!(judged.kkt.relative < 1e-9, "{name}: {:?}", judged.kkt);
         if case % 4 == 0 {
@@ -134,7 +135,7 @@ fn the_papers_method_on_the_cube_ends_at_the_solution() {
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
     let mut pair = Pair::zero_on(&network);
     let run = solve_network(&network, Law::SIGNORINI.with_load(&load), &params, &mut pair);
-    assert_eq!(run.stop, StopReason::Converged);
+    assert_eq!(run.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");
 }

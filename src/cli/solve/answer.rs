@@ -11,6 +11,7 @@ use signorini_mathematics::discrete::norms::Errors;
 use crate::replication::scene::shown_integral;
 use serde::Serialize;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::saddle::{Pair, SaddleRun};
@@ -23,8 +24,8 @@ pub(super) struct Level {
     pub iterations: usize,
     /// Gauss-Seidel sweeps, if the solver consists of sweeps.
     pub sweeps: Option<usize>,
-    /// Reason for the end, in the words of the solver.
-    pub stop: &'static str,
+    /// Reason for which the solver ended.
+    pub stop: Stop,
     pub energy: f64,
     pub sum_load: f64,
     pub kkt: Kkt,
@@ -37,7 +38,7 @@ impl Level {
             number: outcome.cells,
             iterations: outcome.iterations,
             sweeps: Some(sweeps),
-            stop: outcome.stop.name(),
+            stop: outcome.stop,
             energy: outcome.energy,
             sum_load: outcome.sum_load,
             kkt: outcome.kkt,
@@ -198,7 +199,7 @@ impl Answer {
     /// Name of the end on the finest grid.
     fn end(&self, problem: &Problem) -> &str {
         // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
-        if problem.accuracy.is_some() { self.last().stop } else { self.last().end() }
+        if problem.accuracy.is_some() { self.last().stop.name() } else { self.last().end() }
     }
 
     pub(super) fn json(&self, problem: &Problem) -> Value {

@@ -5,6 +5,7 @@ use super::answer::{Answer, Level};
 use super::bound::{self, BoundaryWords};
 use super::domain::{Domain, Guarantee};
 use super::problem::Problem;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::saddle::tolerance;
 
@@ -19,7 +20,7 @@ impl Answer {
         let (stop, relative, energy) = (last.stop, last.kkt.relative, last.energy);
         match last.verdict {
             Verdict::NoSolution => self.failure = Some(self.without_solution(problem)),
-            _ if stop.ends_with("-limit") => {
+            _ if stop == Stop::IterationLimit => {
                 let remedy = match problem.domain {
                     _ if problem.solver.is_nested() => {
                         "raise --max-iterations, or use --solver multigrid"
@@ -91,7 +92,7 @@ impl Answer {
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             ));
         }
-        if let Some(grids) = named(problem, coarse, |level| level.stop != "converged") {
+        if let Some(grids) = named(problem, coarse, |level| level.stop != Stop::Converged) {
             self.warnings.push(format!("the stopping rule was not met on {grids}"));
         }
     }
@@ -100,7 +101,7 @@ impl Answer {
     fn warn_of_tolerance(&mut self, problem: &Problem) {
         let Level { stop, kkt, .. } = *self.last();
         if let Some(tolerance) = problem.tolerance
-            && stop != "converged"
+            && stop != Stop::Converged
         {
             self.warnings.push(format!(
                 "--tolerance {tolerance:e} was not reached: the KKT residual is {:.2e} of the load at the {stop}",

@@ -9,13 +9,14 @@ use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::BoundaryFlux;
 use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::{largest, sum};
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::multigrid::active_set::active_set_on;
-use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, MultigridStop};
+use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::LawError;
 use signorini_mathematics::saddle::{
-    self, Params, SaddleRun, StopReason, on_nested, solve_networks, tolerance,
+    self, Params, SaddleRun, on_nested, solve_networks, tolerance,
 };
 use signorini_mathematics::solvers::{FinestRun, SolveOnGrid, Solver, SolverRun};
 use std::borrow::Cow;
@@ -89,7 +90,7 @@ impl Problem {
                 (run, run.outcome.stop)
             });
         if let Some(SaddleRun { outcome: end, .. }) =
-            outcomes.last().filter(|run| run.outcome.stop == StopReason::Diverged)
+            outcomes.last().filter(|run| run.outcome.stop == Stop::Diverged)
         {
             return Err(self.diverged(end.cells, end.iterations));
         }
@@ -139,14 +140,14 @@ impl Problem {
             solve_networks(networks, self.law.with_loads(loads), &params, &mut |k, run, pair| {
                 let judgement = self.domain.judge(k, self.law, &pair.y, &loads[k]);
                 let sum_load = sum(&loads[k]);
-                if run.stop == StopReason::Diverged {
+                if run.stop == Stop::Diverged {
                     diverged = Some((k, run.iterations));
                 }
                 levels.push(Level {
                     number: k,
                     iterations: run.iterations,
                     sweeps: Some(run.sweeps),
-                    stop: run.stop.name(),
+                    stop: run.stop,
                     energy: judgement.energy,
                     sum_load,
                     kkt: judgement.kkt,
@@ -176,7 +177,7 @@ impl Problem {
     fn judged(&self, run: FinestRun, load: &[f64]) -> Result<Solved> {
         let n = self.finest();
         let FinestRun { y, iterations, stop, work_units } = run;
-        if stop == MultigridStop::Diverged {
+        if stop == Stop::Diverged {
             let name = self.name();
             return Err(Error::Stage(vec![format!("{name}: the solver diverged; scale f down")]));
         }
@@ -186,7 +187,7 @@ impl Problem {
             number: n,
             iterations,
             sweeps: None,
-            stop: stop.name(),
+            stop,
             energy: judgement.energy,
             sum_load,
             kkt: judgement.kkt,

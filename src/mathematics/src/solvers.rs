@@ -3,12 +3,11 @@
 //! A new solver is an entry of [`SOLVERS`] and a room of its own.
 
 use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::stop::Stop;
 use crate::multigrid::active_set::{ActiveSetOutcome, MOST_ON_CUBE, MOST_ON_SQUARE, active_set};
 use crate::multigrid::cube::Cube;
 use crate::multigrid::square::Square;
-use crate::multigrid::{
-    InputError, MultigridOutcome, MultigridParams, MultigridStop, solve_cube, solve_square,
-};
+use crate::multigrid::{InputError, MultigridOutcome, MultigridParams, solve_cube, solve_square};
 use crate::saddle::Method;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -206,7 +205,7 @@ pub struct FinestRun {
     /// Cycles, or changes of the contact set.
     pub iterations: usize,
     /// End of the run.
-    pub stop: MultigridStop,
+    pub stop: Stop,
     /// Cost in sweeps of the finest grid, if the solver counts it.
     pub work_units: Option<f64>,
 }

@@ -11,7 +11,8 @@ use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
-use signorini_mathematics::saddle::{Outcome, StopReason, StopRule, tolerance};
+use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::saddle::{Outcome, StopRule, tolerance};
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";
@@ -230,7 +231,7 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "tolerance" => column(solves, |solve| tolerance(solve.level)),
         "iterations" => column(solves, |solve| solve.outcome.iterations as i64),
         "stop" => column(solves, |solve| solve.outcome.end()),
-        "met" => column(solves, |solve| solve.outcome.stop == StopReason::Converged),
+        "met" => column(solves, |solve| solve.outcome.stop == Stop::Converged),
         "gradient_signed" => column(solves, |solve| solve.outcome.gradient_signed),
         "gradient_abs" => column(solves, |solve| solve.outcome.gradient_abs),
         "delta_a" => column(solves, |solve| solve.outcome.delta_a),

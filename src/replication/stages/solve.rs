@@ -14,13 +14,14 @@ use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{
-    Iteration, Monitor, Outcome, Pair, Params, Plain, StopReason, StopRule, solve_nested,
+    Iteration, Monitor, Outcome, Pair, Params, Plain, StopRule, solve_nested,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -157,7 +158,7 @@ fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
     let mut recorder =
         Recorder { keep_history: cell.keep_history, exact: cell.f.exact(), ..Recorder::default() };
     let (levels, pair) = run(cell, &mut recorder)?;
-    if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {
+    if let Some(last) = levels.last().filter(|last| last.stop == Stop::Diverged) {
         return Err(format!(
             "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",
             last.cells, last.iterations, cell.r

@@ -7,7 +7,8 @@ use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
 use polars::prelude::{Column, DataFrame, PolarsResult};
-use signorini_mathematics::saddle::{Outcome, StopReason, StopRule};
+use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::saddle::{Outcome, StopRule};
 
 /// Artifact in the paper's layout.
 pub(crate) const TABLE: &str = "table.csv";
@@ -50,7 +51,7 @@ fn row(inputs: &Inputs, task: &str) -> Result<Row, String> {
     Ok(Row {
         r,
         counts: levels.iter().map(|level| level.iterations).collect(),
-        capped: levels.iter().map(|level| level.stop == StopReason::IterationLimit).collect(),
+        capped: levels.iter().map(|level| level.stop == Stop::IterationLimit).collect(),
         delta_a: finest.delta_a,
     })
 }

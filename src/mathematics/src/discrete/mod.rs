@@ -16,5 +16,6 @@ pub(crate) mod quadrature;
 pub(crate) mod sampled;
 pub(crate) mod stencils;
 pub mod stiffness;
+pub mod stop;
 pub mod transfer;
 pub mod verdict;

@@ -4,6 +4,7 @@
 //! far from the solution.
 
 use super::kkt::Kkt;
+use super::stop::Stop;
 use std::fmt;
 
 /// Largest relative KKT residual, and largest sum of v r over the size of the energy, of what may be called a
@@ -68,11 +69,11 @@ impl Verdict {
 
     /// Name of the end of a solve whose solver reports the reason `stop`: `no-solution` or `not-solved` takes its place,
     /// but a limit that cut an iteration off stays a limit if the problem has a solution.
-    pub fn end(self, stop: &str) -> &str {
+    pub fn end(self, stop: Stop) -> &'static str {
         match self {
             Self::NoSolution => "no-solution",
-            Self::NotSolved(_) if !stop.ends_with("-limit") => "not-solved",
-            _ => stop,
+            Self::NotSolved(_) if stop != Stop::IterationLimit => "not-solved",
+            _ => stop.name(),
         }
     }
 }
@@ -120,10 +121,10 @@ mod tests {
         {
             let verdict = verdict(-1.0, relative, energy, work);
             assert!(matches!(verdict, Verdict::NotSolved(_)), "{verdict:?}");
-            assert_eq!(verdict.end("converged"), "not-solved");
-            assert_eq!(verdict.end("iteration-limit"), "iteration-limit");
+            assert_eq!(verdict.end(Stop::Converged), "not-solved");
+            assert_eq!(verdict.end(Stop::IterationLimit), "iteration-limit");
         }
-        assert_eq!(Verdict::NoSolution.end("iteration-limit"), "no-solution");
-        assert_eq!(Verdict::Rough.end("converged"), "converged");
+        assert_eq!(Verdict::NoSolution.end(Stop::IterationLimit), "no-solution");
+        assert_eq!(Verdict::Rough.end(Stop::Converged), "converged");
     }
 }

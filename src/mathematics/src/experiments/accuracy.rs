@@ -7,9 +7,8 @@ use super::work::{self, Comparison, CostLaw};
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::{lumped, worst};
 use crate::discrete::stiffness::energy;
-use crate::multigrid::{
-    Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, MultigridStop,
-};
+use crate::discrete::stop::Stop;
+use crate::multigrid::{Goal, InputError, Multigrid, MultigridOutcome, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::spectral::SpectralParams;
@@ -111,7 +110,7 @@ pub struct Spent {
     /// Natural residual, not relative: in the units of the load, f h^2.
     pub kkt: f64,
     /// End of the solve.
-    pub stop: MultigridStop,
+    pub stop: Stop,
 }
 
 /// Ranges over problems and grids.

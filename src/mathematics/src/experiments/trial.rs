@@ -2,11 +2,12 @@
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
+use crate::discrete::stop::Stop;
 use crate::machine::simd::Largest;
-use crate::multigrid::{self, Goal, MultigridParams, MultigridStop};
+use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::law::Law;
+use crate::saddle::StopRule;
 use crate::saddle::batch::{End, Job, JobGoal, run};
-use crate::saddle::{StopReason, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// End of a run, and the judgement of [`judge`] on the vector that it returned.
@@ -104,7 +105,7 @@ pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
 fn saddle_trial(grid: Grid, job: &Job, end: &End) -> Trial {
     let stop = end.outcome(grid, Law::SIGNORINI, job).stop;
     let claim = match job.goal {
-        JobGoal::Rule(StopRule::PrintedDual, tolerance) if stop == StopReason::Converged => {
+        JobGoal::Rule(StopRule::PrintedDual, tolerance) if stop == Stop::Converged => {
             Some(Claim::AtMost(tolerance * (1.0 / job.r).max(1.0)))
         }
         _ => None,
@@ -127,8 +128,8 @@ pub fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64
         return Trial { stop: "refused".into(), ..Trial::default() };
     };
     let claim = match (outcome.stop, goal) {
-        (MultigridStop::Converged, Goal::Kkt(tolerance)) => Some(Claim::AtMost(tolerance)),
-        (MultigridStop::RoundingFloor, _) => Some(Claim::RoundingFloor),
+        (Stop::Converged, Goal::Kkt(tolerance)) => Some(Claim::AtMost(tolerance)),
+        (Stop::RoundingFloor, _) => Some(Claim::RoundingFloor),
         _ => None,
     };
     let report = Report {

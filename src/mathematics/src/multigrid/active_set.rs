@@ -21,13 +21,13 @@
 //! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square, `O(n^7)`
 //! and `O(n^5)` on the cube.
 
-use super::MultigridStop;
 use super::direct::{BandOrder, Direct};
 use super::input::{InputError, check_components, check_length};
 use super::layout::Dimension;
 use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network, count_components};
+use crate::discrete::stop::Stop;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::law::{BoundaryState, ContactNode, Law};
 use std::cmp::Ordering;
@@ -49,7 +49,7 @@ const MAX_STEPS: usize = 200;
 pub struct ActiveSetOutcome {
     /// `Converged` if a step left all states as they were; `RoundingFloor` if a step led to earlier states,
     /// which was seen only where multipliers or values are zero up to rounding errors.
-    pub stop: MultigridStop,
+    pub stop: Stop,
     /// Number of linear systems solved.
     pub steps: usize,
     /// Number of multiplications of the factorisations and solutions.
@@ -112,16 +112,16 @@ fn on_network(
     let mut relaxed: Option<Vec<f64>> = None;
     let stop = loop {
         if steps == MAX_STEPS {
-            break MultigridStop::CycleLimit;
+            break Stop::IterationLimit;
         }
         solve(&problem, &mut direct, &states, &mut y);
         steps += 1;
         if !y.iter().all(|value| value.is_finite()) {
-            break MultigridStop::Diverged;
+            break Stop::Diverged;
         }
         let next = problem.next_states(&states, &y);
         if next == states {
-            break MultigridStop::Converged;
+            break Stop::Converged;
         }
         if !seen.contains(&next) {
             seen.push(std::mem::replace(&mut states, next));
@@ -132,7 +132,7 @@ fn on_network(
             seen.clear();
             restarts += 1;
         } else {
-            break MultigridStop::RoundingFloor;
+            break Stop::RoundingFloor;
         }
     };
     for contact in network.contact() {

@@ -51,33 +51,7 @@ pub use input::InputError;
 pub(crate) use stopping::ROUNDING_FLOOR;
 pub use workspace::{Multigrid, solve_cube, solve_square};
 
-use serde::{Deserialize, Serialize};
-
-/// Reason for which multigrid or the active set method ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MultigridStop {
-    /// The goal was reached; a tolerance was checked at all nodes.
-    Converged,
-    /// Rounding errors prevent further progress.
-    RoundingFloor,
-    /// The limit on cycles or steps was reached first.
-    CycleLimit,
-    /// Values became infinite or NaN, or residuals grew by a factor of 1e12.
-    Diverged,
-}
-
-impl MultigridStop {
-    /// Name of the reason in answers.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::RoundingFloor => "rounding-floor",
-            Self::CycleLimit => "cycle-limit",
-            Self::Diverged => "diverged",
-        }
-    }
-}
+use crate::discrete::stop::Stop;
 
 /// Goal at which multigrid stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +85,7 @@ impl Default for MultigridParams {
 #[derive(Clone, Copy, Debug)]
 pub struct MultigridOutcome {
     /// Reason for which the iteration ended.
-    pub stop: MultigridStop,
+    pub stop: Stop,
     /// Number of cycles on the finest grid.
     pub cycles: usize,
     /// Natural residual of the solution, not relative: in the units of the load.

@@ -14,7 +14,8 @@
 //! # Easily broken
 //! A check of all nodes costs a sweep of the finest grid, so it is made only where the result may depend on it.
 
-use super::{Goal, MultigridParams, MultigridStop};
+use super::{Goal, MultigridParams};
+use crate::discrete::stop::Stop;
 
 /// Ratio of the residual to the load, both on the finest grid but one in the root mean square, below which the
 /// discretisation error is reached.
@@ -82,7 +83,7 @@ pub(super) struct InitialState {
 /// Result of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct IterationEnd {
-    pub(super) stop: MultigridStop,
+    pub(super) stop: Stop,
     pub(super) cycles: usize,
     /// Natural residual of the load as it was given.
     pub(super) kkt: f64,
@@ -105,7 +106,7 @@ pub(super) fn iterate(
     let mut has_stalled = false;
     let stop = loop {
         if cycles == params.max_cycles {
-            break MultigridStop::CycleLimit;
+            break Stop::IterationLimit;
         }
         // Each of two contact sets may lead to the other; half a correction ends the alternation.
         let alternates = (kkt - before).abs() <= ALTERNATION * kkt;
@@ -121,18 +122,18 @@ pub(super) fn iterate(
         kkt = grids.cycle(position, part);
         cycles += 1;
         if !kkt.is_finite() || kkt > diverging {
-            break MultigridStop::Diverged;
+            break Stop::Diverged;
         }
         match params.goal {
             Goal::DiscretisationError if grids.smooth_residual() <= DISCRETISATION => {
-                break MultigridStop::Converged;
+                break Stop::Converged;
             }
             Goal::Kkt(tolerance) if kkt * scale <= tolerance => {
                 if (kkt + ROUNDING_FLOOR * grids.rounding()) * scale > tolerance {
                     kkt = grids.full_residual();
                 }
                 if kkt * scale <= tolerance {
-                    break MultigridStop::Converged;
+                    break Stop::Converged;
                 }
             }
             _ => {}
@@ -142,7 +143,7 @@ pub(super) fn iterate(
             if kkt <= floor {
                 kkt = grids.full_residual();
                 if kkt <= floor {
-                    break MultigridStop::RoundingFloor;
+                    break Stop::RoundingFloor;
                 }
             }
         }
@@ -153,9 +154,9 @@ pub(super) fn iterate(
 /// Result where the finest grid is the coarsest, and has been solved directly with this residual.
 pub(super) fn direct(kkt: f64, goal: Goal) -> IterationEnd {
     let stop = match goal {
-        Goal::Kkt(tolerance) if kkt > tolerance => MultigridStop::RoundingFloor,
-        Goal::RoundingFloor => MultigridStop::RoundingFloor,
-        Goal::Kkt(_) | Goal::DiscretisationError => MultigridStop::Converged,
+        Goal::Kkt(tolerance) if kkt > tolerance => Stop::RoundingFloor,
+        Goal::RoundingFloor => Stop::RoundingFloor,
+        Goal::Kkt(_) | Goal::DiscretisationError => Stop::Converged,
     };
     IterationEnd { stop, cycles: 0, kkt }
 }
@@ -183,7 +184,7 @@ mod tests {
         }
 
         /// Iterates to the goal, and fails if a scripted residual is left over.
-        fn iterate(mut self, scale: f64, goal: Goal) -> (MultigridStop, usize, f64) {
+        fn iterate(mut self, scale: f64, goal: Goal) -> (Stop, usize, f64) {
             let params = MultigridParams { goal, max_cycles: 9 };
             let end = iterate(&mut self, InitialState { scale, ..INITIAL }, &params);
             assert!(self.cycles.is_empty() && self.checks.is_empty());
@@ -216,43 +217,40 @@ mod tests {
             let goal = Goal::Kkt(1e-9 * scale);
             let script = ScriptedHierarchy::new(vec![1e-10, 1e-3], vec![], 1e-12);
             let end = script.iterate(scale, goal);
-            assert_eq!(end, (MultigridStop::Converged, 2, 1e-10 * scale));
+            assert_eq!(end, (Stop::Converged, 2, 1e-10 * scale));
             // The black nodes may have larger residuals, as in the first check.
             let script = ScriptedHierarchy::new(vec![1e-10, 9e-10], vec![2e-10, 2e-9], 1e-10);
             let end = script.iterate(scale, goal);
-            assert_eq!(end, (MultigridStop::Converged, 2, 2e-10 * scale));
+            assert_eq!(end, (Stop::Converged, 2, 2e-10 * scale));
         }
     }
 
-    fn to_the_floor(cycles: Vec<f64>, checks: Vec<f64>) -> (MultigridStop, usize, f64) {
+    fn to_the_floor(cycles: Vec<f64>, checks: Vec<f64>) -> (Stop, usize, f64) {
         ScriptedHierarchy::new(cycles, checks, 1e-12).iterate(1.0, Goal::RoundingFloor)
     }
 
     #[test]
     fn stagnation_is_the_rounding_floor_only_near_rounding() {
         let end = to_the_floor(vec![6e-12, 9e-12, 1e-3], vec![7e-12]);
-        assert_eq!(end, (MultigridStop::RoundingFloor, 3, 7e-12));
+        assert_eq!(end, (Stop::RoundingFloor, 3, 7e-12));
         let end = to_the_floor(vec![2e-4; 9], vec![]);
-        assert_eq!(end, (MultigridStop::CycleLimit, 9, 2e-4));
+        assert_eq!(end, (Stop::IterationLimit, 9, 2e-4));
         let end = to_the_floor(vec![2e12], vec![]);
-        assert_eq!(end, (MultigridStop::Diverged, 1, 2e12));
+        assert_eq!(end, (Stop::Diverged, 1, 2e12));
         let (stop, ..) = to_the_floor(vec![f64::NAN], vec![]);
-        assert_eq!(stop, MultigridStop::Diverged);
+        assert_eq!(stop, Stop::Diverged);
     }
 
-    fn to_the_discretisation_error(
-        cycles: Vec<f64>,
-        smooth: Vec<f64>,
-    ) -> (MultigridStop, usize, f64) {
+    fn to_the_discretisation_error(cycles: Vec<f64>, smooth: Vec<f64>) -> (Stop, usize, f64) {
         ScriptedHierarchy::new(cycles, smooth, 1e-12).iterate(1.0, Goal::DiscretisationError)
     }
 
     #[test]
     fn discretisation_error_is_judged_by_the_smooth_residual() {
         let end = to_the_discretisation_error(vec![0.04], vec![0.009]);
-        assert_eq!(end, (MultigridStop::Converged, 1, 0.04));
+        assert_eq!(end, (Stop::Converged, 1, 0.04));
         let end = to_the_discretisation_error(vec![0.04, 0.06, 0.07], vec![0.009, 0.011, 0.05]);
-        assert_eq!(end, (MultigridStop::Converged, 3, 0.04));
+        assert_eq!(end, (Stop::Converged, 3, 0.04));
     }
 
     /// Multiples of the correction that are requested if the cycles leave these residuals, the first entry first.

@@ -5,9 +5,10 @@ use super::iterate::{ContactProblem, Iterate};
 use crate::discrete::judging::judge_network;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::nested::{NestedNetwork, restricted};
+use crate::discrete::stop::Stop;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
-use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, MultigridStop, ROUNDING_FLOOR};
+use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, ROUNDING_FLOOR};
 use crate::problem::law::Law;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error is
@@ -187,7 +188,7 @@ struct FinestTarget<'a> {
 
 /// Iteration on the finest level.
 struct Progress {
-    stop: MultigridStop,
+    stop: Stop,
     cycles: usize,
     /// Natural residual of the scaled load.
     residual: f64,
@@ -205,13 +206,13 @@ impl Progress {
         self.residual = iterate.natural_residual();
         self.stop = loop {
             if self.cycles == params.max_cycles {
-                break MultigridStop::CycleLimit;
+                break Stop::IterationLimit;
             }
             let lowered = iterate.step(cycle, level);
             self.cycles += 1;
             self.residual = iterate.natural_residual();
             if !self.residual.is_finite() {
-                break MultigridStop::Diverged;
+                break Stop::Diverged;
             }
             match params.goal {
                 Goal::DiscretisationError => {
@@ -219,14 +220,14 @@ impl Progress {
                     // changes as well, by as much.
                     let discretisation = (self.coarse_energy - iterate.energy()).abs() / 3.0;
                     if lowered <= LAST_STEP * discretisation {
-                        break MultigridStop::Converged;
+                        break Stop::Converged;
                     }
                 }
                 Goal::Kkt(tolerance) if self.residual * scale <= tolerance => {
                     iterate.renew_residual();
                     self.residual = iterate.natural_residual();
                     if self.residual * scale <= tolerance {
-                        break MultigridStop::Converged;
+                        break Stop::Converged;
                     }
                 }
                 Goal::Kkt(_) | Goal::RoundingFloor => {}
@@ -239,7 +240,7 @@ impl Progress {
                 let no_longer_falls =
                     self.residual >= STAGNATION * renewed && self.residual <= NEAR_FLOOR * floor;
                 if self.residual <= floor || no_longer_falls {
-                    break MultigridStop::RoundingFloor;
+                    break Stop::RoundingFloor;
                 }
                 renewed = self.residual;
             }

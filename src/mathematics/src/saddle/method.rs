@@ -21,12 +21,13 @@
 
 use super::gradient::{Duality, Extrema, Gradient, dual_step};
 use super::outcome::LastStep;
-use super::stopping::{GradientTerms, RoundingFloor, SWEEPS_TO_FLOOR, StopReason, StopRule};
+use super::stopping::{GradientTerms, RoundingFloor, SWEEPS_TO_FLOOR, StopRule};
 use super::sweep::GaussSeidel;
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::norms::largest;
+use crate::discrete::stop::Stop;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -164,7 +165,7 @@ pub fn solve(
         if (!params.rule.asks_dual() || delta_a <= params.tolerance.max(dual))
             && steps.gradient.within(load, pair, tolerance, params.rule.is_printed())
         {
-            break StopReason::Converged;
+            break Stop::Converged;
         }
     };
     let last = LastStep {
@@ -262,12 +263,12 @@ impl<'a> Steps<'a> {
     ///
     /// # Panics
     /// If `pair` has the wrong length for the grid.
-    pub fn step(&mut self, pair: &mut Pair, max_sweeps: usize) -> ControlFlow<StopReason> {
+    pub fn step(&mut self, pair: &mut Pair, max_sweeps: usize) -> ControlFlow<Stop> {
         assert!(pair.y.len() == self.grid.nodes() && pair.a.len() == self.boundary.len());
         self.regularise(pair);
         loop {
             if self.sweeps >= max_sweeps {
-                return ControlFlow::Break(StopReason::IterationLimit);
+                return ControlFlow::Break(Stop::IterationLimit);
             }
             self.sweeps += 1;
             GaussSeidel::new(self.grid, &self.target, self.shift, self.duality, &pair.a)
@@ -275,7 +276,7 @@ impl<'a> Steps<'a> {
             let Some(bound) = self.bound else { break };
             // A NaN spreads to the boundary within as many sweeps as there are rows.
             if !self.boundary.iter().all(|&node| pair.y[node].is_finite()) {
-                return ControlFlow::Break(StopReason::Diverged);
+                return ControlFlow::Break(Stop::Diverged);
             }
             if self.sweeps.is_multiple_of(SWEEPS_TO_FLOOR) {
                 self.floor = self.terms.floor(largest(&self.target), pair);
@@ -286,7 +287,7 @@ impl<'a> Steps<'a> {
         }
         self.iterations += 1;
         let Some(delta_a) = dual_step(self.duality, &self.boundary, pair) else {
-            return ControlFlow::Break(StopReason::Diverged);
+            return ControlFlow::Break(Stop::Diverged);
         };
         self.delta_a = delta_a;
         let method = self.method.above(self.floor.gradient);

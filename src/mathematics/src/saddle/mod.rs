@@ -14,13 +14,14 @@ pub use method::{Iteration, Method, OnIteration, Params, SaddleRun, Steps, arrow
 pub use network::{NetworkRun, solve_network, solve_networks};
 pub use outcome::Outcome;
 pub use plain::{Plain, PlainEnd};
-pub use stopping::{StopReason, StopRule};
+pub use stopping::StopRule;
 
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::rounding;
 use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
+use crate::discrete::stop::Stop;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::problem::law::Law;
 
@@ -144,7 +145,7 @@ pub fn on_nested<T>(
     grids: &[Grid],
     loads: &[Vec<f64>],
     prolongation: Prolongation,
-    mut solve: impl FnMut(usize, Grid, &[f64], &mut Pair) -> (T, StopReason),
+    mut solve: impl FnMut(usize, Grid, &[f64], &mut Pair) -> (T, Stop),
 ) -> (Vec<T>, Pair) {
     let mut pair = Pair::zero(grids[0]);
     let mut kept = Vec::with_capacity(grids.len());
@@ -154,7 +155,7 @@ pub fn on_nested<T>(
         }
         let (outcome, stop) = solve(k + 1, grid, load, &mut pair);
         kept.push(outcome);
-        if stop == StopReason::Diverged {
+        if stop == Stop::Diverged {
             break;
         }
     }

@@ -3,13 +3,14 @@
 use super::method::Method;
 use super::plain::Plain;
 use super::stopping::{GradientTerms, RoundingFloor, SWEEPS_TO_FLOOR};
-use super::{Outcome, Pair, Params, StopReason, tolerance};
+use super::{Outcome, Pair, Params, tolerance};
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::law_and_load::{LawAndLoad, LawAndLoads};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
+use crate::discrete::stop::Stop;
 
 /// End of a saddle-point method on one network.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +20,7 @@ pub struct NetworkRun {
     /// Number of Gauss-Seidel sweeps.
     pub sweeps: usize,
     /// Reason for the end.
-    pub stop: StopReason,
+    pub stop: Stop,
     /// Last change of the multiplier, the paper's Delta a.
     pub delta_a: f64,
 }
@@ -77,8 +78,7 @@ pub fn solve_network(
     let shifted = (weight > 0.0).then(|| network.with_masses(weight));
     let inner_network = shifted.as_ref().unwrap_or(network);
     let mut bound = method.inner_bound(largest(load));
-    let mut run =
-        NetworkRun { iterations: 0, sweeps: 0, stop: StopReason::IterationLimit, delta_a: 0.0 };
+    let mut run = NetworkRun { iterations: 0, sweeps: 0, stop: Stop::IterationLimit, delta_a: 0.0 };
     let terms = terms_on(inner_network, r);
     let mut floor = RoundingFloor::default();
     let mut target = load.to_vec();
@@ -103,13 +103,13 @@ pub fn solve_network(
                 break;
             }
             if !pair.y.iter().all(|value| value.is_finite()) {
-                return NetworkRun { stop: StopReason::Diverged, ..run };
+                return NetworkRun { stop: Stop::Diverged, ..run };
             }
         }
         run.delta_a = outer.dual_step(pair);
         run.iterations += 1;
         if !pair.a.iter().chain(&pair.y).all(|value| value.is_finite()) {
-            return NetworkRun { stop: StopReason::Diverged, ..run };
+            return NetworkRun { stop: Stop::Diverged, ..run };
         }
         let method = method.above(floor.gradient);
         if matches!(method, Method::Uzawa { loose: true, .. }) {
@@ -118,7 +118,7 @@ pub fn solve_network(
         // A change of the multiplier that is a rounding error counts as none.
         let delta_a = if run.delta_a <= floor.dual { 0.0 } else { run.delta_a };
         if outer.stops(params.rule, params.tolerance.max(floor.gradient), delta_a, pair) {
-            return NetworkRun { stop: StopReason::Converged, ..run };
+            return NetworkRun { stop: Stop::Converged, ..run };
         }
     }
 }
@@ -162,7 +162,7 @@ pub fn solve_networks(
         let params = Params { method, tolerance, ..*params };
         let run = solve_network(&level.network, law.with_load(load), &params, &mut pair);
         after(k, &run, &pair);
-        if run.stop == StopReason::Diverged {
+        if run.stop == Stop::Diverged {
             break;
         }
     }
@@ -188,10 +188,10 @@ mod tests {
             let problem = Law::SIGNORINI.with_load(&load);
             let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero_on(&network));
             let run = solve(grid, problem, &params, &mut on_grid, None);
-            assert_eq!(run.outcome.stop, StopReason::Converged, "{weight} {rule}");
+            assert_eq!(run.outcome.stop, Stop::Converged, "{weight} {rule}");
             assert!(rule != StopRule::PrintedDual || run.outcome.kkt.relative < 1e-9, "{run:?}");
             let run = solve_network(&network, problem, &params, &mut on_network);
-            assert_eq!(run.stop, StopReason::Converged, "{weight} {rule}");
+            assert_eq!(run.stop, Stop::Converged, "{weight} {rule}");
         }
     }
 

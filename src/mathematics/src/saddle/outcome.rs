@@ -2,9 +2,9 @@
 
 use super::Pair;
 use super::gradient::Extrema;
-use super::stopping::StopReason;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, Kkt, judge};
+use crate::discrete::stop::Stop;
 use crate::discrete::verdict::Verdict;
 use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub struct Outcome {
     /// Steps of the multiplier done: the iterations of the paper.
     pub iterations: usize,
     /// Reason for the end. The stopping rules see the gradient of M alone; [`Outcome::kkt`] measures the solution.
-    pub stop: StopReason,
+    pub stop: Stop,
     /// `max_i dM/dy_i` at the end.
     pub gradient_signed: f64,
     /// `max_i |dM/dy_i|` at the end.
@@ -47,7 +47,7 @@ pub(super) struct LastStep {
     /// Extrema of the gradient (8) at the last pair.
     pub(super) gradient: Extrema,
     /// Reason for the end.
-    pub(super) stop: StopReason,
+    pub(super) stop: Stop,
 }
 
 impl Outcome {
@@ -60,7 +60,7 @@ impl Outcome {
         Self {
             cells: grid.cells(),
             iterations: last.iterations,
-            stop: if finite { last.stop } else { StopReason::Diverged },
+            stop: if finite { last.stop } else { Stop::Diverged },
             gradient_signed: last.gradient.signed,
             gradient_abs: last.gradient.absolute,
             delta_a: last.delta_a,
@@ -83,6 +83,6 @@ impl Outcome {
 
     /// Name of the end of the iteration: `stop`, unless the verdict is that there is no solution.
     pub fn end(&self) -> &'static str {
-        self.verdict().end(self.stop.name())
+        self.verdict().end(self.stop)
     }
 }

@@ -85,32 +85,3 @@ impl GradientTerms {
         RoundingFloor { gradient, dual: gradient / self.least_measure }
     }
 }
-
-/// Reason for the end of an iteration; none is an error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StopReason {
-    /// The stopping rule was met.
-    Converged,
-    /// The cap on iterations was hit first.
-    IterationLimit,
-    /// A component of y or a, or a measure of the pair, is infinite or NaN.
-    Diverged,
-}
-
-impl StopReason {
-    /// The name used in artifacts and answers.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::IterationLimit => "iteration-limit",
-            Self::Diverged => "diverged",
-        }
-    }
-}
-
-impl fmt::Display for StopReason {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(self.name())
-    }
-}

@@ -7,7 +7,8 @@ use crate::replication::domain::{RefinedProblem, SceneDomain};
 use crate::replication::scene::Scene;
 use crate::replication::stages::to_json;
 use serde::Serialize;
-use signorini_mathematics::saddle::{Pair, Params, Plain, StopReason, StopRule, solve_networks};
+use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::saddle::{Pair, Params, Plain, StopRule, solve_networks};
 
 /// Parameters that determine the artifacts of a solve.
 #[derive(Clone, Debug, Serialize)]
@@ -44,7 +45,7 @@ fn solve(cell: &MeshCell, inputs: &Inputs) -> Result<Artifacts, Failure> {
         let plain = Plain { network, law, load: &loads[k], r: cell.r };
         levels.push(run.outcome(&plain, pair));
     });
-    if let Some(last) = levels.last().filter(|last| last.stop == StopReason::Diverged) {
+    if let Some(last) = levels.last().filter(|last| last.stop == Stop::Diverged) {
         return Err(format!(
             "diverged on the mesh of {} nodes after {} iterations at r = {}; choose a smaller r or scale f down",
             last.cells, last.iterations, cell.r

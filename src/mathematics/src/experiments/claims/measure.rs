@@ -157,14 +157,14 @@ impl Count {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::saddle::StopReason;
+    use crate::discrete::stop::Stop;
 
     /// The best of some counts for r = 1, 10, 100, ..; runs without a count reach the limit of 10.
     fn best<const N: usize>(counts: [Option<usize>; N]) -> Option<(f64, usize, (f64, f64))> {
         let r: Vec<f64> = (0..N).map(|k| 10f64.powi(k as i32)).collect();
         let count = |count: Option<usize>| match count {
-            Some(iterations) => Count { iterations, stop: StopReason::Converged },
-            None => Count { iterations: 10, stop: StopReason::IterationLimit },
+            Some(iterations) => Count { iterations, stop: Stop::Converged },
+            None => Count { iterations: 10, stop: Stop::IterationLimit },
         };
         let row = CountRow::new(ClaimMeasure::Kkt(1e-3), 16, &r, counts.map(count).into());
         row.best.map(|BestParameter { r, iterations, flat }| (r, iterations, flat))

@@ -11,12 +11,13 @@ pub use tally::{ClaimTally, ClaimVerdict};
 pub use verdict::{Spread, Verdicts};
 
 use crate::discrete::load::LoadRule;
+use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{FRICTION, FrictionProblem, Problem};
 use crate::problem::law::LawParameter;
 use crate::saddle::batch::End;
-use crate::saddle::{Method, StopReason, StopRule};
+use crate::saddle::{Method, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
@@ -175,7 +176,7 @@ pub struct Count {
     /// Iterations, or sweeps.
     pub iterations: usize,
     /// `converged` or `iteration-limit`.
-    pub stop: StopReason,
+    pub stop: Stop,
 }
 
 impl Count {
@@ -186,7 +187,7 @@ impl Count {
 
     /// Number of iterations, if the run reached its end.
     pub fn reached(self) -> Option<usize> {
-        (self.stop == StopReason::Converged).then_some(self.iterations)
+        (self.stop == Stop::Converged).then_some(self.iterations)
     }
 }
 

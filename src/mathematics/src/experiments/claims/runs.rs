@@ -5,10 +5,11 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
+use crate::discrete::stop::Stop;
 use crate::experiments::problems::{Discrete, Problem};
 use crate::problem::law::Law;
 use crate::saddle::batch::{End, Job, JobGoal, LANES, Nested, NestedGrids, run, run_nested};
-use crate::saddle::{Method, Pair, Params, StopReason, StopRule, arrow_hurwicz};
+use crate::saddle::{Method, Pair, Params, StopRule, arrow_hurwicz};
 use rayon::prelude::*;
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
@@ -136,7 +137,7 @@ impl<'a> ClaimCase<'a> {
             };
             let mut pair = starts[k].clone();
             let outcome = arrow_hurwicz(grid, law.with_load(&solvable[k]), &params, &mut pair);
-            if outcome.stop != StopReason::Converged {
+            if outcome.stop != Stop::Converged {
                 return Err(format!("no solution on grid 1/{}: {}", grid.cells(), outcome.stop));
             }
             starts.push(pair.prolonged(grid, problem.prolongation));

@@ -202,14 +202,14 @@ fn targets(problem: &Measured) -> Vec<f64> {
 mod tests {
     use super::super::{ClaimTable, UzawaCell};
     use super::*;
-    use crate::saddle::StopReason;
+    use crate::discrete::stop::Stop;
 
     fn reached(iterations: usize) -> Count {
-        Count { iterations, stop: StopReason::Converged }
+        Count { iterations, stop: Stop::Converged }
     }
 
     fn capped() -> Count {
-        Count { iterations: 50, stop: StopReason::IterationLimit }
+        Count { iterations: 50, stop: Stop::IterationLimit }
     }
 
     fn measured(number: u8, cells: Vec<UzawaCell>) -> Measured {

@@ -3,10 +3,11 @@
 use super::{DomainPlan, DomainsPlan, problem};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
+use crate::discrete::stop::Stop;
 use crate::experiments::numbers::RandomNumbers;
 use crate::mesh::AnyMesh;
 use crate::problem::law::ContactNode;
-use crate::saddle::{Pair, Params, StopReason, StopRule, solve_network, solve_networks, tolerance};
+use crate::saddle::{Pair, Params, StopRule, solve_network, solve_networks, tolerance};
 use crate::triangulated::MeshProblem;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -211,7 +212,7 @@ fn renumbered_counts(
             Params { r, rule: StopRule::Signed, tolerance, max_iterations, ..Params::default() };
         let run = solve_network(&network, problem.law.with_load(&load), &params, &mut other);
         counts.push(run.iterations);
-        if run.stop == StopReason::Diverged {
+        if run.stop == Stop::Diverged {
             break;
         }
         let y = places.iter().map(|&place| other.y[place as usize]).collect();

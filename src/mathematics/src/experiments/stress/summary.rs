@@ -207,11 +207,11 @@ mod tests {
             deficits: [
                 vec![
                     deficit(1e-1, 10, floor, 20.0, 0.0),
-                    deficit(1e-13, 30, "cycle-limit", 99.0, 1e-3),
+                    deficit(1e-13, 30, "iteration-limit", 99.0, 1e-3),
                 ],
                 vec![
                     deficit(1e-2, 5, floor, 12.0, 0.0),
-                    deficit(1e-14, 300, "cycle-limit", 88.0, 2e-3),
+                    deficit(1e-14, 300, "iteration-limit", 88.0, 2e-3),
                 ],
             ],
             tolerances: vec![

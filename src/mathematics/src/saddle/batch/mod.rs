@@ -15,11 +15,12 @@ pub use lanes::{LaneStart, Lanes, Order};
 pub use measure::GradientMeasure;
 
 use crate::discrete::grid::Grid;
+use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::problem::law::Law;
 use crate::saddle::gradient::{Duality, Gradient};
 use crate::saddle::outcome::LastStep;
-use crate::saddle::{Method, Outcome, Pair, StopReason, StopRule, tolerance};
+use crate::saddle::{Method, Outcome, Pair, StopRule, tolerance};
 use std::array::from_fn;
 
 /// Runs side by side.
@@ -57,7 +58,7 @@ pub struct End {
     /// Sweeps done.
     pub sweeps: usize,
     /// Why it ended.
-    pub stop: StopReason,
+    pub stop: Stop,
     /// Change of the multiplier in its last step.
     pub delta_a: f64,
     /// The last pair.
@@ -67,7 +68,7 @@ pub struct End {
 impl End {
     /// The sweeps, if the goal was reached.
     pub fn count(&self) -> Option<usize> {
-        (self.stop == StopReason::Converged).then_some(self.sweeps)
+        (self.stop == Stop::Converged).then_some(self.sweeps)
     }
 
     /// Converts to an [`Outcome`] that counts sweeps as iterations.
@@ -155,11 +156,11 @@ impl<'a> LaneRun<'a> {
     }
 
     /// Why the run ends after a sweep, if it does.
-    fn stop(&mut self, lanes: &Lanes, lane: usize, stepped: bool) -> Option<StopReason> {
+    fn stop(&mut self, lanes: &Lanes, lane: usize, stepped: bool) -> Option<Stop> {
         match stepped {
-            true if self.delta_a.is_nan() => Some(StopReason::Diverged),
-            true if self.met(lanes, lane) => Some(StopReason::Converged),
-            _ => (self.sweeps >= self.job.cap).then_some(StopReason::IterationLimit),
+            true if self.delta_a.is_nan() => Some(Stop::Diverged),
+            true if self.met(lanes, lane) => Some(Stop::Converged),
+            _ => (self.sweeps >= self.job.cap).then_some(Stop::IterationLimit),
         }
     }
 
@@ -289,7 +290,7 @@ mod tests {
                 for cap in [0, 1] {
                     let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap };
                     let end = &run(grid, Law::SIGNORINI, &[job])[0];
-                    assert!(end.stop != StopReason::Converged, "node {node}, {goal:?}");
+                    assert!(end.stop != Stop::Converged, "node {node}, {goal:?}");
                     assert_eq!(end.sweeps, 1);
                 }
             }
@@ -317,7 +318,7 @@ mod tests {
                 let mut pair = start.clone();
                 let run = solve(grid, law.with_load(&load), &params, &mut pair, None);
                 assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.outcome.delta_a));
-                assert_eq!((ours.stop, &ours.pair), (StopReason::Converged, &pair));
+                assert_eq!((ours.stop, &ours.pair), (Stop::Converged, &pair));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::discrete::load::{LoadRule, load};
+use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 
 const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
@@ -44,11 +45,11 @@ fn every_method_finds_the_solution_of_arrow_hurwicz() {
         let (grid, load) = setting(f);
         let mut want = Pair::zero(grid);
         let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(10.0), &mut want);
-        assert_eq!(outcome.stop, StopReason::Converged);
+        assert_eq!(outcome.stop, Stop::Converged);
         for r in [1.0, 10.0, 1e3, 1e6] {
             for (end, sweeps, pair) in both(grid, &load, &tight(r), 1.0) {
                 let at = format!("{f}, r = {r}: {end:?}");
-                assert_eq!(end.stop, StopReason::Converged, "{at}");
+                assert_eq!(end.stop, Stop::Converged, "{at}");
                 // Where a stays positive the gradient sees only h r of what is left of y.
                 let bound = 2e-9 * (1.0 / (grid.h() * r)).max(1.0);
                 assert!(end.kkt.natural <= bound, "{at}");
@@ -84,7 +85,7 @@ fn a_nearly_empty_contact_set_is_no_obstacle() {
     let (grid, load) = setting("quadrant(ll)=-6.001; else=2");
     for weight in [0.1, 1.0, 10.0] {
         let [_, (outcome, _, pair)] = both(grid, &load, &tight(10.0), weight);
-        assert_eq!(outcome.stop, StopReason::Converged, "{outcome:?}");
+        assert_eq!(outcome.stop, Stop::Converged, "{outcome:?}");
         assert!(outcome.kkt.natural <= 1e-8, "{outcome:?}");
         let contact = pair.a.iter().filter(|&&a| a > 0.0).count();
         assert!((1..=8).contains(&contact), "{contact} nodes in contact");
@@ -96,7 +97,7 @@ fn without_a_minimum_both_end_at_a_cap() {
     let (grid, load) = setting("else=0.5");
     let capped = Params { method: uzawa(0.0), max_iterations: 3000, ..tight(1.0) };
     let [(plain, sweeps, up), (proximal, ..)] = both(grid, &load, &capped, 100.0);
-    assert_eq!((plain.stop, sweeps), (StopReason::IterationLimit, 3000));
+    assert_eq!((plain.stop, sweeps), (Stop::IterationLimit, 3000));
     assert_eq!(plain.iterations, 0, "the inner problem has no minimum");
     let mut further = up.clone();
     solve(grid, Law::SIGNORINI.with_load(&load), &capped, &mut further, None);
@@ -104,7 +105,7 @@ fn without_a_minimum_both_end_at_a_cap() {
     for (low, high) in up.y.iter().zip(&further.y) {
         assert!((high - low - drift).abs() < 1e-9 * drift, "{} {drift}", high - low);
     }
-    assert_eq!(proximal.stop, StopReason::IterationLimit);
+    assert_eq!(proximal.stop, Stop::IterationLimit);
     assert!(proximal.iterations > 0, "each proximal problem has one");
 }
 
@@ -113,7 +114,7 @@ fn the_cap_is_on_sweeps() {
     let (grid, load) = setting(PROBLEMS[1]);
     let params = Params { max_iterations: 7, ..tight(1.0) };
     for (outcome, sweeps, _) in both(grid, &load, &params, 1.0) {
-        assert_eq!((outcome.stop, sweeps), (StopReason::IterationLimit, 7));
+        assert_eq!((outcome.stop, sweeps), (Stop::IterationLimit, 7));
     }
 }
 
@@ -124,13 +125,13 @@ fn what_is_no_number_diverges() {
         let mut load = good.clone();
         load[grid.index(8, 8)] = bad;
         for (outcome, sweeps, _) in both(grid, &load, &tight(1.0), 1.0) {
-            assert_eq!(outcome.stop, StopReason::Diverged, "{bad}");
+            assert_eq!(outcome.stop, Stop::Diverged, "{bad}");
             assert!(sweeps < 100);
         }
     }
     let huge: Vec<f64> = good.iter().map(|f| f * 1e308).collect();
     for (outcome, ..) in both(grid, &huge, &tight(1.0), 1.0) {
-        assert_ne!(outcome.stop, StopReason::Converged);
+        assert_ne!(outcome.stop, Stop::Converged);
     }
 }
 
