@@ -109,16 +109,16 @@ enum Command {
         after_long_help = "Examples:\n  signorini solve problem2 --json\n  \
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --out v.npy\n  \
-        signorini solve --cube 'ball(0,0,0,0.25)=2; else=-1' --h 1/128 --out v.vti\n\n\
+        signorini solve --domain cube --f 'ball(0,0,0,0.25)=2; else=-1' --h 1/32 --out v.vtu\n\n\
         f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers \
         a point wins. The square is [-0.5,0.5]^2; its regions are rect(x0,x1,y0,y1), \
         quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
         problem with known solution: full-contact, torsion, free-segment, free-corner. formula(3*x*y - 1.1) is f \
         by a formula in x and y, with + - * / ^, pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, atan2; \
         integrals of it are by quadrature, of degree 5 on the square, until they settle on a mesh.\n\n\
-        The cube is [-0.5,0.5]^3; its regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
-        halfspace(a,b,c,d) for ax+by+cz<=d; the known solutions are full-contact, free-strip, free-disc; \
-        a formula, in x, y and z, is taken at the nodes."
+        The cube is [-0.5,0.5]^3; in space, regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
+        halfspace(a,b,c,d) for ax+by+cz<=d, and a formula is in x, y and z; the known solutions on the cube are \
+        full-contact, free-strip, free-disc."
     )]
     Solve(Box<solve::SolveArgs>),
     /// Search for the right-hand sides of Figure 1 that give the published tables

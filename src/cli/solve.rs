@@ -21,7 +21,7 @@ use crate::pipeline::error::{Error, Result};
 use accuracy::Accuracy;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
-use domain::{Domain, square};
+use domain::square;
 use format::Format;
 use problem::Problem;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
@@ -33,7 +33,7 @@ use signorini_mathematics::solvers::Solver;
 use std::path::PathBuf;
 
 #[derive(Args)]
-#[command(group = ArgGroup::new("problem").required(true).args(["scene", "f", "cube"]))]
+#[command(group = ArgGroup::new("problem").required(true).args(["scene", "f"]))]
 pub(super) struct SolveArgs {
     /// A scene of the project
     ///
@@ -42,16 +42,13 @@ pub(super) struct SolveArgs {
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
     #[arg(long)]
     f: Option<String>,
-    /// A Gmsh file whose domain takes the place of the square: triangles or tetrahedra
+    /// Domain: square, cube, disc, lshape, annulus, ball, or a Gmsh file [default: square]
     ///
-    /// Formats 2.2 and 4.1. Physical groups name regions, for `region(name)=value` in --f, and parts of the boundary.
-    #[arg(long, value_name = "FILE", requires = "f",
-        conflicts_with_all = ["scene", "cube", "h", "load", "accuracy", "accuracy_energy", "recover"])]
-    mesh: Option<PathBuf>,
-    /// A domain by its name: disc, lshape, annulus, ball
-    #[arg(long, value_name = "NAME", requires = "f", hide_possible_values = true,
-        value_parser = Suggested(AnyMesh::built_in_names()),
-        conflicts_with_all = ["mesh", "scene", "cube", "h", "load", "accuracy", "accuracy_energy", "recover"])]
+    /// A file, format 2.2 or 4.1, holds triangles or tetrahedra; physical groups name regions, for `region(name)=value` in
+    /// --f, and parts of the boundary. In space f is made of box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and
+    /// halfspace(a,b,c,d).
+    #[arg(long, value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
+        value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
     domain: Option<String>,
     /// Number of refinements of the mesh [default: up to 20 000 nodes]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..=20))]
@@ -68,10 +65,6 @@ pub(super) struct SolveArgs {
     /// a radius.
     #[arg(long, value_name = "PART=NUMBERS", hide_short_help = true)]
     curve: Vec<String>,
-    /// A right-hand side on the unit cube, e.g. 'ball(0,0,0,0.25)=2; else=-1'
-    #[arg(long, value_name = "F",
-        conflicts_with_all = ["load", "r", "stop", "max_iterations"])]
-    cube: Option<String>,
     /// Friction on the boundary: |dv/dn| is at most G, and v leaves zero only where it is G
     #[arg(long, value_name = "G", conflicts_with_all = ["limit", "scene"], allow_negative_numbers = true)]
     friction: Option<f64>,
@@ -84,14 +77,14 @@ pub(super) struct SolveArgs {
         hide_short_help = true
     )]
     limit: Option<f64>,
-    /// Width of the finest grid, as 1/256 [default: the scene's, or 1/64]
+    /// Width of the finest grid of the square or the cube, as 1/256 [default: the scene's, or 1/64; on the cube 1/16]
     ///
     /// 0.00390625, and 256 cells per side, are the same width.
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
     h: Option<String>,
     /// Solver [default: multigrid; for a scene: arrow-hurwicz]
     ///
-    /// With --r, --stop or --max-iterations the default is arrow-hurwicz too. The cube has multigrid and active-set.
+    /// With --r, --stop or --max-iterations the default is arrow-hurwicz too.
     #[arg(long, value_parser = solver_parser())]
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]
@@ -113,11 +106,11 @@ pub(super) struct SolveArgs {
     tolerance: Option<f64>,
     /// Guaranteed relative error in the energy norm; chooses the grid by itself
     #[arg(long, value_name = "REL", allow_negative_numbers = true,
-        conflicts_with_all = ["cube", "h", "tolerance"])]
+        conflicts_with_all = ["h", "tolerance"])]
     accuracy: Option<f64>,
     /// Guaranteed relative error of the energy; chooses the grid by itself
     #[arg(long, value_name = "REL", hide_short_help = true, allow_negative_numbers = true,
-        conflicts_with_all = ["accuracy", "cube", "h", "tolerance"])]
+        conflicts_with_all = ["accuracy", "h", "tolerance"])]
     accuracy_energy: Option<f64>,
     /// Print JSON
     #[arg(long)]
@@ -129,7 +122,7 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
-    #[arg(long, hide_short_help = true, conflicts_with = "cube")]
+    #[arg(long, hide_short_help = true)]
     recover: bool,
 }
 
@@ -139,11 +132,7 @@ impl SolveArgs {
     fn file(&self, problem: &Problem) -> Result<Option<(OutputFile, Format)>> {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
         let named = out.to_str().filter(|ending| Format::from_str(ending, false).is_ok());
-        let usual = match &problem.domain {
-            Domain::Cube { .. } => "cube",
-            Domain::Square { .. } | Domain::Mesh(_) => "solution",
-        };
-        let name = problem.scene.as_deref().unwrap_or(usual);
+        let name = problem.scene.as_deref().unwrap_or("solution");
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
         problem.domain.check_format(format)?;

@@ -3,11 +3,14 @@
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::is_plain;
 use crate::pipeline::{InputFile, InputFiles};
-use serde::{Deserialize, Serialize, Serializer};
-use signorini_mathematics::mesh::{AnyMesh, Condition, Touching, gmsh};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use signorini_mathematics::mesh::{AnyMesh, BuiltIn, Condition, Touching, gmsh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::triangulated::MeshProblem;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::Path;
 
 /// Number of nodes up to which a mesh is refined if nobody says how often, and up to which a scene is checked whenever
@@ -25,10 +28,9 @@ const FOLDER: &str = "pipeline";
 #[serde(deny_unknown_fields)]
 #[serde(expecting = "a table such as { name = \"disc\", refine = 4 }")]
 pub struct DomainSettings {
-    /// Gmsh file.
-    pub mesh: Option<String>,
-    /// Built-in domain.
-    pub name: Option<String>,
+    /// Built-in domain, or Gmsh file.
+    #[serde(alias = "mesh")]
+    pub name: String,
     /// Number of refinements; none for the usual number.
     pub refine: Option<u8>,
     /// Parts of the boundary where dv/dn = 0.
@@ -43,25 +45,29 @@ pub struct DomainSettings {
 }
 
 impl DomainSettings {
+    /// True if the domain is read from a file.
+    pub(crate) fn is_file(&self) -> bool {
+        BuiltIn::named(&self.name).is_none() && self.name.contains(['.', '/', '\\'])
+    }
+
     /// Returns the coarsest mesh, from the contents of the Gmsh file if there is one. `dashes` stand before the names of
     /// settings in messages: those of options, or none.
     pub(crate) fn coarsest(&self, file: Option<&[u8]>, dashes: &str) -> Result<AnyMesh> {
-        let mut mesh = match (&self.mesh, file, &self.name) {
-            (Some(path), Some(bytes), None) => {
-                gmsh::read(bytes).map_err(|e| Error::input(format!("{path}: {e}")))?
-            }
-            (None, _, Some(name)) => AnyMesh::built_in(name).ok_or_else(|| {
+        let name = &self.name;
+        let mesh = match file {
+            Some(bytes) => gmsh::read(bytes).map_err(|e| Error::input(format!("{name}: {e}")))?,
+            None => AnyMesh::built_in(name).ok_or_else(|| {
                 let names = AnyMesh::built_in_names().join(", ");
                 Error::input(format!(
-                    "{dashes}domain {name}: no such domain; choose one of {names}, or give a file with {dashes}mesh"
+                    "{dashes}domain {name}: no such domain; choose one of {names}, or name a file such as gear.msh"
                 ))
             })?,
-            _ => {
-                return Err(Error::input(
-                    "a domain is either a file, mesh = \"gear.msh\", or has a name, name = \"disc\"",
-                ));
-            }
         };
+        self.with_conditions(mesh, dashes)
+    }
+
+    /// Returns a mesh with the conditions and curves of its parts set.
+    pub(crate) fn with_conditions(&self, mut mesh: AnyMesh, dashes: &str) -> Result<AnyMesh> {
         for (option, parts, condition) in
             [("free", &self.free, Condition::Free), ("fixed", &self.fixed, Condition::Fixed)]
         {
@@ -84,6 +90,32 @@ impl DomainSettings {
             usize::from,
         )
     }
+}
+
+/// Reads a domain: a name or a file alone, or a table with more about it.
+pub(crate) fn name_or_table<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<DomainSettings, D::Error> {
+    struct NameOrTable;
+    impl<'de> Visitor<'de> for NameOrTable {
+        type Value = DomainSettings;
+
+        fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+            out.write_str("a name such as \"disc\", a file such as \"gear.msh\", or a table such as { name = \"disc\", refine = 4 }")
+        }
+
+        fn visit_str<E: serde::de::Error>(self, name: &str) -> std::result::Result<Self::Value, E> {
+            Ok(DomainSettings { name: name.into(), ..DomainSettings::default() })
+        }
+
+        fn visit_map<A: MapAccess<'de>>(
+            self,
+            map: A,
+        ) -> std::result::Result<Self::Value, A::Error> {
+            DomainSettings::deserialize(MapAccessDeserializer::new(map))
+        }
+    }
+    deserializer.deserialize_any(NameOrTable)
 }
 
 /// Number of nodes after some refinements: each multiplies the number of cells, and in the end of nodes, by 4 or 8.
@@ -147,7 +179,8 @@ fn as_text<S: Serializer>(law: &Law, serializer: S) -> std::result::Result<S::Ok
 impl SceneDomain {
     /// Returns the path of the mesh in the project.
     fn path(&self) -> Option<String> {
-        self.settings.mesh.as_ref().map(|mesh| format!("{FOLDER}/{mesh}"))
+        let settings = &self.settings;
+        settings.is_file().then(|| format!("{FOLDER}/{}", settings.name))
     }
 
     /// Finds the mesh in the project in `root`, among the `known` files or else on the disk, and does not read it: other
@@ -156,7 +189,7 @@ impl SceneDomain {
         let Some(path) = self.path() else { return Ok(()) };
         if !is_plain(&path) {
             return Err(Error::input(format!(
-                "{path}: name a file below {FOLDER}/ by its shortest path, as mesh = \"meshes/gear.msh\""
+                "{path}: name a file below {FOLDER}/ by its shortest path, as name = \"meshes/gear.msh\""
             )));
         }
         let file = match known.get(&path) {

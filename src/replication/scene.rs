@@ -3,7 +3,7 @@
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
-use crate::replication::domain::{CheckedMesh, DomainSettings, SceneDomain};
+use crate::replication::domain::{CheckedMesh, DomainSettings, SceneDomain, name_or_table};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, integrals};
@@ -92,6 +92,7 @@ pub struct Scene {
 struct DomainScene {
     title: String,
     f: String,
+    #[serde(deserialize_with = "name_or_table")]
     domain: DomainSettings,
     law: Option<LawParameter>,
     #[serde(default = "paper_r")]

@@ -63,7 +63,7 @@ impl Level {
             "kkt": { "natural": self.kkt.natural, "relative": self.kkt.relative },
         });
         match domain {
-            Domain::Square { .. } | Domain::Cube { .. } => level["cells"] = self.number.into(),
+            Domain::Square { .. } => level["cells"] = self.number.into(),
             Domain::Mesh(mesh) => {
                 level["refinement"] = self.number.into();
                 level["nodes"] = mesh.problem.levels[self.number].network.nodes().into();
@@ -139,7 +139,7 @@ pub(super) struct Answer {
     pub solved: Solved,
     /// Numbers of boundary nodes by their states.
     states: States,
-    /// Arcs in contact, with ends estimated within the cell; `None` on the cube.
+    /// Arcs in contact, with ends estimated within the cell; `None` in space.
     contact: Option<Vec<ContactArc>>,
     /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
     pub force: f64,
@@ -277,7 +277,6 @@ impl Answer {
 
     pub(super) fn text(&self, problem: &Problem) -> String {
         let name = match problem.domain {
-            Domain::Cube { .. } => "cube",
             Domain::Square { .. } | Domain::Mesh(_) => problem.name(),
         };
         let (f, integral) = (problem.domain.f(), shown_integral(problem.integral));

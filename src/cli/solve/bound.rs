@@ -45,7 +45,7 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, problem: &Problem) -> Vec<St
         // The square alone has --load.
         let remedy = match &problem.domain {
             Domain::Square { .. } => "try --load exact",
-            Domain::Cube { .. } | Domain::Mesh(_) => "refine the grid",
+            Domain::Mesh(_) => "refine the grid",
         };
         warnings.push(format!(
             "the energy is further from the true one than the error explains: the load vector is not that of f; {remedy}"

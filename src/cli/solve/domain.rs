@@ -1,4 +1,4 @@
-//! Square, cube and meshes under one interface: load vector, judgement, errors, files.
+//! Square and meshes under one interface: load vector, judgement, errors, files.
 
 use super::format::{Format, ReportedAs};
 use super::mesh::MeshDomain;
@@ -6,10 +6,8 @@ use super::reserve::Reserve;
 use crate::figures::{Surface, surfaces, uphill};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::{BoundaryFlux, MAX_CELLS, solvable};
-use signorini_mathematics::bounds::triangulation::{CubeBounds, bounds_on_cube};
 use signorini_mathematics::bounds::{Bounds, bounds, recovery};
 use signorini_mathematics::discrete::contact::{ContactArc, arcs};
-use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::{Judgement, judge};
@@ -17,20 +15,18 @@ use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
 use signorini_mathematics::formats::Fields;
-use signorini_mathematics::problem;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{SOLVERS, Solver};
+use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::triangulated::MeshProblem;
 use std::borrow::Cow;
 
-/// Square, cube or mesh, with f and its quadrature.
+/// Square or mesh, with f and its quadrature.
 ///
 /// The number of a grid is that of its cells per side, on a mesh that of its refinements.
 pub(super) enum Domain {
     Square { f: Source, rule: LoadRule, integrals: [f64; 2] },
-    Cube { f: problem::cube::Source, integrals: [f64; 2] },
     Mesh(Box<MeshDomain>),
 }
 
@@ -50,23 +46,12 @@ pub(super) struct Guarantee {
 
 /// Error of the sum of the load vector of a formula, over the integral of |f|, that gets no warning on any grid.
 const RESOLVED: f64 = 1e-2;
-/// Cells per side of the finest grid of the cube with bounds: about a second.
-const MOST_WITH_BOUNDS: usize = 32;
-
 impl Domain {
     /// Largest number of cells per side for which the vectors and factors of the solver take about 1 GB; refuses a
     /// solver that the domain does not have.
     pub(super) fn most_cells(&self, solver: Solver) -> Result<usize> {
         match self {
             Self::Square { .. } => Ok(solver.entry().most_on_square.unwrap_or(MAX_CELLS)),
-            Self::Cube { .. } => solver.entry().most_on_cube.ok_or_else(|| {
-                let on_cube = SOLVERS.iter().rev().filter(|entry| entry.most_on_cube.is_some());
-                let names: Vec<_> = on_cube.map(|entry| entry.name).collect();
-                Error::input(format!(
-                    "--solver {solver}: the cube has only {}",
-                    names.join(" and ")
-                ))
-            }),
             Self::Mesh(mesh) if solver == Solver::Spectral => Err(Error::input(format!(
                 "--solver {solver}: {} has every solver but this one",
                 mesh.name
@@ -78,7 +63,7 @@ impl Domain {
     /// Returns the name of a grid in sentences.
     pub(super) fn grid(&self, n: usize) -> String {
         match self {
-            Self::Square { .. } | Self::Cube { .. } => format!("grid 1/{n}"),
+            Self::Square { .. } => format!("grid 1/{n}"),
             Self::Mesh(_) if n == 0 => "the coarsest mesh".into(),
             Self::Mesh(_) => format!("refinement {n}"),
         }
@@ -87,7 +72,7 @@ impl Domain {
     /// Returns the name of a grid in a table.
     pub(super) fn row(&self, n: usize) -> String {
         match self {
-            Self::Square { .. } | Self::Cube { .. } => format!("1/{n}"),
+            Self::Square { .. } => format!("1/{n}"),
             Self::Mesh(mesh) => mesh.problem.levels[n].network.nodes().to_string(),
         }
     }
@@ -95,7 +80,7 @@ impl Domain {
     /// Returns the width of a grid; of a mesh, the longest edge of the finest one.
     pub(super) fn h(&self, n: usize) -> f64 {
         match self {
-            Self::Square { .. } | Self::Cube { .. } => 1.0 / n as f64,
+            Self::Square { .. } => 1.0 / n as f64,
             Self::Mesh(mesh) => mesh.width,
         }
     }
@@ -103,7 +88,6 @@ impl Domain {
     pub(super) fn dimension(&self) -> u8 {
         match self {
             Self::Square { .. } => 2,
-            Self::Cube { .. } => 3,
             Self::Mesh(mesh) => mesh.problem.mesh.dimension(),
         }
     }
@@ -111,7 +95,6 @@ impl Domain {
     pub(super) fn f(&self) -> String {
         match self {
             Self::Square { f, .. } => f.to_string(),
-            Self::Cube { f, .. } => f.to_string(),
             Self::Mesh(mesh) => mesh.problem.text.clone(),
         }
     }
@@ -120,7 +103,6 @@ impl Domain {
     pub(super) fn outside(&self) -> Vec<String> {
         match self {
             Self::Square { f, .. } => f.outside(),
-            Self::Cube { f, .. } => f.outside(),
             Self::Mesh(_) => Vec::new(),
         }
     }
@@ -128,7 +110,7 @@ impl Domain {
     /// Returns the integrals of f and of |f|.
     pub(super) fn integrals(&self) -> [f64; 2] {
         match self {
-            Self::Square { integrals, .. } | Self::Cube { integrals, .. } => *integrals,
+            Self::Square { integrals, .. } => *integrals,
             Self::Mesh(mesh) => [mesh.problem.f.integral, mesh.problem.f.size],
         }
     }
@@ -139,11 +121,6 @@ impl Domain {
             Self::Square { f, .. } => {
                 solvable(f, self.integrals(), BoundaryFlux { law, perimeter: Grid::PERIMETER })
             }
-            Self::Cube { f, .. } => solvable(
-                f,
-                self.integrals(),
-                BoundaryFlux { law, perimeter: cube::Grid::PERIMETER },
-            ),
             // Judged when the problem was made.
             Self::Mesh(mesh) => Ok(mesh.problem.f.integral),
         }
@@ -153,7 +130,7 @@ impl Domain {
     /// integral of |f|.
     pub(super) fn slack(&self, n: usize) -> f64 {
         let size = match self {
-            Self::Square { .. } | Self::Cube { .. } => 1.0,
+            Self::Square { .. } => 1.0,
             Self::Mesh(mesh) => mesh.problem.mesh.extent(),
         };
         self.integrals()[1].abs() * (self.h(n) / size).powi(2)
@@ -164,7 +141,6 @@ impl Domain {
     pub(super) fn load_slack(&self, n: usize) -> Option<f64> {
         let is_known = match self {
             Self::Square { f, .. } => f.exact().is_some(),
-            Self::Cube { f, .. } => f.exact().is_some(),
             Self::Mesh(_) => return None,
         };
         // Values at the nodes of a smooth f are off by some multiple of h^2, the others by less.
@@ -180,7 +156,6 @@ impl Domain {
     pub(super) fn load(&self, n: usize) -> Cow<'_, [f64]> {
         match self {
             Self::Square { f, rule, .. } => load(square(n), f, *rule).into(),
-            Self::Cube { f, .. } => cube::exact_load(cube(n), f).into(),
             Self::Mesh(mesh) => Cow::from(&mesh.problem.f.load),
         }
     }
@@ -189,7 +164,6 @@ impl Domain {
     pub(super) fn judge(&self, n: usize, law: Law, y: &[f64], load: &[f64]) -> Judgement {
         match self {
             Self::Square { .. } => judge(square(n), law, y, load),
-            Self::Cube { .. } => cube::judge(cube(n), law, y, load),
             Self::Mesh(mesh) => judge_network(&mesh.problem.levels[n].network, law, y, load),
         }
     }
@@ -220,10 +194,6 @@ impl Domain {
                 let values = errors(grid, exact, y);
                 Some(KnownErrors { values, multiplier_l2: Some(multiplier_l2) })
             }
-            Self::Cube { f, .. } => {
-                let values = cube::errors(cube(n), f.exact()?, y);
-                Some(KnownErrors { values, multiplier_l2: None })
-            }
             Self::Mesh(_) => None,
         }
     }
@@ -238,7 +208,6 @@ impl Domain {
     ) -> Option<Vec<ContactArc>> {
         match self {
             Self::Square { .. } => Some(arcs(square(n), y, judged)),
-            Self::Cube { .. } => None,
             Self::Mesh(mesh) => mesh.problem.arcs(y, judged),
         }
     }
@@ -254,14 +223,6 @@ impl Domain {
             Self::Square { f, .. } => {
                 let bounds = bounds(square(n), f, law, y).map_err(|reason| reason.to_string())?;
                 Ok(Guarantee { bounds, reserve: Reserve::list(f.is_smooth(), false) })
-            }
-            Self::Cube { .. } if n > MOST_WITH_BOUNDS => {
-                Err(format!("on the cube there are bounds down to 1/{MOST_WITH_BOUNDS}"))
-            }
-            Self::Cube { f, .. } => {
-                let CubeBounds { bounds, by_quadrature } =
-                    bounds_on_cube(cube(n), f, law, y).map_err(|reason| reason.to_string())?;
-                Ok(Guarantee { bounds, reserve: Reserve::list(by_quadrature, false) })
             }
             Self::Mesh(mesh) => {
                 let MeshProblem { f, mesh: finest, .. } = &mesh.problem;
@@ -303,7 +264,7 @@ impl Domain {
         Err(Error::input(format!("--out: {problem}")))
     }
 
-    /// Returns the bytes of a file with the solution; the caller refuses a picture of the cube.
+    /// Returns the bytes of a file with the solution.
     pub(super) fn file(
         &self,
         kind: Format,
@@ -312,8 +273,7 @@ impl Domain {
         ReportedAs { name, law }: ReportedAs<'_>,
     ) -> Result<Vec<u8>> {
         let fields = match self {
-            Self::Square { f, .. } => Fields::square(square(n), f, pair),
-            Self::Cube { f, .. } => Fields::new(3, n, |at| f.at(at), cube(n).boundary(), pair),
+            Self::Square { f, .. } => Fields::new(square(n), f, pair),
             Self::Mesh(mesh) => return mesh.file(kind, pair, ReportedAs { name, law }),
         };
         match kind {
@@ -335,8 +295,4 @@ impl Domain {
 
 pub(super) fn square(n: usize) -> Grid {
     Grid::new(n).expect("validated with the hierarchy")
-}
-
-fn cube(n: usize) -> cube::Grid {
-    cube::Grid::new(n).expect("validated with the hierarchy")
 }

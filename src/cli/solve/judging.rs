@@ -26,7 +26,7 @@ impl Answer {
                         "raise --max-iterations, or use --solver multigrid"
                     }
                     Domain::Mesh(_) => problem.closer(),
-                    Domain::Square { .. } | Domain::Cube { .. } => "choose another --h",
+                    Domain::Square { .. } => "choose another --h",
                 };
                 self.failure = Some(format!("{name}: stopped at the {stop} on {grid}; {remedy}"));
             }
@@ -161,7 +161,7 @@ fn named(problem: &Problem, levels: &[Level], property: impl Fn(&Level) -> bool)
         .filter(|level| property(level))
         .map(|level| match problem.domain {
             Domain::Mesh(_) => problem.domain.grid(level.number),
-            Domain::Square { .. } | Domain::Cube { .. } => problem.domain.row(level.number),
+            Domain::Square { .. } => problem.domain.row(level.number),
         })
         .collect();
     (!grids.is_empty()).then(|| grids.join(", "))

@@ -1,14 +1,14 @@
 //! Problems of `solve` on a mesh: a Gmsh file or a built-in domain, its parts, and its refinements.
 
-use super::SolveArgs;
 use super::format::{Format, ReportedAs};
+use super::{SolveArgs, cells};
 use crate::figures::{MeshSurface, mesh_surfaces, uphill_on_mesh};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::domain::{DomainSettings, drawn, nodes_after};
 use crate::replication::scene::Scene;
 use crate::timing::machine;
 use signorini_mathematics::formats::MeshFields;
-use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::mesh::{AnyMesh, uniform_cube};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::triangulated::MeshProblem;
@@ -95,6 +95,11 @@ fn picture(drawn: &AnyMesh, y: &[f64], in_contact: &[bool], title: &str) -> Resu
     drawn.map(String::into_bytes).map_err(Error::input)
 }
 
+/// Name of the domain that has a lattice in place of meshes.
+const SQUARE: &str = "square";
+/// Name of the domain whose meshes have as many cells along each side.
+const CUBE: &str = "cube";
+
 /// Domain as the arguments or the scene name it.
 struct NamedDomain {
     name: String,
@@ -113,15 +118,14 @@ impl NamedDomain {
         if let Some(scene) = scene {
             return Self::of_scene(args, scene, overridden);
         }
+        let Some(name) = args.domain.clone().filter(|name| name != SQUARE) else { return Ok(None) };
         let mut settings = DomainSettings {
-            mesh: args.mesh.as_ref().map(|path| path.display().to_string()),
-            name: args.domain.clone(),
+            name: name.clone(),
             refine: args.refine,
             free: args.free.clone(),
             fixed: args.fixed.clone(),
             curve: BTreeMap::new(),
         };
-        let Some(name) = settings.mesh.clone().or(settings.name.clone()) else { return Ok(None) };
         for text in &args.curve {
             let (part, numbers) = curve(text)?;
             if settings.curve.insert(part, numbers).is_some() {
@@ -130,9 +134,24 @@ impl NamedDomain {
                 )));
             }
         }
-        let refused = |e| Error::input(format!("{name}: {e}"));
-        let file = args.mesh.as_ref().map(std::fs::read).transpose().map_err(refused)?;
-        let coarsest = settings.coarsest(file.as_deref(), "--")?;
+        let coarsest = match args.h.as_deref() {
+            Some(h) if name == CUBE => {
+                let cells = cells(h)?;
+                settings.refine = Some(cells.trailing_zeros() as u8);
+                let cube = uniform_cube(cells >> cells.trailing_zeros()).into();
+                settings.with_conditions(cube, "--")?
+            }
+            Some(_) => {
+                return Err(Error::input(format!(
+                    "--h is for the square and the cube; refine {name} with --refine K"
+                )));
+            }
+            None => {
+                let refused = |e| Error::input(format!("{name}: {e}"));
+                let file = settings.is_file().then(|| std::fs::read(&name));
+                settings.coarsest(file.transpose().map_err(refused)?.as_deref(), "--")?
+            }
+        };
         let f = args.f.clone().unwrap_or_default();
         Ok(Some(Self { name, settings, coarsest, f }))
     }

@@ -12,11 +12,9 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Scene, positive_r};
 use crate::timing::machine;
 use serde_json::{Value, json};
-use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::{LoadRule, integrals};
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::problem::cube::Source as CubeSource;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
@@ -70,7 +68,7 @@ impl Problem {
             .unwrap_or(DEFAULT_CELLS);
         let grids = match &domain {
             Domain::Mesh(mesh) => (0..mesh.problem.levels.len()).collect(),
-            Domain::Square { .. } | Domain::Cube { .. } => hierarchy(finest, scene)?,
+            Domain::Square { .. } => hierarchy(finest, scene)?,
         };
         let params = params(args, scene, &mut overridden)?;
         let problem = Self {
@@ -125,8 +123,7 @@ impl Problem {
     /// Memory for solving on a grid and writing the solution.
     fn bytes(&self, n: usize) -> u64 {
         let dimension = self.domain.dimension();
-        let per_node =
-            (self.solver.entry().bytes_per_node)(dimension, n as u64) + self.bytes_to_write;
+        let per_node = (self.solver.entry().bytes_per_node)(n as u64) + self.bytes_to_write;
         (n as u64 + 1).pow(dimension.into()) * per_node
     }
 
@@ -144,9 +141,7 @@ impl Problem {
     pub(super) fn name(&self) -> &str {
         match &self.domain {
             Domain::Mesh(mesh) => &mesh.name,
-            Domain::Square { .. } | Domain::Cube { .. } => {
-                self.scene.as_deref().unwrap_or("custom")
-            }
+            Domain::Square { .. } => self.scene.as_deref().unwrap_or("custom"),
         }
     }
 
@@ -227,14 +222,17 @@ fn check_mesh_options(args: &SolveArgs, domain: &Domain) -> Result<()> {
     ];
     let on_mesh = matches!(domain, Domain::Mesh(_));
     let (refused, remedy) = match (on_mesh, args.scene.is_some()) {
-        (true, false) => return Ok(()),
+        // The width of the cube is judged where its mesh is made.
+        (true, false) => {
+            (of_the_square[1..].to_vec(), "is for the square; leave it out, or leave out --domain")
+        }
         (true, true) => (
             [&parts[..], &of_the_square].concat(),
             "does not go with the domain of a scene; leave it out, or change the scene",
         ),
         (false, _) => (
             [&parts[..], &[refine]].concat(),
-            "is about a mesh; add --mesh FILE or --domain NAME, or leave it out",
+            "is about a mesh; add --domain NAME or --domain FILE, or leave it out",
         ),
     };
     match refused.iter().find(|(_, given)| *given) {
@@ -251,11 +249,6 @@ fn domain(
 ) -> Result<Domain> {
     if let Some(mesh) = MeshDomain::read(args, scene, law, overridden)? {
         return Ok(Domain::Mesh(Box::new(mesh)));
-    }
-    if let Some(text) = &args.cube {
-        let f: CubeSource = text.parse().map_err(|e| Error::input(format!("--cube: {e}")))?;
-        let integrals = cube::integrals(&f);
-        return Ok(Domain::Cube { f, integrals });
     }
     let f: Source = match (&args.f, scene) {
         (Some(text), _) => text.parse().map_err(|e| Error::input(format!("--f: {e}")))?,

@@ -15,7 +15,6 @@ impl Domain {
     pub(super) fn is_smooth(&self) -> bool {
         match self {
             Self::Square { f, .. } => f.is_smooth(),
-            Self::Cube { f, .. } => f.is_smooth(),
             Self::Mesh(mesh) => mesh.problem.f.unsettled.is_some(),
         }
     }
@@ -35,7 +34,7 @@ impl Domain {
                 })
             }
             // The bounds take f as it is sampled on a mesh, the load vector its values at the nodes.
-            Self::Square { .. } | Self::Cube { .. } => None,
+            Self::Square { .. } => None,
             Self::Mesh(mesh) => {
                 let f = &mesh.problem.f;
                 let missed = f.unsettled? / f.size;

@@ -41,9 +41,6 @@ impl Problem {
             (SolverRun::Finest { square, .. }, Domain::Square { .. }) => {
                 self.on_finest_grid(square, &finest)?
             }
-            (SolverRun::Finest { cube, .. }, Domain::Cube { .. }) => {
-                self.on_finest_grid(cube, &finest)?
-            }
             (SolverRun::Nested { .. }, Domain::Mesh(mesh)) => {
                 self.on_nested_meshes(mesh, &loads)?
             }
@@ -221,8 +218,7 @@ impl Problem {
     }
 
     fn refused(&self, e: &InputError) -> Error {
-        let option = if matches!(self.domain, Domain::Cube { .. }) { "--cube" } else { "--f" };
-        let place = self.scene.as_deref().unwrap_or(option);
+        let place = self.scene.as_deref().unwrap_or("--f");
         match e {
             // The integral of f has been judged before.
             InputError::NotCoercive(sum)

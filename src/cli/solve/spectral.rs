@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Solves, prints the answer, and returns the solution.
 pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
     let Domain::Square { f, .. } = &problem.domain else {
-        unreachable!("the cube has no such solver")
+        unreachable!("meshes have no such solver")
     };
     let law = problem.law;
     let start = Instant::now();

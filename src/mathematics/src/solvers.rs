@@ -4,10 +4,8 @@
 
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::stop::Stop;
-use crate::multigrid::active_set::{ActiveSetOutcome, MOST_ON_CUBE, MOST_ON_SQUARE, active_set};
-use crate::multigrid::cube::Cube;
-use crate::multigrid::square::Square;
-use crate::multigrid::{InputError, MultigridOutcome, MultigridParams, solve_cube, solve_square};
+use crate::multigrid::active_set::{ActiveSetOutcome, MOST_CELLS, active_set};
+use crate::multigrid::{InputError, MultigridOutcome, MultigridParams, solve_square};
 use crate::saddle::Method;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -44,10 +42,8 @@ pub struct SolverEntry {
     pub run: SolverRun,
     /// Most cells per side on the square; none if memory is the only limit.
     pub most_on_square: Option<usize>,
-    /// Most cells per side on the cube; none if the cube has not this solver.
-    pub most_on_cube: Option<usize>,
-    /// Bytes per node of all vectors and factors, for the dimension and the cells per side: measured, rounded up.
-    pub bytes_per_node: fn(u8, u64) -> u64,
+    /// Bytes per node of all vectors and factors on the square, for the cells per side: measured, rounded up.
+    pub bytes_per_node: fn(u64) -> u64,
 }
 
 /// Way in which a solver runs and stops.
@@ -62,8 +58,6 @@ pub enum SolverRun {
     Finest {
         /// Solve on the square.
         square: SolveOnGrid,
-        /// Solve on the cube.
-        cube: SolveOnGrid,
         /// True if the solve stops at a goal; false if it stops where its contact set is at rest.
         takes_goal: bool,
     },
@@ -84,7 +78,6 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "The paper's method on nested grids",
         run: SolverRun::Nested { weight: None },
         most_on_square: None,
-        most_on_cube: None,
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -94,7 +87,6 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "Uzawa's method on nested grids: a full minimisation before each step of the multiplier",
         run: SolverRun::Nested { weight: Some(0.0) },
         most_on_square: None,
-        most_on_cube: None,
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -104,26 +96,21 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "Uzawa's method with iterative proximal regularisation",
         run: SolverRun::Nested { weight: Some(1.0) },
         most_on_square: None,
-        most_on_cube: None,
         bytes_per_node: vectors,
     },
     SolverEntry {
         solver: Solver::ActiveSet,
         name: "active-set",
         in_words: "active set",
-        description: "Primal-dual active set with banded Cholesky factors: slow, independent, exact; down to 1/256, \
-            on the cube to 1/24",
+        description: "Primal-dual active set with banded Cholesky factors: slow, independent, exact; on the square \
+            down to 1/256",
         run: SolverRun::Finest {
             square: |n, LawAndLoad { law, load }, _| {
-                active_set::<Square>(n, law, load).map(FinestRun::of_active_set)
-            },
-            cube: |n, LawAndLoad { law, load }, _| {
-                active_set::<Cube>(n, law, load).map(FinestRun::of_active_set)
+                active_set(n, law, load).map(FinestRun::of_active_set)
             },
             takes_goal: false,
         },
-        most_on_square: Some(MOST_ON_SQUARE),
-        most_on_cube: Some(MOST_ON_CUBE),
+        most_on_square: Some(MOST_CELLS),
         bytes_per_node: banded_factors,
     },
     SolverEntry {
@@ -135,13 +122,9 @@ pub const SOLVERS: [SolverEntry; 6] = [
             square: |n, problem, params| {
                 solve_square(n, problem, None, params).map(FinestRun::of_multigrid)
             },
-            cube: |n, problem, params| {
-                solve_cube(n, problem, None, params).map(FinestRun::of_multigrid)
-            },
             takes_goal: true,
         },
         most_on_square: None,
-        most_on_cube: Some(512),
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -151,7 +134,6 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "The true solution to rounding, for piecewise constant f",
         run: SolverRun::Spectral,
         most_on_square: None,
-        most_on_cube: None,
         bytes_per_node: vectors,
     },
 ];
@@ -223,16 +205,13 @@ impl FinestRun {
     }
 }
 
-fn vectors(_: u8, _: u64) -> u64 {
+fn vectors(_: u64) -> u64 {
     48
 }
 
 /// Two banded matrices, and the vectors.
-fn banded_factors(dimension: u8, n: u64) -> u64 {
-    match dimension {
-        2 => 200 + 16 * (n + 2),
-        _ => 200 + 16 * ((n + 1) * (n + 1) + 1),
-    }
+fn banded_factors(n: u64) -> u64 {
+    200 + 16 * (n + 2)
 }
 
 #[cfg(test)]

@@ -39,7 +39,6 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         task("accuracy", accuracy::AccuracyPlan::default(), accuracy::accuracy),
         task("claims", plan, experiments::claims::claims),
         task("friction", ClaimsPlan::friction(), experiments::claims::claims),
-        task("cube", experiments::cube::CubePlan::default(), experiments::cube::cube),
         task(
             "domains",
             experiments::domains::DomainsPlan::default(),

@@ -46,7 +46,7 @@ impl Solutions {
     fn add(&mut self, scene: &Scene, ending: &str, state: &str, pair: &Pair) {
         let name = format!("{}{ending}", scene.name);
         let what = format!("{}, {state}", scene.title);
-        let fields = Fields::square(scene.finest(), &scene.f, pair);
+        let fields = Fields::new(scene.finest(), &scene.f, pair);
         self.files.extend(fields.npz().map(|bytes| (format!("{name}.npz"), bytes)));
         self.listed.push(json!({ "name": name, "what": what, "cells": scene.finest().cells() }));
     }

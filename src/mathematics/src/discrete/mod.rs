@@ -3,7 +3,6 @@
 pub(crate) mod adaptive;
 pub mod cells;
 pub mod contact;
-pub mod cube;
 pub mod grid;
 pub mod judging;
 pub mod kkt;

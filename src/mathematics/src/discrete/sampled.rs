@@ -1,11 +1,11 @@
-//! Integrals over the square and the cube of an f that is known by its values only.
+//! Integrals over the square of an f that is known by its values only.
 
 use super::adaptive::{BadValue, COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
 use crate::machine::threads::in_tasks;
 use crate::problem::shape::SourceError;
 use rayon::prelude::*;
 
-/// Integrals of f over the square or the cube.
+/// Integrals of f over the square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SampledIntegrals {
     /// Of f.
@@ -21,7 +21,7 @@ pub(crate) struct SampledIntegrals {
 /// Parts of cells at most over the whole domain, besides the least ones.
 const MOST_PARTS: usize = 1 << 16;
 
-/// Integrates f over cells of equal volume that make up the square or the cube.
+/// Integrates f over cells of equal volume that make up the square.
 ///
 /// # Errors
 /// [`SourceError::NoValue`] with a point where f is not finite.
@@ -74,21 +74,6 @@ pub(crate) fn triangles(n: usize) -> Vec<[[f64; 2]; 3]> {
     triangles
 }
 
-/// Six tetrahedra that make up the cube.
-pub(crate) fn tetrahedra() -> Vec<[[f64; 3]; 4]> {
-    const AXES: [[usize; 3]; 6] =
-        [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
-    let along = |axes: [usize; 3]| {
-        let mut corners = [[-0.5; 3]; 4];
-        for (step, axis) in axes.into_iter().enumerate() {
-            corners[step + 1] = corners[step];
-            corners[step + 1][axis] = 0.5;
-        }
-        corners
-    };
-    AXES.map(along).to_vec()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,8 +96,5 @@ mod tests {
             sampled(&triangles(8), &|[x, y]: [f64; 2]| libm::cos(pi * x) * y - 1.0).unwrap();
         assert!(smooth.missed < 1e-5 && smooth.unsettled < 1e-5, "{smooth:?}");
         assert!((smooth.integral + 1.0).abs() < 1e-12, "{smooth:?}");
-        let cube =
-            sampled(&tetrahedra(), &|[x, y, z]: [f64; 3]| x * y * z - x * x * y * y).unwrap();
-        assert!((cube.integral + 1.0 / 144.0).abs() < 1e-12, "{cube:?}");
     }
 }

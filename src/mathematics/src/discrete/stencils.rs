@@ -1,6 +1,5 @@
-//! The uniform grids of the square and the cube as networks.
+//! The uniform grid of the square as a network.
 
-use super::cube;
 use super::grid::Grid;
 use super::network::{Coupling, Network};
 use crate::problem::law::ContactNode;
@@ -10,11 +9,6 @@ impl Network {
     /// order of [`Grid`].
     pub fn of_square(grid: Grid) -> Self {
         Self::uniform(2, grid.cells(), 1.0, grid.contact_nodes())
-    }
-
-    /// Network of the seven-point matrix of the cube, with nodes and boundary nodes in the order of [`cube::Grid`].
-    pub fn of_cube(grid: cube::Grid) -> Self {
-        Self::uniform(3, grid.cells(), grid.h(), grid.contact_nodes())
     }
 
     /// Network of the stencil on two or three axes with `n` cells each, whose couplings inside are 1, with all boundary
@@ -75,7 +69,6 @@ pub(crate) fn faces(share: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::discrete::network::Row;
-    use crate::problem::law::Law;
 
     #[test]
     fn rows_of_the_square_are_those_of_the_paper() {
@@ -88,20 +81,5 @@ mod tests {
         assert_eq!(row(2), (2.0, vec![3, 7, 1], vec![0.5, 1.0, 0.5]));
         assert_eq!(row(24), (1.0, vec![19, 23], vec![0.5; 2]));
         assert_eq!(network.masses().iter().sum::<f64>(), 1.0);
-    }
-
-    #[test]
-    fn the_cube_has_the_gradient_of_its_own_rows() {
-        let grid = cube::Grid::new(3).unwrap();
-        let network = Network::of_cube(grid);
-        let y: Vec<_> = (0..64).map(|k| f64::from(k * k % 17)).collect();
-        let load: Vec<_> = (0..64).map(|k| f64::from(k % 5)).collect();
-        let judged = cube::judge(grid, Law::SIGNORINI, &y, &load);
-        let mut gradient = vec![0.0; 64];
-        network.gradient(&y, &load, &mut gradient);
-        for (contact, flux) in network.contact().iter().zip(&judged.flux) {
-            assert!((gradient[contact.node] - flux).abs() < 1e-13);
-        }
-        assert!((network.energy(&y, &load) - judged.energy).abs() < 1e-11 * judged.energy.abs());
     }
 }

@@ -4,11 +4,10 @@
 //! other results. Run times are measured elsewhere, by `signorini bench`.
 //!
 //! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
-//! [`claims::claims`], [`cube::cube`], [`domains::domains`], [`stress::stress`], [`truth::truth`].
+//! [`claims::claims`], [`domains::domains`], [`stress::stress`], [`truth::truth`].
 
 pub mod accuracy;
 pub mod claims;
-pub mod cube;
 pub mod domains;
 pub mod known;
 mod numbers;

@@ -132,11 +132,11 @@ mod tests {
     use super::*;
     use crate::bounds::bounds;
     use crate::discrete::load::{Diagonal, LoadRule, load};
-    use crate::discrete::{cube, grid::Grid, norms};
-    use crate::multigrid::{Goal, MultigridParams, solve_cube, solve_square};
+    use crate::discrete::{grid::Grid, norms};
+    use crate::multigrid::{Goal, MultigridParams, solve_square};
+    use crate::problem::exact::Exact;
     use crate::problem::law::Law;
     use crate::problem::source::Source;
-    use crate::problem::{cube::Exact as OnCube, exact::Exact};
     use crate::saddle::batch::{Job, JobGoal, run};
     use crate::saddle::{Method, Pair, StopRule};
     use crate::spectral::{SpectralParams, spectral};
@@ -178,9 +178,6 @@ mod tests {
         let grid = Grid::new(37).expect("fine enough");
         let y = waves(grid.nodes());
         Exact::ALL.iter().for_each(|&exact| compare(|| norms::errors(grid, exact, &y)));
-        let grid = cube::Grid::new(11).expect("fine enough");
-        let y = waves(grid.nodes());
-        OnCube::ALL.iter().for_each(|&exact| compare(|| cube::errors(grid, exact, &y)));
     }
 
     #[test]
@@ -230,9 +227,5 @@ mod tests {
             });
             compare(|| bounds(grid, &f, Law::SIGNORINI, &waves(grid.nodes())));
         }
-        let grid = cube::Grid::new(12).expect("fine enough");
-        let load = cube::load(grid, |point| OnCube::FreeDisc.at(point).f);
-        let problem = Law::SIGNORINI.with_load(&load);
-        compare(|| params.each_ref().map(|params| solve_cube(grid.cells(), problem, None, params)));
     }
 }

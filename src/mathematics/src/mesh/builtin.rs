@@ -1,11 +1,17 @@
 //! Domains with a name, as coarse meshes without a file.
 
 use super::{Condition, Facet, MeshData, Part, PlaneMesh, Round, SpaceMesh};
+use super::{uniform_cube, uniform_square};
+use crate::discrete::grid::Grid;
 use std::f64::consts::TAU;
 
 /// Domain with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuiltIn {
+    /// `(-1/2, 1/2)^2`, the paper's domain.
+    Square,
+    /// `(-1/2, 1/2)^3`.
+    Cube,
     /// Unit disc.
     Disc,
     /// `(-1, 1)^2` without its lower right quarter.
@@ -17,7 +23,9 @@ pub enum BuiltIn {
 }
 
 /// Domains with their names.
-pub const BUILT_IN: [(&str, BuiltIn); 4] = [
+pub const BUILT_IN: [(&str, BuiltIn); 6] = [
+    ("square", BuiltIn::Square),
+    ("cube", BuiltIn::Cube),
     ("disc", BuiltIn::Disc),
     ("lshape", BuiltIn::LShape),
     ("annulus", BuiltIn::Annulus),
@@ -33,6 +41,8 @@ impl BuiltIn {
     /// Domain in words.
     pub fn description(self) -> &'static str {
         match self {
+            Self::Square => "The square (-1/2, 1/2)^2, the domain of the paper",
+            Self::Cube => "The cube (-1/2, 1/2)^3",
             Self::Disc => "The unit disc, whose boundary is `rim`",
             Self::LShape => "The square (-1, 1)^2 without its lower right quarter",
             Self::Annulus => "The ring between the circles of radius 1/2, `inner`, and 1, `outer`",
@@ -43,17 +53,22 @@ impl BuiltIn {
     /// Coarsest mesh of a domain in the plane; none for one in space.
     pub fn plane(self) -> Option<PlaneMesh> {
         let data = match self {
+            Self::Square => return Some(uniform_square(Grid::new(2).expect("two cells"))),
             Self::Disc => disc(),
             Self::LShape => lshape(),
             Self::Annulus => annulus(),
-            Self::Ball => return None,
+            Self::Cube | Self::Ball => return None,
         };
         Some(data.mesh().expect("a built-in mesh passes the checks"))
     }
 
     /// Coarsest mesh of a domain in space; none for one in the plane.
     pub fn space(self) -> Option<SpaceMesh> {
-        (self == Self::Ball).then(|| ball().mesh().expect("a built-in mesh passes the checks"))
+        match self {
+            Self::Cube => Some(uniform_cube(2)),
+            Self::Ball => Some(ball().mesh().expect("a built-in mesh passes the checks")),
+            Self::Square | Self::Disc | Self::LShape | Self::Annulus => None,
+        }
     }
 }
 

@@ -189,7 +189,7 @@ fn vector_product<const D: usize>(one: [f64; D], two: [f64; D]) -> [f64; D] {
 
 #[cfg(test)]
 mod tests {
-    use crate::discrete::{cube, grid::Grid};
+    use crate::discrete::grid::Grid;
     use crate::mesh::{Mesh, MeshData, MeshError, uniform_cube, uniform_square};
 
     /// Two copies of a mesh, the second one moved, in one set of data, in some units.
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn volumes_on_top_of_each_other_are_refused_and_those_that_touch_are_not() {
-        let cube = uniform_cube(cube::Grid::new(2).unwrap());
+        let cube = uniform_cube(2);
         let off = [[0.3, 0.4, 0.2], [0.0; 3], [0.5; 3], [0.5, 0.0, 0.0], [0.5, 0.5, 0.1]];
         check(&cube, &off, true);
         let touching = [[1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0; 3], [0.0, 1.0, -1.0], [2.0; 3]];

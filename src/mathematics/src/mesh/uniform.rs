@@ -1,7 +1,6 @@
-//! Uniform triangulations of the square and the cube, with the nodes in the order of their grids.
+//! Uniform triangulations of the square and the cube, with the nodes in natural order: x runs fastest.
 
 use super::{MeshData, PlaneMesh, SpaceMesh};
-use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 
 /// The paper's triangulation of the square: each cell is cut by its rising diagonal.
@@ -19,14 +18,21 @@ pub fn uniform_square(grid: Grid) -> PlaneMesh {
     data.mesh().expect("a uniform mesh passes the checks")
 }
 
-/// Kuhn's triangulation of the cube: six tetrahedra in each cell, along the paths from its lowest to its highest corner.
-pub fn uniform_cube(grid: cube::Grid) -> SpaceMesh {
+/// Kuhn's triangulation of the unit cube with `n` cells per side: six tetrahedra in each cell, along the paths from its
+/// lowest to its highest corner (H. W. Kuhn, IBM J. Res. Dev. 4, 1960). Its stiffness matrix is that of the seven-point
+/// stencil times 1 / n.
+///
+/// # Panics
+/// If `n` is zero.
+pub fn uniform_cube(n: usize) -> SpaceMesh {
     const AXES: [[usize; 3]; 6] =
         [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
-    let (n, side) = (grid.cells(), grid.cells() + 1);
-    let points = grid.indices().map(|at| at.map(|i| grid.coordinate(i))).collect();
+    let side = n + 1;
+    let place = |node: usize| [node % side, node / side % side, node / (side * side)];
+    let points =
+        (0..side.pow(3)).map(|node| place(node).map(|i| i as f64 / n as f64 - 0.5)).collect();
     let mut cells = Vec::with_capacity(6 * n.pow(3));
-    for (node, _) in grid.indices().enumerate().filter(|(_, at)| at.iter().all(|&i| i < n)) {
+    for node in (0..side.pow(3)).filter(|&node| place(node).iter().all(|&i| i < n)) {
         for (k, axes) in AXES.iter().enumerate() {
             let mut cell = [node as u32; 4];
             for (step, &axis) in axes.iter().enumerate() {
@@ -47,7 +53,7 @@ pub fn uniform_cube(grid: cube::Grid) -> SpaceMesh {
 mod tests {
     use super::*;
     use crate::discrete::network::Network;
-    use crate::mesh::assemble;
+    use crate::mesh::{assemble, refined};
 
     #[test]
     fn the_square_has_the_rows_of_the_five_point_matrix() {
@@ -64,15 +70,43 @@ mod tests {
         assert!((general.masses()[8] * 64.0 * 6.0 - 1.0).abs() < 1e-15);
     }
 
+    /// Number of nodes in the order of a coordinate, of the lattice with n cells per side.
+    fn lattice_number(point: [f64; 3], n: usize) -> usize {
+        let [i, j, k] = point.map(|x| ((x + 0.5) * n as f64).round() as usize);
+        i + (n + 1) * (j + (n + 1) * k)
+    }
+
     #[test]
-    fn the_cube_is_coupled_along_its_axes_alone() {
-        let grid = cube::Grid::new(4).unwrap();
-        let (general, special) = (assemble(&uniform_cube(grid)), Network::of_cube(grid));
-        assert_eq!(general.couplings(), special.couplings());
-        let inner = 2 * 25 + 2 * 5 + 2;
-        let [a, b] = [general.row(inner), special.row(inner)];
-        assert_eq!(a.others, b.others);
-        assert!(a.weights.iter().all(|weight| (weight - 0.25).abs() < 1e-15));
-        assert!((general.masses().iter().sum::<f64>() - 1.0).abs() < 1e-14);
+    fn refinements_of_the_cube_have_the_rows_of_the_seven_point_matrix() {
+        for (coarsest, times) in [(1, 2), (2, 1), (3, 1), (4, 0), (5, 0)] {
+            let n = coarsest << times;
+            let (levels, mesh) = refined(&uniform_cube(coarsest), times).unwrap();
+            let network = &levels[times].network;
+            let numbers: Vec<_> = mesh.points().iter().map(|&p| lattice_number(p, n)).collect();
+            let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
+            let h = 1.0 / n as f64;
+            for node in 0..network.nodes() {
+                let at = |number: usize| {
+                    [number % (n + 1), number / (n + 1) % (n + 1), number / (n + 1).pow(2)]
+                };
+                let here = at(numbers[node]);
+                let row = network.row(node);
+                let mut expected = 0;
+                for (axis, side) in (0..3).flat_map(|axis| [(axis, 0), (axis, n)]) {
+                    expected += usize::from(here[axis] != side);
+                }
+                assert_eq!(row.others.len(), expected, "{here:?}");
+                for (&other, weight) in row.others.iter().zip(row.weights) {
+                    let there = at(numbers[other as usize]);
+                    let axis = (0..3).find(|&d| here[d] != there[d]).unwrap();
+                    let across: f64 =
+                        (0..3).filter(|&d| d != axis).map(|d| share(here[d])).product();
+                    assert!((weight - h * across).abs() < 1e-15, "{here:?} {there:?}");
+                }
+            }
+            assert_eq!(network.contact().len(), (n + 1).pow(3) - (n - 1).pow(3));
+            assert!((network.masses().iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            assert!((network.perimeter() - 6.0).abs() < 1e-13);
+        }
     }
 }

@@ -18,13 +18,10 @@
 //!    Gauss-Seidel sweeps, which lower the energy, and take the states from there. Go to step 2.
 //!
 //! # Cost
-//! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square, `O(n^7)`
-//! and `O(n^5)` on the cube.
+//! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square.
 
 use super::direct::{BandOrder, Direct};
 use super::input::{InputError, check_components, check_length};
-use super::layout::Dimension;
-use crate::discrete::cube;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network, count_components};
 use crate::discrete::stop::Stop;
@@ -33,9 +30,7 @@ use crate::problem::law::{BoundaryState, ContactNode, Law};
 use std::cmp::Ordering;
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
-pub const MOST_ON_SQUARE: usize = 256;
-/// Cells per side of the finest grid of the cube whose matrix and factors are worth their memory: 160 MB.
-pub const MOST_ON_CUBE: usize = 24;
+pub const MOST_CELLS: usize = 256;
 
 /// Limit on the number of times that relaxation ends a return to earlier states.
 const MAX_RESTARTS: usize = 10;
@@ -61,7 +56,7 @@ pub struct ActiveSetOutcome {
 ///
 /// # Errors
 /// If `n` is below 2, a length is wrong, a number is not finite, or the flux cannot balance the load.
-pub fn active_set<D: Dimension>(
+pub fn active_set(
     n: usize,
     law: Law,
     load: &[f64],
@@ -69,12 +64,8 @@ pub fn active_set<D: Dimension>(
     if n < 2 {
         return Err(InputError::GridSize { cells: n, rule: "at least 2", nearest: vec![2] });
     }
-    let fits = "the number of cells is at least 2";
-    let network = match D::AXES {
-        2 => Network::of_square(Grid::new(n).expect(fits)),
-        _ => Network::of_cube(cube::Grid::new(n).expect(fits)),
-    };
-    on_network(&network, BandOrder::Natural, law, load)
+    let grid = Grid::new(n).expect("the number of cells is at least 2");
+    on_network(&Network::of_square(grid), BandOrder::Natural, law, load)
 }
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its fixed

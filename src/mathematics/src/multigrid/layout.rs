@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::rows::{Colour, stride};
 
 /// Number of axes, as a type.
-pub trait Dimension: Send + Sync + 'static {
+pub(super) trait Dimension: Send + Sync + 'static {
     const AXES: usize;
 }
 

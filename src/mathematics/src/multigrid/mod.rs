@@ -1,4 +1,4 @@
-//! Multigrid for the scalar Signorini problem on the square and on the cube, and the direct method that checks it.
+//! Multigrid for the scalar Signorini problem on the square, and the direct method that checks it.
 //!
 //! # Algorithm
 //! 1. Check the load, scale it by a power of two, and restrict it to every coarser grid by full weighting (`load.rs`).
@@ -7,14 +7,14 @@
 //!    more if the residual is still large; repeat up to the finest grid.
 //! 4. Apply cycles on the finest grid until the goal is reached (`stopping.rs`). One cycle on a problem under the law:
 //!    1. Find the boundary nodes in contact, and the springs by which coarser grids represent them
-//!       (`square/contact.rs`, `cube/contact.rs`).
+//!       (`square/contact.rs`).
 //!    2. Restrict the residual of the nodes that are not in contact (`transfer.rs`).
 //!    3. Solve the linear correction problem recursively, by an F- or W-cycle.
 //!    4. Add the interpolated correction, put the boundary nodes whose values changed sign at zero, and smooth
 //!       by red-black Gauss-Seidel sweeps (`stencil.rs`).
 //!
 //! All half-sweeps and transfers between two visits to the coarser grid are one *pass* over the memory (`pass.rs`).
-//! The central function is `find_correction` in `cycle.rs`. [`square`] and [`cube`] give the theory, the cost and the
+//! The central function is `find_correction` in `cycle.rs`. [`square`] gives the theory, the cost and the
 //! references.
 //!
 //! # Easily broken
@@ -30,7 +30,6 @@ mod banded;
 mod blocks;
 mod buffers;
 mod coarsest;
-pub mod cube;
 mod cycle;
 pub(crate) mod direct;
 mod geometry;
@@ -49,7 +48,7 @@ mod workspace;
 
 pub use input::InputError;
 pub(crate) use stopping::ROUNDING_FLOOR;
-pub use workspace::{Multigrid, solve_cube, solve_square};
+pub use workspace::{Multigrid, solve_square};
 
 use crate::discrete::stop::Stop;
 
@@ -103,6 +102,5 @@ mod tests {
         compare::<super::square::Square>(32);
         compare::<super::square::Square>(36);
         compare::<super::square::Square>(128);
-        compare::<super::cube::Cube>(12);
     }
 }

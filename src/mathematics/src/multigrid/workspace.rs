@@ -2,7 +2,6 @@
 //!
 //! Nothing here is generic, so that all loops are compiled with the options of this package.
 
-use super::cube::Cube;
 use super::hierarchy::Hierarchy;
 use super::input::InputError;
 use super::square::Square;
@@ -12,12 +11,7 @@ use crate::machine::threads::among_threads;
 
 /// Preallocated grids for problems with `n` cells per side.
 pub struct Multigrid {
-    grids: Grids,
-}
-
-enum Grids {
-    Square(Hierarchy<Square>),
-    Cube(Hierarchy<Cube>),
+    grids: Hierarchy<Square>,
 }
 
 impl Multigrid {
@@ -26,24 +20,12 @@ impl Multigrid {
     /// # Errors
     /// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7.
     pub fn square(n: usize) -> Result<Self, InputError> {
-        Ok(Self { grids: Grids::Square(Hierarchy::allocate(n)?) })
+        Ok(Self { grids: Hierarchy::allocate(n)? })
     }
 
-    /// Allocates grids of the cube: 18.3 bytes per unknown, and padding of each row to a cache line.
-    ///
-    /// # Errors
-    /// If `n` is not a power of two (at least 2) times 1 or 3.
-    pub fn cube(n: usize) -> Result<Self, InputError> {
-        Ok(Self { grids: Grids::Cube(Hierarchy::allocate(n)?) })
-    }
-
-    /// Memory that one thread needs, in bytes. Each further thread takes a few rows of the square, or a slab of the
-    /// cube.
+    /// Memory that one thread needs, in bytes. Each further thread takes a few rows.
     pub fn bytes(&self) -> usize {
-        match &self.grids {
-            Grids::Square(grids) => grids.bytes(),
-            Grids::Cube(grids) => grids.bytes(),
-        }
+        self.grids.bytes()
     }
 
     /// Bytes per unknown that the passes of the last solve and [`Multigrid::write_solution`] move together, if each
@@ -51,10 +33,7 @@ impl Multigrid {
     ///
     /// On grids too large for the caches, this number over the bandwidth of the memory is a lower bound of the time.
     pub fn traffic(&self) -> f64 {
-        match &self.grids {
-            Grids::Square(grids) => grids.traffic(),
-            Grids::Cube(grids) => grids.traffic(),
-        }
+        self.grids.traffic()
     }
 
     /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
@@ -68,10 +47,7 @@ impl Multigrid {
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<MultigridOutcome, InputError> {
-        match &mut self.grids {
-            Grids::Square(grids) => grids.solve(problem, start, params),
-            Grids::Cube(grids) => grids.solve(problem, start, params),
-        }
+        self.grids.solve(problem, start, params)
     }
 
     /// Copies the solution in the order of the load.
@@ -79,10 +55,7 @@ impl Multigrid {
     /// # Panics
     /// If the slice has another length.
     pub fn write_solution(&self, solution: &mut [f64]) {
-        match &self.grids {
-            Grids::Square(grids) => grids.write_solution(solution),
-            Grids::Cube(grids) => grids.write_solution(solution),
-        }
+        self.grids.write_solution(solution)
     }
 
     /// Solves the problem for one load and returns the solution with the outcome.
@@ -119,19 +92,4 @@ pub fn solve_square(
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
     Multigrid::square(n)?.solve_once(problem, start, params)
-}
-
-/// Minimises the energy of [`solve_square`] on the cube, where `A` is the seven-point stiffness matrix.
-///
-/// The load and the solution hold `(n + 1)^3` numbers, x fastest.
-///
-/// # Errors
-/// If `n` is not a power of two (at least 2) times 1 or 3, and as [`solve_square`].
-pub fn solve_cube(
-    n: usize,
-    problem: LawAndLoad<'_>,
-    start: Option<&[f64]>,
-    params: &MultigridParams,
-) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
-    Multigrid::cube(n)?.solve_once(problem, start, params)
 }

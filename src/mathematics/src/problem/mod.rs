@@ -5,7 +5,7 @@ pub(crate) mod complex;
 pub mod cube;
 pub mod disc;
 pub mod exact;
-mod field;
+pub mod field;
 pub mod formula;
 pub mod law;
 pub mod region;

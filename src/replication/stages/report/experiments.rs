@@ -5,7 +5,6 @@ use crate::replication::stages::bench;
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::claims::{ClaimMeasure, Claims, Spread, WeightRow};
-use signorini_mathematics::experiments::cube::CubeFindings;
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::experiments::stress::Stress;
 use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Reference};
@@ -19,8 +18,7 @@ const LOOSE: &str = "Uzawa, loose inside";
 /// Inserts the findings of the experiments with grids and rules.
 pub(super) fn insert(context: &mut Context, inputs: &Inputs) -> Result<(), String> {
     let found: AccuracyFindings = bench::result(inputs, "accuracy")?;
-    let cube: CubeFindings = bench::result(inputs, "cube")?;
-    context.insert("accuracy", &accuracy(&found, &cube));
+    context.insert("accuracy", &accuracy(&found));
     context.insert("comparison", &comparison(&found.comparison));
     let of_the_paper = bench::result(inputs, "claims")?;
     context.insert("claims", &claims(&of_the_paper));
@@ -29,7 +27,7 @@ pub(super) fn insert(context: &mut Context, inputs: &Inputs) -> Result<(), Strin
     Ok(())
 }
 
-fn accuracy(found: &AccuracyFindings, cube: &CubeFindings) -> Value {
+fn accuracy(found: &AccuracyFindings) -> Value {
     let ranges = &found.ranges;
     let mut work = Vec::new();
     for (k, goal) in ["discretisation error", "residual", "rounding floor"].iter().enumerate() {
@@ -38,7 +36,6 @@ fn accuracy(found: &AccuracyFindings, cube: &CubeFindings) -> Value {
             "goal": goal,
             "known": { "least": known[0], "greatest": known[1] },
             "others": { "least": others[0], "greatest": others[1] },
-            "cube": cube.most[k],
         }));
     }
     json!({

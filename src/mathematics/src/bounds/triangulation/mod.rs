@@ -37,7 +37,6 @@
 mod balance;
 mod cells;
 mod circulation;
-mod cube;
 mod fan;
 mod sides;
 mod stream;
@@ -53,7 +52,6 @@ use crate::problem::law::Law;
 use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
-pub use cube::{CubeBounds, bounds_on_cube};
 use fan::{Fan, SideOutflow};
 use rayon::prelude::*;
 use sides::{Around, Sides};

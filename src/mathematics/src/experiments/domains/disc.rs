@@ -1,8 +1,10 @@
 //! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
 
 use crate::discrete::judging::judge_network;
-use crate::discrete::quadrature::quadrature;
-use crate::mesh::{BuiltIn, ConstantPieces, Element, Mesh, OnCells, mesh_arcs, mesh_load, refined};
+use crate::mesh::{
+    BuiltIn, ConstantPieces, Mesh, MeshPlace, OnCells, distance_squared, integrals, mesh_arcs,
+    mesh_load, refined,
+};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
@@ -136,18 +138,9 @@ fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<D
 
 /// Norm of the error's gradient, by quadrature.
 fn gradient_error(problem: &DiscProblem, mesh: &Mesh<2, 3>, y: &[f64]) -> f64 {
-    let points = quadrature::<3>();
-    let mut square = 0.0;
-    for cell in mesh.cells() {
-        let vertices = mesh.vertices(cell);
-        let element = Element::new(vertices);
-        let [px, py] = element.gradient(cell.map(|node| y[node as usize]));
-        for point in &points {
-            let [gx, gy] = problem.gradient(point.within(vertices));
-            let distance = (gx - px) * (gx - px) + (gy - py) * (gy - py);
-            square += element.volume * point.weight * distance;
-        }
-    }
+    let [square] = integrals(mesh, y, |MeshPlace { point, gradient, .. }| {
+        [distance_squared(problem.gradient(point), gradient)]
+    });
     square.sqrt()
 }
 

@@ -1,9 +1,11 @@
-//! The paper's method and multigrid on other domains than the square: convergence on the disc, counts of iterations on
+//! The paper's method and multigrid on other domains than the square: convergence on the disc and the cube, counts of iterations on
 //! nested meshes and for other numberings of the nodes, cost.
 
 mod counts;
+mod cube;
 mod disc;
 
+use super::accuracy::KnownLevels;
 use crate::mesh::AnyMesh;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::solve_nested_networks;
@@ -13,6 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 pub use counts::{CountedDomain, CountsRow, CountsSummary, Numbering, NumberingCounts};
+pub use cube::CubeLevel;
 pub use disc::{DiscFindings, DiscLevel};
 
 /// Input of the experiment.
@@ -28,12 +31,14 @@ pub struct DomainsPlan {
     pub max_iterations: usize,
     /// Number of refinements of the disc.
     pub disc: usize,
+    /// Number of refinements of the cube.
+    pub cube: usize,
 }
 
 /// Domain of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DomainPlan {
-    /// Built-in domain, or `square` or `cube`.
+    /// Built-in domain.
     pub name: String,
     /// f, as text.
     pub f: String,
@@ -64,6 +69,7 @@ impl Default for DomainsPlan {
             levels: 5,
             max_iterations: 200_000,
             disc: 8,
+            cube: 5,
         }
     }
 }
@@ -73,6 +79,8 @@ impl Default for DomainsPlan {
 pub struct DomainsFindings {
     /// Convergence on the disc.
     pub disc: Vec<DiscFindings>,
+    /// Convergence on the cube.
+    pub cube: Vec<KnownLevels<CubeLevel>>,
     /// Counts on nested meshes.
     pub counts: Vec<CountedDomain>,
     /// Counts for other numberings of the disc.
@@ -127,6 +135,7 @@ pub fn domains(plan: &DomainsPlan) -> Result<DomainsFindings, String> {
     let (counts, numberings) = (counts?, counts::numberings(plan)?);
     Ok(DomainsFindings {
         disc: disc::convergence(plan.disc)?,
+        cube: cube::convergence(plan.cube)?,
         summary: CountsSummary::of(&counts, &numberings),
         counts,
         numberings,
@@ -139,13 +148,7 @@ pub fn domains(plan: &DomainsPlan) -> Result<DomainsFindings, String> {
 
 /// Coarsest mesh of a domain.
 fn coarsest(name: &str) -> Result<AnyMesh, String> {
-    use crate::discrete::{cube, grid::Grid};
-    use crate::mesh::{uniform_cube, uniform_square};
-    match name {
-        "square" => Ok(AnyMesh::Plane(uniform_square(Grid::new(2).map_err(|e| e.to_string())?))),
-        "cube" => Ok(AnyMesh::Space(uniform_cube(cube::Grid::new(2).map_err(|e| e.to_string())?))),
-        _ => AnyMesh::built_in(name).ok_or_else(|| format!("no domain `{name}`")),
-    }
+    AnyMesh::built_in(name).ok_or_else(|| format!("no domain `{name}`"))
 }
 
 /// Problem on a domain with some refinements.
