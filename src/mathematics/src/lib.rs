@@ -32,6 +32,7 @@ pub mod discrete;
 pub mod experiments;
 pub mod formats;
 pub mod identify;
+pub mod levels;
 pub mod machine;
 pub mod mesh;
 pub mod multigrid;

@@ -2,12 +2,17 @@
 //!
 //! A new solver is an entry of [`SOLVERS`] and a room of its own.
 
-use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::kkt::{Judgement, Kkt};
 use crate::discrete::stop::Stop;
-use crate::multigrid::active_set::{ActiveSetOutcome, MOST_CELLS, active_set};
-use crate::multigrid::{InputError, MultigridOutcome, MultigridParams, solve_square};
-use crate::saddle::Method;
+use crate::discrete::transfer::Prolongation;
+use crate::discrete::verdict::Verdict;
+use crate::levels::{Discrete, NodalVectors, Problem, Unsolvable};
+use crate::multigrid::active_set::{ActiveSetOutcome, MOST_CELLS, active_set, active_set_on};
+use crate::multigrid::{Goal, InputError, MultigridOutcome, MultigridParams, solve_square};
+use crate::multilevel::solve_nested_networks;
+use crate::saddle::{self, Method, Pair, Params, on_nested, solve_networks, tolerance};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 
 /// Solver, by the names of [`SOLVERS`].
@@ -42,32 +47,27 @@ pub struct SolverEntry {
     pub run: SolverRun,
     /// Most cells per side on the square; none if memory is the only limit.
     pub most_on_square: Option<usize>,
+    /// True if it solves on meshes as well.
+    pub on_meshes: bool,
     /// Bytes per node of all vectors and factors on the square, for the cells per side: measured, rounded up.
     pub bytes_per_node: fn(u64) -> u64,
 }
 
 /// Way in which a solver runs and stops.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SolverRun {
-    /// Saddle-point method over nested grids, until its stopping rule is met.
+    /// Saddle-point method over all levels, until its stopping rule is met.
     Nested {
         /// Weight of the proximal term in a minimisation before each step of the multiplier; none for a single sweep.
         weight: Option<f64>,
     },
-    /// Solve on the finest grid alone.
-    Finest {
-        /// Solve on the square.
-        square: SolveOnGrid,
-        /// True if the solve stops at a goal; false if it stops where its contact set is at rest.
-        takes_goal: bool,
-    },
-    /// Solution without a grid, at a given resolution.
+    /// Solve on the finest level alone, until its contact set is at rest.
+    ActiveSet,
+    /// Solve on the finest level, until a goal is reached.
+    Multigrid,
+    /// Solution without a level, at a given resolution.
     Spectral,
 }
-
-/// Solve on the grid with this number of cells per side, for a law and a load vector, with the goal of these
-/// parameters.
-pub type SolveOnGrid = fn(usize, LawAndLoad<'_>, &MultigridParams) -> Result<FinestRun, InputError>;
 
 /// Solvers, in the order of the help.
 pub const SOLVERS: [SolverEntry; 6] = [
@@ -78,6 +78,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "The paper's method on nested grids",
         run: SolverRun::Nested { weight: None },
         most_on_square: None,
+        on_meshes: true,
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -87,6 +88,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "Uzawa's method on nested grids: a full minimisation before each step of the multiplier",
         run: SolverRun::Nested { weight: Some(0.0) },
         most_on_square: None,
+        on_meshes: true,
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -96,6 +98,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "Uzawa's method with iterative proximal regularisation",
         run: SolverRun::Nested { weight: Some(1.0) },
         most_on_square: None,
+        on_meshes: true,
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -104,13 +107,9 @@ pub const SOLVERS: [SolverEntry; 6] = [
         in_words: "active set",
         description: "Primal-dual active set with banded Cholesky factors: slow, independent, exact; on the square \
             down to 1/256",
-        run: SolverRun::Finest {
-            square: |n, LawAndLoad { law, load }, _| {
-                active_set(n, law, load).map(FinestRun::of_active_set)
-            },
-            takes_goal: false,
-        },
+        run: SolverRun::ActiveSet,
         most_on_square: Some(MOST_CELLS),
+        on_meshes: true,
         bytes_per_node: banded_factors,
     },
     SolverEntry {
@@ -118,13 +117,9 @@ pub const SOLVERS: [SolverEntry; 6] = [
         name: "multigrid",
         in_words: "multigrid",
         description: "Full multigrid to the rounding floor: the fastest on a grid",
-        run: SolverRun::Finest {
-            square: |n, problem, params| {
-                solve_square(n, problem, None, params).map(FinestRun::of_multigrid)
-            },
-            takes_goal: true,
-        },
+        run: SolverRun::Multigrid,
         most_on_square: None,
+        on_meshes: true,
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -134,6 +129,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         description: "The true solution to rounding, for piecewise constant f",
         run: SolverRun::Spectral,
         most_on_square: None,
+        on_meshes: false,
         bytes_per_node: vectors,
     },
 ];
@@ -169,7 +165,7 @@ impl Solver {
             SolverRun::Nested { weight: Some(weight) } => {
                 Some(Method::Uzawa { weight, inner, loose })
             }
-            SolverRun::Finest { .. } | SolverRun::Spectral => None,
+            SolverRun::ActiveSet | SolverRun::Multigrid | SolverRun::Spectral => None,
         }
     }
 }
@@ -180,29 +176,188 @@ impl fmt::Display for Solver {
     }
 }
 
-/// Run of a solver on the finest grid alone.
-pub struct FinestRun {
-    /// Nodal values of the solution.
-    pub y: Vec<f64>,
-    /// Cycles, or changes of the contact set.
-    pub iterations: usize,
-    /// End of the run.
-    pub stop: Stop,
-    /// Cost in sweeps of the finest grid, if the solver counts it.
-    pub work_units: Option<f64>,
+/// Settings of a run; what is solved is in the [`Problem`].
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Solver.
+    pub solver: Solver,
+    /// Parameters of the saddle-point methods, but method and tolerance, which follow from the solver and the level.
+    pub params: Params,
+    /// Interpolation of pairs to the next grid of the square.
+    pub prolongation: Prolongation,
+    /// Goal of multigrid.
+    pub goal: Goal,
 }
 
-impl FinestRun {
-    /// Run of multigrid.
-    pub fn of_multigrid((y, outcome): (Vec<f64>, MultigridOutcome)) -> Self {
-        let MultigridOutcome { cycles, stop, work_units, .. } = outcome;
-        Self { y, iterations: cycles, stop, work_units: Some(work_units) }
-    }
+/// End of a solver on one level.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelEnd {
+    /// Number of the level.
+    pub level: usize,
+    /// Steps of the multiplier, cycles, or changes of the contact set.
+    pub iterations: usize,
+    /// Gauss-Seidel sweeps, if the solver consists of sweeps.
+    pub sweeps: Option<usize>,
+    /// Cost in sweeps of this level, if the solver counts it.
+    pub work_units: Option<f64>,
+    /// Reason for the end.
+    pub stop: Stop,
+    /// Energy.
+    pub energy: f64,
+    /// Sum of the load vector.
+    pub sum_load: f64,
+    /// Residuals of the conditions.
+    pub kkt: Kkt,
+    /// Verdict on the vector.
+    pub verdict: Verdict,
+}
 
-    /// Run of the active set method.
-    pub fn of_active_set((y, outcome): (Vec<f64>, ActiveSetOutcome)) -> Self {
-        Self { y, iterations: outcome.steps, stop: outcome.stop, work_units: None }
+impl LevelEnd {
+    /// Name of the end: the verdict if the vector is no solution, else the reason of the solver.
+    pub fn name(&self) -> &'static str {
+        self.verdict.end(self.stop)
     }
+}
+
+/// Run of a solver.
+pub struct Run {
+    /// Nodal vector of the finest level.
+    pub y: Vec<f64>,
+    /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
+    pub ends: Vec<LevelEnd>,
+    /// Judgement of the vector.
+    pub judgement: Judgement,
+}
+
+impl Run {
+    /// End on the finest level.
+    pub fn last(&self) -> &LevelEnd {
+        &self.ends[self.ends.len() - 1]
+    }
+}
+
+/// Reason for which a solver refuses a problem.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// Wrong input.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// f is not finite at a point of a coarser level.
+    #[error(transparent)]
+    Problem(#[from] Unsolvable),
+    /// The domain does not have the solver.
+    #[error("{0} is for the square alone")]
+    NotOnMeshes(Solver),
+}
+
+/// Counts of a solver on the finest level.
+struct FinestEnd {
+    iterations: usize,
+    stop: Stop,
+    work_units: Option<f64>,
+}
+
+/// Solves a problem.
+///
+/// # Errors
+/// [`Refusal`]. A limit that was reached, and values that are not finite, are ends of a run.
+pub fn solve(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
+    let Settings { solver, goal, .. } = *settings;
+    let load = problem.law_and_load();
+    let (y, end) = match (solver.entry().run, problem.levels().discrete()) {
+        (SolverRun::Nested { .. }, discrete) => return solve_nested(problem, settings, discrete),
+        (SolverRun::ActiveSet, discrete) => {
+            let (y, ActiveSetOutcome { stop, steps, .. }) = match discrete {
+                Discrete::Lattices(lattices) => {
+                    active_set(lattices.finest().cells(), load.law, load.load)?
+                }
+                Discrete::Networks(networks) => {
+                    active_set_on(&networks[problem.finest()].network, load.law, load.load)?
+                }
+            };
+            (y, FinestEnd { iterations: steps, stop, work_units: None })
+        }
+        (SolverRun::Multigrid, discrete) => {
+            let params = MultigridParams { goal, ..MultigridParams::default() };
+            let (y, MultigridOutcome { stop, cycles, work_units, .. }) = match discrete {
+                Discrete::Lattices(lattices) => {
+                    solve_square(lattices.finest().cells(), load, None, &params)?
+                }
+                Discrete::Networks(networks) => solve_nested_networks(networks, load, &params)?,
+            };
+            (y, FinestEnd { iterations: cycles, stop, work_units: Some(work_units) })
+        }
+        (SolverRun::Spectral, _) => return Err(Refusal::NotOnMeshes(solver)),
+    };
+    let judgement = problem.judge(&y);
+    let FinestEnd { iterations, stop, work_units } = end;
+    let level = problem.finest();
+    let end = judged(problem, NodalVectors { y: &y, load: problem.load() }, &judgement, level);
+    let end = LevelEnd { iterations, sweeps: None, work_units, stop, ..end };
+    Ok(Run { y, ends: vec![end], judgement })
+}
+
+/// End on a level with this judgement, without its counts.
+fn judged(
+    problem: &Problem,
+    NodalVectors { load, .. }: NodalVectors<'_>,
+    judgement: &Judgement,
+    level: usize,
+) -> LevelEnd {
+    LevelEnd {
+        level,
+        iterations: 0,
+        sweeps: None,
+        work_units: None,
+        stop: Stop::Converged,
+        energy: judgement.energy,
+        sum_load: load.iter().sum(),
+        kkt: judgement.kkt,
+        verdict: problem.verdict(level, load, judgement),
+    }
+}
+
+/// Runs a saddle-point method over all levels.
+fn solve_nested(
+    problem: &Problem,
+    settings: &Settings,
+    discrete: Discrete<'_>,
+) -> Result<Run, Refusal> {
+    let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
+    let (mut ends, mut last) = (Vec::new(), None);
+    let mut add = |level: usize, counts: [usize; 2], stop: Stop, pair: &Pair| {
+        let vectors = NodalVectors { y: &pair.y, load: &loads[level] };
+        let judgement = problem.judge_on(level, vectors);
+        let [iterations, sweeps] = counts;
+        let end = judged(problem, vectors, &judgement, level);
+        ends.push(LevelEnd { iterations, sweeps: Some(sweeps), stop, ..end });
+        last = Some(judgement);
+    };
+    let method = |tolerance: f64| {
+        settings.solver.method(0.1 * tolerance, false).expect("a saddle-point method")
+    };
+    let pair = match discrete {
+        Discrete::Lattices(lattices) => {
+            let (_, pair) = on_nested(lattices.grids(), &loads, settings.prolongation, |k, grid, load, pair| {
+                let tolerance = tolerance(k);
+                let params = Params { method: method(tolerance), tolerance, ..settings.params };
+                let run = saddle::solve(grid, problem.law().with_load(load), &params, pair, None);
+                let stop = run.outcome.stop;
+                add(k - 1, [run.outcome.iterations, run.sweeps], stop, pair);
+                ((), stop)
+            });
+            pair
+        }
+        Discrete::Networks(networks) => {
+            let params = Params { method: method(0.0), ..settings.params };
+            let loaded = problem.law().with_loads(&loads);
+            solve_networks(networks, loaded, &params, &mut |k, run, pair| {
+                add(k, [run.iterations, run.sweeps], run.stop, pair);
+            })
+        }
+    };
+    let judgement = last.expect("at least one level");
+    Ok(Run { y: pair.y, ends, judgement })
 }
 
 fn vectors(_: u64) -> u64 {

@@ -1,7 +1,7 @@
 //! A problem on a triangulation with its refinements: from a mesh and f to what the solvers take.
 
-use crate::bounds::Bounds;
-use crate::bounds::triangulation::{BoundsError, bounds_on_mesh};
+use crate::bounds::{Bounds, NoBound};
+use crate::bounds::triangulation::bounds_on_mesh;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
@@ -140,7 +140,7 @@ impl MeshProblem {
     ///
     /// # Errors
     /// As [`bounds_on_mesh`].
-    pub fn bounds(&self, y: &[f64]) -> Result<Bounds, BoundsError> {
+    pub fn bounds(&self, y: &[f64]) -> Result<Bounds, NoBound> {
         match &self.mesh {
             AnyMesh::Plane(mesh) => {
                 bounds_on_mesh(mesh, self.network(), &self.f.cells, self.law, y)

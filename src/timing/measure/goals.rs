@@ -5,10 +5,11 @@ use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::saddle::{CheckInterval, CheckedRun, loose_uzawa};
 use signorini_mathematics::experiments::work::{OnGrid, R};
-use signorini_mathematics::multigrid::MultigridParams;
+use signorini_mathematics::multigrid::active_set::{MOST_CELLS, active_set};
+use signorini_mathematics::multigrid::{MultigridParams, solve_square};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Method, Pair};
-use signorini_mathematics::solvers::{SolveOnGrid, Solver, SolverRun};
+use signorini_mathematics::solvers::{Solver, SolverRun};
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -19,8 +20,10 @@ const CHECKS: CheckInterval = CheckInterval { share: 8, limit: 1_000_000_000 };
 pub(super) enum TimedGoal {
     /// A saddle-point method to this relative natural residual.
     Saddle(Method, f64),
-    /// A solver on the finest grid, of at most so many cells per side, to a goal or until its contact set does not change.
-    Finest { solve: SolveOnGrid, most: Option<usize>, goal: Option<Goal> },
+    /// The active-set method on the finest grid, until its contact set does not change.
+    ActiveSet,
+    /// Multigrid to a goal.
+    Multigrid(Goal),
 }
 
 /// Returns the goals of a solver on grids.
@@ -30,11 +33,8 @@ pub(super) fn goals(solver: Solver) -> Vec<TimedGoal> {
             let method = weight.map_or(Method::ArrowHurwicz, loose_uzawa);
             TARGETS.map(|target| TimedGoal::Saddle(method, target)).into()
         }
-        SolverRun::Finest { square: solve, takes_goal, .. } => {
-            let most = solver.entry().most_on_square;
-            let goals = if takes_goal { Goal::ALL.map(Some).to_vec() } else { vec![None] };
-            goals.into_iter().map(|goal| TimedGoal::Finest { solve, most, goal }).collect()
-        }
+        SolverRun::ActiveSet => vec![TimedGoal::ActiveSet],
+        SolverRun::Multigrid => Goal::ALL.map(TimedGoal::Multigrid).into(),
         SolverRun::Spectral => Vec::new(),
     }
 }
@@ -44,16 +44,16 @@ impl TimedGoal {
     pub(super) fn in_words(&self) -> String {
         match self {
             Self::Saddle(_, target) => format!("relative KKT {target:e}"),
-            Self::Finest { goal: None, .. } => "contact set at rest".into(),
-            Self::Finest { goal: Some(goal), .. } => goal.in_words().into(),
+            Self::ActiveSet => "contact set at rest".into(),
+            Self::Multigrid(goal) => goal.in_words().into(),
         }
     }
 
     /// Growth of the time from one grid to the next, as expected.
     pub(super) fn growth(&self) -> f64 {
         match self {
-            Self::Saddle(..) | Self::Finest { goal: None, .. } => 16.0,
-            Self::Finest { goal: Some(_), .. } => 4.0,
+            Self::Saddle(..) | Self::ActiveSet => 16.0,
+            Self::Multigrid(_) => 4.0,
         }
     }
 
@@ -62,11 +62,14 @@ impl TimedGoal {
         let OnGrid { grid, load, .. } = levels.last()?;
         match *self {
             Self::Saddle(method, target) => over_grids(method, target, levels),
-            Self::Finest { most, .. } if most.is_some_and(|most| grid.cells() > most) => None,
-            Self::Finest { solve, goal, .. } => {
-                let goal = goal.unwrap_or(Goal::Floor).asked();
-                let params = MultigridParams { goal, ..MultigridParams::default() };
-                Some(solve(grid.cells(), Law::SIGNORINI.with_load(load), &params).ok()?.y)
+            Self::ActiveSet if grid.cells() > MOST_CELLS => None,
+            Self::ActiveSet => {
+                active_set(grid.cells(), Law::SIGNORINI, load).ok().map(|(y, _)| y)
+            }
+            Self::Multigrid(goal) => {
+                let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
+                let loaded = Law::SIGNORINI.with_load(load);
+                solve_square(grid.cells(), loaded, None, &params).ok().map(|(y, _)| y)
             }
         }
     }

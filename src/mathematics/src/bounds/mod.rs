@@ -87,11 +87,12 @@ use std::f64::consts::PI;
 pub struct Bounds {
     /// Ends of an interval that contains the energy J(u) of the true solution u.
     pub energy: [f64; 2],
-    /// Ends of an interval that contains the L2 norm of `grad (u - v)`, v piecewise linear on triangles cut by
-    /// rising diagonals.
+    /// Ends of an interval that contains the L2 norm of `grad (u - v)`, v piecewise linear: on the square on triangles cut
+    /// by rising diagonals.
     pub error: [f64; 2],
-    /// Upper bound of the L2 norm of `grad (u - w)`, w the recovery, which is piecewise quadratic.
-    pub recovered: f64,
+    /// Upper bound of the L2 norm of `grad (u - w)`, w the recovery of v, which is piecewise quadratic; none on meshes,
+    /// which have no recovery.
+    pub recovered: Option<f64>,
 }
 
 impl Bounds {
@@ -108,7 +109,10 @@ impl Bounds {
         Self {
             energy: common(self.energy, other.energy),
             error: common(self.error, other.error),
-            recovered: self.recovered.min(other.recovered),
+            recovered: match (self.recovered, other.recovered) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            },
         }
     }
 
@@ -123,15 +127,25 @@ impl Bounds {
 /// Reason for which there are no bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoBound {
-    /// The continuous problem has no solution, or no unique one.
+    /// No solution, or no unique one, under the paper's law.
     #[error("the integral of f is not negative")]
     NotCoercive,
-    /// No solution under another law than the paper's.
+    /// No solution, or no unique one, under another law than the paper's.
     #[error("the flux that the law allows cannot balance the integral of f")]
     Unbalanced,
-    /// A sum overflows, squares underflow, or the vector contains a NaN.
+    /// A component with a free boundary alone.
+    #[error("the whole boundary of a part of the domain is free")]
+    Insulated,
+    /// A sum overflows, squares underflow, or the vector or f contains a NaN.
     #[error("numbers exceed the range of double precision")]
     NotFinite,
+}
+
+impl NoBound {
+    /// Reason for a law whose flux cannot balance f.
+    fn unsolvable(law: Law) -> Self {
+        if law.is_signorini() { Self::NotCoercive } else { Self::Unbalanced }
+    }
 }
 
 /// Least integral of |f|, `sqrt(f64::MIN_POSITIVE / f64::EPSILON)`: below it, squares lose more by underflow than by
@@ -184,10 +198,8 @@ fn bracketed(
 ) -> Result<Bounds, NoBound> {
     assert_eq!(y.len(), grid.nodes());
     let data = AllCells::new(grid, f);
-    match law.check_solvable(data.integral, Grid::PERIMETER) {
-        Err(_) if law.is_signorini() => return Err(NoBound::NotCoercive),
-        Err(_) => return Err(NoBound::Unbalanced),
-        Ok(()) => (),
+    if law.check_solvable(data.integral, Grid::PERIMETER).is_err() {
+        return Err(NoBound::unsolvable(law));
     }
     let projection = project(grid, Slips::of_law(law), y);
     let (found, slips) = summed(&data, law, &projection, recovered.as_deref_mut());
@@ -254,7 +266,7 @@ fn combined(n: usize, total: &Total, projection_distance: f64) -> Result<Bounds,
         return Err(NoBound::NotFinite);
     }
     let recovered = root(2.0 * (gap + 2.0 * rounding));
-    Ok(Bounds { energy: below_zero(energy), error, recovered })
+    Ok(Bounds { energy: below_zero(energy), error, recovered: Some(recovered) })
 }
 
 /// An interval that contains J(u), without the numbers above J(0) = 0.

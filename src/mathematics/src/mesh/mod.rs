@@ -46,7 +46,7 @@ use geometry::{bounds, longest_side};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, MeshLoad, OnCells, mesh_load};
 pub use names::Names;
-pub use nested::refined;
+pub use nested::{NestedMeshes, nested_meshes, refined};
 pub use refine::{Refined, refine};
 pub use same_place::Touching;
 pub use source::{MeshSource, MeshSourceError};

@@ -5,6 +5,37 @@ use super::refine::refine_edges;
 use super::{Edges, Mesh, MeshError, Refined, assemble};
 use crate::discrete::nested::NestedNetwork;
 
+/// Mesh and its refinements, coarsest first, with their discrete problems.
+#[derive(Clone, Debug)]
+pub struct NestedMeshes<const D: usize, const V: usize> {
+    /// Meshes.
+    pub meshes: Vec<Mesh<D, V>>,
+    /// Discrete problem of each mesh.
+    pub networks: Vec<NestedNetwork>,
+}
+
+/// Returns a mesh and its refinements, `times` of them, with their discrete problems.
+///
+/// # Errors
+/// As [`refine`](super::refine).
+pub fn nested_meshes<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    times: usize,
+) -> Result<NestedMeshes<D, V>, MeshError> {
+    let (mut networks, mut meshes, mut between) = (Vec::new(), vec![mesh.clone()], Vec::new());
+    for _ in 0..times {
+        let finest = &meshes[meshes.len() - 1];
+        let edges = Edges::new(finest.points.len(), &finest.cells);
+        let network = assemble_edges(finest, &edges);
+        let Refined { mesh, parents } = refine_edges(finest, &edges)?;
+        networks.push(NestedNetwork { network, parents: std::mem::replace(&mut between, parents) });
+        meshes.push(mesh);
+    }
+    let network = assemble(&meshes[meshes.len() - 1]);
+    networks.push(NestedNetwork { network, parents: between });
+    Ok(NestedMeshes { meshes, networks })
+}
+
 /// Returns the discrete problems of a mesh and its refinements, `times` of them, and the finest mesh.
 ///
 /// # Errors
@@ -13,14 +44,6 @@ pub fn refined<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     times: usize,
 ) -> Result<(Vec<NestedNetwork>, Mesh<D, V>), MeshError> {
-    let (mut levels, mut finest, mut between) = (Vec::new(), mesh.clone(), Vec::new());
-    for _ in 0..times {
-        let edges = Edges::new(finest.points.len(), &finest.cells);
-        let network = assemble_edges(&finest, &edges);
-        let Refined { mesh, parents } = refine_edges(&finest, &edges)?;
-        levels.push(NestedNetwork { network, parents: std::mem::replace(&mut between, parents) });
-        finest = mesh;
-    }
-    levels.push(NestedNetwork { network: assemble(&finest), parents: between });
-    Ok((levels, finest))
+    let NestedMeshes { mut meshes, networks } = nested_meshes(mesh, times)?;
+    Ok((networks, meshes.pop().expect("at least the coarsest mesh")))
 }

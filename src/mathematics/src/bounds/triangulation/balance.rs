@@ -1,7 +1,7 @@
 //! Balance of the flux in every cell: errors of the iteration and of rounding are carried to the boundary, along a tree
 //! of cells.
 
-use super::BoundsError;
+use super::NoBound;
 use super::cells::Cells;
 use super::sides::{Neighbour, Sides};
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
@@ -63,7 +63,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     flux: &mut [f64],
-) -> Result<(), BoundsError> {
+) -> Result<(), NoBound> {
     let mesh = cells.mesh;
     let mut outlets = Vec::new();
     for (facet, side) in mesh.facets().iter().zip(sides.of_facets(mesh.facets().len())) {
@@ -101,7 +101,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
         }
     }
     match is_seen.iter().position(|seen| !seen) {
-        Some(cell) => Err(BoundsError::Insulated { cell }),
+        Some(_) => Err(NoBound::Insulated),
         None => Ok(()),
     }
 }
@@ -130,7 +130,7 @@ impl Component {
         cells: &Cells<'_, D, V>,
         sides: &Sides<V>,
         flux: &mut [f64],
-    ) -> Result<(), BoundsError> {
+    ) -> Result<(), NoBound> {
         for &Step { cell, side } in self.steps.iter().rev() {
             let outflow: f64 = sides.outflows(cell, flux).iter().sum();
             let missing = -(V as f64) * cells.load(cell) - outflow;
@@ -138,7 +138,7 @@ impl Component {
         }
         let law = PartLaw::new(cells.law, self.outlet.measure);
         match !self.outlet.is_fixed && law.room(flux[self.outlet.side as usize]) < 0.0 {
-            true => Err(self.unsolvable(cells.law)),
+            true => Err(NoBound::unsolvable(cells.law)),
             false => Ok(()),
         }
     }
@@ -149,7 +149,7 @@ impl Component {
         cells: &Cells<'_, D, V>,
         sides: &Sides<V>,
         flux: &mut [f64],
-    ) -> Result<(), BoundsError> {
+    ) -> Result<(), NoBound> {
         let (mesh, law) = (cells.mesh, cells.law);
         if law.is_bounded() {
             self.outlet.room = f64::NEG_INFINITY;
@@ -171,7 +171,7 @@ impl Component {
             }
         }
         if law.check_solvable(integral, perimeter).is_err() {
-            return Err(self.unsolvable(law));
+            return Err(NoBound::unsolvable(law));
         }
         if law.is_bounded() {
             shift_to_sum(law, &mut parts, -integral);
@@ -194,14 +194,6 @@ impl Component {
     fn move_root<const V: usize>(&mut self, sides: &Sides<V>, is_seen: &mut [bool]) {
         self.steps.iter().for_each(|step| is_seen[step.cell as usize] = false);
         self.steps = tree(sides, self.outlet.side, is_seen);
-    }
-
-    fn unsolvable(&self, law: Law) -> BoundsError {
-        let cell = self.steps[0].cell as usize;
-        match law.is_signorini() {
-            true => BoundsError::NotCoercive { cell },
-            false => BoundsError::Unbalanced { cell },
-        }
     }
 }
 

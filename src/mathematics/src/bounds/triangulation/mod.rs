@@ -45,7 +45,7 @@ mod sums;
 mod tests;
 
 use super::boundary::Slips;
-use super::{Bounds, LEAST_MASS, below_zero, root};
+use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
 use crate::mesh::{CellData, Mesh};
 use crate::problem::law::Law;
@@ -59,45 +59,14 @@ use std::borrow::Cow;
 use stream::circulate;
 use sums::Summands;
 
-/// Reason for which there are no bounds on a triangulation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BoundsError {
-    /// No solution, or no unique one.
-    #[error(
-        "the integral of f over the part of the domain with element {cell} is not negative; make f smaller there or fix a part of the boundary"
-    )]
-    NotCoercive {
-        /// Position of a cell of the component.
-        cell: usize,
-    },
-    /// No solution under another law than the paper's.
-    #[error(
-        "the flux that the law allows cannot balance the integral of f over the part of the domain with element {cell}; change f there, widen the law or fix a part of the boundary"
-    )]
-    Unbalanced {
-        /// Position of a cell of the component.
-        cell: usize,
-    },
-    /// A component with a free boundary alone.
-    #[error(
-        "the whole boundary of the part of the domain with element {cell} is free; let some of the boundary be in contact or fixed"
-    )]
-    Insulated {
-        /// Position of a cell of the component.
-        cell: usize,
-    },
-    /// A sum overflows, squares underflow, or the vector or f contains a NaN.
-    #[error("numbers exceed the range of double precision; scale f")]
-    NotFinite,
-}
-
 /// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a law
-/// on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present conditions. In place of the recovery of [`Bounds`] is w, the linear function of `y` put into K; the lower bound of
-/// the error is zero.
+/// on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present conditions. There
+/// is no recovery, and the lower bound of the error is zero.
 ///
 /// # Errors
 /// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the flux
-/// cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the range of double precision.
+/// cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the range of double
+/// precision.
 ///
 /// # Panics
 /// If `y`, `network` and `mesh` have not the same number of nodes, or `f` and `mesh` not the same number of cells.
@@ -107,7 +76,7 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     f: &CellData,
     law: Law,
     y: &[f64],
-) -> Result<Bounds, BoundsError> {
+) -> Result<Bounds, NoBound> {
     assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
     let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
     assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
@@ -133,25 +102,25 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
 /// Combines the sums for a nodal vector in K and a flux to bounds.
 fn combined<const D: usize, const V: usize>(
     summands: &Summands<'_, D, V>,
-) -> Result<Bounds, BoundsError> {
+) -> Result<Bounds, NoBound> {
     let totals = summands.totals();
     let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
     let inside = 0.5 * totals.gradient - totals.load + totals.deviation;
     let energy = inside + totals.potential + rounding;
     let gap = 0.5 * totals.distance + totals.work;
-    let recovered = root(2.0 * (gap + 2.0 * rounding));
+    let distance = root(2.0 * (gap + 2.0 * rounding));
     let projection = totals.projection.sqrt() * (1.0 + 1e-12);
     let bounds = Bounds {
         energy: below_zero([-0.5 * totals.flux - totals.rounding_of_flux(largest), energy]),
-        error: [0.0, recovered + projection],
-        recovered,
+        error: [0.0, distance + projection],
+        recovered: None,
     };
     let underflows = totals.mass > 0.0 && totals.mass < LEAST_MASS;
     // The root hides a NaN.
     let numbers = [bounds.energy[0], energy, gap, rounding, projection];
     match underflows || !numbers.into_iter().all(f64::is_finite) {
-        true => Err(BoundsError::NotFinite),
+        true => Err(NoBound::NotFinite),
         false => Ok(bounds),
     }
 }
@@ -179,7 +148,7 @@ fn equilibrated<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     network: &Network,
-) -> Result<Vec<f64>, BoundsError> {
+) -> Result<Vec<f64>, NoBound> {
     let mut flux = of_fans(cells, sides);
     if D == 2 {
         circulate(cells, sides, network, &mut flux);

@@ -1,0 +1,171 @@
+//! A problem: what is solved.
+
+use super::unsolvable::Component;
+use super::{Discrete, Lattices, Levels, NodalVectors, Triangulations, Unsolvable};
+use crate::bounds::{Bounds, NoBound};
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::Judgement;
+use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::load::LoadRule;
+use crate::discrete::verdict::Verdict;
+use crate::mesh::AnyMesh;
+use crate::problem::cube::Body;
+use crate::problem::law::Law;
+use crate::problem::region::Region;
+use crate::problem::source::Source;
+use serde::Serialize;
+use std::borrow::Cow;
+
+/// Domain with f, the conditions on the parts of its boundary and the law where it is in contact, and its nested discrete
+/// problems. The flux can balance f: it has a unique solution.
+pub struct Problem {
+    levels: Box<dyn Levels>,
+    law: Law,
+    /// True if the boundary is curved, and the finest mesh a polygon or polyhedron instead.
+    is_curved: bool,
+}
+
+/// Approximation that guaranteed bounds leave out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reserve {
+    /// Of integrals of f, by formulas.
+    Quadrature,
+    /// Of a curved domain, by the polygon or polyhedron of the finest mesh.
+    Polygon,
+}
+
+impl Problem {
+    /// Problem on the square, on nested grids, coarsest first.
+    ///
+    /// # Errors
+    /// [`Unsolvable`].
+    ///
+    /// # Panics
+    /// If there are no grids.
+    pub fn on_square(grids: Vec<Grid>, f: Source, rule: LoadRule, law: Law) -> Result<Self, Unsolvable> {
+        let lattices = Lattices::new(grids, f, rule);
+        let integrals = lattices.integrals();
+        lattices.source().check_scale(integrals.of_size)?;
+        if integrals.of_f.is_nan() {
+            return Err(Unsolvable::NotFinite);
+        }
+        let square = Component {
+            place: "the domain".into(),
+            has_fixed: false,
+            has_parts: false,
+            measure: Grid::PERIMETER,
+            integral: integrals.of_f,
+        };
+        square.check(law, integrals.of_size)?;
+        Ok(Self::new(lattices, law, false))
+    }
+
+    /// Problem on a mesh and its refinements, `times` of them, with f given as text.
+    ///
+    /// # Errors
+    /// [`Unsolvable`].
+    pub fn on_mesh(
+        coarsest: &AnyMesh,
+        times: usize,
+        f: &str,
+        law: Law,
+    ) -> Result<Self, Unsolvable> {
+        let is_curved = coarsest.is_curved();
+        match coarsest {
+            AnyMesh::Plane(mesh) => {
+                let levels = Triangulations::<Region, 2, 3>::new(mesh, times, f)?;
+                check(levels.components(), law, levels.integrals().of_size)?;
+                Ok(Self::new(levels, law, is_curved))
+            }
+            AnyMesh::Space(mesh) => {
+                let levels = Triangulations::<Body, 3, 4>::new(mesh, times, f)?;
+                check(levels.components(), law, levels.integrals().of_size)?;
+                Ok(Self::new(levels, law, is_curved))
+            }
+        }
+    }
+
+    fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
+        Self { levels: Box::new(levels), law, is_curved }
+    }
+
+    /// Nested discrete problems.
+    pub fn levels(&self) -> &dyn Levels {
+        &*self.levels
+    }
+
+    /// Law where the boundary is in contact.
+    pub fn law(&self) -> Law {
+        self.law
+    }
+
+    /// Number of the finest level.
+    pub fn finest(&self) -> usize {
+        self.levels.count() - 1
+    }
+
+    /// Load vector of the finest level.
+    pub fn load(&self) -> &[f64] {
+        self.levels.finest_load()
+    }
+
+    /// Load vectors of all levels, coarsest first.
+    ///
+    /// # Errors
+    /// [`Unsolvable::Source`] if f is not finite at a point of a coarser level.
+    pub fn loads(&self) -> Result<Vec<Cow<'_, [f64]>>, Unsolvable> {
+        (0..self.levels.count()).map(|level| Ok(self.levels.load(level)?)).collect()
+    }
+
+    /// Law and load vector of the finest level.
+    pub fn law_and_load(&self) -> LawAndLoad<'_> {
+        self.law.with_load(self.load())
+    }
+
+    /// Grids and f on the square; none on a mesh.
+    pub fn lattices(&self) -> Option<&Lattices> {
+        match self.levels.discrete() {
+            Discrete::Lattices(lattices) => Some(lattices),
+            Discrete::Networks(_) => None,
+        }
+    }
+
+    /// Judges a nodal vector of the finest level, apart from the solvers.
+    pub fn judge(&self, y: &[f64]) -> Judgement {
+        self.judge_on(self.finest(), NodalVectors { y, load: self.load() })
+    }
+
+    /// Judges a nodal vector of a level with this load vector.
+    pub fn judge_on(&self, level: usize, vectors: NodalVectors<'_>) -> Judgement {
+        self.levels.judge(level, self.law, vectors)
+    }
+
+    /// Verdict on a judged nodal vector of a level with this load vector.
+    pub fn verdict(&self, level: usize, load: &[f64], judgement: &Judgement) -> Verdict {
+        let is_solvable = self.levels.is_solvable(level, self.law, load);
+        Verdict::new(is_solvable, &judgement.kkt, judgement.energy, judgement.work)
+    }
+
+    /// Guaranteed bounds for a nodal vector of the finest level, but for what [`Problem::reserves`] lists.
+    ///
+    /// # Errors
+    /// [`NoBound`].
+    pub fn bounds(&self, y: &[f64]) -> Result<Bounds, NoBound> {
+        self.levels.bounds(self.law, y)
+    }
+
+    /// Approximations that the bounds leave out.
+    pub fn reserves(&self) -> Vec<Reserve> {
+        let made = [
+            (self.levels.integrals().by_quadrature, Reserve::Quadrature),
+            (self.is_curved, Reserve::Polygon),
+        ];
+        made.into_iter().filter(|(is_made, _)| *is_made).map(|(_, reserve)| reserve).collect()
+    }
+}
+
+/// Checks the condition (2) on each component, with integrals of this `size`.
+fn check(components: Vec<Component>, law: Law, size: f64) -> Result<(), Unsolvable> {
+    components.into_iter().try_for_each(|component| component.check(law, size))
+}

@@ -1,0 +1,181 @@
+//! A mesh with its refinements as the levels of a problem.
+
+use super::unsolvable::Component;
+use super::{Discrete, Integrals, KnownErrors, Levels, NodalVectors, Unsolvable};
+use crate::bounds::triangulation::bounds_on_mesh;
+use crate::bounds::{Bounds, NoBound};
+use crate::discrete::contact::ContactArc;
+use crate::discrete::judging::judge_network;
+use crate::discrete::kkt::Judgement;
+use crate::discrete::network::Network;
+use crate::mesh::{
+    AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh, mesh_arcs,
+    mesh_load, nested_meshes,
+};
+use crate::multigrid::input::{LoadedComponent, loaded_components};
+use crate::problem::law::Law;
+use crate::problem::shape::SourceError;
+use std::any::Any;
+use std::borrow::Cow;
+
+/// Mesh and its refinements, with f.
+pub struct Triangulations<S: CutShape<D, V>, const D: usize, const V: usize> {
+    nested: NestedMeshes<D, V>,
+    /// Right-hand side.
+    f: MeshSource<S>,
+    /// f on the finest mesh.
+    load: MeshLoad,
+    integrals: Integrals,
+}
+
+impl<S: CutShape<D, V>, const D: usize, const V: usize> Triangulations<S, D, V> {
+    /// Levels on a mesh and its refinements, `times` of them, with f given as text.
+    ///
+    /// # Errors
+    /// [`Unsolvable`] if the text is no f on the mesh, f is not finite, or the mesh cannot be refined.
+    pub(super) fn new(coarsest: &Mesh<D, V>, times: usize, f: &str) -> Result<Self, Unsolvable> {
+        let f = read::<S, D, V>(coarsest, f)?;
+        let nested = nested_meshes(coarsest, times)?;
+        let load = mesh_load(&nested.meshes[times], &f)?;
+        f.check_scale(load.size)?;
+        let integrals = Integrals {
+            of_f: load.integral,
+            of_size: load.size,
+            by_quadrature: load.unsettled.is_some(),
+        };
+        Ok(Self { nested, f, load, integrals })
+    }
+
+    /// Finest mesh.
+    fn finest(&self) -> &Mesh<D, V> {
+        &self.nested.meshes[self.nested.meshes.len() - 1]
+    }
+
+    /// Discrete problem of the finest mesh.
+    pub fn network(&self) -> &Network {
+        &self.nested.networks[self.nested.networks.len() - 1].network
+    }
+
+    /// Connected components of the domain.
+    pub(super) fn components(&self) -> Vec<Component> {
+        let network = self.network();
+        let found = loaded_components(network, &network.components(), &self.load.load);
+        let mut components = Vec::new();
+        for (number, &LoadedComponent { has_fixed, measure, sum }) in (1..).zip(&found) {
+            let place = match found.len() {
+                1 => "the domain".into(),
+                _ => format!("component {number} of the domain"),
+            };
+            components.push(Component { place, has_fixed, has_parts: true, measure, integral: sum });
+        }
+        components
+    }
+}
+
+/// Reads f on a mesh.
+fn read<S: CutShape<D, V>, const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    f: &str,
+) -> Result<MeshSource<S>, MeshSourceError> {
+    // A power of ten, which messages show.
+    let size = libm::exp10(libm::log10(mesh.largest_coordinate()).ceil());
+    MeshSource::read(f, mesh.region_names(), size)
+}
+
+impl<S: CutShape<D, V> + 'static, const D: usize, const V: usize> Levels for Triangulations<S, D, V>
+where
+    AnyMesh: From<Mesh<D, V>>,
+{
+    fn count(&self) -> usize {
+        self.nested.meshes.len()
+    }
+
+    fn dimension(&self) -> u8 {
+        D as u8
+    }
+
+    fn name(&self, level: usize) -> String {
+        match level {
+            0 => "the coarsest mesh".into(),
+            level => format!("refinement {level}"),
+        }
+    }
+
+    fn cells(&self, _level: usize) -> Option<usize> {
+        None
+    }
+
+    fn nodes(&self, level: usize) -> usize {
+        self.nested.meshes[level].points().len()
+    }
+
+    fn width(&self) -> f64 {
+        self.finest().width()
+    }
+
+    fn extent(&self) -> f64 {
+        self.finest().extent()
+    }
+
+    fn f(&self) -> String {
+        self.f.text().into()
+    }
+
+    fn outside(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn integrals(&self) -> &Integrals {
+        &self.integrals
+    }
+
+    fn missed(&self) -> Option<f64> {
+        self.load.unsettled.map(|unsettled| unsettled / self.load.size)
+    }
+
+    fn finest_load(&self) -> &[f64] {
+        &self.load.load
+    }
+
+    fn load(&self, level: usize) -> Result<Cow<'_, [f64]>, SourceError> {
+        if level + 1 == self.count() {
+            return Ok(self.finest_load().into());
+        }
+        Ok(mesh_load(&self.nested.meshes[level], &self.f)?.load.into())
+    }
+
+    fn has_fixed_part(&self) -> bool {
+        !self.network().fixed().is_empty()
+    }
+
+    fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool {
+        let network = &self.nested.networks[level].network;
+        let components = loaded_components(network, &network.components(), load);
+        components.iter().all(|component| component.check(law, 0.0).is_ok())
+    }
+
+    fn judge(&self, level: usize, law: Law, NodalVectors { y, load }: NodalVectors<'_>) -> Judgement {
+        judge_network(&self.nested.networks[level].network, law, y, load)
+    }
+
+    fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>> {
+        let plane = (self.finest() as &dyn Any).downcast_ref::<PlaneMesh>()?;
+        Some(mesh_arcs(plane, self.network(), y, judgement))
+    }
+
+    fn errors(&self, _y: &[f64], _load: &[f64]) -> Option<KnownErrors> {
+        None
+    }
+
+    fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
+        bounds_on_mesh(self.finest(), self.network(), &self.load.cells, law, y)
+    }
+
+    fn mesh(&self) -> AnyMesh {
+        self.finest().clone().into()
+    }
+
+    fn discrete(&self) -> Discrete<'_> {
+        Discrete::Networks(&self.nested.networks)
+    }
+}
