@@ -5,32 +5,31 @@
 mod accuracy;
 mod answer;
 mod bound;
-mod domain;
-mod format;
+mod files;
 mod judging;
-mod mesh;
-mod problem;
-mod quadrature;
-mod reserve;
-mod solvers;
+mod request;
 mod spectral;
 
 use super::output::{OutputFile, say, say_json};
 use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
-use accuracy::Accuracy;
+use accuracy::{Accuracy, FIRST, TriedGrid};
+use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
-use domain::square;
-use format::Format;
-use problem::Problem;
+use files::Format;
+use request::Request;
+use signorini_mathematics::bounds::recovery;
+use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+use signorini_mathematics::discrete::transfer::prolong_boundary;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::{Pair, StopRule};
 use signorini_mathematics::solvers::Solver;
 use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Args)]
 #[command(group = ArgGroup::new("problem").required(true).args(["scene", "f"]))]
@@ -129,38 +128,42 @@ pub(super) struct SolveArgs {
 impl SolveArgs {
     /// Returns the file to write and its format; if only a format was given, the file in the current folder is named
     /// after the problem.
-    fn file(&self, problem: &Problem) -> Result<Option<(OutputFile, Format)>> {
+    fn file(&self, request: &Request) -> Result<Option<(OutputFile, Format)>> {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
         let named = out.to_str().filter(|ending| Format::from_str(ending, false).is_ok());
-        let name = problem.scene.as_deref().unwrap_or("solution");
+        let name = request.scene.as_deref().unwrap_or("solution");
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        problem.domain.check_format(format)?;
+        format.check(&request.problem)?;
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
-    /// Returns the law on the boundary.
-    fn law(&self) -> Result<Law> {
-        let (option, value, law) = match (self.friction, self.limit) {
-            (Some(g), _) => ("--friction", g, Law::friction(g)),
-            (None, Some(limit)) => ("--limit", limit, Law::limited(limit)),
-            (None, None) => return Ok(Law::SIGNORINI),
+    /// Returns the law on the boundary, if it is another than the paper's.
+    fn law(&self) -> Result<Option<LawParameter>> {
+        let (option, value, parameter) = match (self.friction, self.limit) {
+            (Some(g), _) => ("--friction", g, LawParameter::Friction(g)),
+            (None, Some(limit)) => ("--limit", limit, LawParameter::Limit(limit)),
+            (None, None) => return Ok(None),
         };
-        law.map_err(|_| {
-            Error::input(format!("{option} {value}: must be a positive number, e.g. {option} 0.3"))
-        })
+        match parameter.law() {
+            Ok(_) => Ok(Some(parameter)),
+            Err(_) => Err(Error::input(format!(
+                "{option} {value}: must be a positive number, e.g. {option} 0.3"
+            ))),
+        }
     }
 
-    /// Writes the file, if there is one, with a `solution`: cells per side of its grid, and the pair.
+    /// Writes the file, if there is one, with a solution: its grid on the square, if that is not the finest one, and the
+    /// pair.
     fn write(
         &self,
-        problem: &Problem,
+        request: &Request,
         file: Option<(OutputFile, Format)>,
-        solution: impl FnOnce() -> Result<(usize, Pair)>,
+        solution: impl FnOnce() -> Result<(Option<Grid>, Pair)>,
     ) -> Result<u8> {
         let Some((file, format)) = file else { return Ok(0) };
-        let (n, pair) = solution()?;
-        file.write(&problem.file(format, n, &pair)?)?;
+        let (grid, pair) = solution()?;
+        file.write(&request.file(format, grid, &pair)?)?;
         if !self.json {
             say(&format!("wrote {}\n", file.path().display()))?;
         }
@@ -220,29 +223,70 @@ fn rule_name(rule: &LoadRule) -> String {
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
-    let mut problem = Problem::read(args)?;
-    let file = args.file(&problem)?;
-    if problem.solver == Solver::Spectral {
-        let (n, law) = (problem.finest(), problem.law);
-        let solution = spectral::solve(args, &problem)?;
-        return args
-            .write(&problem, file, || Ok((n, spectral::on_grid(&solution, square(n), law))));
+    let mut request = Request::read(args)?;
+    let file = args.file(&request)?;
+    if request.settings.solver == Solver::Spectral {
+        let lattices = request.lattices("--solver spectral")?;
+        let solution = spectral::solve(args, &request, lattices)?;
+        let (grid, law) = (lattices.finest(), request.problem.law());
+        return args.write(&request, file, || Ok((None, spectral::on_grid(&solution, grid, law))));
     }
-    let answer = match problem.accuracy {
-        Some(accuracy) => problem.solve_to(accuracy)?,
-        None => problem.solve()?,
+    let answer = match request.accuracy {
+        Some(accuracy) => answer_to(&mut request, accuracy)?,
+        None => answer(&request)?,
     };
     if args.json {
-        say_json(&answer.json(&problem))?;
+        say_json(&answer.json(&request))?;
     } else {
-        say(&answer.text(&problem))?;
+        say(&answer.text(&request))?;
     }
-    let (n, pair) = (problem.finest(), answer.solved.pair);
-    args.write(&problem, file, || match args.recover {
-        true => Ok((2 * n, problem.domain.recovered(n, problem.law, &pair)?)),
-        false => Ok((n, pair)),
+    args.write(&request, file, || match args.recover {
+        true => recovered(&request, &answer.pair),
+        false => Ok((None, answer.pair)),
     })?;
     answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
+}
+
+/// Solves and judges.
+fn answer(request: &Request) -> Result<Answer> {
+    let start = Instant::now();
+    // The load vector is made when it is first read.
+    request.problem.load();
+    let setup = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let run = request.run()?;
+    Ok(Answer::new(request, run, [setup, start.elapsed().as_secs_f64()]))
+}
+
+/// Solves on one grid of the square after the other until the guaranteed bound is small enough. All coarser grids together
+/// cost less than the last one.
+fn answer_to(request: &mut Request, accuracy: Accuracy) -> Result<Answer> {
+    accuracy.check()?;
+    let (mut finest, mut tried, mut ends) = (FIRST, Vec::new(), Vec::new());
+    loop {
+        request.set_grid(finest)?;
+        let mut answer = answer(request)?;
+        ends.append(&mut answer.run.ends);
+        let bounds = answer.bounds.as_ref().map_err(|reason| {
+            Error::input(format!("{accuracy}: no bound of the error: {reason}; scale f"))
+        })?;
+        let reached = accuracy.reached(bounds);
+        if reached <= accuracy.wanted() || answer.failure.is_some() {
+            answer.run.ends = ends;
+            return Ok(answer);
+        }
+        tried.push(TriedGrid { cells: finest, reached });
+        finest = accuracy.next(&tried)?;
+    }
+}
+
+/// Returns the recovered solution, on the grid of half the width.
+fn recovered(request: &Request, pair: &Pair) -> Result<(Option<Grid>, Pair)> {
+    let (lattices, law) = (request.lattices("--recover")?, request.problem.law());
+    let (y, _) = recovery(lattices.finest(), lattices.source(), law, &pair.y)
+        .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
+    let grid = Grid::new(2 * lattices.finest().cells()).map_err(|e| Error::input(e.to_string()))?;
+    Ok((Some(grid), Pair { y, a: prolong_boundary(&pair.a) }))
 }
 
 /// Reads the cells per side from `1/N`, `N`, or a decimal that is one over an integer.

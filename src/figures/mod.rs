@@ -37,7 +37,7 @@ pub(crate) use picture::Picture;
 pub(crate) use plan::mesh_picture;
 pub(crate) use square::{grid, membrane};
 pub(crate) use surface::surfaces;
-pub(crate) use triangles::mesh_surfaces;
+pub(crate) use triangles::{drawn_level, mesh_solution, mesh_surfaces};
 
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Slice;

@@ -2,12 +2,14 @@
 
 use super::MeshSurface;
 use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
-use super::camera::{Vector, View, between, cross, dot};
+use super::camera::{Vector, View, between, cross, dot, uphill_on_mesh};
 use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
 use super::picture::Picture;
 use super::table::of_mesh_surfaces;
-use signorini_mathematics::mesh::{Condition, centroid};
+use signorini_mathematics::levels::{Levels, Problem};
+use signorini_mathematics::mesh::{AnyMesh, Condition, centroid};
+use signorini_mathematics::saddle::Pair;
 use std::collections::BTreeSet;
 
 /// Draws one surface per panel, in rows of `columns`, as [`surfaces`](super::surfaces) does on the square.
@@ -24,6 +26,38 @@ pub(crate) fn mesh_surfaces(columns: usize, panels: &[MeshSurface]) -> Picture {
     });
     picture.table = Some(of_mesh_surfaces(panels));
     picture
+}
+
+/// Most triangles of a picture, beside which it would grow too large.
+const MOST_TRIANGLES: usize = 2500;
+
+/// Returns the finest of nested levels whose triangles can be told apart in a picture, or else the coarsest one.
+pub(crate) fn drawn_level(levels: &dyn Levels) -> usize {
+    let fits = |level: &usize| levels.mesh(*level).cells() <= MOST_TRIANGLES;
+    (1..levels.count()).take_while(fits).last().unwrap_or(0)
+}
+
+/// Draws the solution of a problem on a mesh as one panel of rows of `columns`.
+///
+/// # Errors
+/// A sentence if the domain lies in space.
+pub(crate) fn mesh_solution(
+    columns: usize,
+    title: &str,
+    problem: &Problem,
+    pair: &Pair,
+) -> Result<Picture, String> {
+    let levels = problem.levels();
+    let AnyMesh::Plane(mesh) = &levels.mesh(drawn_level(levels)) else {
+        return Err("a solution in space has no picture".into());
+    };
+    // The first nodes of a refined mesh are those of the coarser ones.
+    let nodes = mesh.points().len();
+    let in_contact = problem.at_nodes(&levels.in_contact(problem.law(), pair), false);
+    let (y, in_contact) = (&pair.y[..nodes], &in_contact[..nodes]);
+    let azimuth = uphill_on_mesh(mesh, y);
+    let surface = MeshSurface { title, mesh, y, in_contact, azimuth, range: None };
+    Ok(mesh_surfaces(columns, &[surface]))
 }
 
 fn boxed<'a>(&MeshSurface { title, mesh, azimuth, range, y, .. }: &MeshSurface<'a>) -> Boxed<'a> {

@@ -10,3 +10,4 @@ pub mod project;
 pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;
+pub mod stated;

@@ -144,7 +144,7 @@ impl Project {
     pub(crate) fn check(&self, at_work: &BTreeSet<&str>) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         for scene in self.scenes.iter().filter(|scene| at_work.contains(&*scene.name)) {
-            if let Some(touching) = scene.check_domain()? {
+            if let Some(touching) = scene.check_mesh()? {
                 warnings.push(format!("warning: scene `{}`: {touching}", scene.name));
             }
         }

@@ -3,16 +3,16 @@
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
-use crate::replication::domain::{CheckedMesh, DomainSettings, SceneDomain, name_or_table};
+use crate::replication::domain::{DomainSettings, name_or_table};
+use crate::replication::stated::{CheckedMesh, OnMesh, OnSquare, Place, StatedProblem};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
-use signorini_mathematics::discrete::load::{LoadRule, integrals};
+use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::problems::Problem;
 use signorini_mathematics::identify::COARSEST;
 use signorini_mathematics::mesh::Touching;
 use signorini_mathematics::problem::law::{Law, LawParameter};
-use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
 use std::fmt;
@@ -44,57 +44,45 @@ impl fmt::Display for Output {
 }
 
 /// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Scene {
     /// File name without its ending.
-    #[serde(skip_deserializing)]
     pub name: String,
     /// Title in figures and pages, a single line.
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
-    /// Domain in place of the square, with f on it.
-    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
-    pub domain: Option<SceneDomain>,
-    /// Right-hand side on the square; zero if there is a domain, which has an f of its own.
-    pub f: Source,
-    /// Law on the boundary; none for the paper's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub law: Option<LawParameter>,
-    /// Quadrature of the load vector.
-    #[serde(default)]
-    pub load: LoadRule,
-    /// Interpolation to the next grid.
-    #[serde(default)]
+    /// What is solved.
+    #[serde(flatten)]
+    pub problem: StatedProblem,
+    /// Interpolation to the next grid of the square.
     pub prolongation: Prolongation,
-    /// Nested grids of the square, coarsest first; none if there is a domain.
-    #[serde(skip_serializing, default = "paper_grids", deserialize_with = "grids")]
-    pub grids: Vec<Grid>,
     /// Duality parameters.
-    #[serde(default = "paper_r")]
     pub r: Vec<f64>,
     /// Stopping rules; the first is the one compared with the paper.
-    #[serde(default = "paper_stop")]
     pub stop: Vec<StopRule>,
-    /// Limit on iterations per grid.
-    #[serde(default = "default_limit")]
+    /// Limit on iterations per level.
     pub max_iterations: usize,
     /// Wanted outputs, sorted.
     pub outputs: Vec<Output>,
-    /// The r whose solution is drawn; always set in a scene that was [parsed](Scene::parse).
-    draw_r: Option<f64>,
+    /// The r whose solution is drawn.
+    draw_r: f64,
 }
 
-/// Scene on a domain, as its file has it.
+/// Keys of a file of a scene, with f as text or, on the square, read.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct DomainScene {
+struct SceneFile<F> {
     title: String,
-    f: String,
-    #[serde(deserialize_with = "name_or_table")]
-    domain: DomainSettings,
+    paper_table: Option<u8>,
+    #[serde(default, deserialize_with = "some_name_or_table")]
+    domain: Option<DomainSettings>,
+    f: F,
     law: Option<LawParameter>,
+    load: Option<LoadRule>,
+    prolongation: Option<Prolongation>,
+    #[serde(default, deserialize_with = "some_grids")]
+    grids: Option<Vec<Grid>>,
     #[serde(default = "paper_r")]
     r: Vec<f64>,
     #[serde(default = "paper_stop")]
@@ -105,55 +93,57 @@ struct DomainScene {
     draw_r: Option<f64>,
 }
 
-/// Keys of a scene on the square that mean nothing on other domains.
-const OF_THE_SQUARE: [&str; 4] = ["grids", "load", "prolongation", "paper_table"];
-
 /// Outputs of a scene on the square that other domains do not have, each with the reason.
 const NOT_ON_DOMAINS: [(Output, &str); 2] = [
     (Output::History, "the method keeps no residuals on meshes"),
     (Output::Identify, "no table was published"),
 ];
 
-impl DomainScene {
-    /// Returns the scene, still without a name.
-    fn scene(self) -> Result<Scene> {
-        let Self { title, f, domain, law, r, stop, max_iterations, outputs, draw_r } = self;
-        let f = f.split_whitespace().collect::<Vec<_>>().join(" ");
-        Ok(Scene {
-            name: String::new(),
+impl<F> SceneFile<F> {
+    /// Name of a key that means nothing but on the square, if there is one.
+    fn key_of_the_square(&self) -> Option<&'static str> {
+        let keys = [
+            ("grids", self.grids.is_some()),
+            ("load", self.load.is_some()),
+            ("prolongation", self.prolongation.is_some()),
+            ("paper_table", self.paper_table.is_some()),
+        ];
+        keys.into_iter().find(|(_, given)| *given).map(|(key, _)| key)
+    }
+
+    /// Returns the scene with this name, on this domain with f.
+    fn scene(self, name: &str, place: Place) -> Scene {
+        let Self { title, paper_table, law, r, stop, max_iterations, outputs, .. } = self;
+        let draw_r = self.draw_r.unwrap_or(r.get(r.len() / 2).copied().unwrap_or(f64::NAN));
+        Scene {
+            name: name.into(),
             title,
-            paper_table: None,
-            domain: Some(SceneDomain {
-                settings: domain,
-                f,
-                law: checked_law(law)?,
-                files: InputFiles::new(),
-            }),
-            f: Source::constant(0.0),
-            law,
-            load: LoadRule::default(),
-            prolongation: Prolongation::default(),
-            grids: Vec::new(),
+            paper_table,
+            problem: StatedProblem { place, law },
+            prolongation: self.prolongation.unwrap_or_default(),
             r,
             stop,
             max_iterations,
             outputs,
             draw_r,
-        })
+        }
     }
-}
-
-/// Returns the law of a scene with this parameter.
-fn checked_law(parameter: Option<LawParameter>) -> Result<Law> {
-    LawParameter::law_or_papers(parameter).map_err(|e| Error::input(format!("law: {e}")))
 }
 
 fn paper_grids() -> Vec<Grid> {
     nested(&[4, 8, 16, 32, 64]).expect("each halves the one before")
 }
 
-fn grids<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Vec<Grid>, D::Error> {
-    nested(&Vec::<usize>::deserialize(deserializer)?).map_err(serde::de::Error::custom)
+fn some_grids<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Option<Vec<Grid>>, D::Error> {
+    nested(&Vec::<usize>::deserialize(deserializer)?).map(Some).map_err(serde::de::Error::custom)
+}
+
+fn some_name_or_table<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Option<DomainSettings>, D::Error> {
+    name_or_table(deserializer).map(Some)
 }
 
 fn paper_r() -> Vec<f64> {
@@ -175,34 +165,52 @@ impl Scene {
     /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
+        let in_scene = |e: Error| Error::input(format!("{what}: {e}"));
         let keys: toml::Table = toml::from_str(text).unwrap_or_default();
-        let mut scene = match keys.contains_key("domain") {
-            false => from_toml::<Self>(&what, text)?,
-            true => {
-                if let Some(key) = OF_THE_SQUARE.iter().find(|key| keys.contains_key(**key)) {
-                    return Err(Error::input(format!(
-                        "{what}: `{key}` is for the square; leave it out beside `domain`, whose meshes are its refinements"
-                    )));
-                }
-                let scene = from_toml::<DomainScene>(&what, text)?.scene();
-                scene.map_err(|e| Error::input(format!("{what}: {e}")))?
-            }
-        };
-        scene.name = name.into();
+        let mut scene = match domain_of(&keys).is_none_or(|domain| domain == SQUARE) {
+            true => Self::on_square(name, from_toml(&what, text)?),
+            false => Self::on_mesh(name, from_toml(&what, text)?),
+        }
+        .map_err(in_scene)?;
         scene.complete().map_err(|e| Error::input(format!("{what}: {e}")))?;
         Ok(scene)
     }
 
+    fn on_square(name: &str, file: SceneFile<Source>) -> Result<Self> {
+        if let Some(key) = file.domain.as_ref().and_then(DomainSettings::about_mesh) {
+            return Err(Error::input(format!(
+                "`{key}` is for meshes; the square has `grids`, and is in contact everywhere"
+            )));
+        }
+        let place = Place::Square(OnSquare {
+            f: file.f.clone(),
+            load: file.load.unwrap_or_default(),
+            grids: file.grids.clone().unwrap_or_else(paper_grids),
+        });
+        Ok(file.scene(name, place))
+    }
+
+    fn on_mesh(name: &str, mut file: SceneFile<String>) -> Result<Self> {
+        if let Some(key) = file.key_of_the_square() {
+            return Err(Error::input(format!(
+                "`{key}` is for the square; leave it out beside `domain`, whose meshes are its refinements"
+            )));
+        }
+        let domain = file.domain.take().expect("a scene on a mesh names its domain");
+        let f = file.f.split_whitespace().collect::<Vec<_>>().join(" ");
+        Ok(file.scene(name, Place::Mesh(OnMesh { domain, f, files: InputFiles::new() })))
+    }
+
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
-    /// the disk. Checks a domain without a mesh; [`Scene::check_domain`] checks one with a mesh, which takes time.
+    /// the disk. Checks a domain without a mesh; [`Scene::check_mesh`] checks one with a mesh, which takes time.
     ///
     /// # Errors
     /// [`Error::Input`] and [`Error::Io`]: no mesh, or a domain that does not fit the scene.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
-        let Some(domain) = &mut self.domain else { return Ok(()) };
-        domain.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))?;
-        if domain.files.is_empty() {
-            self.check_domain()?;
+        let Place::Mesh(place) = &mut self.problem.place else { return Ok(()) };
+        place.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))?;
+        if place.files.is_empty() {
+            self.check_mesh()?;
         }
         Ok(())
     }
@@ -212,10 +220,9 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Input`] if it does not; [`Error::Io`].
-    pub(crate) fn check_domain(&self) -> Result<Option<Touching>> {
-        let Some(domain) = &self.domain else { return Ok(None) };
-        let CheckedMesh { dimension, touching } =
-            domain.check().map_err(|e| in_scene(&self.name, e))?;
+    pub(crate) fn check_mesh(&self) -> Result<Option<Touching>> {
+        let checked = self.problem.check_mesh().map_err(|e| in_scene(&self.name, e))?;
+        let Some(CheckedMesh { dimension, touching }) = checked else { return Ok(None) };
         let mut pictures = [Output::Source, Output::Surface, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(touching),
@@ -228,8 +235,8 @@ impl Scene {
 
     /// Fills in the values that follow from others, and makes the checks that a parser cannot.
     fn complete(&mut self) -> std::result::Result<(), Failure> {
-        checked_law(self.law)?;
-        if self.law.is_some() && self.paper_table.is_some() {
+        self.problem.law()?;
+        if self.problem.law.is_some() && self.paper_table.is_some() {
             return Err(
                 "the published tables are for the paper's law; leave out `law`, or `paper_table`"
                     .into(),
@@ -252,11 +259,10 @@ impl Scene {
         if self.max_iterations == 0 {
             return Err("`max_iterations` must be at least 1".into());
         }
-        let drawn = self.drawn_r();
+        let drawn = self.draw_r;
         if !self.r.contains(&drawn) {
             return Err(format!("`draw_r` = {drawn} is not among `r`; add it there").into());
         }
-        self.draw_r = Some(drawn);
         if let Some(output) = repeated(&self.outputs) {
             return Err(format!("`outputs` lists {output} twice; remove one").into());
         }
@@ -265,7 +271,8 @@ impl Scene {
             return Err("`identify` explains a published table; add `paper_table`, or drop it from `outputs`".into());
         }
         // As many counts on other grids would be compared without an error.
-        if self.paper_table.is_some() && self.grids[0].cells() != COARSEST {
+        let coarsest = self.problem.square().map(|square| square.grids[0].cells());
+        if self.paper_table.is_some() && coarsest != Some(COARSEST) {
             return Err(format!(
                 "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave out `paper_table`"
             )
@@ -280,7 +287,7 @@ impl Scene {
 
     /// Makes the checks that concern the square or, on another domain, do not need the mesh.
     fn check_on_domain(&self) -> std::result::Result<(), Failure> {
-        if self.domain.is_some() {
+        let Place::Square(square) = &self.problem.place else {
             let mut refused = NOT_ON_DOMAINS.iter();
             return match refused.find(|(output, _)| self.outputs.contains(output)) {
                 None => Ok(()),
@@ -289,17 +296,12 @@ impl Scene {
                         .into())
                 }
             };
-        }
+        };
         // A known solution is proof enough, and its integral takes milliseconds on every command.
-        if self.f.exact().is_none() || self.law.is_some() {
-            let integrals = integrals(&self.f);
-            solvable(
-                &self.f,
-                integrals,
-                BoundaryFlux { law: self.law(), perimeter: Grid::PERIMETER },
-            )?;
+        if square.f.exact().is_none() || self.problem.law.is_some() {
+            self.problem.problem(&InputFiles::new())?;
         }
-        let finest = self.finest().cells();
+        let finest = square.finest().cells();
         if finest > MAX_CELLS {
             return Err(format!(
                 "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
@@ -311,12 +313,12 @@ impl Scene {
 
     /// Returns the law on the boundary.
     pub(crate) fn law(&self) -> Law {
-        LawParameter::law_or_papers(self.law).expect("validated: a law with this parameter")
+        self.problem.law().expect("validated: a law with this parameter")
     }
 
     /// Returns the r whose solution is drawn: the middle one, unless the scene names another.
     pub(crate) fn drawn_r(&self) -> f64 {
-        self.draw_r.unwrap_or(self.r[self.r.len() / 2])
+        self.draw_r
     }
 
     /// True if the scene asks for this output.
@@ -330,23 +332,45 @@ impl Scene {
     }
 
     /// Returns the problem in the form that experiments take, if it belongs to a published table.
-    pub fn problem(&self) -> Option<Problem> {
+    pub fn table_problem(&self) -> Option<Problem> {
+        let square = self.problem.square()?;
         Some(Problem {
             number: self.paper_table?,
-            f: self.f.to_string(),
-            law: self.law,
-            load: self.load,
+            f: square.f.to_string(),
+            law: self.problem.law,
+            load: square.load,
             prolongation: self.prolongation,
-            grids: self.grids.iter().map(|grid| grid.cells()).collect(),
+            grids: square.grids.iter().map(|grid| grid.cells()).collect(),
             r: self.r.clone(),
             max_iterations: self.max_iterations,
         })
     }
 
-    /// Returns the finest grid of a scene on the square.
-    pub fn finest(&self) -> Grid {
-        *self.grids.last().expect("validated: at least one grid")
+    /// Returns f and the grids of a scene on the square, as those of published tables are.
+    ///
+    /// # Panics
+    /// If the scene is on a mesh.
+    pub fn on_grids(&self) -> &OnSquare {
+        self.problem.square().expect("a scene on the square")
     }
+
+    /// Returns the finest grid of a scene on the square.
+    ///
+    /// # Panics
+    /// If the scene is on a mesh.
+    pub fn finest(&self) -> Grid {
+        self.on_grids().finest()
+    }
+}
+
+/// Name of the domain that has grids.
+const SQUARE: &str = "square";
+
+/// Returns the name of the domain that the keys of a scene name.
+fn domain_of(keys: &toml::Table) -> Option<&str> {
+    let domain = keys.get("domain")?;
+    let name = domain.as_table().and_then(|table| table.get("name"));
+    Some(name.unwrap_or(domain).as_str().unwrap_or_default())
 }
 
 /// Returns the error with the name of the scene before it, unless it is of the system, and names a path.
@@ -365,57 +389,6 @@ pub(super) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
-/// Boundary of a domain, and the law there.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundaryFlux {
-    /// Law of the flux.
-    pub law: Law,
-    /// Length or area of the boundary.
-    pub perimeter: f64,
-}
-
-/// Returns the integral of f, given the integrals of f and of |f|.
-///
-/// # Errors
-/// If f is too large or too small to compute with, or violates condition (2): the integral is negative, by more than
-/// rounding; under another law, the flux can balance it, by more than rounding.
-pub(crate) fn solvable<S: Shape>(
-    f: &Source<S>,
-    [integral, of_size]: [f64; 2],
-    BoundaryFlux { law, perimeter }: BoundaryFlux,
-) -> Result<f64> {
-    f.check_scale(of_size).map_err(|e| Error::input(e.to_string()))?;
-    if integral.is_nan() {
-        return Err(Error::input(
-            "f is not finite at some point; give a formula with finite values on the whole domain",
-        ));
-    }
-    let rounding = ROUNDING * of_size.abs();
-    match law.check_solvable_by(rounding, integral, perimeter) {
-        Err(error) if !law.is_signorini() => return Err(Error::input(error.to_string())),
-        Err(_) => (),
-        Ok(()) => return Ok(integral),
-    }
-    let size = integral.abs();
-    let exactly =
-        if size <= ROUNDING * of_size.abs() { "0".into() } else { shown_integral(integral) };
-    Err(Error::input(format!(
-        "the integral of f is {exactly}, but (2) asks for a negative one; lower f somewhere"
-    )))
-}
-
-/// Returns an integral of f with the digits that messages and answers show.
-pub(crate) fn shown_integral(integral: f64) -> String {
-    match integral.abs() {
-        1e-2..1e6 => format!("{integral:.4}"),
-        // The sum with zero is never the zero with a minus.
-        _ => format!("{:.3e}", integral + 0.0),
-    }
-}
-
-/// Bound of the rounding error of the integral of f, over the integral of |f|.
-const ROUNDING: f64 = 1e-12;
-
 /// Checks that r is a positive number that the name of a task can show without an exponent.
 pub(crate) fn positive_r(r: f64) -> Result<f64> {
     if (1e-12..=1e12).contains(&r) {
@@ -429,6 +402,7 @@ pub(crate) fn positive_r(r: f64) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use signorini_mathematics::discrete::load::integrals;
 
     const GOOD: &str = "title = \"t\"\nf = \"else=-1\"\noutputs = [\"table\"]\n";
 

@@ -189,8 +189,8 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
 pub(super) fn inputs(project: &Project) -> Result<Vec<File>> {
     let mut files = Vec::new();
     for (path, file) in &project.files {
-        let is_mesh = project.scenes.iter().filter_map(|scene| scene.domain.as_ref());
-        let is_mesh = is_mesh.flat_map(|domain| domain.files.keys()).any(|mesh| mesh == path);
+        let mut meshes = project.scenes.iter().filter_map(|scene| scene.problem.mesh());
+        let is_mesh = meshes.any(|mesh| mesh.files.contains_key(path));
         let comment = match path.as_str() {
             PAPER => "the published tables",
             IDENTIFIED => "the record of the searches for f",

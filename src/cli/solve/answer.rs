@@ -1,104 +1,19 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
 use super::bound::{self, BoundaryWords};
-use super::domain::{Domain, Guarantee, KnownErrors};
-use super::problem::Problem;
+use super::request::Request;
 use crate::cli::output::columns;
-use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::discrete::kkt::{Judgement, Kkt};
-use signorini_mathematics::discrete::norms::Errors;
-
-use crate::replication::scene::shown_integral;
 use serde::Serialize;
 use serde_json::{Value, json};
-use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::discrete::verdict::Verdict;
+use signorini_mathematics::bounds::{Bounds, NoBound};
+use signorini_mathematics::discrete::contact::ContactArc;
+use signorini_mathematics::discrete::kkt::Judgement;
+use signorini_mathematics::discrete::norms::Errors;
+use signorini_mathematics::levels::{KnownErrors, Problem, shown_integral};
 use signorini_mathematics::problem::law::{BoundaryState, Law};
-use signorini_mathematics::saddle::{Pair, SaddleRun};
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::solvers::{LevelEnd, Run};
 use std::collections::BTreeMap;
-
-/// End of a solver on one grid.
-pub(super) struct Level {
-    /// Number of the grid: cells per side, or refinements.
-    pub number: usize,
-    pub iterations: usize,
-    /// Gauss-Seidel sweeps, if the solver consists of sweeps.
-    pub sweeps: Option<usize>,
-    /// Reason for which the solver ended.
-    pub stop: Stop,
-    pub energy: f64,
-    pub sum_load: f64,
-    pub kkt: Kkt,
-    pub verdict: Verdict,
-}
-
-impl Level {
-    pub(super) fn of_saddle_run(&SaddleRun { outcome, sweeps }: &SaddleRun) -> Self {
-        Self {
-            number: outcome.cells,
-            iterations: outcome.iterations,
-            sweeps: Some(sweeps),
-            stop: outcome.stop,
-            energy: outcome.energy,
-            sum_load: outcome.sum_load,
-            kkt: outcome.kkt,
-            verdict: outcome.verdict(),
-        }
-    }
-
-    /// Name of the end: the verdict if the vector is no solution, else the reason of the solver.
-    pub(super) fn end(&self) -> &str {
-        self.verdict.end(self.stop)
-    }
-}
-
-impl Level {
-    fn json(&self, domain: &Domain) -> Value {
-        let mut level = json!({
-            "iterations": self.iterations,
-            "stop": self.end(),
-            "energy": self.energy,
-            "sum_load": self.sum_load,
-            // On a coarse grid the natural residual is enough.
-            "kkt": { "natural": self.kkt.natural, "relative": self.kkt.relative },
-        });
-        match domain {
-            Domain::Square { .. } => level["cells"] = self.number.into(),
-            Domain::Mesh(mesh) => {
-                level["refinement"] = self.number.into();
-                level["nodes"] = mesh.problem.levels[self.number].network.nodes().into();
-            }
-        }
-        if let Some(sweeps) = self.sweeps {
-            level["sweeps"] = sweeps.into();
-        }
-        level
-    }
-}
-
-pub(super) struct Solved {
-    /// One entry per grid on which the solver stopped, coarsest first.
-    pub levels: Vec<Level>,
-    /// Solution on the finest grid, with its multiplier.
-    pub pair: Pair,
-    /// Judgement of the solution.
-    pub judgement: Judgement,
-    /// Cost in sweeps of the finest grid, if the solver counts it.
-    pub work_units: Option<f64>,
-}
-
-impl Solved {
-    /// Returns the nodal vector `y` with the multiplier that follows from it, not with a multiplier of the solver.
-    pub(super) fn new(
-        levels: Vec<Level>,
-        y: Vec<f64>,
-        judgement: Judgement,
-        work_units: Option<f64>,
-    ) -> Self {
-        let a = judgement.multiplier(&y);
-        Self { levels, pair: Pair { y, a }, judgement, work_units }
-    }
-}
 
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -136,7 +51,9 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 pub(super) struct Answer {
-    pub solved: Solved,
+    pub run: Run,
+    /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.
+    pub pair: Pair,
     /// Numbers of boundary nodes by their states.
     states: States,
     /// Arcs in contact, with ends estimated within the cell; `None` in space.
@@ -146,7 +63,7 @@ pub(super) struct Answer {
     /// Errors, if the solution is known.
     errors: Option<KnownErrors>,
     /// Guaranteed bounds, or the reason for their absence.
-    pub bounds: Result<Guarantee, String>,
+    pub bounds: Result<Bounds, NoBound>,
     /// Run times for grids and load vectors, and for the solver.
     seconds: [f64; 2],
     pub warnings: Vec<String>,
@@ -155,13 +72,13 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    pub(super) fn new(problem: &Problem, solved: Solved, load: &[f64], seconds: [f64; 2]) -> Self {
-        let (n, y) = (problem.finest(), &solved.pair.y);
-        let law = problem.law;
-        let Judgement { contact, flux, .. } = &solved.judgement;
+    pub(super) fn new(request: &Request, run: Run, seconds: [f64; 2]) -> Self {
+        let (problem, law) = (&request.problem, request.problem.law());
+        let (y, judgement) = (&run.y, &run.judgement);
+        let Judgement { contact, flux, states: of_nodes, .. } = judgement;
         let mut force = 0.0;
         let mut states = States { sticks: 0, slips_up: 0, slips_down: 0 };
-        for ((state, contact), flux) in solved.judgement.states.iter().zip(contact).zip(flux) {
+        for ((state, contact), flux) in of_nodes.iter().zip(contact).zip(flux) {
             match state {
                 BoundaryState::Sticks => {
                     states.sticks += 1;
@@ -177,86 +94,93 @@ impl Answer {
                 }
             }
         }
+        let levels = problem.levels();
         let mut answer = Self {
             states,
-            contact: problem.domain.contact(n, y, &solved.judgement),
+            contact: levels.arcs(y, judgement),
             force,
-            errors: problem.domain.errors(n, y, load).filter(|_| law.is_signorini()),
-            bounds: problem.domain.bounds(n, law, y),
-            solved,
+            errors: levels.errors(y, problem.load()).filter(|_| law.is_signorini()),
+            bounds: problem.bounds(y),
+            pair: Pair { y: y.clone(), a: judgement.multiplier(y) },
+            run,
             seconds,
             warnings: Vec::new(),
             failure: None,
         };
-        answer.judge(problem);
+        answer.judge(request);
         answer
     }
 
-    pub(super) fn last(&self) -> &Level {
-        self.solved.levels.last().expect("at least one grid")
+    /// End on the finest level.
+    pub(super) fn last(&self) -> &LevelEnd {
+        self.run.last()
     }
 
     /// Name of the end on the finest grid.
-    fn end(&self, problem: &Problem) -> &str {
+    fn end(&self, request: &Request) -> &str {
         // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
-        if problem.accuracy.is_some() { self.last().stop.name() } else { self.last().end() }
+        if request.accuracy.is_some() { self.last().stop.name() } else { self.last().name() }
     }
 
-    pub(super) fn json(&self, problem: &Problem) -> Value {
-        let last = self.last();
-        let (n, kkt, bounds) = (problem.finest(), last.kkt, self.bounds.as_ref().ok());
-        let levels = &self.solved.levels;
+    pub(super) fn json(&self, request: &Request) -> Value {
+        let (problem, levels) = (&request.problem, request.problem.levels());
+        let (last, ends) = (self.last(), &self.run.ends);
+        let (kkt, bounds) = (last.kkt, self.bounds.as_ref().ok());
+        let integral = levels.integrals().of_f;
         let mut json = json!({
             "schema": 1,
-            "scene": problem.name(),
-            "f": problem.domain.f(),
-            "dimension": problem.domain.dimension(),
-            "solver": problem.solver,
-            "settings": problem.settings().into_iter().collect::<BTreeMap<_, _>>(),
-            "not_as_in_scene": problem.overridden,
-            "h": problem.domain.h(n),
-            "unknowns": self.solved.pair.y.len(),
+            "scene": request.name,
+            "f": levels.f(),
+            "dimension": levels.dimension(),
+            "solver": request.settings.solver,
+            "settings": request.settings().into_iter().collect::<BTreeMap<_, _>>(),
+            "not_as_in_scene": request.overridden,
+            "h": levels.width(),
+            "unknowns": self.pair.y.len(),
             "iterations": last.iterations,
-            "iterations_per_grid": levels.iter().map(|level| level.iterations).collect::<Vec<_>>(),
-            "stop": self.end(problem),
-            "grids": levels.iter().map(|level| level.json(&problem.domain)).collect::<Vec<_>>(),
+            "iterations_per_grid": ends.iter().map(|end| end.iterations).collect::<Vec<_>>(),
+            "stop": self.end(request),
+            "grids": ends.iter().map(end_json).collect::<Vec<_>>(),
             "energy": last.energy,
-            "integral_f": problem.integral,
+            "integral_f": integral,
             "sum_load": last.sum_load,
             "kkt": {
                 "stationarity": kkt.stationarity,
                 "min_y": kkt.min_y,
                 "min_lambda": kkt.min_lambda,
-                "complementarity": self.solved.judgement.work,
+                "complementarity": self.run.judgement.work,
                 "max_min": kkt.complementarity,
                 "natural": kkt.natural,
                 "relative": kkt.relative,
             },
             "contact_nodes": { "nodes": self.states.sticks, "boundary_nodes": self.states.all() },
-            "bound": bounds.map(|Guarantee { bounds: of, reserve }| {
+            "bound": bounds.map(|bounds| {
                 json!({
-                    "energy": of.energy,
-                    "error": of.error,
-                    "recovered": of.recovered,
-                    "relative": { "energy": of.relative_energy(), "error": of.relative() },
-                    "reserve": reserve,
+                    "energy": bounds.energy,
+                    "error": bounds.error,
+                    "recovered": bounds.recovered,
+                    "relative": {
+                        "energy": bounds.relative_energy(),
+                        "error": bounds.relative(),
+                    },
+                    "reserve": problem.reserves(),
                 })
             }),
             "contact": self.contact,
             "force": self.force,
-            "warnings": problem.warnings.iter().chain(&self.warnings).collect::<Vec<_>>(),
+            "warnings": request.warnings.iter().chain(&self.warnings).collect::<Vec<_>>(),
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
-        if !problem.law.is_signorini() {
-            json["law"] = law_json(problem.law);
+        if !problem.law().is_signorini() {
+            json["law"] = law_json(problem.law());
             json["states"] = json!(self.states);
         }
         if let Some(sweeps) = last.sweeps {
             json["sweeps"] = sweeps.into();
             json["sweeps_per_grid"] =
-                levels.iter().filter_map(|level| level.sweeps).collect::<Vec<_>>().into();
+                ends.iter().filter_map(|end| end.sweeps).collect::<Vec<_>>().into();
         }
-        if let Some(work_units) = self.solved.work_units {
+        if let Some(work_units) = last.work_units {
             json["work_units"] = work_units.into();
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
@@ -266,7 +190,7 @@ impl Answer {
             }
         }
         if let Err(reason) = &self.bounds {
-            json["bound_reason"] = reason.as_str().into();
+            json["bound_reason"] = reason.to_string().into();
         }
         if self.contact.is_none() {
             json["contact_reason"] =
@@ -275,14 +199,13 @@ impl Answer {
         json
     }
 
-    pub(super) fn text(&self, problem: &Problem) -> String {
-        let name = match problem.domain {
-            Domain::Square { .. } | Domain::Mesh(_) => problem.name(),
-        };
-        let (f, integral) = (problem.domain.f(), shown_integral(problem.integral));
-        let mut text = format!("{name}: f = {f}, integral {integral}\n");
+    pub(super) fn text(&self, request: &Request) -> String {
+        let (problem, levels) = (&request.problem, request.problem.levels());
+        let (last, law, integral) = (self.last(), problem.law(), levels.integrals().of_f);
+        let (name, f) = (&request.name, levels.f());
+        let mut text = format!("{name}: f = {f}, integral {}\n", shown_integral(integral));
         let mut settings = Vec::new();
-        for (name, value) in problem.settings() {
+        for (name, value) in request.settings() {
             settings.push(match value {
                 Value::String(text) => format!("{name} {text}"),
                 value => format!("{name} {value}"),
@@ -291,21 +214,21 @@ impl Answer {
         if !settings.is_empty() {
             text += &format!("{}\n", settings.join(", "));
         }
-        if !problem.overridden.is_empty() {
-            text += &format!("not as in the scene: {}\n", problem.overridden.join(", "));
+        if !request.overridden.is_empty() {
+            text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
-        text += &self.table(&problem.domain);
+        text += &self.table(problem);
         text += &format!("solved in {:.3} s", self.seconds[1]);
-        if let Some(work_units) = self.solved.work_units {
+        if let Some(work_units) = last.work_units {
             text += &format!(", the cost of {work_units:.1} sweeps");
         }
-        text += &format!("\n{}\n", self.states.text(problem.law));
-        let words = BoundaryWords::of(problem.law);
+        text += &format!("\n{}\n", self.states.text(law));
+        let words = BoundaryWords::of(law);
         for arc in self.contact.iter().flatten() {
             text += &words.arc(arc, 6);
         }
-        text += &words.force(self.force, 0.0 - problem.integral, 6);
-        if self.load_misses(problem) {
+        text += &words.force(self.force, 0.0 - integral, 6);
+        if self.load_misses(request) {
             text += &format!("minus the sum of the load {:.5e}\n", 0.0 - self.last().sum_load);
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
@@ -316,8 +239,8 @@ impl Answer {
             }
             text.push('\n');
         }
-        if !self.last().verdict.is_failure() || problem.accuracy.is_some() {
-            text += &bound::text(&self.bounds, problem.domain.dimension());
+        if !last.verdict.is_failure() || request.accuracy.is_some() {
+            text += &bound::text(&self.bounds, problem);
         }
         for warning in &self.warnings {
             text += &format!("warning: {warning}\n");
@@ -325,30 +248,52 @@ impl Answer {
         text
     }
 
-    fn table(&self, domain: &Domain) -> String {
-        let levels = &self.solved.levels;
+    fn table(&self, problem: &Problem) -> String {
+        let (ends, levels) = (&self.run.ends, problem.levels());
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
-        let nested = levels.iter().any(|o| o.sweeps.is_some_and(|sweeps| sweeps > o.iterations));
-        let first = if matches!(domain, Domain::Mesh(_)) { "nodes" } else { "grid" };
+        let nested =
+            ends.iter().any(|end| end.sweeps.is_some_and(|sweeps| sweeps > end.iterations));
+        let first = if levels.cells(0).is_some() { "grid" } else { "nodes" };
         let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];
         if nested {
             head.insert(2, "sweeps");
         }
         let mut rows = Vec::new();
-        for level in levels {
+        for end in ends {
             let mut row = vec![
-                domain.row(level.number),
-                level.iterations.to_string(),
-                level.end().to_owned(),
-                format!("{:.6e}", level.energy),
-                format!("{:.2e}", level.kkt.natural),
-                format!("{:.2e}", level.kkt.relative),
+                end.label(),
+                end.iterations.to_string(),
+                end.name().to_owned(),
+                format!("{:.6e}", end.energy),
+                format!("{:.2e}", end.kkt.natural),
+                format!("{:.2e}", end.kkt.relative),
             ];
             if nested {
-                row.insert(2, level.sweeps.unwrap_or(level.iterations).to_string());
+                row.insert(2, end.sweeps.unwrap_or(end.iterations).to_string());
             }
             rows.push(row);
         }
         columns(&head, &[], rows)
     }
+}
+
+/// End on a level as JSON.
+fn end_json(end: &LevelEnd) -> Value {
+    let mut json = json!({
+        "iterations": end.iterations,
+        "stop": end.name(),
+        "energy": end.energy,
+        "sum_load": end.sum_load,
+        "nodes": end.nodes,
+        // On a coarse grid the natural residual is enough.
+        "kkt": { "natural": end.kkt.natural, "relative": end.kkt.relative },
+    });
+    match end.cells {
+        Some(cells) => json["cells"] = cells.into(),
+        None => json["refinement"] = end.level.into(),
+    }
+    if let Some(sweeps) = end.sweeps {
+        json["sweeps"] = sweeps.into();
+    }
+    json
 }

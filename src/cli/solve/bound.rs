@@ -1,24 +1,23 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
-use super::domain::{Domain, Guarantee};
-use super::problem::Problem;
-use super::reserve::Reserve;
-use signorini_mathematics::bounds::Bounds;
+use super::request::Request;
+use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
+use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::Solver;
 
-/// Returns the bounds in `dimension` dimensions as text.
-pub(super) fn text(guarantee: &Result<Guarantee, String>, dimension: u8) -> String {
-    let Guarantee { bounds: bound, reserve } = match guarantee {
-        Ok(guarantee) => guarantee,
+/// Returns the bounds of the solution of a problem as text.
+pub(super) fn text(bounds: &Result<Bounds, NoBound>, problem: &Problem) -> String {
+    let bound = match bounds {
+        Ok(bounds) => bounds,
         Err(reason) => return format!("no bound of the error: {reason}\n"),
     };
     let [low, high] = bound.energy;
     let [least, most] = bound.error;
     let relative = 100.0 * bound.relative();
-    let domain = if dimension == 2 { "polygon" } else { "polyhedron" };
-    let guaranteed = match &reserve[..] {
+    let domain = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
+    let guaranteed = match &problem.reserves()[..] {
         [] => "guaranteed:".to_owned(),
         [Reserve::Quadrature] => "guaranteed, but for the quadrature of f:\n ".to_owned(),
         [Reserve::Polygon] => format!("guaranteed, on the {domain}:\n "),
@@ -36,16 +35,16 @@ pub(super) fn text(guarantee: &Result<Guarantee, String>, dimension: u8) -> Stri
 }
 
 /// Returns warnings if the bounds contradict the `energy` of an answer, or if its error may be large.
-pub(super) fn warnings(bound: &Bounds, energy: f64, problem: &Problem) -> Vec<String> {
+pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<String> {
     let mut warnings = Vec::new();
     let ([low, high], [_, most]) = (bound.energy, bound.error);
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;
     if !(low - explained <= energy && energy <= high + explained) {
         // The square alone has --load.
-        let remedy = match &problem.domain {
-            Domain::Square { .. } => "try --load exact",
-            Domain::Mesh(_) => "refine the grid",
+        let remedy = match request.problem.lattices() {
+            Some(_) => "try --load exact",
+            None => "refine the grid",
         };
         warnings.push(format!(
             "the energy is further from the true one than the error explains: the load vector is not that of f; {remedy}"
@@ -57,7 +56,7 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, problem: &Problem) -> Vec<St
             true => format!("{:.0} % of the solution", 100.0 * relative),
             false => "as large as the solution".into(),
         };
-        let remedy = match problem.solver {
+        let remedy = match request.settings.solver {
             Solver::Multigrid => "refine the grid",
             _ => "refine the grid, or try --solver multigrid",
         };

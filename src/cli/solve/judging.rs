@@ -1,71 +1,67 @@
 //! Judgement of an answer: the failure, if it is no solution, and the warnings.
 
 use super::accuracy::Accuracy;
-use super::answer::{Answer, Level};
+use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
-use super::domain::{Domain, Guarantee};
-use super::problem::Problem;
+use super::request::Request;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::tolerance;
+use signorini_mathematics::solvers::LevelEnd;
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;
+/// Error of the sum of the load vector of a formula, over the integral of |f|, that gets no warning on any grid.
+const RESOLVED: f64 = 1e-2;
+/// Error over the integral of |f| of the quadrature from which on a warning is given.
+const MISSED: f64 = 1e-3;
 
 impl Answer {
     /// Decides whether the answer is a solution, and collects the warnings.
-    pub(super) fn judge(&mut self, problem: &Problem) {
-        let (name, grid) = (problem.name(), problem.domain.grid(problem.finest()));
+    pub(super) fn judge(&mut self, request: &Request) {
+        let (name, levels) = (&request.name, request.problem.levels());
+        let grid = levels.name(request.problem.finest());
         let last = self.last();
         let (stop, relative, energy) = (last.stop, last.kkt.relative, last.energy);
         match last.verdict {
-            Verdict::NoSolution => self.failure = Some(self.without_solution(problem)),
+            Verdict::NoSolution => self.failure = Some(self.without_solution(request)),
             _ if stop == Stop::IterationLimit => {
-                let remedy = match problem.domain {
-                    _ if problem.solver.is_nested() => {
-                        "raise --max-iterations, or use --solver multigrid"
-                    }
-                    Domain::Mesh(_) => problem.closer(),
-                    Domain::Square { .. } => "choose another --h",
-                };
+                let remedy = request.after_limit();
                 self.failure = Some(format!("{name}: stopped at the {stop} on {grid}; {remedy}"));
             }
             // A guaranteed bound has been reached; residuals of single nodes do not contradict it.
-            _ if problem.accuracy.is_some() => (),
+            _ if request.accuracy.is_some() => (),
             Verdict::NotSolved(violation) => {
                 self.failure = Some(format!(
                     "{name}: the solver stopped as asked on {grid}, but {violation}; {}",
-                    problem.closer()
+                    request.closer()
                 ));
             }
             Verdict::Rough => self.warnings.push(format!(
                 "the KKT residual on {grid} is {relative:.2} of the load; {}",
-                problem.closer()
+                request.closer()
             )),
             Verdict::Solved => (),
         }
-        if let Domain::Mesh(mesh) = &problem.domain {
-            self.warnings.extend(mesh.problem.mesh.touching().map(ToString::to_string));
-        }
-        self.warn_of_grids(problem);
-        self.warn_of_tolerance(problem);
-        self.warn_of_load(problem);
+        self.warnings.extend(levels.touching().map(ToString::to_string));
+        self.warn_of_levels(request);
+        self.warn_of_tolerance(request);
+        self.warn_of_load(request);
         if self.failure.is_none() {
-            self.warn_of_force(problem);
+            self.warn_of_force(request);
         }
-        if let (Ok(Guarantee { bounds, .. }), None, None) =
-            (&self.bounds, problem.accuracy, &self.failure)
-        {
-            self.warnings.extend(bound::warnings(bounds, energy, problem));
+        if let (Ok(bounds), None, None) = (&self.bounds, request.accuracy, &self.failure) {
+            self.warnings.extend(bound::warnings(bounds, energy, request));
         }
     }
 
-    /// Returns the message that the discrete problem on the finest grid, or on all grids, has no solution.
-    fn without_solution(&self, problem: &Problem) -> String {
-        let levels = &self.solved.levels;
-        let on_all = levels.iter().all(|level| level.verdict == Verdict::NoSolution);
-        let message = problem.without_solution(self.last().sum_load);
-        match levels.len() {
+    /// Returns the message that the discrete problem on the finest level, or on all levels, has no solution.
+    fn without_solution(&self, request: &Request) -> String {
+        let ends = &self.run.ends;
+        let on_all = ends.iter().all(|end| end.verdict == Verdict::NoSolution);
+        let message = request.without_solution(self.last().sum_load);
+        match ends.len() {
             2.. if on_all => {
                 message.replacen(" on grid ", " (as on all coarser grids) on grid ", 1)
             }
@@ -73,34 +69,36 @@ impl Answer {
         }
     }
 
-    fn warn_of_grids(&mut self, problem: &Problem) {
-        let (coarsest, count) = (problem.grids[0], problem.grids.len());
-        let on_mesh = matches!(problem.domain, Domain::Mesh(_));
-        if problem.solver.is_nested() && coarsest > COARSE && !on_mesh {
+    fn warn_of_levels(&mut self, request: &Request) {
+        let (count, coarsest) = (request.problem.levels().count(), self.run.ends[0].cells);
+        if request.settings.solver.is_nested()
+            && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
+        {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
             self.warnings.push(format!(
                 "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; choose 1/(2^k m), such as 1/64, or --solver multigrid",
                 tolerance(count)
             ));
         }
-        let coarse = &self.solved.levels[..self.solved.levels.len() - 1];
-        if self.last().verdict != Verdict::NoSolution
-            && let Some(grids) =
-                named(problem, coarse, |level| level.verdict == Verdict::NoSolution)
+        let coarse = &self.run.ends[..self.run.ends.len() - 1];
+        let without = |end: &LevelEnd| end.verdict == Verdict::NoSolution;
+        if !without(self.last())
+            && let Some(grids) = named(&request.problem, coarse, without)
         {
             self.warnings.push(format!(
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             ));
         }
-        if let Some(grids) = named(problem, coarse, |level| level.stop != Stop::Converged) {
+        let cut_off = |end: &LevelEnd| end.stop != Stop::Converged;
+        if let Some(grids) = named(&request.problem, coarse, cut_off) {
             self.warnings.push(format!("the stopping rule was not met on {grids}"));
         }
     }
 
     /// Warns if the tolerance asked for was not reached.
-    fn warn_of_tolerance(&mut self, problem: &Problem) {
-        let Level { stop, kkt, .. } = *self.last();
-        if let Some(tolerance) = problem.tolerance
+    fn warn_of_tolerance(&mut self, request: &Request) {
+        let LevelEnd { stop, kkt, .. } = *self.last();
+        if let Some(tolerance) = request.tolerance
             && stop != Stop::Converged
         {
             self.warnings.push(format!(
@@ -111,19 +109,21 @@ impl Answer {
     }
 
     /// True if the sum of the load vector misses the integral of f by more than the grid explains.
-    pub(super) fn load_misses(&self, problem: &Problem) -> bool {
-        let difference = (self.last().sum_load - problem.integral).abs();
-        problem.domain.load_slack(problem.finest()).is_some_and(|slack| difference > slack)
+    pub(super) fn load_misses(&self, request: &Request) -> bool {
+        let integral = request.problem.levels().integrals().of_f;
+        let difference = (self.last().sum_load - integral).abs();
+        load_slack(&request.problem).is_some_and(|slack| difference > slack)
     }
 
     /// Warns if the load vector belongs to another f.
-    fn warn_of_load(&mut self, problem: &Problem) {
-        if self.load_misses(problem) {
+    fn warn_of_load(&mut self, request: &Request) {
+        let levels = request.problem.levels();
+        let grid = levels.name(request.problem.finest());
+        if self.load_misses(request) {
+            let integrals = levels.integrals();
             // The sum with zero is never the zero with a minus.
-            let [integral, sum_load] =
-                [problem.integral, self.last().sum_load].map(|sum| sum + 0.0);
-            let grid = problem.domain.grid(problem.finest());
-            let reason = if problem.domain.is_smooth() {
+            let [integral, sum_load] = [integrals.of_f, self.last().sum_load].map(|sum| sum + 0.0);
+            let reason = if integrals.by_quadrature {
                 "its points miss some of f; choose a smaller --h"
             } else {
                 "values at the nodes miss where f jumps; --load exact does not"
@@ -131,8 +131,15 @@ impl Answer {
             self.warnings.push(format!(
                 "the load vector sums to {sum_load:+.3e} on {grid}, the integral of f is {integral:+.3e}: {reason}"
             ));
-        } else if let Some(warning) = problem.domain.quadrature_warning(problem.finest()) {
-            self.warnings.push(warning);
+        } else if let Some(missed) = levels.missed().filter(|&missed| missed > MISSED) {
+            self.warnings.push(match request.problem.lattices() {
+                Some(_) => format!(
+                    "the quadrature of f on {grid} misses {missed:.1e} of the integral of |f|; choose a smaller --h"
+                ),
+                None => format!(
+                    "the quadrature of f did not settle and may miss {missed:.1e} of the integral of |f|; write jumps of f as shapes, or refine the mesh"
+                ),
+            });
         }
     }
 
@@ -140,29 +147,52 @@ impl Answer {
     /// rounding.
     ///
     /// A difference counts where it exceeds the error of the grid and the error that the user accepts.
-    fn warn_of_force(&mut self, problem: &Problem) {
+    fn warn_of_force(&mut self, request: &Request) {
+        let problem = &request.problem;
         let (force, load) = (self.force, 0.0 - self.last().sum_load);
-        let accepted =
-            problem.accuracy.map_or(0.0, Accuracy::error) * problem.domain.integrals()[1].abs();
-        let slack = problem.domain.slack(problem.finest()).max(accepted);
+        let size = problem.levels().integrals().of_size.abs();
+        let accepted = request.accuracy.map_or(0.0, Accuracy::error) * size;
+        let slack = slack(problem).max(accepted);
         // A fixed part of the boundary bears the rest.
-        let balanced = problem.domain.has_fixed_part() || (force - load).abs() <= slack;
+        let balanced = problem.levels().has_fixed_part() || (force - load).abs() <= slack;
         if !balanced {
-            let (words, remedy) = (BoundaryWords::of(problem.law), problem.closer());
+            let (words, remedy) = (BoundaryWords::of(problem.law()), request.closer());
             self.warnings.push(format!("{}; {remedy}", words.unbalanced(force, load)));
         }
     }
 }
 
-/// Returns the names of the grids of the levels with a property, if there are any.
-fn named(problem: &Problem, levels: &[Level], property: impl Fn(&Level) -> bool) -> Option<String> {
-    let grids: Vec<_> = levels
-        .iter()
-        .filter(|level| property(level))
-        .map(|level| match problem.domain {
-            Domain::Mesh(_) => problem.domain.grid(level.number),
-            Domain::Square { .. } => problem.domain.row(level.number),
-        })
-        .collect();
-    (!grids.is_empty()).then(|| grids.join(", "))
+/// Returns the difference of forces that the finest level explains: the square of h over the size of the domain, times the
+/// integral of |f|.
+fn slack(problem: &Problem) -> f64 {
+    let levels = problem.levels();
+    levels.integrals().of_size.abs() * (levels.width() / levels.extent()).powi(2)
+}
+
+/// Returns the difference between the sum of a load vector and the integral of f that the grid explains; none for known
+/// solutions, and on meshes, where the integral is the sum of the load vector.
+fn load_slack(problem: &Problem) -> Option<f64> {
+    let is_known = problem.lattices()?.source().exact().is_some();
+    let integrals = problem.levels().integrals();
+    // Values at the nodes of a smooth f are off by some multiple of h^2, the others by less.
+    let slack = if integrals.by_quadrature {
+        (4.0 * slack(problem)).max(RESOLVED * integrals.of_size)
+    } else {
+        slack(problem)
+    };
+    (!is_known).then_some(slack)
+}
+
+/// Returns the names of the levels of the ends with a property, if there are any.
+fn named(
+    problem: &Problem,
+    ends: &[LevelEnd],
+    property: impl Fn(&LevelEnd) -> bool,
+) -> Option<String> {
+    let name = |end: &LevelEnd| match end.cells {
+        Some(_) => end.label(),
+        None => problem.levels().name(end.level),
+    };
+    let names: Vec<_> = ends.iter().filter(|end| property(end)).map(name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
 }

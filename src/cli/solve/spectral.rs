@@ -3,14 +3,13 @@
 use super::SolveArgs;
 use super::answer::law_json;
 use super::bound::BoundaryWords;
-use super::domain::Domain;
-use super::problem::Problem;
+use super::request::Request;
 use crate::cli::output::{say, say_json};
 use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
-use crate::replication::scene::shown_integral;
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::levels::{Lattices, Levels, shown_integral};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{
@@ -19,29 +18,26 @@ use signorini_mathematics::spectral::{
 use std::time::{Duration, Instant};
 
 /// Solves, prints the answer, and returns the solution.
-pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
-    let Domain::Square { f, .. } = &problem.domain else {
-        unreachable!("meshes have no such solver")
-    };
-    let law = problem.law;
+pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) -> Result<Solution> {
+    let (name, f, law) = (&request.name, lattices.source(), request.problem.law());
+    let integral = lattices.integrals().of_f;
     let start = Instant::now();
-    let solution = spectral_under(law, f, SpectralParams::default())
-        .map_err(|e| failed(problem.name(), &e))?;
-    let finer =
-        solution.at_resolution(SpectralParams::FINER).map_err(|e| failed(problem.name(), &e))?;
+    let solution =
+        spectral_under(law, f, SpectralParams::default()).map_err(|e| failed(name, &e))?;
+    let finer = solution.at_resolution(SpectralParams::FINER).map_err(|e| failed(name, &e))?;
     let seconds = start.elapsed().as_secs_f64();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
         let mut json = serde_json::json!({
             "schema": 1,
-            "scene": problem.name(),
+            "scene": name,
             "f": f.to_string(),
             "dimension": 2,
             "solver": "spectral",
             "iterations": solution.steps,
             "stop": "converged",
             "energy": finer.energy,
-            "integral_f": problem.integral,
+            "integral_f": integral,
             "contact": finer.contact,
             "force": force(&finer, law),
             "grids": null,
@@ -56,7 +52,7 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
                 "upper_left": upper_left,
             },
             "checks": finer.checks,
-            "warnings": problem.warnings,
+            "warnings": request.warnings,
             "seconds": { "solve": seconds },
         });
         if !law.is_signorini() {
@@ -65,14 +61,13 @@ pub(super) fn solve(args: &SolveArgs, problem: &Problem) -> Result<Solution> {
         say_json(&json)?;
         return Ok(finer);
     }
-    let integral = shown_integral(problem.integral);
-    let mut text = format!("{}: f = {f}, integral {integral}\n", problem.name());
+    let mut text = format!("{name}: f = {f}, integral {}\n", shown_integral(integral));
     let words = BoundaryWords::of(law);
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
     text += &table(&finer, &words);
-    text += &words.force(force(&finer, law), 0.0 - problem.integral, 16);
+    text += &words.force(force(&finer, law), 0.0 - integral, 16);
     text += &checks(&finer.checks);
     text += &format!("solved in {seconds:.4} s, {} Newton steps\n", solution.steps);
     say(&text)?;

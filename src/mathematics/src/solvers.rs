@@ -189,11 +189,23 @@ pub struct Settings {
     pub goal: Goal,
 }
 
+impl Settings {
+    /// Settings of a solver with all else as usual.
+    pub fn of(solver: Solver) -> Self {
+        let (params, prolongation) = (Params::default(), Prolongation::default());
+        Self { solver, params, prolongation, goal: Goal::RoundingFloor }
+    }
+}
+
 /// End of a solver on one level.
 #[derive(Clone, Copy, Debug)]
 pub struct LevelEnd {
     /// Number of the level.
     pub level: usize,
+    /// Cells per side; none on a mesh.
+    pub cells: Option<usize>,
+    /// Number of nodes.
+    pub nodes: usize,
     /// Steps of the multiplier, cycles, or changes of the contact set.
     pub iterations: usize,
     /// Gauss-Seidel sweeps, if the solver consists of sweeps.
@@ -213,6 +225,11 @@ pub struct LevelEnd {
 }
 
 impl LevelEnd {
+    /// Name of the level in a table: `1/64`, or the number of nodes of a mesh.
+    pub fn label(&self) -> String {
+        self.cells.map_or_else(|| self.nodes.to_string(), |cells| format!("1/{cells}"))
+    }
+
     /// Name of the end: the verdict if the vector is no solution, else the reason of the solver.
     pub fn name(&self) -> &'static str {
         self.verdict.end(self.stop)
@@ -306,6 +323,8 @@ fn judged(
 ) -> LevelEnd {
     LevelEnd {
         level,
+        cells: problem.levels().cells(level),
+        nodes: problem.levels().nodes(level),
         iterations: 0,
         sweeps: None,
         work_units: None,
@@ -338,14 +357,20 @@ fn solve_nested(
     };
     let pair = match discrete {
         Discrete::Lattices(lattices) => {
-            let (_, pair) = on_nested(lattices.grids(), &loads, settings.prolongation, |k, grid, load, pair| {
-                let tolerance = tolerance(k);
-                let params = Params { method: method(tolerance), tolerance, ..settings.params };
-                let run = saddle::solve(grid, problem.law().with_load(load), &params, pair, None);
-                let stop = run.outcome.stop;
-                add(k - 1, [run.outcome.iterations, run.sweeps], stop, pair);
-                ((), stop)
-            });
+            let (_, pair) = on_nested(
+                lattices.grids(),
+                &loads,
+                settings.prolongation,
+                |k, grid, load, pair| {
+                    let tolerance = tolerance(k);
+                    let params = Params { method: method(tolerance), tolerance, ..settings.params };
+                    let run =
+                        saddle::solve(grid, problem.law().with_load(load), &params, pair, None);
+                    let stop = run.outcome.stop;
+                    add(k - 1, [run.outcome.iterations, run.sweeps], stop, pair);
+                    ((), stop)
+                },
+            );
             pair
         }
         Discrete::Networks(networks) => {

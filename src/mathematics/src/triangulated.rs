@@ -1,7 +1,7 @@
 //! A problem on a triangulation with its refinements: from a mesh and f to what the solvers take.
 
-use crate::bounds::{Bounds, NoBound};
 use crate::bounds::triangulation::bounds_on_mesh;
+use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;

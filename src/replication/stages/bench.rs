@@ -27,7 +27,7 @@ const RESULT: &str = "result.json";
 /// The tasks of the experiments; they need the whole project, as the book does.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let problems: Vec<Problem> =
-        project.problems().into_iter().filter_map(Scene::problem).collect();
+        project.problems().into_iter().filter_map(Scene::table_problem).collect();
     let named = problems.iter().map(|problem| {
         let name = format!("problem {}", problem.number);
         (name, problem.f.clone())

@@ -14,8 +14,8 @@ use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
+use serde_json::json;
 use signorini_mathematics::identify::Findings;
-
 use std::collections::BTreeMap;
 
 /// Kind of figure.
@@ -85,19 +85,17 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     // Drawing reads nothing else of a scene.
     let mut hashed = BTreeMap::from([("kind".to_owned(), output.to_string())]);
     for scene in &scenes {
-        let mut read = serde_json::json!({ "title": scene.title });
+        let mut read = json!({ "title": scene.title });
         match output {
-            _ if scene.domain.is_some() => read["domain"] = serde_json::json!(scene.domain),
-            Output::Source | Output::Identify => read["f"] = scene.f.to_string().into(),
-            _ => read["grids"] = scene.grids.iter().map(|grid| grid.cells()).collect(),
+            Output::Source | Output::Identify => read["problem"] = json!(scene.problem),
+            _ => read["place"] = json!(scene.problem.place),
         }
         for (key, value) in parameters(&read) {
             hashed.insert(format!("{}.{key}", scene.name), value);
         }
     }
     let needs = scenes.iter().flat_map(|scene| needs(output, scene)).collect();
-    let domains = scenes.iter().filter_map(|scene| scene.domain.as_ref());
-    let files = domains.flat_map(|domain| domain.files.clone()).collect();
+    let files = scenes.iter().flat_map(|scene| scene.problem.files()).collect();
     let task = drawing(name, title, needs, move |inputs| draw(output, &scenes, inputs));
     Task { parameters: hashed, files, ..task }
 }
@@ -148,9 +146,9 @@ fn surface(scene: &Scene) -> String {
 
 fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     if let [scene] = scenes
-        && let Some(domain) = &scene.domain
+        && scene.problem.mesh().is_some()
     {
-        return on_mesh::draw(output, scene, domain, inputs);
+        return on_mesh::draw(output, scene, inputs);
     }
     Ok(draw_on_square(output, scenes, inputs)?)
 }
@@ -158,7 +156,8 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
 fn draw_on_square(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     match output {
         Output::Source | Output::Table => {
-            let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.f)).collect();
+            let maps: Vec<_> =
+                scenes.iter().map(|scene| (&*scene.title, &scene.on_grids().f)).collect();
             Ok(maps_of_f(&maps))
         }
         Output::Surface => draw_surfaces(scenes, inputs),
@@ -177,7 +176,7 @@ fn draw_on_square(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<P
 fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     let (mut titles, mut heights, mut in_contact) = (Vec::new(), Vec::new(), Vec::new());
     for scene in scenes {
-        let pair = solve::pair(inputs, scene, scene.stop[0])?;
+        let pair = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
         titles.push(title_with_end(inputs, scene)?);
         in_contact.push(pair.in_contact(scene.finest(), scene.law()));
         heights.push(pair.y);
@@ -212,14 +211,14 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
         let levels = from_json(inputs, &task, HISTORY)?;
         runs.push(HistoryRun { label: format!("r = {r}"), levels });
     }
-    Ok(HistoryPanel { title: &scene.title, grids: &scene.grids, runs })
+    Ok(HistoryPanel { title: &scene.title, grids: &scene.on_grids().grids, runs })
 }
 
 fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, String> {
     let mut lines = Vec::new();
     for &stop in &scene.stop {
         let label = solve::label(inputs, scene, stop)?;
-        let pair = solve::pair(inputs, scene, stop)?;
+        let pair = solve::pair_on_grid(inputs, scene, stop)?;
         lines.push(ContactLine::of_square(label, scene.finest(), scene.law(), &pair));
     }
     Ok(ContactPanel::of_square(&scene.title, scene.finest(), scene.law(), lines))

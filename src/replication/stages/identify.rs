@@ -33,9 +33,12 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
             scene.name, IDENTIFIED
         )));
     };
-    let variant =
-        Variant { load: scene.load, prolongation: scene.prolongation, ..Variant::default() };
-    let (f, target) = (scene.f.clone(), project.paper.target(table)?);
+    let variant = Variant {
+        load: scene.on_grids().load,
+        prolongation: scene.prolongation,
+        ..Variant::default()
+    };
+    let (f, target) = (scene.on_grids().f.clone(), project.paper.target(table)?);
     let alternatives = record.alternatives(table).to_vec();
     let questions = record.questions.clone();
     // Of the files that hold these, the rest may change freely.

@@ -29,7 +29,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
     let [first, second] = problems[..] else {
         return Some("they need two scenes, one with `paper_table = 1` and one with 2".into());
     };
-    if first.grids != second.grids {
+    if first.on_grids().grids != second.on_grids().grids {
         return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
     }
     if !project.files.contains_key(recorded::PATH) {

@@ -178,9 +178,9 @@ struct GridSize {
 impl GridSolve<'_> {
     fn size(&self) -> GridSize {
         let size = self.outcome.cells as i64;
-        match self.scene.domain {
-            None => GridSize { cells: Some(size), nodes: (size + 1) * (size + 1) },
-            Some(_) => GridSize { cells: None, nodes: size },
+        match self.scene.problem.square() {
+            Some(_) => GridSize { cells: Some(size), nodes: (size + 1) * (size + 1) },
+            None => GridSize { cells: None, nodes: size },
         }
     }
 
@@ -200,7 +200,7 @@ impl GridSolve<'_> {
     fn published_delta_a(&self, paper: &Paper) -> Option<f64> {
         self.published_count(paper)?;
         let (table, row) = self.published_row(paper)?;
-        (self.level == self.scene.grids.len()).then_some(table.delta_a[row])
+        (self.level == self.scene.on_grids().grids.len()).then_some(table.delta_a[row])
     }
 }
 

@@ -2,38 +2,33 @@
 //!
 //! Central is `solve`, which runs the paper's method for one cell.
 
-pub(super) mod on_mesh;
-
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::Failure;
-use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Task, parameters};
 use crate::replication::scene::{Output, Scene};
+use crate::replication::stated::{OnSquare, Place, StatedProblem};
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::discrete::grid::{Grid, nested};
-use signorini_mathematics::discrete::kkt::judge;
+use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::multigrid::{self, MultigridParams};
+use signorini_mathematics::levels::{Discrete, Problem};
 use signorini_mathematics::problem::exact::Exact;
-use signorini_mathematics::problem::law::LawParameter;
-use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{
-    Iteration, Monitor, Outcome, Pair, Params, Plain, StopRule, solve_nested,
+    Iteration, Monitor, Outcome, Pair, Params, Plain, StopRule, solve_nested, solve_networks,
 };
+use signorini_mathematics::solvers::{self, Settings, Solver};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Parameters that determine the artifacts of a cell.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Cell {
-    f: Source,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    law: Option<LawParameter>,
-    load: LoadRule,
+    #[serde(flatten)]
+    problem: StatedProblem,
     prolongation: Prolongation,
-    grids: Vec<usize>,
     r: f64,
     stop: StopRule,
     max_iterations: usize,
@@ -76,30 +71,32 @@ pub(super) fn tasks(scene: &Scene, stop: StopRule) -> Vec<Task> {
     for &r in &scene.r {
         let cell = cell(scene, stop, r);
         if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
-            tasks.push(match &scene.domain {
-                None => task(scene, cell),
-                Some(domain) => on_mesh::task(id(scene, stop, r), domain, &cell),
-            });
+            tasks.push(task(scene, cell));
         }
     }
     tasks
 }
 
-/// Solves a scene on its finest grid by multigrid, with f integrated exactly; a is the flux.
-pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
-    let grid = scene.finest();
-    let load = load(grid, &scene.f, LoadRule::Exact { diagonal: Diagonal::default() });
-    let (law, params) = (scene.law(), MultigridParams::default());
-    let (y, _) = multigrid::solve_square(grid.cells(), law.with_load(&load), None, &params)
+/// Solves a scene on the square on its finest grid by multigrid, with f integrated exactly; a is the flux.
+pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
+    let square = OnSquare {
+        load: LoadRule::Exact { diagonal: Diagonal::default() },
+        grids: vec![scene.finest()],
+        ..scene.on_grids().clone()
+    };
+    let stated = StatedProblem { place: Place::Square(square), ..scene.problem.clone() };
+    let problem = stated.problem(&InputFiles::new())?;
+    let run = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let a = judge(grid, law, &y, &load).multiplier(&y);
-    Ok(Pair { y, a })
+    let a = run.judgement.multiplier(&run.y);
+    Ok(Pair { y: run.y, a })
 }
 
-/// Runs the first rule with the drawn r. Returns each grid with the pair where the rule stops there.
+/// Runs the first rule with the drawn r on a scene on the square. Returns each grid with the pair where the rule stops
+/// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let mut stops = Stops::default();
-    run(&drawn(scene), &mut stops)?;
+    run(&drawn(scene), &InputFiles::new(), &mut stops)?;
     Ok(stops.0)
 }
 
@@ -121,11 +118,8 @@ impl Monitor for Stops {
 fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
     let drawn_rule = stop == scene.stop[0];
     Cell {
-        f: scene.f.clone(),
-        law: scene.law,
-        load: scene.load,
+        problem: scene.problem.clone(),
         prolongation: scene.prolongation,
-        grids: scene.grids.iter().map(|grid| grid.cells()).collect(),
         r,
         stop,
         max_iterations: scene.max_iterations,
@@ -136,32 +130,60 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
 }
 
 fn task(scene: &Scene, cell: Cell) -> Task {
-    let id = id(scene, cell.stop, cell.r);
-    Task::new(id, parameters(&cell), Vec::new(), move |_| solve(&cell))
+    let (id, files) = (id(scene, cell.stop, cell.r), cell.problem.files());
+    let parameters = parameters(&cell);
+    let task = Task::new(id, parameters, Vec::new(), move |inputs| solve(&cell, inputs.files));
+    Task { files, ..task }
 }
 
-/// Runs the paper's method for a cell. Returns the outcome on each grid, and the last pair.
-fn run(cell: &Cell, monitor: &mut impl Monitor) -> Result<(Vec<Outcome>, Pair), Failure> {
-    let grids = nested(&cell.grids)?;
-    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &cell.f, cell.load)).collect();
-    let law = LawParameter::law_or_papers(cell.law).map_err(|e| e.to_string())?;
+/// End of the paper's method on all levels.
+struct CellRun {
+    problem: Problem,
+    /// Outcome on each level.
+    levels: Vec<Outcome>,
+    /// Last pair.
+    pair: Pair,
+}
+
+/// Runs the paper's method for a cell, its mesh read from these files.
+fn run(cell: &Cell, files: &InputFiles, monitor: &mut impl Monitor) -> Result<CellRun, Failure> {
+    let problem = cell.problem.problem(files)?;
+    let loads: Vec<_> =
+        problem.loads().map_err(|e| e.to_string())?.into_iter().map(Cow::into_owned).collect();
+    let loaded = problem.law().with_loads(&loads);
     let params = Params {
         r: cell.r,
         rule: cell.stop,
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
-    Ok(solve_nested(&grids, law.with_loads(&loads), &params, cell.prolongation, monitor))
+    let (levels, pair) = match problem.levels().discrete() {
+        Discrete::Lattices(lattices) => {
+            solve_nested(lattices.grids(), loaded, &params, cell.prolongation, monitor)
+        }
+        Discrete::Networks(networks) => {
+            let mut levels = Vec::new();
+            let pair = solve_networks(networks, loaded, &params, &mut |k, run, pair| {
+                let (network, load) = (&networks[k].network, &loads[k][..]);
+                let plain = Plain { network, law: problem.law(), load, r: cell.r };
+                levels.push(run.outcome(&plain, pair));
+            });
+            (levels, pair)
+        }
+    };
+    Ok(CellRun { problem, levels, pair })
 }
 
-fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
-    let mut recorder =
-        Recorder { keep_history: cell.keep_history, exact: cell.f.exact(), ..Recorder::default() };
-    let (levels, pair) = run(cell, &mut recorder)?;
+fn solve(cell: &Cell, files: &InputFiles) -> Result<Artifacts, Failure> {
+    let exact = cell.problem.square().and_then(|square| square.f.exact());
+    let mut recorder = Recorder { keep_history: cell.keep_history, exact, ..Recorder::default() };
+    let CellRun { problem, levels, pair } = run(cell, files, &mut recorder)?;
     if let Some(last) = levels.last().filter(|last| last.stop == Stop::Diverged) {
         return Err(format!(
-            "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",
-            last.cells, last.iterations, cell.r
+            "diverged on {} after {} iterations at r = {}; choose a smaller r or scale f down",
+            problem.levels().name(levels.len() - 1),
+            last.iterations,
+            cell.r
         )
         .into());
     }
@@ -254,8 +276,18 @@ pub(crate) fn without_solution(
     Some(format!("{name}: {}; `signorini solve {name}` says why", ends.join("; ")))
 }
 
-/// Returns the pair where a rule stops on the finest grid, with the r that is drawn.
-pub(super) fn pair(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
+/// Returns the pair of a scene where a rule stops on the finest level of its `problem`, with the r that is drawn.
+pub(super) fn pair(
+    inputs: &Inputs,
+    scene: &Scene,
+    stop: StopRule,
+    problem: &Problem,
+) -> Result<Pair, String> {
+    pair_of(inputs, &id(scene, stop, scene.drawn_r()), problem.lengths())
+}
+
+/// Returns the pair of a scene on the square where a rule stops on the finest grid, with the r that is drawn.
+pub(super) fn pair_on_grid(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
     let grid = scene.finest();
     pair_of(inputs, &id(scene, stop, scene.drawn_r()), [grid.nodes(), grid.boundary_nodes()])
 }
@@ -279,8 +311,9 @@ fn pair_bytes(pair: &Pair) -> Vec<u8> {
 /// Returns the components of the gradient (8) at the nodes of the finest grid where the first rule stops, with the r
 /// that is drawn.
 pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, String> {
-    let (grid, pair) = (scene.finest(), pair(inputs, scene, scene.stop[0])?);
-    let load = load(grid, &scene.f, scene.load);
+    let (grid, pair) = (scene.finest(), pair_on_grid(inputs, scene, scene.stop[0])?);
+    let square = scene.on_grids();
+    let load = load(grid, &square.f, square.load);
     let network = Network::of_square(grid);
     let functional = Plain { network: &network, law: scene.law(), load: &load, r: scene.drawn_r() };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())

@@ -19,9 +19,10 @@ pub(crate) fn id(scene: &Scene, stop: StopRule) -> String {
 
 pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
     let needs: Vec<String> = solve::ids(scene, stop).collect();
-    let cells: Vec<usize> = scene.grids.iter().map(|grid| grid.cells()).collect();
+    let grids = scene.problem.square().map_or(&[][..], |square| &square.grids);
+    let cells: Vec<usize> = grids.iter().map(|grid| grid.cells()).collect();
     let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
-    let on_square = scene.domain.is_none();
+    let on_square = !cells.is_empty();
     Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
         let names = match on_square {
             true => cells.iter().map(|n| format!("1/{n}")).collect(),

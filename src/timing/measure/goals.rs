@@ -63,9 +63,7 @@ impl TimedGoal {
         match *self {
             Self::Saddle(method, target) => over_grids(method, target, levels),
             Self::ActiveSet if grid.cells() > MOST_CELLS => None,
-            Self::ActiveSet => {
-                active_set(grid.cells(), Law::SIGNORINI, load).ok().map(|(y, _)| y)
-            }
+            Self::ActiveSet => active_set(grid.cells(), Law::SIGNORINI, load).ok().map(|(y, _)| y),
             Self::Multigrid(goal) => {
                 let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
                 let loaded = Law::SIGNORINI.with_load(load);

@@ -7,10 +7,11 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
 use crate::discrete::norms::{errors, multiplier_error};
-use crate::mesh::{AnyMesh, uniform_square};
-use crate::problem::law::Law;
+use crate::mesh::{AnyMesh, mesh_load, uniform_square};
+use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::SourceError;
 use crate::problem::source::Source;
+use crate::saddle::Pair;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -132,6 +133,10 @@ impl Levels for Lattices {
         Ok(load(self.grids[level], &self.f, self.rule).into())
     }
 
+    fn contact(&self) -> Cow<'_, [ContactNode]> {
+        self.finest().contact_nodes().into()
+    }
+
     fn has_fixed_part(&self) -> bool {
         false
     }
@@ -140,8 +145,17 @@ impl Levels for Lattices {
         law.check_solvable(load.iter().sum(), Grid::PERIMETER).is_ok()
     }
 
-    fn judge(&self, level: usize, law: Law, NodalVectors { y, load }: NodalVectors<'_>) -> Judgement {
+    fn judge(
+        &self,
+        level: usize,
+        law: Law,
+        NodalVectors { y, load }: NodalVectors<'_>,
+    ) -> Judgement {
         judge(self.grids[level], law, y, load)
+    }
+
+    fn in_contact(&self, law: Law, pair: &Pair) -> Vec<bool> {
+        pair.in_contact(self.finest(), law)
     }
 
     fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>> {
@@ -159,8 +173,12 @@ impl Levels for Lattices {
         bounds(self.finest(), &self.f, law, y)
     }
 
-    fn mesh(&self) -> AnyMesh {
-        uniform_square(self.finest()).into()
+    fn mesh(&self, level: usize) -> AnyMesh {
+        uniform_square(self.grids[level]).into()
+    }
+
+    fn means(&self, level: usize) -> Result<Vec<f64>, SourceError> {
+        Ok(mesh_load(&uniform_square(self.grids[level]), &self.f)?.cells.mean)
     }
 
     fn discrete(&self) -> Discrete<'_> {

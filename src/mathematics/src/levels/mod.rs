@@ -20,9 +20,10 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
-use crate::mesh::AnyMesh;
-use crate::problem::law::Law;
+use crate::mesh::{AnyMesh, Touching};
+use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::SourceError;
+use crate::saddle::Pair;
 use std::borrow::Cow;
 
 /// Nested discrete problems of one domain and one f. Levels are numbered from 0 on, coarsest first.
@@ -69,6 +70,14 @@ pub trait Levels: Send + Sync {
     /// [`SourceError::NoValue`] if f is not finite at a point of a level coarser than the finest.
     fn load(&self, level: usize) -> Result<Cow<'_, [f64]>, SourceError>;
 
+    /// Boundary nodes of the finest level where the law holds, in the order of a boundary vector.
+    fn contact(&self) -> Cow<'_, [ContactNode]>;
+
+    /// Place where the domain touches itself with nodes of both sides, if there is one.
+    fn touching(&self) -> Option<&Touching> {
+        None
+    }
+
     /// True if v = 0 on a part of the boundary.
     fn has_fixed_part(&self) -> bool;
 
@@ -78,6 +87,10 @@ pub trait Levels: Send + Sync {
     /// True if the flux that a law allows can balance a load vector of a level, by more than rounding: then the discrete
     /// problem has a solution.
     fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool;
+
+    /// Contact at the nodes in [`Levels::contact`]: where the multiplier is inside the interval of the law or v is zero, up
+    /// to rounding errors.
+    fn in_contact(&self, law: Law, pair: &Pair) -> Vec<bool>;
 
     /// Arcs in contact on the boundary of a domain in the plane, for a nodal vector of the finest level and its judgement;
     /// none in space.
@@ -92,8 +105,14 @@ pub trait Levels: Send + Sync {
     /// [`NoBound`].
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound>;
 
-    /// Copy of the mesh of the finest level.
-    fn mesh(&self) -> AnyMesh;
+    /// Copy of the mesh of a level. The first nodes of a refined mesh are those of the coarser ones.
+    fn mesh(&self, level: usize) -> AnyMesh;
+
+    /// Means of f over the cells of the mesh of a level.
+    ///
+    /// # Errors
+    /// [`SourceError::NoValue`] if f is not finite at a point of a level coarser than the finest.
+    fn means(&self, level: usize) -> Result<Vec<f64>, SourceError>;
 
     /// Discrete problems in the form that fast paths take.
     fn discrete(&self) -> Discrete<'_>;

@@ -43,7 +43,12 @@ impl Problem {
     ///
     /// # Panics
     /// If there are no grids.
-    pub fn on_square(grids: Vec<Grid>, f: Source, rule: LoadRule, law: Law) -> Result<Self, Unsolvable> {
+    pub fn on_square(
+        grids: Vec<Grid>,
+        f: Source,
+        rule: LoadRule,
+        law: Law,
+    ) -> Result<Self, Unsolvable> {
         let lattices = Lattices::new(grids, f, rule);
         let integrals = lattices.integrals();
         lattices.source().check_scale(integrals.of_size)?;
@@ -129,6 +134,20 @@ impl Problem {
             Discrete::Lattices(lattices) => Some(lattices),
             Discrete::Networks(_) => None,
         }
+    }
+
+    /// Lengths of the nodal vector and the boundary vector of a pair of the finest level.
+    pub fn lengths(&self) -> [usize; 2] {
+        [self.levels.nodes(self.finest()), self.levels.contact().len()]
+    }
+
+    /// Puts values at the boundary nodes of the finest level into a nodal vector with this value elsewhere.
+    pub fn at_nodes<T: Copy>(&self, values: &[T], elsewhere: T) -> Vec<T> {
+        let mut nodal = vec![elsewhere; self.levels.nodes(self.finest())];
+        for (contact, value) in self.levels.contact().iter().zip(values) {
+            nodal[contact.node] = *value;
+        }
+        nodal
     }
 
     /// Judges a nodal vector of the finest level, apart from the solvers.

@@ -9,12 +9,13 @@ use crate::discrete::judging::judge_network;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::network::Network;
 use crate::mesh::{
-    AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh, mesh_arcs,
-    mesh_load, nested_meshes,
+    AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh,
+    Touching, mesh_arcs, mesh_load, nested_meshes,
 };
 use crate::multigrid::input::{LoadedComponent, loaded_components};
-use crate::problem::law::Law;
+use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::SourceError;
+use crate::saddle::Pair;
 use std::any::Any;
 use std::borrow::Cow;
 
@@ -66,7 +67,13 @@ impl<S: CutShape<D, V>, const D: usize, const V: usize> Triangulations<S, D, V> 
                 1 => "the domain".into(),
                 _ => format!("component {number} of the domain"),
             };
-            components.push(Component { place, has_fixed, has_parts: true, measure, integral: sum });
+            components.push(Component {
+                place,
+                has_fixed,
+                has_parts: true,
+                measure,
+                integral: sum,
+            });
         }
         components
     }
@@ -144,6 +151,14 @@ where
         Ok(mesh_load(&self.nested.meshes[level], &self.f)?.load.into())
     }
 
+    fn contact(&self) -> Cow<'_, [ContactNode]> {
+        self.network().contact().into()
+    }
+
+    fn touching(&self) -> Option<&Touching> {
+        self.finest().touching()
+    }
+
     fn has_fixed_part(&self) -> bool {
         !self.network().fixed().is_empty()
     }
@@ -154,8 +169,18 @@ where
         components.iter().all(|component| component.check(law, 0.0).is_ok())
     }
 
-    fn judge(&self, level: usize, law: Law, NodalVectors { y, load }: NodalVectors<'_>) -> Judgement {
+    fn judge(
+        &self,
+        level: usize,
+        law: Law,
+        NodalVectors { y, load }: NodalVectors<'_>,
+    ) -> Judgement {
         judge_network(&self.nested.networks[level].network, law, y, load)
+    }
+
+    fn in_contact(&self, law: Law, pair: &Pair) -> Vec<bool> {
+        let at_nodes = pair.in_contact_on(self.network(), law);
+        self.network().contact().iter().map(|contact| at_nodes[contact.node]).collect()
     }
 
     fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>> {
@@ -171,8 +196,15 @@ where
         bounds_on_mesh(self.finest(), self.network(), &self.load.cells, law, y)
     }
 
-    fn mesh(&self) -> AnyMesh {
-        self.finest().clone().into()
+    fn mesh(&self, level: usize) -> AnyMesh {
+        self.nested.meshes[level].clone().into()
+    }
+
+    fn means(&self, level: usize) -> Result<Vec<f64>, SourceError> {
+        if level + 1 == self.count() {
+            return Ok(self.load.cells.mean.clone());
+        }
+        Ok(mesh_load(&self.nested.meshes[level], &self.f)?.cells.mean)
     }
 
     fn discrete(&self) -> Discrete<'_> {

@@ -5,26 +5,27 @@ use crate::figures::{
     GradientPanel, MeshSurface, Picture, Surface, gradients as draw_gradients, grid, membrane,
     mesh_picture, mesh_surfaces, range_with_zero, surfaces, uphill, uphill_on_mesh,
 };
+use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task, parameters};
 use crate::replication::scene::Scene;
 use crate::replication::stages::solve;
 use serde_json::json;
 use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::multigrid::MultigridParams;
-use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::tolerance;
-use signorini_mathematics::triangulated::MeshProblem;
+use signorini_mathematics::solvers::{self, Run, Settings, Solver};
 use std::collections::BTreeMap;
 
 /// The task that draws, in a row per problem, the surface where the paper stopped, the solution, and the difference.
 pub(super) fn stops(scenes: &[&Scene]) -> Task {
     let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
     let mut hashed = BTreeMap::new();
-    for Scene { name, title, f, .. } in &scenes {
+    for scene in &scenes {
+        let Scene { name, title, .. } = scene;
         hashed.insert(format!("{name}.title"), title.clone());
-        hashed.insert(format!("{name}.f"), f.to_string());
+        hashed.insert(format!("{name}.f"), scene.on_grids().f.to_string());
     }
     let needs = scenes.iter().map(surface).collect();
     let title = "Where the paper stopped, where the solution is, and the difference";
@@ -55,9 +56,9 @@ struct StopsRow {
 }
 
 impl StopsRow {
-    fn of(inputs: &Inputs, scene: &Scene) -> Result<Self, String> {
+    fn of(inputs: &Inputs, scene: &Scene) -> Result<Self, Failure> {
         let grid = scene.finest();
-        let stop = solve::pair(inputs, scene, scene.stop[0])?;
+        let stop = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
         let solution = solve::solution(scene)?;
         let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
         let names = ["where it stopped", "the solution", "the difference"];
@@ -143,15 +144,15 @@ fn on_domains() -> Result<Picture, String> {
     let mut solved = Vec::new();
     for (name, f, refinements) in DRAWN {
         let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
-        let problem = MeshProblem::new(&coarsest, refinements, f, Law::SIGNORINI)
+        let problem = Problem::on_mesh(&coarsest, refinements, f, Law::SIGNORINI)
             .map_err(|e| format!("{name}: {e}"))?;
-        let load = problem.law.with_load(&problem.f.load);
-        let (y, _) = solve_nested_networks(&problem.levels, load, &MultigridParams::default())
+        let Run { y, .. } = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
             .map_err(|e| format!("{name}: {e}"))?;
-        let contact = problem.network().contact().iter().map(|contact| contact.node);
         let mut in_contact = vec![false; y.len()];
-        contact.for_each(|node| in_contact[node] = y[node] == 0.0);
-        solved.push((name, problem.mesh, y, in_contact));
+        for contact in problem.levels().contact().iter() {
+            in_contact[contact.node] = y[contact.node] == 0.0;
+        }
+        solved.push((name, problem.levels().mesh(refinements), y, in_contact));
     }
     let mut panels = Vec::new();
     for (title, mesh, y, in_contact) in &solved {
@@ -168,8 +169,8 @@ pub(super) fn gradients(scenes: &[&Scene]) -> Task {
     let mut hashed = BTreeMap::new();
     for scene in &scenes {
         let read = json!({
-            "title": scene.title, "f": scene.f.to_string(), "load": scene.load,
-            "grids": scene.grids.len(), "r": scene.drawn_r(),
+            "title": scene.title, "f": scene.on_grids().f.to_string(),
+            "load": scene.on_grids().load, "grids": scene.on_grids().grids.len(), "r": scene.drawn_r(),
         });
         hashed.insert(scene.name.clone(), read.to_string());
     }
@@ -181,7 +182,7 @@ pub(super) fn gradients(scenes: &[&Scene]) -> Task {
             panels.push(GradientPanel {
                 title: &scene.title,
                 grid: scene.finest(),
-                tolerance: tolerance(scene.grids.len()),
+                tolerance: tolerance(scene.on_grids().grids.len()),
                 gradient: solve::gradient(inputs, scene)?,
             });
         }

@@ -2,29 +2,22 @@
 
 use super::title_with_end;
 use crate::figures::{
-    ContactLine, ContactPanel, MeshSurface, Picture, contact, mesh_map, mesh_surfaces,
-    uphill_on_mesh,
+    ContactLine, ContactPanel, Picture, contact, drawn_level, mesh_map, mesh_solution,
 };
 use crate::pipeline::Inputs;
 use crate::pipeline::error::Failure;
-use crate::replication::domain::{RefinedProblem, SceneDomain, drawn};
 use crate::replication::scene::{Output, Scene};
-use crate::replication::stages::solve::{self, on_mesh};
+use crate::replication::stages::solve;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, PlaneMesh, boundary_curves};
-use signorini_mathematics::triangulated::means_on;
 
 /// Draws one of the pictures that a domain in the plane has.
-pub(super) fn draw(
-    output: Output,
-    scene: &Scene,
-    domain: &SceneDomain,
-    inputs: &Inputs,
-) -> Result<Picture, Failure> {
-    let refined = domain.problem(inputs.files)?;
+pub(super) fn draw(output: Output, scene: &Scene, inputs: &Inputs) -> Result<Picture, Failure> {
+    let problem = scene.problem.problem(inputs.files)?;
     match output {
-        Output::Surface => draw_surface(scene, &refined, inputs),
-        Output::Contact => draw_contact(scene, &refined, inputs),
-        _ => draw_map(scene, domain, &refined),
+        Output::Surface => draw_surface(scene, &problem, inputs),
+        Output::Contact => draw_contact(scene, &problem, inputs),
+        _ => draw_map(scene, &problem),
     }
 }
 
@@ -35,56 +28,32 @@ fn plane(mesh: &AnyMesh) -> Result<&PlaneMesh, String> {
     }
 }
 
-/// Returns the mesh of the pictures, whose nodes are the first ones of the finest mesh.
-fn mesh_to_draw(RefinedProblem { coarsest, problem }: &RefinedProblem) -> Result<AnyMesh, Failure> {
-    Ok(drawn(coarsest, problem.levels.len() - 1)?)
+fn draw_map(scene: &Scene, problem: &Problem) -> Result<Picture, Failure> {
+    let level = drawn_level(problem.levels());
+    let f = problem.levels().means(level).map_err(|e| e.to_string())?;
+    Ok(mesh_map(&scene.title, plane(&problem.levels().mesh(level))?, &f))
 }
 
-fn draw_map(
-    scene: &Scene,
-    domain: &SceneDomain,
-    refined: &RefinedProblem,
-) -> Result<Picture, Failure> {
-    let mesh = mesh_to_draw(refined)?;
-    let f = means_on(&mesh, &domain.f).map_err(|e| e.to_string())?;
-    Ok(mesh_map(&scene.title, plane(&mesh)?, &f))
-}
-
-fn draw_surface(
-    scene: &Scene,
-    refined: &RefinedProblem,
-    inputs: &Inputs,
-) -> Result<Picture, Failure> {
-    let pair = on_mesh::pair(inputs, scene, scene.stop[0], refined)?;
-    let in_contact = pair.in_contact_on(refined.problem.network(), scene.law());
-    let mesh = mesh_to_draw(refined)?;
-    let mesh = plane(&mesh)?;
-    let nodes = mesh.points().len();
-    let (y, in_contact) = (&pair.y[..nodes], &in_contact[..nodes]);
-    let title = &title_with_end(inputs, scene)?;
-    let azimuth = uphill_on_mesh(mesh, y);
-    Ok(mesh_surfaces(2, &[MeshSurface { title, mesh, y, in_contact, azimuth, range: None }]))
+fn draw_surface(scene: &Scene, problem: &Problem, inputs: &Inputs) -> Result<Picture, Failure> {
+    let pair = solve::pair(inputs, scene, scene.stop[0], problem)?;
+    let title = title_with_end(inputs, scene)?;
+    Ok(mesh_solution(2, &title, problem, &pair)?)
 }
 
 /// Draws a panel for each closed curve of the boundary.
-fn draw_contact(
-    scene: &Scene,
-    refined: &RefinedProblem,
-    inputs: &Inputs,
-) -> Result<Picture, Failure> {
-    let network = refined.problem.network();
+fn draw_contact(scene: &Scene, problem: &Problem, inputs: &Inputs) -> Result<Picture, Failure> {
+    let (levels, law) = (problem.levels(), scene.law());
     let mut runs = Vec::new();
     for &stop in &scene.stop {
-        let pair = on_mesh::pair(inputs, scene, stop, refined)?;
+        let pair = solve::pair(inputs, scene, stop, problem)?;
         let label = solve::label(inputs, scene, stop)?;
-        runs.push((
-            label,
-            pair.multiplier_on(network),
-            pair.in_contact_on(network, scene.law()),
-            pair.y,
-        ));
+        let in_contact = levels.in_contact(law, &pair);
+        let (a, in_contact) =
+            (problem.at_nodes(&pair.a, 0.0), problem.at_nodes(&in_contact, false));
+        runs.push((label, a, in_contact, pair.y));
     }
-    let mesh = plane(&refined.problem.mesh)?;
+    let mesh = levels.mesh(problem.finest());
+    let mesh = plane(&mesh)?;
     let curves = boundary_curves(mesh);
     let mut titles = Vec::new();
     for curve in &curves {

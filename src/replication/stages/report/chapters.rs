@@ -15,6 +15,7 @@ use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
+use crate::replication::stated::{OnMesh, OnSquare, Place};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::integral;
@@ -44,7 +45,7 @@ pub(super) fn context(
     }
     let text = inputs.file(IDENTIFIED)?.ok_or("no record of the search")?;
     let record: Record = from_record(IDENTIFIED, text)?;
-    let grids: Vec<usize> = problems[0].grids.iter().map(|grid| grid.cells()).collect();
+    let grids: Vec<usize> = problems[0].on_grids().grids.iter().map(|grid| grid.cells()).collect();
 
     let mut context = Context::new();
     context.insert("agreement", &results.agreement(&tables)?);
@@ -133,7 +134,7 @@ fn problem(
 ) -> Result<BTreeMap<String, Value>, Failure> {
     let [signed, printed, dual] = RULES.map(|rule| outcomes(inputs, scene, rule, table));
     let (signed, printed, dual) = (signed?, printed?, dual?);
-    let bound = tolerance(scene.grids.len());
+    let bound = tolerance(scene.on_grids().grids.len());
     let mut finest = Vec::new();
     for ((signed, printed), dual) in signed.iter().zip(&printed).zip(&dual) {
         let last = [signed, printed, dual].map(|outcomes| outcomes.levels.last());
@@ -148,14 +149,14 @@ fn problem(
             }));
         }
     }
-    let stopped = solve::pair(inputs, scene, scene.stop[0])?;
+    let stopped = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
     let delta_a = table.rows.iter().map(|row| row.delta_a_paper).fold(0.0, f64::max);
     let gap = delta_a * scene.finest().h();
     let findings: Findings = from_json(inputs, &identify::id(scene), FINDINGS)?;
     let more = json!({
         "number": table.table,
-        "integral_f": integral(&scene.f),
-        "values": values(&scene.f),
+        "integral_f": integral(&scene.on_grids().f),
+        "values": values(&scene.on_grids().f),
         "misses": misses(inputs, scene, table)?,
         "boundary_nodes": stopped.a.len(),
         "stopped": shape(&stopped, scene),
@@ -246,16 +247,16 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let outcomes: Outcomes = from_json(inputs, &solved, OUTCOMES)?;
     // On a mesh, f is integrated by the load vector.
     let sum_load = outcomes.levels.last().map(|level| level.sum_load);
-    let (f, integral_f) = match &scene.domain {
-        None => (scene.f.to_string(), Some(integral(&scene.f))),
-        Some(domain) => (domain.f.clone(), sum_load),
+    let (f, integral_f, exact) = match &scene.problem.place {
+        Place::Square(OnSquare { f, .. }) => (f.to_string(), Some(integral(f)), f.exact()),
+        Place::Mesh(OnMesh { f, .. }) => (f.clone(), sum_load, None),
     };
     let more = json!({
         "text": std::str::from_utf8(text)?,
         "f": f,
         "integral_f": integral_f,
         // The exact solution in LaTeX, if it is known.
-        "exact": scene.f.exact().map(Exact::latex),
+        "exact": exact.map(Exact::latex),
         // Per grid, as `solve` names it.
         "ends": outcomes.levels.iter().map(Outcome::end).collect::<Vec<_>>(),
         "outcomes": outcomes,

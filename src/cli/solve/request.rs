@@ -1,0 +1,564 @@
+//! Request of `solve`: the problem, the solver and its settings.
+
+use super::accuracy::Accuracy;
+use super::files::{Format, Solution};
+use super::{SolveArgs, cells, rule_name};
+use crate::cli::current_folder;
+use crate::cli::output::{check_options, warn_of_outside};
+use crate::pipeline::InputFiles;
+use crate::pipeline::error::{Error, Result};
+use crate::replication::domain::{DomainSettings, nodes_after};
+use crate::replication::project::Project;
+use crate::replication::scene::{MAX_CELLS, Scene, positive_r};
+use crate::replication::stated::{OnMesh, OnSquare, Place, StatedProblem};
+use crate::timing::machine;
+use serde_json::{Value, json};
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::discrete::norms::largest;
+use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::levels::{Lattices, Problem};
+use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::multigrid::{Goal, InputError};
+use signorini_mathematics::problem::law::LawError;
+use signorini_mathematics::saddle::{Pair, Params, StopRule};
+use signorini_mathematics::solvers::{self, Refusal, Run, Settings, Solver};
+
+/// Cells per side of the finest grid, if neither the user nor a scene gives a number.
+const DEFAULT_CELLS: usize = 64;
+
+/// Data that determine an answer.
+pub(super) struct Request {
+    /// Name of the scene, the file or the domain in messages and answers.
+    pub name: String,
+    /// Name of the scene, if f is that of a scene.
+    pub scene: Option<String>,
+    /// What is solved, as it was stated.
+    stated: StatedProblem,
+    /// What is solved.
+    pub problem: Problem,
+    pub settings: Settings,
+    /// Tolerance of multigrid, relative to the load; `None` for the rounding floor.
+    pub tolerance: Option<f64>,
+    /// Guaranteed bound of the error, by which the grids are chosen.
+    pub accuracy: Option<Accuracy>,
+    /// Options that differ from the scene, in words.
+    pub overridden: Vec<String>,
+    /// Warnings of f that are printed already.
+    pub warnings: Vec<String>,
+    /// Memory per node for writing the solution, besides that of the solver.
+    bytes_to_write: u64,
+}
+
+impl Request {
+    /// Reads and checks the arguments.
+    pub(super) fn read(args: &SolveArgs) -> Result<Self> {
+        let scene = args.scene.as_deref().map(scene).transpose()?;
+        let scene = scene.as_ref();
+        let mut overridden = Vec::new();
+        let solver = args.solver.unwrap_or(default_solver(args));
+        let stated = match scene {
+            Some(scene) => of_scene(args, scene, &mut overridden)?,
+            None => of_options(args)?,
+        };
+        check_solver_options(args, solver)?;
+        check_domain_options(args, &stated.place)?;
+        let name = match (&args.scene, &stated.place) {
+            (Some(name), _) => name.clone(),
+            (None, Place::Square(_)) => "custom".into(),
+            (None, Place::Mesh(place)) => place.domain.name.clone(),
+        };
+        // Measured: a file's fields, and the recovered solution on four times as many nodes.
+        let bytes_to_write = if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) };
+        let memory = Memory { solver, bytes_to_write, accuracy: args.accuracy() };
+        let problem = match &stated.place {
+            Place::Square(square) => {
+                memory.check(square.finest().cells())?;
+                stated.problem(&InputFiles::new())?
+            }
+            Place::Mesh(_) if !solver.entry().on_meshes => {
+                return Err(Error::input(format!(
+                    "--solver {solver}: {name} has every solver but this one"
+                )));
+            }
+            Place::Mesh(place) => on_mesh(&name, &stated, place)?,
+        };
+        let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
+        let settings = Settings {
+            params: params(args, scene, &mut overridden)?,
+            prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
+            ..Settings::of(solver)
+        };
+        Ok(Self {
+            name,
+            scene: args.scene.clone(),
+            stated,
+            problem,
+            settings,
+            tolerance: args.tolerance()?,
+            accuracy: args.accuracy(),
+            overridden,
+            warnings,
+            bytes_to_write,
+        })
+    }
+
+    /// Solves, without an answer in words.
+    pub(super) fn run(&self) -> Result<Run> {
+        let goal = match (self.accuracy, self.tolerance) {
+            (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
+            (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(self.problem.load())),
+            // The bracket of the energy is much narrower than the error.
+            _ => Goal::RoundingFloor,
+        };
+        let settings = Settings { goal, ..self.settings };
+        let run = solvers::solve(&self.problem, &settings).map_err(|e| self.refused(&e))?;
+        let last = run.last();
+        if last.stop != Stop::Diverged {
+            return Ok(run);
+        }
+        let (name, solver) = (&self.name, settings.solver);
+        let grid = self.problem.levels().name(last.level);
+        Err(Error::Stage(vec![match solver.is_nested() {
+            true => format!(
+                "{name}: {solver} diverged on {grid} after {} iterations; choose a smaller r or scale f down",
+                last.iterations
+            ),
+            false => format!("{name}: the solver diverged; scale f down"),
+        }]))
+    }
+
+    /// Puts the problem on the square on one grid with as many cells per side.
+    pub(super) fn set_grid(&mut self, cells: usize) -> Result<()> {
+        let Place::Square(square) = &mut self.stated.place else {
+            unreachable!("an accuracy is for the square")
+        };
+        let (solver, accuracy) = (self.settings.solver, self.accuracy);
+        Memory { solver, bytes_to_write: self.bytes_to_write, accuracy }.check(cells)?;
+        square.grids = vec![grid(cells)?];
+        self.problem = self.stated.problem(&InputFiles::new())?;
+        Ok(())
+    }
+
+    /// Returns the bytes of a file with a solution, on this grid if it is another than the finest of the square.
+    pub(super) fn file(&self, format: Format, grid: Option<Grid>, pair: &Pair) -> Result<Vec<u8>> {
+        Solution { problem: &self.problem, name: &self.name, pair, grid }.file(format)
+    }
+
+    /// Grids and f on the square; refuses meshes, for an option that only the square has.
+    pub(super) fn lattices(&self, option: &str) -> Result<&Lattices> {
+        let on_mesh = || Error::input(format!("{option} is for the square; leave it out"));
+        self.problem.lattices().ok_or_else(on_mesh)
+    }
+
+    /// Returns advice for a smaller residual; each option in it goes with those that are given.
+    pub(super) fn closer(&self) -> &'static str {
+        match (self.settings.solver, self.settings.params.rule) {
+            (Solver::Multigrid, _) if self.accuracy.is_some() => "ask for a smaller accuracy",
+            (Solver::Multigrid, _) if self.tolerance.is_some() => "ask for a smaller --tolerance",
+            (Solver::Multigrid, _) => "use --solver active-set",
+            (solver, StopRule::PrintedDual) if solver.is_nested() => "use --solver multigrid",
+            (solver, _) if solver.is_nested() => "use --stop printed-dual, or --solver multigrid",
+            _ => "use --solver multigrid",
+        }
+    }
+
+    /// Returns advice after a limit on iterations.
+    pub(super) fn after_limit(&self) -> &'static str {
+        if self.settings.solver.is_nested() {
+            return "raise --max-iterations, or use --solver multigrid";
+        }
+        if self.problem.lattices().is_some() { "choose another --h" } else { self.closer() }
+    }
+
+    /// Returns the settings, by name, on which the answer depends besides f, the solver and the levels.
+    pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
+        let mut settings = Vec::new();
+        let (law, lattices) = (self.problem.law(), self.problem.lattices());
+        if !law.is_signorini() {
+            settings.push(("law", law.to_string().into()));
+        }
+        settings.extend(lattices.map(|lattices| ("load", rule_name(&lattices.rule()).into())));
+        if self.settings.solver.is_nested() {
+            let Params { r, rule, max_iterations, .. } = self.settings.params;
+            settings.push(("r", r.into()));
+            settings.push(("stop", rule.name().into()));
+            settings.push(("max_iterations", max_iterations.into()));
+            let prolongation = json!(self.settings.prolongation);
+            settings.extend(lattices.map(|_| ("prolongation", prolongation)));
+        }
+        settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
+        settings.extend(self.accuracy.map(|of| (of.option(), of.wanted().into())));
+        settings
+    }
+
+    /// Returns the message that no nodal vector solves the discrete problem for a load vector with this sum.
+    pub(super) fn without_solution(&self, sum_load: f64) -> String {
+        let (law, is_square) = (self.problem.law(), self.problem.lattices().is_some());
+        let remedy = match (is_square, law.is_signorini()) {
+            (true, true) => "use --load exact, another --h, or a lower f",
+            (true, false) => "use --load exact, another --h, or a wider law",
+            (false, true) => "lower f somewhere",
+            (false, false) => "change f, or widen the law",
+        };
+        let (name, grid) = (&self.name, self.problem.levels().name(self.problem.finest()));
+        let sum_load = sum_load + 0.0;
+        format!(
+            "{name}: the load vector sums to {sum_load:+.3e} on {grid}, where the discrete problem has no \
+             solution; {remedy}"
+        )
+    }
+
+    fn refused(&self, refusal: &Refusal) -> Error {
+        let place = self.scene.as_deref().unwrap_or("--f");
+        match refusal {
+            // The integral of f has been judged before.
+            Refusal::Input(
+                InputError::NotCoercive(sum)
+                | InputError::Law(LawError::Unbalanced { integral: sum, .. }),
+            ) => Error::Stage(vec![self.without_solution(*sum)]),
+            Refusal::Input(e @ InputError::GridSize { .. }) => Error::input(format!("--h: {e}")),
+            Refusal::NotOnMeshes(solver) => {
+                Error::input(format!("--solver {solver} is for the square; choose another solver"))
+            }
+            Refusal::Input(_) | Refusal::Problem(_) => {
+                Error::input(format!("{place}: {refusal}; check f"))
+            }
+        }
+    }
+}
+
+/// Memory that a solver takes on the square.
+struct Memory {
+    solver: Solver,
+    /// Memory per node for writing the solution, besides that of the solver.
+    bytes_to_write: u64,
+    accuracy: Option<Accuracy>,
+}
+
+impl Memory {
+    /// Refuses a grid on which the solver would take too much memory.
+    fn check(&self, finest: usize) -> Result<()> {
+        let solver = self.solver;
+        let most = solver.entry().most_on_square.unwrap_or(MAX_CELLS);
+        let asked = match self.accuracy {
+            Some(accuracy) => format!("{accuracy}: grid 1/{finest}"),
+            None => format!("--h 1/{finest}"),
+        };
+        if finest > most {
+            return Err(Error::input(format!(
+                "{asked} needs too much memory; 1/{most} is the finest for {solver}"
+            )));
+        }
+        let left = machine::available_memory().unwrap_or(u64::MAX);
+        if self.bytes(finest) <= left {
+            return Ok(());
+        }
+        let mut fits = finest / 2;
+        while fits >= 4 && self.bytes(fits) > left {
+            fits /= 2;
+        }
+        Err(Error::input(format!(
+            "{asked} takes about {} MB of memory, where {} MB are left; 1/{fits} would fit",
+            self.bytes(finest) / 1_000_000,
+            left / 1_000_000,
+        )))
+    }
+
+    /// Memory for solving on a grid and writing the solution.
+    fn bytes(&self, n: usize) -> u64 {
+        let n = n as u64;
+        let per_node = (self.solver.entry().bytes_per_node)(n) + self.bytes_to_write;
+        (n + 1).pow(2) * per_node
+    }
+}
+
+/// Returns the problem of a scene, with the options that change its levels.
+fn of_scene(
+    args: &SolveArgs,
+    scene: &Scene,
+    overridden: &mut Vec<String>,
+) -> Result<StatedProblem> {
+    let mut stated = scene.problem.clone();
+    match &mut stated.place {
+        Place::Square(square) => {
+            let given = args.h.as_deref().map(cells).transpose()?;
+            let of_scene = Some(square.finest().cells());
+            let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), overridden);
+            square.grids =
+                hierarchy(finest.unwrap_or(DEFAULT_CELLS), Some(square.grids[0].cells()))?;
+            let rule = choose("load", load_rule(args), Some(square.load), rule_name, overridden);
+            square.load = rule.unwrap_or(square.load);
+        }
+        Place::Mesh(place) => {
+            let of_scene = place.domain.refinements(&place.coarsest(&place.files)?);
+            if let Some(refine) = args.refine.filter(|&refine| usize::from(refine) != of_scene) {
+                overridden.push(format!("refine {refine} instead of {of_scene}"));
+                place.domain.refine = Some(refine);
+            }
+        }
+    }
+    Ok(stated)
+}
+
+/// Returns the problem that the options state.
+fn of_options(args: &SolveArgs) -> Result<StatedProblem> {
+    let f = args.f.as_deref().ok_or_else(|| Error::input("give a scene or --f"))?;
+    let domain = args.domain.as_deref().map(DomainSettings::named);
+    let place = match domain.filter(|domain| !domain.is_square()) {
+        Some(domain) => {
+            let domain = with_options(domain, args)?;
+            Place::Mesh(OnMesh { domain, f: f.into(), files: InputFiles::new() })
+        }
+        None => Place::Square(OnSquare {
+            f: f.parse().map_err(|e| Error::input(format!("--f: {e}")))?,
+            load: load_rule(args).unwrap_or(LoadRule::Bilinear {}),
+            grids: {
+                let finest = args.h.as_deref().map(cells).transpose()?;
+                hierarchy(finest.unwrap_or(DEFAULT_CELLS), None)?
+            },
+        }),
+    };
+    Ok(StatedProblem { place, law: args.law()? })
+}
+
+/// Returns a domain with the options about its mesh.
+fn with_options(mut domain: DomainSettings, args: &SolveArgs) -> Result<DomainSettings> {
+    domain.refine = args.refine;
+    domain.free.clone_from(&args.free);
+    domain.fixed.clone_from(&args.fixed);
+    for text in &args.curve {
+        let (part, numbers) = curve(text)?;
+        if domain.curve.insert(part, numbers).is_some() {
+            return Err(Error::input(format!(
+                "--curve {text}: the part has one already; name it once"
+            )));
+        }
+    }
+    if let Some(h) = &args.h {
+        if !domain.is_cube() {
+            return Err(Error::input(format!(
+                "--h is for the square and the cube; refine {} with --refine K",
+                domain.name
+            )));
+        }
+        let cells = cells(h)?;
+        let times = cells.trailing_zeros();
+        (domain.cells, domain.refine) = (Some(cells >> times), Some(times as u8));
+    }
+    Ok(domain)
+}
+
+/// Returns the problem on a mesh that is read from its file, if it is not built in.
+fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh) -> Result<Problem> {
+    let in_domain = |e: Error| match e {
+        Error::Input(text) => Error::input(format!("{name}: {text}")),
+        other => other,
+    };
+    let coarsest = match place.files.is_empty() {
+        false => place.coarsest(&place.files)?,
+        true => {
+            let path = &place.domain.name;
+            let file = place.domain.is_file().then(|| std::fs::read(path)).transpose();
+            let file = file.map_err(|e| Error::input(format!("{path}: {e}")))?;
+            place.domain.coarsest(file.as_deref(), "--")?
+        }
+    };
+    check_memory(&coarsest, place.domain.refinements(&coarsest))?;
+    stated.on_coarsest(place, &coarsest).map_err(in_domain)
+}
+
+/// Refuses refinements that take more memory than there is.
+fn check_memory(mesh: &AnyMesh, times: usize) -> Result<()> {
+    // Of mesh, network, solver and bounds: measured, rounded up.
+    let per_node = if mesh.dimension() == 2 { 600.0 } else { 1500.0 };
+    let left = machine::available_memory().unwrap_or(u64::MAX) as f64;
+    let taken = |times: usize| per_node * nodes_after(mesh, times);
+    if taken(times) <= left {
+        return Ok(());
+    }
+    let fits = (0..times).rev().find(|&times| taken(times) <= left).unwrap_or(0);
+    Err(Error::input(format!(
+        "--refine {times} takes about {:.0} MB of memory, where {:.0} MB are left; {fits} would fit",
+        taken(times) / 1e6,
+        left / 1e6
+    )))
+}
+
+/// Reads `PART=NUMBERS`: a part of the boundary, and the numbers of the curve on which it lies.
+fn curve(text: &str) -> Result<(String, Vec<f64>)> {
+    let read = || {
+        let (part, numbers) = text.split_once('=')?;
+        let numbers = numbers.split(',').map(|number| number.trim().parse().ok());
+        Some((part.trim().to_owned(), numbers.collect::<Option<_>>()?))
+    };
+    read().ok_or_else(|| {
+        Error::input(format!(
+            "--curve {text}: write PART=NUMBERS, e.g. hole=0,0,0.3 for a circle of radius 0.3 around (0, 0)"
+        ))
+    })
+}
+
+/// Returns the quadrature of the load vector that the options ask for: an accuracy concerns the solution for f, whatever
+/// load vector a scene takes; with the bilinear rule the bounds are closest, and the grids that they need coarsest.
+fn load_rule(args: &SolveArgs) -> Option<LoadRule> {
+    args.load.map(|rule| rule.0).or(args.accuracy().map(|_| LoadRule::Bilinear {}))
+}
+
+/// Refuses an option that has no use with the solver.
+fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
+    const MULTIGRID: &[Solver] = &[Solver::Multigrid];
+    let options: [(_, _, &[Solver]); 8] = [
+        ("--r", args.r.is_some(), Solver::NESTED),
+        ("--stop", args.stop.is_some(), Solver::NESTED),
+        ("--max-iterations", args.max_iterations.is_some(), Solver::NESTED),
+        ("--tolerance", args.tolerance.is_some(), MULTIGRID),
+        ("--accuracy", args.accuracy.is_some(), MULTIGRID),
+        ("--accuracy-energy", args.accuracy_energy.is_some(), MULTIGRID),
+        ("--load", args.load.is_some(), &Solver::ON_GRIDS),
+        ("--recover", args.recover, &Solver::ON_GRIDS),
+    ];
+    check_options("--solver", solver, &options)?;
+    let of_the_file =
+        [("--recover", args.recover), ("--h", args.h.is_some() && solver == Solver::Spectral)];
+    match of_the_file.iter().find(|(_, given)| *given && args.out.is_none()) {
+        None => Ok(()),
+        Some((option, _)) => Err(Error::input(format!(
+            "{option} is about the file that --out names; add --out FILE"
+        ))),
+    }
+}
+
+/// Refuses an option about a mesh where there is none, or one about the square on another domain.
+fn check_domain_options(args: &SolveArgs, place: &Place) -> Result<()> {
+    let parts = [
+        ("--free", !args.free.is_empty()),
+        ("--fixed", !args.fixed.is_empty()),
+        ("--curve", !args.curve.is_empty()),
+    ];
+    let refine = ("--refine", args.refine.is_some());
+    let width = ("--h", args.h.is_some());
+    let of_the_square = [
+        ("--load", args.load.is_some()),
+        ("--accuracy", args.accuracy.is_some()),
+        ("--accuracy-energy", args.accuracy_energy.is_some()),
+        ("--recover", args.recover),
+    ];
+    let (refused, remedy) = match (place, args.scene.is_some()) {
+        // Where the mesh is made, the width has been refused for all domains but the cube.
+        (Place::Mesh(_), false) => {
+            (of_the_square.to_vec(), "is for the square; leave it out, or leave out --domain")
+        }
+        (Place::Mesh(_), true) => (
+            [&parts[..], &[width], &of_the_square].concat(),
+            "does not go with the domain of a scene; leave it out, or change the scene",
+        ),
+        (Place::Square(_), _) => (
+            [&parts[..], &[refine]].concat(),
+            "is about a mesh; add --domain NAME or --domain FILE, or leave it out",
+        ),
+    };
+    if width.1 && refine.1 {
+        return Err(Error::input("--h and --refine both say how fine; leave one of them out"));
+    }
+    match refused.iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((option, _)) => Err(Error::input(format!("{option} {remedy}"))),
+    }
+}
+
+/// Returns the default solver: the paper's method for a scene or with an option that only this method takes, else
+/// multigrid.
+fn default_solver(args: &SolveArgs) -> Solver {
+    let of_the_paper = args.r.is_some() || args.stop.is_some() || args.max_iterations.is_some();
+    if args.accuracy().is_none() && (args.scene.is_some() || of_the_paper) {
+        Solver::ArrowHurwicz
+    } else {
+        Solver::Multigrid
+    }
+}
+
+fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Params> {
+    let r = choose("r", args.r, scene.map(Scene::drawn_r), f64::to_string, overridden);
+    let stop = args.stop.as_deref().map(stop_rule).transpose()?;
+    let rule = choose("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string, overridden);
+    let given = args.max_iterations.map(|n| n as usize);
+    let of_scene = scene.map(|s| s.max_iterations);
+    let limit = choose("max-iterations", given, of_scene, usize::to_string, overridden);
+    let defaults = Params::default();
+    Ok(Params {
+        r: positive_r(r.unwrap_or(10.0))?,
+        rule: rule.unwrap_or(StopRule::Printed),
+        max_iterations: limit.unwrap_or(defaults.max_iterations),
+        ..defaults
+    })
+}
+
+/// Returns the option's value, or else the scene's; adds a difference between the two to `overridden`.
+fn choose<T: PartialEq>(
+    name: &str,
+    option: Option<T>,
+    scene: Option<T>,
+    show: impl Fn(&T) -> String,
+    overridden: &mut Vec<String>,
+) -> Option<T> {
+    if let (Some(option), Some(scene)) = (&option, &scene)
+        && option != scene
+    {
+        overridden.push(format!("{name} {} instead of {}", show(option), show(scene)));
+    }
+    option.or(scene)
+}
+
+fn stop_rule(name: &str) -> Result<StopRule> {
+    StopRule::ALL.into_iter().find(|rule| rule.name() == name).ok_or_else(|| {
+        let names = StopRule::ALL.map(StopRule::name).join(", ");
+        Error::input(format!("--stop: no rule `{name}`; choose one of {names}"))
+    })
+}
+
+fn scene(name: &str) -> Result<Scene> {
+    let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
+    let scene = folder.named(name)?.clone();
+    scene.check_mesh()?;
+    Ok(scene)
+}
+
+/// Returns nested grids, each half as wide as the one before, down to the finest with as many cells per side: from the
+/// `coarsest` grid of the scene on if that is possible, else from the coarsest with at least four cells, or from the
+/// finest alone.
+fn hierarchy(finest: usize, coarsest: Option<usize>) -> Result<Vec<Grid>> {
+    let mut sizes = vec![finest];
+    let stop_at = coarsest
+        .filter(|&n| finest.is_multiple_of(n) && (finest / n).is_power_of_two())
+        .unwrap_or(4);
+    while sizes[0].is_multiple_of(2) && sizes[0] / 2 >= stop_at {
+        sizes.insert(0, sizes[0] / 2);
+    }
+    nested(&sizes).map_err(|e| Error::input(e.to_string()))
+}
+
+/// Returns the grid with as many cells per side.
+fn grid(cells: usize) -> Result<Grid> {
+    Grid::new(cells).map_err(|e| Error::input(e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sizes(finest: usize, coarsest: Option<usize>) -> Vec<usize> {
+        hierarchy(finest, coarsest).unwrap().iter().map(|grid| grid.cells()).collect()
+    }
+
+    #[test]
+    fn hierarchies_halve_down_to_an_odd_or_small_grid_or_to_the_scenes() {
+        assert_eq!(sizes(64, None), [4, 8, 16, 32, 64]);
+        assert_eq!(sizes(12, None), [6, 12]);
+        assert_eq!(sizes(7, None), [7]);
+        assert!(hierarchy(1, None).is_err());
+        assert_eq!(sizes(32, Some(16)), [16, 32]);
+        assert_eq!(sizes(128, Some(16)), [16, 32, 64, 128]);
+        assert_eq!(sizes(24, Some(16)), [6, 12, 24]);
+    }
+}

@@ -1,0 +1,188 @@
+//! Problems as scenes and options state them: a domain, f, the law, and the grids or refinements.
+
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::files::is_plain;
+use crate::pipeline::{InputFile, InputFiles};
+use crate::replication::domain::{DomainSettings, nodes_after};
+use serde::Serialize;
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::{AnyMesh, Touching};
+use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::source::Source;
+use std::path::Path;
+
+/// Problem as a scene or the options of `solve` state it.
+#[derive(Clone, Debug, Serialize)]
+pub struct StatedProblem {
+    /// Domain with f.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Law on the boundary; none for the paper's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawParameter>,
+}
+
+/// Domain with f, and its levels.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Place {
+    /// The paper's square, with its grids.
+    Square(OnSquare),
+    /// A mesh with its refinements.
+    Mesh(OnMesh),
+}
+
+/// f on nested grids of the square.
+#[derive(Clone, Debug, Serialize)]
+pub struct OnSquare {
+    /// Right-hand side.
+    pub f: Source,
+    /// Quadrature of the load vector.
+    pub load: LoadRule,
+    /// Nested grids, coarsest first.
+    #[serde(serialize_with = "cells")]
+    pub grids: Vec<Grid>,
+}
+
+/// f on a mesh and its refinements.
+#[derive(Clone, Debug, Serialize)]
+pub struct OnMesh {
+    /// Domain and its refinements.
+    pub domain: DomainSettings,
+    /// f, as text.
+    pub f: String,
+    /// Files on which the domain depends, by path: the mesh, if it is one of the project.
+    #[serde(skip)]
+    pub files: InputFiles,
+}
+
+/// Findings of the check of a mesh.
+pub(crate) struct CheckedMesh {
+    /// Number of dimensions.
+    pub dimension: u8,
+    /// Place where the domain touches itself with nodes of both sides, if there is one.
+    pub touching: Option<Touching>,
+}
+
+/// Grids as their numbers of cells per side.
+fn cells<S: serde::Serializer>(
+    grids: &[Grid],
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    serializer.collect_seq(grids.iter().map(|grid| grid.cells()))
+}
+
+/// Number of nodes up to which a scene on a mesh is checked whenever the project is read.
+const CHECKED_NODES: f64 = super::domain::USUAL_NODES;
+/// Most nodes of a mesh of a scene; the method of the paper takes days on it.
+const MOST_NODES: f64 = 1e7;
+/// Folder of the project from which scenes name their meshes.
+const FOLDER: &str = "pipeline";
+
+impl StatedProblem {
+    /// Returns the law on the boundary.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if its parameter makes no law.
+    pub(crate) fn law(&self) -> Result<Law> {
+        LawParameter::law_or_papers(self.law).map_err(|e| Error::input(format!("law: {e}")))
+    }
+
+    /// Returns the problem; its mesh is read from these files.
+    pub(crate) fn problem(&self, files: &InputFiles) -> Result<Problem> {
+        match &self.place {
+            Place::Square(OnSquare { f, load, grids }) => {
+                let made = Problem::on_square(grids.clone(), f.clone(), *load, self.law()?);
+                made.map_err(|e| Error::input(e.to_string()))
+            }
+            Place::Mesh(place) => self.on_coarsest(place, &place.coarsest(files)?),
+        }
+    }
+
+    /// Returns the problem on a mesh that has been read.
+    pub(crate) fn on_coarsest(&self, place: &OnMesh, coarsest: &AnyMesh) -> Result<Problem> {
+        let times = place.domain.refinements(coarsest);
+        Problem::on_mesh(coarsest, times, &place.f, self.law()?)
+            .map_err(|e| Error::input(e.to_string()))
+    }
+
+    /// Checks the mesh, its parts and, on meshes of the usual size, f; none on the square.
+    pub(crate) fn check_mesh(&self) -> Result<Option<CheckedMesh>> {
+        let Place::Mesh(place) = &self.place else { return Ok(None) };
+        let coarsest = place.coarsest(&place.files)?;
+        let times = place.domain.refinements(&coarsest);
+        let nodes = nodes_after(&coarsest, times);
+        if nodes > MOST_NODES {
+            return Err(Error::input(format!(
+                "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
+            )));
+        }
+        if nodes <= CHECKED_NODES {
+            self.on_coarsest(place, &coarsest)?;
+        }
+        let (dimension, touching) = (coarsest.dimension(), coarsest.touching().cloned());
+        Ok(Some(CheckedMesh { dimension, touching }))
+    }
+
+    /// f and grids on the square; none on a mesh.
+    pub(crate) fn square(&self) -> Option<&OnSquare> {
+        match &self.place {
+            Place::Square(square) => Some(square),
+            Place::Mesh(_) => None,
+        }
+    }
+
+    /// f and the domain on a mesh; none on the square.
+    pub(crate) fn mesh(&self) -> Option<&OnMesh> {
+        match &self.place {
+            Place::Square(_) => None,
+            Place::Mesh(mesh) => Some(mesh),
+        }
+    }
+
+    /// Files on which the problem depends, by path.
+    pub(crate) fn files(&self) -> InputFiles {
+        self.mesh().map(|mesh| mesh.files.clone()).unwrap_or_default()
+    }
+}
+
+impl OnSquare {
+    /// Finest grid.
+    pub(crate) fn finest(&self) -> Grid {
+        *self.grids.last().expect("validated: at least one grid")
+    }
+}
+
+impl OnMesh {
+    /// Returns the path of the mesh in the project.
+    fn path(&self) -> Option<String> {
+        self.domain.is_file().then(|| format!("{FOLDER}/{}", self.domain.name))
+    }
+
+    /// Finds the mesh in the project in `root`, among the `known` files or else on the disk, and does not read it: other
+    /// scenes with this mesh share what is read.
+    pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
+        let Some(path) = self.path() else { return Ok(()) };
+        if !is_plain(&path) {
+            return Err(Error::input(format!(
+                "{path}: name a file below {FOLDER}/ by its shortest path, as domain = \"meshes/gear.msh\""
+            )));
+        }
+        let file = match known.get(&path) {
+            Some(file) => file.clone(),
+            None => InputFile::if_there(&root.join(&path))?
+                .ok_or_else(|| Error::input(format!("there is no {path}; put the mesh there")))?,
+        };
+        known.insert(path.clone(), file.clone());
+        self.files.insert(path, file);
+        Ok(())
+    }
+
+    /// Returns the coarsest mesh, read from these files.
+    pub(crate) fn coarsest(&self, files: &InputFiles) -> Result<AnyMesh> {
+        let file = self.path().and_then(|path| files.get(&path));
+        self.domain.coarsest(file.map(InputFile::bytes).transpose()?, "")
+    }
+}
