@@ -56,7 +56,7 @@ impl Problem {
             return Err(Unsolvable::NotFinite);
         }
         let square = Component {
-            place: "the domain".into(),
+            number: None,
             has_fixed: false,
             has_parts: false,
             measure: Grid::PERIMETER,

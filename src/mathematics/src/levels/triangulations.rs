@@ -63,12 +63,9 @@ impl<S: CutShape<D, V>, const D: usize, const V: usize> Triangulations<S, D, V> 
         let found = loaded_components(network, &network.components(), &self.load.load);
         let mut components = Vec::new();
         for (number, &LoadedComponent { has_fixed, measure, sum }) in (1..).zip(&found) {
-            let place = match found.len() {
-                1 => "the domain".into(),
-                _ => format!("component {number} of the domain"),
-            };
+            let number = (found.len() > 1).then_some(number);
             components.push(Component {
-                place,
+                number,
                 has_fixed,
                 has_parts: true,
                 measure,

@@ -21,37 +21,47 @@ pub enum Unsolvable {
     NotFinite,
     /// No solution, or no unique one, under the paper's law: the condition (2) is violated.
     #[error(
-        "the integral of f over {place} is {}, but (2) asks for a negative one; lower f somewhere{}",
+        "the integral of f{} is {}, but (2) asks for a negative one; lower f somewhere{}",
+        over(*component),
         shown_integral(*integral),
         if *has_parts { ", or fix a part of the boundary" } else { "" }
     )]
     NotCoercive {
         /// Integral of f.
         integral: f64,
-        /// Connected component of the domain, in words.
-        place: String,
+        /// Number of the connected component, from 1 on; none if the domain is connected.
+        component: Option<usize>,
         /// True if the boundary has parts that can be fixed.
         has_parts: bool,
     },
     /// No solution, or no unique one, under another law.
-    #[error("over {place} {error}")]
+    #[error("{error}{}", over(*component))]
     Law {
-        /// Connected component of the domain, in words.
-        place: String,
+        /// Number of the connected component, from 1 on; none if the domain is connected.
+        component: Option<usize>,
         /// Integral of f, and those that the flux can balance.
         error: LawError,
     },
     /// A connected component whose whole boundary is free.
     #[error(
-        "the boundary of {0} is free everywhere; let some of the boundary be in contact or fixed"
+        "the boundary of {} is free everywhere; let some of it be in contact or fixed",
+        component.map_or("the domain".into(), |number| format!("component {number} of the domain"))
     )]
-    Insulated(String),
+    Insulated {
+        /// Number of the connected component, from 1 on; none if the domain is connected.
+        component: Option<usize>,
+    },
+}
+
+/// Words for the component of the domain.
+fn over(component: Option<usize>) -> String {
+    component.map_or_else(String::new, |number| format!(" over component {number} of the domain"))
 }
 
 /// Connected component of a domain with f.
 pub(super) struct Component {
-    /// Name in words.
-    pub place: String,
+    /// Number, from 1 on; none if the domain is connected.
+    pub number: Option<usize>,
     /// True if v = 0 on a part of its boundary.
     pub has_fixed: bool,
     /// True if the boundary has parts that can be fixed.
@@ -69,18 +79,18 @@ impl Component {
     /// Checks the condition (2): the flux that a law allows can balance f, by more than rounding errors of integrals of
     /// this `size`.
     pub(super) fn check(self, law: Law, size: f64) -> Result<(), Unsolvable> {
-        let Self { place, has_fixed, has_parts, measure, integral } = self;
+        let Self { number: component, has_fixed, has_parts, measure, integral } = self;
         if has_fixed {
             return Ok(());
         }
         if measure == 0.0 {
-            return Err(Unsolvable::Insulated(place));
+            return Err(Unsolvable::Insulated { component });
         }
         match law.check_solvable_by(ROUNDING * size.abs(), integral, measure) {
             Err(LawError::Unbalanced { integral, .. }) if law.is_signorini() => {
-                Err(Unsolvable::NotCoercive { integral, place, has_parts })
+                Err(Unsolvable::NotCoercive { integral, component, has_parts })
             }
-            Err(error) => Err(Unsolvable::Law { place, error }),
+            Err(error) => Err(Unsolvable::Law { component, error }),
             Ok(()) => Ok(()),
         }
     }
