@@ -49,8 +49,6 @@ pub(super) struct Inside<'a> {
     pub(super) panel: usize,
     pub(super) view: &'a View,
     pub(super) colours: ColourScale,
-    /// Size of the panel over that where two are in a row.
-    pub(super) scale: f64,
 }
 
 /// Returns a range, if none is given that of values and zero; around zero if the range is empty.
@@ -93,7 +91,7 @@ pub(super) fn in_boxes(
         let colours = ColourScale::Viridis { low: data.0, high: data.1 };
         picture.text(panel.title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
         walls(&mut picture, &view, &panel.floor, &ticks);
-        paint(&mut picture, &Inside { panel: k, view: &view, colours, scale });
+        paint(&mut picture, &Inside { panel: k, view: &view, colours });
         axes(&mut picture, &view, &panel.floor, &ticks);
         let power = panel.floor.power();
         if power != 0 {

@@ -1,7 +1,6 @@
-//! Parallel projection of a surface: places, light, and the order of the cells in depth.
+//! Parallel projection of a surface: places and light.
 
 use super::picture::Place;
-use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::mesh::{Element, PlaneMesh};
 
 /// Height of the box, its sides being 1.
@@ -18,24 +17,9 @@ const ELEVATION: f64 = 30.0;
 /// Part of the mean slope below which two sides of a surface are taken for equally high.
 const EVEN: f64 = 1e-6;
 
-/// Returns the azimuth above that of the four corners from which the surface, a nodal vector, rises most to the opposite
-/// corner: there it hides the smallest part of itself.
-pub(crate) fn uphill(grid: Grid, y: &[f64]) -> f64 {
-    let n = grid.cells();
-    let (mut azimuth, mut most) = (AZIMUTH, f64::NEG_INFINITY);
-    // Anticlockwise from the lower left corner.
-    for (turn, (i, j)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
-        let rise = y[grid.index(n - i, n - j)] - y[grid.index(i, j)];
-        if rise > most {
-            (azimuth, most) = (AZIMUTH + 90.0 * turn as f64, rise);
-        }
-    }
-    if azimuth > 180.0 { azimuth - 360.0 } else { azimuth }
-}
-
-/// Returns the azimuth, of the four from which [`uphill`] chooses, from which a function on a mesh, linear on each
-/// triangle, rises most on the whole.
-pub(crate) fn uphill_on_mesh(mesh: &PlaneMesh, y: &[f64]) -> f64 {
+/// Returns the azimuth above that of four corners from which a function on a mesh, linear on each triangle, rises most on
+/// the whole: there it hides the smallest part of itself.
+pub(crate) fn uphill(mesh: &PlaneMesh, y: &[f64]) -> f64 {
     let mut slope = [0.0; 2];
     let mut steepness = 0.0;
     for cell in mesh.cells() {
@@ -95,18 +79,6 @@ impl Camera {
             near: [toward[0], toward[1]].map(|t| if t < 0.0 { -1.0 } else { 1.0 }),
         }
     }
-
-    /// Cells (column, row) of a lattice with `n` per side, each after all cells that it may hide.
-    ///
-    /// Along a ray from the viewer, columns and rows only become farther, so the order from the far end to the near end
-    /// in both is an exact order in depth without sorting.
-    pub(super) fn far_to_near(&self, n: usize) -> impl Iterator<Item = (usize, usize)> {
-        let [right, upper] = self.near.map(|sign| sign > 0.0);
-        (0..n * n).map(move |k| {
-            let (i, j) = (k % n, k / n);
-            (if right { i } else { n - 1 - i }, if upper { j } else { n - 1 - j })
-        })
-    }
 }
 
 /// Map from space to a panel.
@@ -160,33 +132,6 @@ mod tests {
     use signorini_mathematics::mesh::BuiltIn;
 
     #[test]
-    fn a_cell_is_drawn_after_every_cell_it_may_hide() {
-        let n = 5;
-        for azimuth in [-170.0, -127.5, -90.0, -37.5, 0.0, 12.0, 52.5, 90.0, 142.5, 180.0] {
-            let camera = Camera::new(azimuth);
-            let mut turn = vec![None; n * n];
-            for (k, (i, j)) in camera.far_to_near(n).enumerate() {
-                turn[i + n * j] = Some(k);
-            }
-            assert!(turn.iter().all(Option::is_some));
-            for cell in (0..n * n).map(|k| (k % n, k / n)) {
-                // March towards the viewer from points of the cell: all cells met come later.
-                for (u, v) in [(0.5, 0.5), (0.1, 0.9), (0.9, 0.1), (0.2, 0.3)] {
-                    for step in 1..400 {
-                        let t = 0.02 * f64::from(step);
-                        let x = (cell.0 as f64 + u + t * camera.toward[0]).floor();
-                        let y = (cell.1 as f64 + v + t * camera.toward[1]).floor();
-                        if x < 0.0 || y < 0.0 || x >= n as f64 || y >= n as f64 {
-                            break;
-                        }
-                        assert!(turn[x as usize + n * y as usize] >= turn[cell.0 + n * cell.1]);
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
     fn camera_is_orthonormal() {
         let camera = Camera::new(AZIMUTH);
         let axes = [camera.right, camera.up, camera.toward];
@@ -209,19 +154,9 @@ mod tests {
         ] {
             let height = |[x, y]: &[f64; 2]| slope[0] * x + slope[1] * y;
             let y: Vec<f64> = mesh.points().iter().map(height).collect();
-            assert_eq!(Camera::new(uphill_on_mesh(&mesh, &y)).near, near);
+            assert_eq!(Camera::new(uphill(&mesh, &y)).near, near);
         }
         let even: Vec<f64> = mesh.points().iter().map(|[x, y]| x * x + y * y).collect();
-        assert_eq!(uphill_on_mesh(&mesh, &even), AZIMUTH);
-    }
-
-    #[test]
-    fn uphill_view_has_the_high_corner_at_the_back() {
-        let grid = Grid::new(2).unwrap();
-        for (k, near) in [(0, [1.0, 1.0]), (2, [-1.0, 1.0]), (8, [-1.0, -1.0]), (6, [1.0, -1.0])] {
-            let mut y = vec![0.0; 9];
-            y[k] = 1.0;
-            assert_eq!(Camera::new(uphill(grid, &y)).near, near);
-        }
+        assert_eq!(uphill(&mesh, &even), AZIMUTH);
     }
 }

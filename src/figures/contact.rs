@@ -69,7 +69,7 @@ fn range<'a>(lines: impl Iterator<Item = &'a Vec<f64>>) -> (f64, f64) {
 
 /// Draws a panel, and returns the top of the next one.
 fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
-    picture.text(panel.title, (ACROSS.0, top + 14.0), bold(LARGE).pos(START));
+    picture.text(&panel.title, (ACROSS.0, top + 14.0), bold(LARGE).pos(START));
     let labels = panel.lines.iter().map(|line| &*line.label);
     let legend = Legend::new(labels, WIDTH - 100.0);
     legend.draw(picture, (ACROSS.0, top + 38.0));
@@ -202,17 +202,17 @@ fn half_cell_before(node: usize, ContactPanel { places, length, .. }: &ContactPa
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::samples::on_grid;
     use signorini_mathematics::discrete::grid::Grid;
-    use signorini_mathematics::problem::law::Law;
 
     #[test]
     fn contact_wraps_around_the_first_corner() {
-        let square =
-            ContactPanel::of_square("t", Grid::new(4).unwrap(), Law::SIGNORINI, Vec::new());
-        assert!(arcs(&[], &square).is_empty());
-        assert_eq!(arcs(&[[0, 1]], &square), [(0.0, 0.125), (3.875, 4.0)]);
-        assert_eq!(arcs(&[[0, 1], [5, 7]], &square)[1], (1.125, 1.625));
-        assert_eq!(arcs(&[[0, 16]], &square), [(0.0, 4.0)]);
+        let problem = on_grid(Grid::new(4).unwrap());
+        let square = &ContactPanel::of("t", &problem, &[]).unwrap()[0];
+        assert!(arcs(&[], square).is_empty());
+        assert_eq!(arcs(&[[0, 1]], square), [(0.0, 0.125), (3.875, 4.0)]);
+        assert_eq!(arcs(&[[0, 1], [5, 7]], square)[1], (1.125, 1.625));
+        assert_eq!(arcs(&[[0, 16]], square), [(0.0, 4.0)]);
     }
 
     #[test]

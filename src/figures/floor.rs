@@ -19,9 +19,6 @@ pub(super) struct Floor {
 }
 
 impl Floor {
-    /// Floor below the unit square around the origin.
-    pub(super) const SQUARE: Self = Self { half: [0.5; 2], ends: [(-0.5, 0.5); 2] };
-
     /// Floor below the bounding box of points.
     pub(super) fn around(points: &[[f64; 2]]) -> Self {
         let ends = [0, 1].map(|d| super::range(points.iter().map(|point| point[d])));

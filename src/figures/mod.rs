@@ -8,6 +8,8 @@ mod boxes;
 mod camera;
 mod chart;
 mod contact;
+mod curves;
+mod drawn;
 mod floor;
 mod gradient;
 mod history;
@@ -23,11 +25,10 @@ mod square;
 mod surface;
 pub(crate) mod table;
 mod text;
-mod triangles;
 
-pub(crate) use camera::{uphill, uphill_on_mesh};
 pub(crate) use chart::charts;
 pub(crate) use contact::contact;
+pub(crate) use drawn::{DrawnSolution, drawn_level};
 pub(crate) use gradient::gradients;
 pub(crate) use history::histories;
 pub(crate) use identifiability::identifiability;
@@ -37,39 +38,23 @@ pub(crate) use picture::Picture;
 pub(crate) use plan::mesh_picture;
 pub(crate) use square::{grid, membrane};
 pub(crate) use surface::surfaces;
-pub(crate) use triangles::{drawn_level, mesh_solution, mesh_surfaces};
 
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Slice;
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Iteration, Pair};
+use signorini_mathematics::saddle::Iteration;
 
 /// One panel of [`surfaces`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<'a> {
-    pub(crate) title: &'a str,
-    pub(crate) grid: Grid,
-    /// Heights, dimensionless.
-    pub(crate) y: &'a [f64],
-    /// Boundary nodes that are drawn as in contact.
-    pub(crate) in_contact: &'a [bool],
-    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill`] hides least.
-    pub(crate) azimuth: f64,
-    /// Range of heights and colours; `None` for that of the data and zero.
-    pub(crate) range: Option<(f64, f64)>,
-}
-
-/// One panel of [`mesh_surfaces`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MeshSurface<'a> {
     pub(crate) title: &'a str,
     pub(crate) mesh: &'a PlaneMesh,
     /// Heights at the nodes, dimensionless.
     pub(crate) y: &'a [f64],
     /// Nodes that are drawn as in contact.
     pub(crate) in_contact: &'a [bool],
-    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill_on_mesh`] hides least.
+    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill`](camera::uphill) hides least.
     pub(crate) azimuth: f64,
     /// Range of heights and colours; `None` for that of the data and zero.
     pub(crate) range: Option<(f64, f64)>,
@@ -95,8 +80,8 @@ pub(crate) struct HistoryRun {
 
 /// One panel of [`contact`].
 #[derive(Clone, Debug)]
-pub(crate) struct ContactPanel<'a> {
-    pub(crate) title: &'a str,
+pub(crate) struct ContactPanel {
+    pub(crate) title: String,
     /// Arc lengths of the nodes of a closed curve of the boundary, from 0 on.
     pub(crate) places: Vec<f64>,
     /// Length of the curve.
@@ -107,14 +92,6 @@ pub(crate) struct ContactPanel<'a> {
     pub(crate) law: Law,
     /// Solutions compared.
     pub(crate) lines: Vec<ContactLine>,
-}
-
-impl<'a> ContactPanel<'a> {
-    /// The boundary of the square, from the lower left corner on.
-    pub(crate) fn of_square(title: &'a str, grid: Grid, law: Law, lines: Vec<ContactLine>) -> Self {
-        let places = (0..grid.boundary_nodes()).map(|b| b as f64 * grid.h()).collect();
-        Self { title, places, length: 4.0, has_sides: true, law, lines }
-    }
 }
 
 /// Solution along the boundary.
@@ -128,14 +105,6 @@ pub(crate) struct ContactLine {
     pub(crate) a: Vec<f64>,
     /// Contact at these nodes.
     pub(crate) in_contact: Vec<bool>,
-}
-
-impl ContactLine {
-    /// The pair of a grid of the square, along the boundary.
-    pub(crate) fn of_square(label: String, grid: Grid, law: Law, pair: &Pair) -> Self {
-        let y = grid.boundary().map(|node| pair.y[node]).collect();
-        Self { label, y, a: pair.a.clone(), in_contact: pair.in_contact(grid, law) }
-    }
 }
 
 /// One panel of [`gradients`].

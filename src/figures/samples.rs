@@ -4,11 +4,12 @@ use super::Stroke::{Line, Marked, Reference};
 use super::*;
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
-use signorini_mathematics::multigrid::MultigridParams;
-use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::triangulated::MeshProblem;
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::solvers::{self, Run, Settings, Solver};
 
 /// A picture under a title that needs escaping.
 pub(super) fn svg(picture: &Picture) -> String {
@@ -35,34 +36,24 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     figures
 }
 
-/// Solution on a triangulation of the plane.
-pub(super) struct SolvedSample {
-    pub(super) mesh: PlaneMesh,
-    pub(super) y: Vec<f64>,
-    pub(super) in_contact: Vec<bool>,
+/// Solves on a mesh refined `times` times.
+fn solved(name: &str, coarsest: &AnyMesh, times: usize, f: &str) -> DrawnSolution {
+    let problem = Problem::on_mesh(coarsest, times, f, Law::SIGNORINI).unwrap();
+    let Run { y, judgement, .. } =
+        solvers::solve(&problem, &Settings::of(Solver::Multigrid)).unwrap();
+    let pair = Pair { a: judgement.multiplier(&y), y };
+    DrawnSolution::of(name.into(), &problem, &pair, 2).unwrap()
 }
 
-impl SolvedSample {
-    /// Solves on a mesh refined `times` times.
-    pub(super) fn on(coarsest: &AnyMesh, times: usize, f: &str) -> Self {
-        let problem = MeshProblem::new(coarsest, times, f, Law::SIGNORINI).unwrap();
-        let params = MultigridParams::default();
-        let load = problem.law.with_load(&problem.f.load);
-        let (y, _) = solve_nested_networks(&problem.levels, load, &params).unwrap();
-        let nodes = problem.network().contact().iter().map(|contact| contact.node);
-        let mut in_contact = vec![false; y.len()];
-        for (node, touches) in nodes.zip(problem.judge(&y).in_contact()) {
-            in_contact[node] = touches;
-        }
-        let AnyMesh::Plane(mesh) = problem.mesh else { panic!("a mesh in space") };
-        Self { mesh, y, in_contact }
-    }
+/// Problem on one grid of the square.
+pub(super) fn on_grid(grid: Grid) -> Problem {
+    let f = Source::constant(-1.0);
+    Problem::on_square(vec![grid], f, LoadRule::Bilinear {}, Law::SIGNORINI).unwrap()
+}
 
-    pub(super) fn surface<'a>(&'a self, title: &'a str) -> MeshSurface<'a> {
-        let Self { mesh, y, in_contact } = self;
-        let azimuth = uphill_on_mesh(mesh, y);
-        MeshSurface { title, mesh, y, in_contact, azimuth, range: None }
-    }
+/// Surface of a pair on a grid of the square.
+pub(super) fn solution(title: &str, grid: Grid, pair: &Pair) -> DrawnSolution {
+    DrawnSolution::on_grid(title.into(), (grid, Law::SIGNORINI), pair, 2)
 }
 
 /// Gear whose hole is free, from a file.
@@ -78,16 +69,17 @@ fn meshes() -> Vec<(String, String)> {
     let [disc, lshape, annulus] =
         ["disc", "lshape", "annulus"].map(|name| AnyMesh::built_in(name).unwrap());
     let gear = gear();
-    let solved = [
-        ("disc", SolvedSample::on(&disc, 4, "disc(0.4,0,0.4)=5; else=-1")),
-        ("lshape", SolvedSample::on(&lshape, 4, "rect(-1,0,-1,0)=2; else=-2")),
-        ("annulus", SolvedSample::on(&annulus, 3, "halfplane(1,0,0)=1; else=-2")),
-        ("gear", SolvedSample::on(&gear, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
+    let drawn = [
+        ("disc", solved("disc", &disc, 4, "disc(0.4,0,0.4)=5; else=-1")),
+        ("lshape", solved("lshape", &lshape, 4, "rect(-1,0,-1,0)=2; else=-2")),
+        ("annulus", solved("annulus", &annulus, 3, "halfplane(1,0,0)=1; else=-2")),
+        ("gear", solved("gear", &gear, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
     ];
-    let drawn =
-        solved.iter().map(|(name, solved)| (*name, mesh_surfaces(2, &[solved.surface(name)])));
-    let mut figures: Vec<_> =
-        drawn.map(|(name, picture)| (name.to_owned(), svg(&picture))).collect();
+    let mut figures = Vec::new();
+    for (name, one) in &drawn {
+        let picture = surfaces(2, &[one.panel(one.azimuth(), None)]);
+        figures.push(((*name).to_owned(), svg(&picture)));
+    }
     let coarse = [("disc", &disc), ("L-shape", &lshape), ("annulus", &annulus), ("gear", &gear)];
     let plans: Vec<_> = coarse
         .into_iter()
@@ -116,17 +108,16 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let y = (0..grid.nodes()).map(|k| 0.01 * (k % 7) as f64 - 0.02).collect();
     let a = (0..grid.boundary_nodes()).map(|b| if b < 9 { 0.3 } else { 0.0 }).collect();
     let pair = Pair { y, a };
-    let in_contact = pair.in_contact(grid, Law::SIGNORINI);
+    let surface = solution(title, grid, &pair);
     for azimuth in [0.0, 52.5, 90.0] {
-        let panel =
-            Surface { title, grid, y: &pair.y, in_contact: &in_contact, azimuth, range: None };
-        figures.push((format!("view{azimuth}"), svg(&surfaces(2, &[panel]))));
+        let picture = surfaces(2, &[surface.panel(azimuth, None)]);
+        figures.push((format!("view{azimuth}"), svg(&picture)));
     }
     let lines =
         ["printed", "signed", "signed, and the dual change", "projected conjugate gradients"]
-            .map(|label| ContactLine::of_square(label.into(), grid, Law::SIGNORINI, &pair));
-    let panel = ContactPanel::of_square(title, grid, Law::SIGNORINI, lines.into());
-    figures.push(("lines".into(), svg(&contact(&[panel]))));
+            .map(|label| (label.to_owned(), pair.clone()));
+    let panels = ContactPanel::of(title, &on_grid(grid), &lines).unwrap();
+    figures.push(("lines".into(), svg(&contact(&panels))));
     let long: Vec<_> = (1..=30_000)
         .map(|number| {
             let size = 1.0 / number as f64;

@@ -1,156 +1,204 @@
-//! Figure 2: solutions on the square as shaded surfaces, painted from the far corner to the near one.
+//! Figure 2: solutions on domains in the plane as shaded surfaces, painted from the far triangles to the near ones.
 
 use super::Surface;
 use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
-use super::camera::{Vector, View, between, cross};
+use super::camera::{Vector, View, between, cross, dot};
 use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
-use super::picture::{Picture, Place};
-use signorini_mathematics::discrete::grid::Grid;
-
-/// Most cells per side that are drawn where two panels are in a row; finer grids are thinned, or the file would grow
-/// too large.
-const MOST_CELLS: usize = 32;
+use super::picture::Picture;
+use super::table::of_surfaces;
+use signorini_mathematics::mesh::{Condition, centroid};
+use std::collections::BTreeSet;
 
 /// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
 ///
-/// Heights are shaded by Lambert's law and coloured by value; the parts of the boundary in contact
-/// are marked on the surface. Grids finer than 32 cells per side are thinned, in smaller
-/// panels more.
+/// Heights are shaded by Lambert's law and coloured by value. Edges of the boundary in contact, those with both ends in
+/// contact, are marked on the surface. All triangles are drawn: a fine mesh makes a large file, see [`DrawnMesh`].
 pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     let boxes: Vec<_> = panels.iter().map(boxed).collect();
-    in_boxes(columns, &boxes, |picture, inside| paint(picture, inside, &panels[inside.panel]))
+    let mut picture = in_boxes(columns, &boxes, |picture, inside| {
+        let floor = &boxes[inside.panel].floor;
+        let surface = PaintedMesh::new(&panels[inside.panel], floor, inside);
+        let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
+        picture.group(&lines, |picture| surface.paint(picture));
+    });
+    picture.table = Some(of_surfaces(panels));
+    picture
 }
 
-fn boxed<'a>(&Surface { title, azimuth, range, y, .. }: &Surface<'a>) -> Boxed<'a> {
-    Boxed { title, azimuth, values: range_of_colours(range, y), floor: Floor::SQUARE }
+fn boxed<'a>(&Surface { title, mesh, azimuth, range, y, .. }: &Surface<'a>) -> Boxed<'a> {
+    let values = range_of_colours(range, y);
+    Boxed { title, azimuth, values, floor: Floor::around(mesh.points()) }
 }
 
-/// Paints a surface with its contact.
-fn paint(picture: &mut Picture, inside: &Inside, panel: &Surface) {
-    let mut touching = vec![false; panel.y.len()];
-    for (node, &in_contact) in panel.grid.boundary().zip(panel.in_contact) {
-        touching[node] = in_contact;
-    }
-    let &Inside { view, colours, .. } = inside;
-    let lines = thinned(panel.grid, (inside.scale * MOST_CELLS as f64) as usize);
-    let drawn = Drawn { view, panel, lines, touching, colours };
-    picture.group(CELL_LINES, |picture| quads(picture, &drawn));
-    picture.group("stroke-linecap=\"round\"", |picture| near_contact(picture, &drawn));
-}
+/// Numbers of the ends of an edge, the lower one first.
+type Ends = [u32; 2];
 
-/// Returns the grid lines that are drawn, equally spaced and at most `most`, and the last.
-fn thinned(grid: Grid, most: usize) -> Vec<usize> {
-    let n = grid.cells();
-    let mut lines: Vec<usize> = (0..n).step_by(n.div_ceil(most)).collect();
-    lines.push(n);
-    lines
-}
-
-/// Surface with its view.
-struct Drawn<'a> {
+/// Surface in its box.
+struct PaintedMesh<'a> {
     view: &'a View,
-    panel: &'a Surface<'a>,
-    /// Grid lines that are drawn, ascending.
-    lines: Vec<usize>,
-    /// Per node, true if it is on the boundary and in contact.
-    touching: Vec<bool>,
     colours: ColourScale,
+    panel: &'a Surface<'a>,
+    /// (x, y, v) at the nodes, x and y in the box.
+    nodes: Vec<Vector>,
+    /// Triangles from the farthest to the nearest.
+    order: Vec<usize>,
+    /// Turn at which the last triangle at each node is painted.
+    last: Vec<usize>,
 }
 
-/// Column and row of a node.
-type GridPoint = (usize, usize);
-
-impl Drawn<'_> {
-    /// Returns (x, y, v) at a node.
-    fn xyv(&self, (i, j): GridPoint) -> Vector {
-        let Surface { grid, y, .. } = self.panel;
-        [grid.coordinate(i), grid.coordinate(j), y[grid.index(i, j)]]
+impl<'a> PaintedMesh<'a> {
+    fn new(panel: &'a Surface<'a>, floor: &Floor, inside: &Inside<'a>) -> Self {
+        let &Inside { view, colours, .. } = inside;
+        let mesh = panel.mesh;
+        let mut nodes = Vec::with_capacity(panel.y.len());
+        for (&point, &v) in mesh.points().iter().zip(panel.y) {
+            let [x, y] = floor.inside(point);
+            nodes.push([x, y, v]);
+        }
+        let cells = mesh.cells().iter();
+        let depths: Vec<f64> = cells.map(|&cell| nearness(view, &nodes, cell)).collect();
+        let mut order: Vec<usize> = (0..depths.len()).collect();
+        order.sort_by(|&a, &b| depths[a].total_cmp(&depths[b]));
+        let mut last = vec![0; nodes.len()];
+        for (turn, &cell) in order.iter().enumerate() {
+            mesh.cells()[cell].iter().for_each(|&node| last[node as usize] = turn);
+        }
+        Self { view, colours, panel, nodes, order, last }
     }
 
-    /// Returns the place of a node in the picture.
-    fn place(&self, node: GridPoint) -> Place {
-        self.view.place(self.xyv(node))
-    }
-
-    /// True if the node is on the boundary and in contact.
-    fn touches(&self, (i, j): GridPoint) -> bool {
-        self.touching[self.panel.grid.index(i, j)]
-    }
-}
-
-/// Draws the cells from the far corner to the near one.
-fn quads(picture: &mut Picture, drawn: &Drawn) {
-    let Drawn { view, panel, lines, colours, .. } = drawn;
-    for (i, j) in view.camera.far_to_near(lines.len() - 1) {
-        let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(p, q)| (lines[i + p], lines[j + q]));
-        let xyv = corners.map(|node| drawn.xyv(node));
-        let mean = 0.25 * xyv.iter().map(|[_, _, v]| v).sum::<f64>();
-        let [a, b, c, d] = xyv.map(|xyv| view.point(xyv));
-        let light = view.brightness(cross(between(a, c), between(b, d)));
-        picture.polygon(xyv.map(|xyv| view.place(xyv)), lit(colours.color(mean), light));
-        // Contact on the far sides is drawn here, so that nearer cells can hide it.
-        for side in 0..4 {
-            let edge = [corners[side], corners[(side + 1) % 4]];
-            if is_far(view, panel.grid, edge) {
-                mark(picture, drawn, edge);
+    /// Paints triangles and contact in their order.
+    fn paint(&self, picture: &mut Picture) {
+        let contact = self.contact();
+        let mut marks: Vec<Vec<Ends>> = vec![Vec::new(); self.order.len() + 1];
+        for (turn, &cell) in self.order.iter().enumerate() {
+            let [a, b, c] = self.panel.mesh.cells()[cell];
+            for [a, b, opposite] in [[a, b, c], [b, c, a], [c, a, b]] {
+                if contact.contains(&[a.min(b), a.max(b)]) {
+                    // Not before the last triangle at the edge, which would cover half of the line.
+                    let visible = 1 + self.last[a as usize].max(self.last[b as usize]);
+                    let when = if self.hides([a, b], opposite) { turn } else { visible };
+                    marks[when].push([a, b]);
+                }
+            }
+        }
+        for (turn, edges) in marks.iter().enumerate() {
+            for edge in edges {
+                let places = edge.map(|node| self.view.place(self.nodes[node as usize]));
+                picture.path(places, CONTACT, CONTACT_WIDTH);
+            }
+            if let Some(&cell) = self.order.get(turn) {
+                self.triangle(picture, self.panel.mesh.cells()[cell]);
             }
         }
     }
-}
 
-/// Draws contact on the near sides, which nothing hides: last, so that the mesh does not cover half of the line.
-fn near_contact(picture: &mut Picture, drawn: &Drawn) {
-    let grid = drawn.panel.grid;
-    let n = grid.cells();
-    for pair in drawn.lines.windows(2) {
-        let (p, q) = (pair[0], pair[1]);
-        for edge in [[(p, 0), (q, 0)], [(n, p), (n, q)], [(p, n), (q, n)], [(0, p), (0, q)]] {
-            if !is_far(drawn.view, grid, edge) {
-                mark(picture, drawn, edge);
-            }
-        }
+    /// Edges of the boundary in contact.
+    fn contact(&self) -> BTreeSet<Ends> {
+        let Surface { mesh, in_contact, .. } = self.panel;
+        let touches = mesh.facets().iter().filter(|facet| {
+            let ends = facet.nodes.iter().all(|&node| in_contact[node as usize]);
+            ends && mesh.condition(facet) == Condition::Contact
+        });
+        touches.map(|facet| facet.nodes).map(|[a, b]| [a.min(b), a.max(b)]).collect()
+    }
+
+    fn triangle(&self, picture: &mut Picture, cell: [u32; 3]) {
+        let corners = cell.map(|node| self.nodes[node as usize]);
+        let mean = corners.iter().map(|[_, _, v]| v).sum::<f64>() / 3.0;
+        let light = self.view.brightness(self.upward(cell));
+        picture
+            .polygon(corners.map(|xyv| self.view.place(xyv)), lit(self.colours.color(mean), light));
+    }
+
+    /// Normal of a triangle in the box, upwards.
+    fn upward(&self, cell: [u32; 3]) -> Vector {
+        let [a, b, c] = cell.map(|node| self.view.point(self.nodes[node as usize]));
+        let normal = cross(between(a, b), between(a, c));
+        if normal[2] < 0.0 { normal.map(|x| -x) } else { normal }
+    }
+
+    /// True if a triangle hides its edge `[a, b]`: the edge is on its far side, and the triangle is seen from below.
+    fn hides(&self, [a, b]: Ends, opposite: u32) -> bool {
+        let [p, q, r] = [a, b, opposite].map(|node| self.nodes[node as usize]);
+        let (along, inwards) = (between(p, q), between(p, r));
+        let turned = [along[1], -along[0], 0.0];
+        let toward = self.view.camera.toward;
+        let is_far = dot(turned, toward) * dot(turned, inwards) > 0.0;
+        is_far && dot(self.upward([a, b, opposite]), toward) < 0.0
     }
 }
 
-/// True if an edge of the lattice is on one of the two sides away from the viewer.
-fn is_far(view: &View, grid: Grid, [p, q]: [GridPoint; 2]) -> bool {
-    let [far_x, far_y] = view.camera.near.map(|sign| if sign > 0.0 { 0 } else { grid.cells() });
-    (p.0 == far_x && q.0 == far_x) || (p.1 == far_y && q.1 == far_y)
-}
-
-/// Draws the part of an edge on the boundary that is in contact, node by node of the full grid.
-fn mark(picture: &mut Picture, drawn: &Drawn, [p, q]: [GridPoint; 2]) {
-    let length = p.0.abs_diff(q.0).max(p.1.abs_diff(q.1));
-    let mut run: Vec<GridPoint> = Vec::new();
-    for k in 0..=length {
-        let [i, j] = [(p.0, q.0), (p.1, q.1)].map(|(a, b)| (a * (length - k) + b * k) / length);
-        let touches = drawn.touches((i, j));
-        if touches {
-            run.push((i, j));
-        }
-        if (!touches || k == length) && !run.is_empty() {
-            if run.len() > 1 {
-                picture.path(run.iter().map(|&node| drawn.place(node)), CONTACT, CONTACT_WIDTH);
-            }
-            run.clear();
-        }
-    }
+/// Distance of the centroid of a triangle towards the viewer, on the floor: along a ray from the viewer, the place there
+/// only becomes farther, whatever the heights.
+fn nearness(view: &View, nodes: &[Vector], cell: [u32; 3]) -> f64 {
+    let [x, y, _] = centroid(cell.map(|node| nodes[node as usize]));
+    dot([x, y, 0.0], view.camera.toward)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::samples::svg;
+    use signorini_mathematics::mesh::{BuiltIn, PlaneMesh, refine};
 
-    #[test]
-    fn thinning_keeps_both_ends() {
-        assert_eq!(lines(4), [0, 1, 2, 3, 4]);
-        assert_eq!(lines(64).len(), 33);
-        assert_eq!(lines(33).last(), Some(&33));
-        assert!(lines(1000).len() <= MOST_CELLS + 1);
+    fn refined(domain: BuiltIn, times: usize) -> PlaneMesh {
+        let coarse = domain.plane().unwrap();
+        (0..times).fold(coarse, |mesh, _| refine(&mesh).unwrap().mesh)
     }
 
-    fn lines(cells: usize) -> Vec<usize> {
-        thinned(Grid::new(cells).unwrap(), MOST_CELLS)
+    fn drawn(mesh: &PlaneMesh, y: &[f64], in_contact: &[bool]) -> String {
+        let panel = Surface { title: "t", mesh, y, in_contact, azimuth: -37.5, range: None };
+        svg(&surfaces(2, &[panel]))
+    }
+
+    /// True if a line of a picture draws a line in the colour of contact.
+    fn is_mark(line: &str) -> bool {
+        line.starts_with("<polyline") && line.contains("stroke=\"#D52B00\"")
+    }
+
+    /// Number of lines in the colour of contact, without the one of the key.
+    fn marks(svg: &str) -> usize {
+        svg.lines().filter(|line| is_mark(line)).count() - 1
+    }
+
+    #[test]
+    fn edges_between_nodes_in_contact_are_marked_on_contact_parts_only() {
+        let mut mesh = refined(BuiltIn::Annulus, 1);
+        let y: Vec<f64> = mesh.points().iter().map(|[x, y]| x * x + y * y).collect();
+        let all = vec![true; y.len()];
+        assert_eq!(marks(&drawn(&mesh, &y, &all)), mesh.facets().len());
+        assert_eq!(marks(&drawn(&mesh, &y, &vec![false; y.len()])), 0);
+        for condition in [Condition::Free, Condition::Fixed] {
+            mesh.parts_mut()[0].condition = condition;
+            let outer = mesh.facets().iter().filter(|facet| facet.part == 1).count();
+            assert_eq!(marks(&drawn(&mesh, &y, &all)), outer);
+        }
+        // One end is no edge.
+        let node = mesh.facets().last().unwrap().nodes[0] as usize;
+        let one: Vec<bool> = (0..y.len()).map(|k| k == node).collect();
+        assert_eq!(marks(&drawn(&mesh, &y, &one)), 0);
+    }
+
+    #[test]
+    fn every_triangle_is_painted_once_and_the_same_data_give_the_same_bytes() {
+        let mesh = refined(BuiltIn::Disc, 2);
+        let y: Vec<f64> = mesh.points().iter().map(|[x, y]| x - y).collect();
+        let contact = vec![false; y.len()];
+        let svg = drawn(&mesh, &y, &contact);
+        // The floor is a polygon too.
+        assert_eq!(svg.matches("<polygon").count(), mesh.cells().len() + 1);
+        assert_eq!(svg, drawn(&mesh, &y, &contact));
+    }
+
+    #[test]
+    fn contact_behind_a_surface_that_rises_is_covered() {
+        let mesh = refined(BuiltIn::LShape, 0);
+        // The far side, y = 1, is low, and the surface before it high.
+        let y: Vec<f64> = mesh.points().iter().map(|[_, y]| -y).collect();
+        let touching: Vec<bool> = mesh.points().iter().map(|[_, y]| *y == 1.0).collect();
+        let svg = drawn(&mesh, &y, &touching);
+        let mut after = svg.lines().skip_while(|line| !is_mark(line));
+        assert!(marks(&svg) == 2 && after.any(|line| line.starts_with("<polygon")));
     }
 }

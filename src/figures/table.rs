@@ -2,7 +2,7 @@
 
 use super::{
     Chart, ContactLine, ContactPanel, GradientPanel, HistoryPanel, HistoryRun,
-    IdentifiabilityPanel, MeshSurface, Stroke,
+    IdentifiabilityPanel, Stroke, Surface,
 };
 
 /// Quotes a cell of CSV if RFC 4180 asks for it.
@@ -50,7 +50,7 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     let mut csv = "panel,run,s,y,a\n".to_owned();
     for panel in panels {
         for ContactLine { label, y, a, .. } in &panel.lines {
-            let names = [panel.title, label].map(quoted).join(",");
+            let names = [&panel.title, label].map(|name| quoted(name)).join(",");
             for ((s, y), a) in panel.places.iter().zip(y).zip(a) {
                 csv += &format!("{names},{s},{y},{a}\n");
             }
@@ -82,9 +82,9 @@ pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
 }
 
 /// Returns the values at the nodes of meshes, to four digits, which is more than a picture shows.
-pub(super) fn of_mesh_surfaces(panels: &[MeshSurface]) -> String {
+pub(super) fn of_surfaces(panels: &[Surface]) -> String {
     let mut csv = "panel,x,y,v\n".to_owned();
-    for MeshSurface { title, mesh, y, .. } in panels {
+    for Surface { title, mesh, y, .. } in panels {
         let title = quoted(title);
         for (&[px, py], &v) in mesh.points().iter().zip(*y) {
             let [px, py, v] = [px, py, v].map(|value| rounded(value, 4));

@@ -1,10 +1,11 @@
 //! Tests that hold for every figure.
 
-use super::samples::{committed, every, svg, unusual};
+use super::samples::{committed, every, on_grid, solution, svg, unusual};
 use super::*;
 use signorini_mathematics::mesh::{MeshData, PlaneMesh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::Pair;
 use std::collections::BTreeMap;
 
 /// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
@@ -163,11 +164,10 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
         (0..grid.nodes()).map(|k| low + (high - low) * (k % 7) as f64 / 6.0).collect();
     let a = (0..grid.boundary_nodes()).map(|b| if b < 9 { high.abs() } else { 0.0 }).collect();
     let pair = Pair { y, a };
-    let in_contact = &pair.in_contact(grid, Law::SIGNORINI);
-    let [front, lower_left, lower_right, upper_right] = [0.0, -37.5, 52.5, 142.5]
-        .map(|azimuth| Surface { title: "t", grid, y: &pair.y, in_contact, azimuth, range: None });
-    let line = ContactLine::of_square("l".into(), grid, Law::SIGNORINI, &pair);
-    let panel = ContactPanel::of_square("t", grid, Law::SIGNORINI, vec![line]);
+    let drawn = solution("t", grid, &pair);
+    let [front, lower_left, lower_right, upper_right] =
+        [0.0, -37.5, 52.5, 142.5].map(|azimuth| drawn.panel(azimuth, None));
+    let panels = ContactPanel::of("t", &on_grid(grid), &[("l".into(), pair.clone())]).unwrap();
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
     let run = HistoryRun { label: "r".into(), levels };
@@ -176,7 +176,7 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
         ("source", maps_of_f(&[("t", &f), ("u", &f)])),
         ("surface", surfaces(2, &[front])),
         ("surfaces", surfaces(3, &[lower_left, lower_right, upper_right])),
-        ("contact", contact(&[panel])),
+        ("contact", contact(&panels)),
         ("history", histories(&[history])),
     ]
 }
@@ -219,7 +219,7 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
                 let low = [shift * size, -shift * size];
                 let mesh = &rectangle(low, [low[0] + wide * size, low[1] + high * size]);
                 let (y, in_contact) = (&[0.0, 1.0, 0.3, 0.0], &[true; 4]);
-                let panels = [-37.5, 52.5, 142.5].map(|azimuth| MeshSurface {
+                let panels = [-37.5, 52.5, 142.5].map(|azimuth| Surface {
                     title: "t",
                     mesh,
                     y,
@@ -228,8 +228,8 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
                     range: None,
                 });
                 let name = format!("{wide} x {high} times {size:e} at {shift}");
-                readable(&name, &mesh_surfaces(2, &panels[..1]));
-                readable(&name, &mesh_surfaces(3, &panels));
+                readable(&name, &surfaces(2, &panels[..1]));
+                readable(&name, &surfaces(3, &panels));
                 readable(&name, &mesh_picture(&[("t", mesh), ("u", mesh)]));
             }
         }
@@ -275,9 +275,8 @@ fn what_cannot_be_drawn_is_refused() {
     svg(&surface(grid, &pair));
     pair.y[4] = f64::NAN;
     assert!(refusal(&surface(grid, &pair)).contains("not a finite number"));
-    let line = ContactLine::of_square("l".into(), grid, Law::SIGNORINI, &pair);
-    let panel = ContactPanel::of_square("t", grid, Law::SIGNORINI, vec![line]);
-    assert!(refusal(&contact(&[panel])).contains("not a finite number"));
+    let panels = ContactPanel::of("t", &on_grid(grid), &[("l".into(), pair)]).unwrap();
+    assert!(refusal(&contact(&panels)).contains("not a finite number"));
     assert!(refusal(&chart(Some((1.0, 0.0)))).contains("not a finite number"));
     assert!(refusal(&chart(None)).contains("nothing to draw"));
 }
@@ -287,8 +286,7 @@ fn refusal(picture: &Picture) -> &'static str {
 }
 
 fn surface(grid: Grid, pair: &Pair) -> Picture {
-    let (y, in_contact) = (&pair.y, &[false; 16]);
-    surfaces(2, &[Surface { title: "t", grid, y, in_contact, azimuth: 0.0, range: None }])
+    surfaces(2, &[solution("t", grid, pair).panel(0.0, None)])
 }
 
 /// Chart of one curve with at most one point.

@@ -1,6 +1,6 @@
 //! Files that `solve --out` writes.
 
-use crate::figures::{Surface, mesh_solution, surfaces, uphill};
+use crate::figures::{DrawnSolution, surfaces};
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
 use signorini_mathematics::discrete::grid::Grid;
@@ -31,6 +31,9 @@ pub(super) struct Solution<'a> {
     /// Grid of the pair on the square, if that is not the finest one of the problem.
     pub grid: Option<Grid>,
 }
+
+/// Panels of a row for which a picture has room.
+const COLUMNS: usize = 2;
 
 impl Format {
     /// Returns the format that the ending of `path` names, in small letters or capitals.
@@ -80,10 +83,9 @@ impl Solution<'_> {
             Format::Npz => fields.npz(),
             Format::Vti | Format::Vtu => Some(fields.vti(self.name)),
             Format::Svg => {
-                let (title, y, azimuth) = (self.name, &self.pair.y[..], uphill(grid, &self.pair.y));
-                let in_contact = &self.pair.in_contact(grid, self.problem.law());
-                let surface = Surface { title, grid, y, in_contact, azimuth, range: None };
-                Some(self.svg(&surfaces(2, &[surface]))?)
+                let (title, law) = (self.name.to_owned(), self.problem.law());
+                let drawn = DrawnSolution::on_grid(title, (grid, law), self.pair, COLUMNS);
+                Some(self.svg(&surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]))?)
             }
         })
     }
@@ -91,8 +93,10 @@ impl Solution<'_> {
     fn on_mesh(&self, format: Format) -> Result<Option<Vec<u8>>> {
         let Self { problem, name, pair, .. } = self;
         if format == Format::Svg {
-            let drawn = mesh_solution(1, name, problem, pair);
-            return Ok(Some(self.svg(&drawn.map_err(Error::input)?)?));
+            let drawn = DrawnSolution::of((*name).to_owned(), problem, pair, COLUMNS);
+            let drawn = drawn.map_err(Error::input)?;
+            let picture = surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]);
+            return Ok(Some(self.svg(&picture)?));
         }
         let level = problem.finest();
         let (mesh, multiplier) = (problem.levels().mesh(level), problem.at_nodes(&pair.a, 0.0));

@@ -1,14 +1,13 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
 mod book;
-mod on_mesh;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
-    ContactLine, ContactPanel, HistoryPanel, HistoryRun, IdentifiabilityPanel, Picture, Surface,
-    contact, histories, identifiability, maps_of_f, surfaces, uphill,
+    ContactPanel, DrawnSolution, HistoryPanel, HistoryRun, IdentifiabilityPanel, Picture, contact,
+    drawn_level, histories, identifiability, maps_of_f, mesh_map, surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -16,6 +15,7 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use serde_json::json;
 use signorini_mathematics::identify::Findings;
+use signorini_mathematics::mesh::AnyMesh;
 use std::collections::BTreeMap;
 
 /// Kind of figure.
@@ -145,55 +145,46 @@ fn surface(scene: &Scene) -> String {
 }
 
 fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
-    if let [scene] = scenes
-        && scene.problem.mesh().is_some()
-    {
-        return on_mesh::draw(output, scene, inputs);
-    }
-    Ok(draw_on_square(output, scenes, inputs)?)
-}
-
-fn draw_on_square(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
     match output {
-        Output::Source | Output::Table => {
-            let maps: Vec<_> =
-                scenes.iter().map(|scene| (&*scene.title, &scene.on_grids().f)).collect();
-            Ok(maps_of_f(&maps))
-        }
+        Output::Source | Output::Table => draw_maps(scenes, inputs),
         Output::Surface => draw_surfaces(scenes, inputs),
         Output::History => {
             let panels = scenes.iter().map(|scene| history(scene, inputs));
             Ok(histories(&panels.collect::<Result<Vec<_>, _>>()?))
         }
-        Output::Contact => {
-            let panels = scenes.iter().map(|scene| contacts(scene, inputs));
-            Ok(contact(&panels.collect::<Result<Vec<_>, _>>()?))
-        }
-        Output::Identify => draw_identifiability(scenes, inputs),
+        Output::Contact => draw_contact(scenes, inputs),
+        Output::Identify => Ok(draw_identifiability(scenes, inputs)?),
     }
 }
 
-fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {
-    let (mut titles, mut heights, mut in_contact) = (Vec::new(), Vec::new(), Vec::new());
+/// Draws f: on the square by the borders of its pieces, on a mesh by its means over the triangles.
+fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
+    if let [scene] = scenes
+        && scene.problem.mesh().is_some()
+    {
+        let problem = scene.problem.problem(inputs.files)?;
+        let levels = problem.levels();
+        let level = drawn_level(levels);
+        let f = levels.means(level).map_err(|e| e.to_string())?;
+        let AnyMesh::Plane(mesh) = levels.mesh(level) else {
+            return Err("a domain in space has no picture".into());
+        };
+        return Ok(mesh_map(&scene.title, &mesh, &f));
+    }
+    let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.on_grids().f)).collect();
+    Ok(maps_of_f(&maps))
+}
+
+fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
+    let mut drawn = Vec::new();
     for scene in scenes {
-        let pair = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
-        titles.push(title_with_end(inputs, scene)?);
-        in_contact.push(pair.in_contact(scene.finest(), scene.law()));
-        heights.push(pair.y);
+        let problem = scene.problem.problem(inputs.files)?;
+        let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
+        let title = title_with_end(inputs, scene)?;
+        drawn.push(DrawnSolution::of(title, &problem, &pair, 2)?);
     }
-    let mut shown = Vec::new();
-    for (k, scene) in scenes.iter().enumerate() {
-        let (grid, y) = (scene.finest(), &heights[k]);
-        shown.push(Surface {
-            title: &titles[k],
-            grid,
-            y,
-            in_contact: &in_contact[k],
-            azimuth: uphill(grid, y),
-            range: None,
-        });
-    }
-    Ok(surfaces(2, &shown))
+    let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
+    Ok(surfaces(2, &panels))
 }
 
 /// Returns the title of a scene, with the end of its iteration unless that is a solution.
@@ -214,14 +205,19 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
     Ok(HistoryPanel { title: &scene.title, grids: &scene.on_grids().grids, runs })
 }
 
-fn contacts<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<ContactPanel<'a>, String> {
-    let mut lines = Vec::new();
-    for &stop in &scene.stop {
-        let label = solve::label(inputs, scene, stop)?;
-        let pair = solve::pair_on_grid(inputs, scene, stop)?;
-        lines.push(ContactLine::of_square(label, scene.finest(), scene.law(), &pair));
+/// Draws, for each closed curve of the boundaries, the trace and the multiplier where each rule stops.
+fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
+    let mut panels = Vec::new();
+    for scene in scenes {
+        let problem = scene.problem.problem(inputs.files)?;
+        let mut solutions = Vec::new();
+        for &stop in &scene.stop {
+            let pair = solve::pair(inputs, scene, stop, &problem)?;
+            solutions.push((solve::label(inputs, scene, stop)?, pair));
+        }
+        panels.extend(ContactPanel::of(&scene.title, &problem, &solutions)?);
     }
-    Ok(ContactPanel::of_square(&scene.title, scene.finest(), scene.law(), lines))
+    Ok(contact(&panels))
 }
 
 fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {

@@ -50,7 +50,7 @@ pub use nested::{NestedMeshes, nested_meshes, refined};
 pub use refine::{Refined, refine};
 pub use same_place::Touching;
 pub use source::{MeshSource, MeshSourceError};
-pub use uniform::{uniform_cube, uniform_square};
+pub use uniform::{lattice_mesh, uniform_cube, uniform_square};
 
 /// Condition on a part of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -5,13 +5,24 @@ use crate::discrete::grid::Grid;
 
 /// The paper's triangulation of the square: each cell is cut by its rising diagonal.
 pub fn uniform_square(grid: Grid) -> PlaneMesh {
-    let (n, side) = (grid.cells(), grid.side());
-    let nodes = (0..side).flat_map(|j| (0..side).map(move |i| [i, j]));
-    let points = nodes.map(|at| at.map(|i| i as f64 / n as f64 - 0.5)).collect();
+    let n = grid.cells();
+    // The quotient is rounded once, so that lines shared by nested grids coincide to the bit.
+    let lines: Vec<_> = (0..=n).map(|i| i as f64 / n as f64 - 0.5).collect();
+    lattice_mesh(&lines)
+}
+
+/// Triangulation of the square between these lines, the same along both axes, ascending; each cell is cut by its rising
+/// diagonal.
+///
+/// # Panics
+/// If there are less than two lines, or they do not ascend.
+pub fn lattice_mesh(lines: &[f64]) -> PlaneMesh {
+    let (n, side) = (lines.len() - 1, lines.len());
+    let points = lines.iter().flat_map(|&y| lines.iter().map(move |&x| [x, y])).collect();
     let mut cells = Vec::with_capacity(2 * n * n);
     for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
         let [ll, lr, ul, ur] =
-            [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| grid.index(i, j) as u32);
+            [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| (j * side + i) as u32);
         cells.extend([[ll, lr, ur], [ll, ur, ul]]);
     }
     let data = MeshData { points, cells, ..MeshData::default() };

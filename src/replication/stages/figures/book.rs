@@ -2,19 +2,18 @@
 
 use super::{drawing, surface};
 use crate::figures::{
-    GradientPanel, MeshSurface, Picture, Surface, gradients as draw_gradients, grid, membrane,
-    mesh_picture, mesh_surfaces, range_with_zero, surfaces, uphill, uphill_on_mesh,
+    DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, grid, membrane,
+    mesh_picture, range_with_zero, surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task, parameters};
 use crate::replication::scene::Scene;
 use crate::replication::stages::solve;
 use serde_json::json;
-use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::tolerance;
+use signorini_mathematics::saddle::{Pair, tolerance};
 use signorini_mathematics::solvers::{self, Run, Settings, Solver};
 use std::collections::BTreeMap;
 
@@ -32,48 +31,33 @@ pub(super) fn stops(scenes: &[&Scene]) -> Task {
     let task = drawing("stops", title.into(), needs, move |inputs| {
         let mut rows = Vec::new();
         for scene in &scenes {
-            rows.push(StopsRow::of(inputs, scene)?);
+            rows.push(row_of_stops(inputs, scene)?);
         }
-        let mut shown = Vec::new();
-        for StopsRow { grid, titles, heights, in_contact } in &rows {
-            let range = Some(range_with_zero(heights.iter().flatten().copied()));
-            let (grid, azimuth) = (*grid, uphill(*grid, &heights[1]));
-            for ((title, y), in_contact) in titles.iter().zip(heights).zip(in_contact) {
-                shown.push(Surface { title, grid, y, in_contact, azimuth, range });
-            }
+        let mut panels = Vec::new();
+        for row in &rows {
+            let heights = row.iter().flat_map(|one| one.y.iter().copied());
+            let (azimuth, range) = (row[1].azimuth(), Some(range_with_zero(heights)));
+            panels.extend(row.iter().map(|one| one.panel(azimuth, range)));
         }
-        Ok(surfaces(3, &shown))
+        Ok(surfaces(3, &panels))
     });
     Task { parameters: hashed, ..task }
 }
 
 /// Surfaces of one problem: where the paper stopped, the solution, and the difference.
-struct StopsRow {
-    grid: Grid,
-    titles: [String; 3],
-    heights: [Vec<f64>; 3],
-    in_contact: [Vec<bool>; 3],
-}
-
-impl StopsRow {
-    fn of(inputs: &Inputs, scene: &Scene) -> Result<Self, Failure> {
-        let grid = scene.finest();
-        let stop = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
-        let solution = solve::solution(scene)?;
-        let difference = solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect();
-        let names = ["where it stopped", "the solution", "the difference"];
-        let in_contact = [
-            stop.in_contact(grid, Law::SIGNORINI),
-            solution.in_contact(grid, Law::SIGNORINI),
-            vec![false; stop.a.len()],
-        ];
-        Ok(Self {
-            grid,
-            titles: names.map(|name| format!("{}: {name}", scene.title)),
-            heights: [stop.y, solution.y, difference],
-            in_contact,
-        })
-    }
+fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<[DrawnSolution; 3], Failure> {
+    let on = (scene.finest(), Law::SIGNORINI);
+    let stop = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
+    let solution = solve::solution(scene)?;
+    let difference = Pair {
+        y: solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect(),
+        a: vec![0.0; stop.a.len()],
+    };
+    let title = |name: &str| format!("{}: {name}", scene.title);
+    let [stop, solution] = [("where it stopped", &stop), ("the solution", &solution)]
+        .map(|(name, pair)| DrawnSolution::on_grid(title(name), on, pair, 3));
+    let difference = DrawnSolution::on_grid(title("the difference"), on, &difference, 3);
+    Ok([stop, solution, difference.without_contact()])
 }
 
 /// The task that draws the surfaces where the paper stopped on each grid, and the solution.
@@ -84,20 +68,19 @@ pub(super) fn iterates(scene: &Scene) -> Task {
     let task = drawing("iterates", title, Vec::new(), move |_| {
         let mut states = solve::stops(&scene)?;
         states.push((scene.finest(), solve::solution(&scene)?));
-        let heights = states.iter().flat_map(|(_, pair)| pair.y.iter().copied());
-        let range = Some(range_with_zero(heights));
-        let azimuth = uphill(scene.finest(), &states[states.len() - 1].1.y);
-        let mut titles: Vec<_> =
-            states.iter().map(|(g, _)| format!("h = 1/{}", g.cells())).collect();
-        titles[states.len() - 1] = "the solution".into();
-        let contact: Vec<_> =
-            states.iter().map(|(grid, pair)| pair.in_contact(*grid, Law::SIGNORINI)).collect();
-        let mut shown = Vec::new();
+        let mut drawn = Vec::new();
         for (k, (grid, pair)) in states.iter().enumerate() {
-            let (title, y, in_contact) = (&*titles[k], &pair.y[..], &contact[k][..]);
-            shown.push(Surface { title, grid: *grid, y, in_contact, azimuth, range });
+            let title = match k + 1 == states.len() {
+                true => "the solution".into(),
+                false => format!("h = 1/{}", grid.cells()),
+            };
+            drawn.push(DrawnSolution::on_grid(title, (*grid, Law::SIGNORINI), pair, 3));
         }
-        Ok(surfaces(3, &shown))
+        let heights = drawn.iter().flat_map(|one| one.y.iter().copied());
+        let range = Some(range_with_zero(heights));
+        let azimuth = drawn[drawn.len() - 1].azimuth();
+        let panels: Vec<_> = drawn.iter().map(|one| one.panel(azimuth, range)).collect();
+        Ok(surfaces(3, &panels))
     });
     Task { parameters: hashed, ..task }
 }
@@ -141,26 +124,18 @@ fn meshes() -> Result<Picture, String> {
 
 /// Draws solutions on domains in the plane.
 fn on_domains() -> Result<Picture, String> {
-    let mut solved = Vec::new();
+    let mut drawn = Vec::new();
     for (name, f, refinements) in DRAWN {
         let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
         let problem = Problem::on_mesh(&coarsest, refinements, f, Law::SIGNORINI)
             .map_err(|e| format!("{name}: {e}"))?;
-        let Run { y, .. } = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
+        let Run { y, judgement, .. } = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
             .map_err(|e| format!("{name}: {e}"))?;
-        let mut in_contact = vec![false; y.len()];
-        for contact in problem.levels().contact().iter() {
-            in_contact[contact.node] = y[contact.node] == 0.0;
-        }
-        solved.push((name, problem.levels().mesh(refinements), y, in_contact));
+        let pair = Pair { a: judgement.multiplier(&y), y };
+        drawn.push(DrawnSolution::of(name.into(), &problem, &pair, 3)?);
     }
-    let mut panels = Vec::new();
-    for (title, mesh, y, in_contact) in &solved {
-        let AnyMesh::Plane(mesh) = mesh else { return Err(format!("{title} is no plane domain")) };
-        let azimuth = uphill_on_mesh(mesh, y);
-        panels.push(MeshSurface { title, mesh, y, in_contact, azimuth, range: None });
-    }
-    Ok(mesh_surfaces(3, &panels))
+    let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
+    Ok(surfaces(3, &panels))
 }
 
 /// The task that draws the gradient where the paper stopped, a map per problem.
