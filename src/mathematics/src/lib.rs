@@ -1,31 +1,84 @@
-//! The semicoercive scalar Signorini problem: its discretisation, its solvers, its true solution with guaranteed bounds.
+//! The semicoercive scalar Signorini problem and its relatives: discretisation, solvers, true solutions, guaranteed bounds.
 //!
-//! Logarithms and the like come from the `libm` crate, in loops that vectorise from the spectral solver's own series:
-//! the C library's differ in the last bit from one machine to the next, and artifacts are compared by hash.
+//! A membrane v over a domain in the plane or in space solves `-Laplacian v = f`. On the boundary a [law](problem::law)
+//! relates v to its flux dv/dn: in the paper `v >= 0`, `dv/dn >= 0`, `v dv/dn = 0`, under friction `|dv/dn| <= g`. Nothing
+//! holds the membrane but the boundary, so that there is a solution only if the flux can balance f: in the paper, if the
+//! integral of f is negative. See N. N. Maksimova, *A study of the semicoercive scalar Signorini problem by the
+//! Arrow-Hurwicz method*.
+//!
+//! | to | use |
+//! | --- | --- |
+//! | state a problem, and check that it has a solution | [`levels::Problem`] |
+//! | solve it by any solver, as the program does | [`solvers::solve`], [`solvers::SOLVERS`] |
+//! | know how far a nodal vector is from the discrete solution | [`levels::Problem::judge`] |
+//! | know how far it is from the true solution, guaranteed | [`levels::Problem::bounds`] |
+//! | read a mesh of Gmsh, or take a built-in one | [`mesh::gmsh::read`], [`mesh::AnyMesh::built_in`] |
+//! | read the paper's method as the paper writes it | [`saddle::Plain`] |
+//! | solve many loads on one grid of the square | [`multigrid::Multigrid`] |
+//! | have the true solution on the square to rounding | [`spectral::spectral_under`] |
+//! | write files for NumPy and ParaView | [`formats`] |
+//!
+//! On the square:
 //!
 //! ```
-//! use signorini_mathematics::bounds::bounds;
-//! use signorini_mathematics::discrete::grid::Grid;
-//! use signorini_mathematics::discrete::kkt::kkt;
-//! use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
-//! use signorini_mathematics::multigrid::{self, MultigridParams};
+//! use signorini_mathematics::discrete::grid::nested;
+//! use signorini_mathematics::discrete::load::LoadRule;
+//! use signorini_mathematics::levels::Problem;
 //! use signorini_mathematics::problem::law::Law;
-//! use signorini_mathematics::problem::source::Source;
-//! use signorini_mathematics::spectral::{self, spectral};
+//! use signorini_mathematics::solvers::{Settings, Solver, solve};
+//! use signorini_mathematics::spectral::{SpectralParams, spectral};
 //!
-//! let f: Source = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1".parse()?;
-//! let grid = Grid::new(128)?;
-//! // The default is the paper's rule, f at the nodes, whose sum may be positive though the integral is not.
-//! let load = load(grid, &f, LoadRule::Exact { diagonal: Diagonal::default() });
-//! let problem = Law::SIGNORINI.with_load(&load);
-//! let (y, outcome) = multigrid::solve_square(128, problem, None, &MultigridParams::default())?;
-//! assert!(kkt(grid, Law::SIGNORINI, &y, &load).relative < 1e-10);
-//! assert!(outcome.work_units < 60.0);
-//! let [low, high] = bounds(grid, &f, Law::SIGNORINI, &y)?.energy;
-//! let truth = spectral(&f, spectral::SpectralParams::default())?;
+//! let f = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1".parse()?;
+//! let grids = nested(&[32, 64, 128])?;
+//! let problem = Problem::on_square(grids, f, LoadRule::Bilinear {}, Law::SIGNORINI)?;
+//! let run = solve(&problem, &Settings::of(Solver::Multigrid))?;
+//! assert!(run.judgement.kkt.relative < 1e-10);
+//! let [low, high] = problem.bounds(&run.y)?.energy;
+//! let f = problem.lattices().expect("the square").source();
+//! let truth = spectral(f, SpectralParams::default())?;
 //! assert!(low <= truth.energy && truth.energy <= high);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! On a mesh, fixed on a part of its boundary:
+//!
+//! ```
+//! use signorini_mathematics::levels::Problem;
+//! use signorini_mathematics::mesh::{AnyMesh, Condition};
+//! use signorini_mathematics::problem::law::Law;
+//! use signorini_mathematics::solvers::{Settings, Solver, solve};
+//!
+//! let mut ring = AnyMesh::built_in("annulus").expect("a built-in domain");
+//! ring.set_condition("inner", Condition::Fixed)?;
+//! let problem = Problem::on_mesh(&ring, 3, "halfplane(1,0,0)=2; else=-1", Law::SIGNORINI)?;
+//! let [by_multigrid, by_the_active_set] = [Solver::Multigrid, Solver::ActiveSet]
+//!     .map(|solver| solve(&problem, &Settings::of(solver)).map(|run| run.judgement.energy));
+//! assert!((by_multigrid? / by_the_active_set? - 1.0).abs() < 1e-10);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! With friction, where f may have any integral that the flux can balance:
+//!
+//! ```
+//! use signorini_mathematics::levels::{Problem, Unsolvable};
+//! use signorini_mathematics::mesh::AnyMesh;
+//! use signorini_mathematics::problem::law::Law;
+//! use signorini_mathematics::solvers::{Settings, Solver, solve};
+//!
+//! let disc = AnyMesh::built_in("disc").expect("a built-in domain");
+//! let law = Law::friction(0.8)?;
+//! let problem = Problem::on_mesh(&disc, 4, "disc(0.3,0,0.4)=5; else=-1", law)?;
+//! let run = solve(&problem, &Settings::of(Solver::Multigrid))?;
+//! assert!(run.judgement.flux.iter().zip(&run.judgement.contact).all(|(flux, contact)| {
+//!     flux.abs() <= 0.8 * contact.measure * (1.0 + 1e-9)
+//! }));
+//! let refused = Problem::on_mesh(&disc, 4, "else=2", law);
+//! assert!(matches!(refused, Err(Unsolvable::Law { .. })));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Logarithms and the like come from the `libm` crate, in loops that vectorise from the spectral solver's own series:
+//! the C library's differ in the last bit from one machine to the next, and artifacts are compared by hash.
 
 pub mod bounds;
 pub mod discrete;
