@@ -5,7 +5,7 @@
 //! settled is halved across its longest edge, the part with the largest difference first.
 
 use super::quadrature::{QuadraturePoint, quadrature};
-use crate::problem::shape::SourceError;
+use crate::problem::error::SourceError;
 
 /// Integrals of a function over a cell, over the volume of the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]

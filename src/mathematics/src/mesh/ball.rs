@@ -182,7 +182,7 @@ mod tests {
     use super::*;
     use crate::mesh::cut::FramedCell;
     use crate::mesh::cut_space::by_slices;
-    use crate::problem::cube::Body;
+    use crate::problem::shape::Shape;
     use std::f64::consts::PI;
 
     const CORNERS: Corners =
@@ -219,7 +219,7 @@ mod tests {
             let radius = 0.05 + 1.2 * wave(0.7).abs();
             let cell = FramedCell::new(corners);
             let found = common(cell.framed, centre, radius);
-            let piece = (Body::Ball { centre, radius }, 1.0);
+            let piece = (Shape::Ball { centre, radius }, 1.0);
             let slices =
                 by_slices(&mut crate::discrete::cells::CutCube::default(), &cell, 0.0, &[piece]);
             assert!((found.volume - slices.one).abs() < 1e-10, "{k}: {found:?} {slices:?}");

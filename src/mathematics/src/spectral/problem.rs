@@ -8,7 +8,6 @@ use super::place::{BoundaryPlace, tangent};
 use crate::discrete::cells::SweepCut;
 use crate::discrete::load::integral;
 use crate::problem::law::Law;
-use crate::problem::shape::Convex;
 use crate::problem::source::Source;
 use std::f64::consts::FRAC_1_PI;
 
@@ -66,7 +65,7 @@ impl SpectralProblem {
 fn moments(f: &Source) -> [f64; 8] {
     let mut square = SweepCut::default();
     if let Source::Pieces { background, pieces } = f {
-        let seen = pieces.iter().rev().map(|(region, f)| (region.seen_from(0.0, [0.0], 1.0), *f));
+        let seen = pieces.iter().rev().map(|(shape, f)| (shape.seen_from([0.0; 2], 1.0), *f));
         square.set(*background, seen);
     }
     square.moments().f
