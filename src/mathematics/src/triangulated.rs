@@ -164,17 +164,19 @@ impl MeshProblem {
     fn check_solvable(&self) -> Result<(), MeshProblemError> {
         let network = self.network();
         let found = loaded_components(network, &network.components(), &self.f.load);
-        for (component, of) in found.iter().enumerate() {
+        for (component, loaded) in found.iter().enumerate() {
             let place = match found.len() {
                 1 => "the domain".to_owned(),
                 _ => format!("component {} of the domain", component + 1),
             };
-            if !of.has_fixed && of.measure == 0.0 {
+            if !loaded.has_fixed && loaded.measure == 0.0 {
                 return Err(MeshProblemError::Insulated(place));
             }
-            match of.check(self.law, ROUNDING * self.f.size) {
+            match loaded.check(self.law, ROUNDING * self.f.size) {
                 Err(InputError::Law(error)) => return Err(MeshProblemError::Law { place, error }),
-                Err(_) => return Err(MeshProblemError::NotCoercive { integral: of.sum, place }),
+                Err(_) => {
+                    return Err(MeshProblemError::NotCoercive { integral: loaded.sum, place });
+                }
                 Ok(()) => {}
             }
         }

@@ -46,7 +46,7 @@ enum Signs {
 
 impl Signs {
     #[inline(always)]
-    fn of(values: &[f64]) -> Self {
+    fn find(values: &[f64]) -> Self {
         if values.iter().all(|value| *value >= 0.0) {
             return Self::Up;
         }
@@ -62,7 +62,7 @@ pub(super) fn limit_bubble(bubble: f64, ends: [f64; 2]) -> f64 {
     if p == 0.0 && q == 0.0 {
         return 0.0;
     }
-    match Signs::of(&ends) {
+    match Signs::find(&ends) {
         Signs::Up => bubble.min(p + q),
         Signs::Down => bubble.max(p + q),
         Signs::Both => 0.0,
@@ -116,7 +116,7 @@ impl PartLaw {
 
     /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a bubble.
     pub(super) fn potential<const N: usize>(self, values: [f64; N], bubble: f64) -> f64 {
-        let signs = Signs::of(&values);
+        let signs = Signs::find(&values);
         match signs {
             Signs::Up | Signs::Down => -self.end(signs) * (mean(values) - bubble / 6.0),
             Signs::Both => {
@@ -129,7 +129,7 @@ impl PartLaw {
 
     /// Integral of `j(w) + sigma.n w` over an edge of the grid, sigma.n the linear function with `fluxes` at the ends.
     pub(super) fn work(self, values: [f64; 2], fluxes: [f64; 2], bubble: f64) -> f64 {
-        match Signs::of(&values) {
+        match Signs::find(&values) {
             Signs::Both => flux_work(values, fluxes, bubble) + self.potential(values, bubble),
             signs => flux_work(values, fluxes.map(|flux| flux - self.end(signs)), bubble),
         }
@@ -137,7 +137,7 @@ impl PartLaw {
 
     /// Integral of `j(w) + sigma.n w` over a facet through which the flux is constant.
     pub(super) fn work_of_facet<const N: usize>(self, values: [f64; N], flux: f64) -> f64 {
-        match Signs::of(&values) {
+        match Signs::find(&values) {
             Signs::Both => flux * mean(values) + self.potential(values, 0.0),
             signs => (flux - self.end(signs)) * values.iter().sum::<f64>() / N as f64,
         }

@@ -2,6 +2,7 @@
 
 use super::boundary::{BoundaryPart, PartLaw, Slips, shift_to_sum};
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun, find_seams};
+use super::lanes::loop_over_fields;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 
@@ -205,16 +206,24 @@ pub(super) struct EdgeFluxes<T = f64> {
     pub top: T,
 }
 
+loop_over_fields!(EdgeFluxes { left, right, bottom, top });
+
+impl<const N: usize> EdgeFluxes<[f64; N]> {
+    /// Fluxes in lane `k`.
+    #[inline(always)]
+    pub(super) fn lane(&self, k: usize) -> EdgeFluxes {
+        let mut fluxes = EdgeFluxes::default();
+        fluxes.each(self, |flux, lanes| *flux = lanes[k]);
+        fluxes
+    }
+}
+
 impl EdgeFluxes {
     /// Sum of two fluxes, edge by edge.
     #[inline(always)]
-    pub(super) fn plus(self, other: Self) -> Self {
-        Self {
-            left: self.left + other.left,
-            right: self.right + other.right,
-            bottom: self.bottom + other.bottom,
-            top: self.top + other.top,
-        }
+    pub(super) fn plus(mut self, other: Self) -> Self {
+        self.each(&other, |flux, more| *flux += more);
+        self
     }
 
     /// Flux out of the cell less flux into it, along x and along y.

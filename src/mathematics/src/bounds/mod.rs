@@ -64,6 +64,7 @@ mod boundary;
 mod cells;
 mod data;
 mod flux;
+mod lanes;
 mod moments;
 mod recovery;
 mod regular;
@@ -195,7 +196,7 @@ fn bracketed(
     if narrower.distance == projection.distance {
         return found;
     }
-    let mut other_recovered = recovered.as_ref().map(|of| vec![0.0; of.len()]);
+    let mut other_recovered = recovered.as_ref().map(|values| vec![0.0; values.len()]);
     let (other, _) = summed(&data, law, &narrower, other_recovered.as_deref_mut());
     let Ok(other) = other else { return found };
     if found.as_ref().is_ok_and(|found| found.recovered <= other.recovered) {

@@ -119,7 +119,7 @@ struct Circle {
     square: f64,
 }
 
-/// SideEdge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the foot on.
+/// Edge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the foot on.
 #[derive(Clone, Copy, Debug)]
 struct SideEdge {
     away: f64,

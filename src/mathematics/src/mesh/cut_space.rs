@@ -224,8 +224,8 @@ pub(super) fn by_slices(
 ) -> CutMoments<3> {
     let functions: [fn(f64, f64) -> f64; 3] =
         [|f, c| f - c, |f, c| (f - c) * (f - c), |f, c| f.abs() - c.abs()];
-    let [corners, square, size] = functions.map(|of| {
-        let above = pieces.iter().map(|&(shape, value)| (shape, of(value, background)));
+    let [corners, square, size] = functions.map(|function| {
+        let above = pieces.iter().map(|&(shape, value)| (shape, function(value, background)));
         storage.set(0.0, cell.outside().into_iter().map(|shape| (shape, 0.0)).chain(above));
         storage.corners()
     });

@@ -45,12 +45,12 @@ pub struct MeshLoad {
 }
 
 impl<const V: usize> CellPart<V> {
-    fn sampled(volume: f64, of: &SampledCell<V>) -> Self {
+    fn sampled(volume: f64, cell: &SampledCell<V>) -> Self {
         Self {
-            shares: of.shares.map(|share| volume * share),
-            mean: of.mean,
-            deviation: (volume * of.variance.max(0.0)).sqrt(),
-            size: volume * of.size,
+            shares: cell.shares.map(|share| volume * share),
+            mean: cell.mean,
+            deviation: (volume * cell.variance.max(0.0)).sqrt(),
+            size: volume * cell.size,
         }
     }
 }

@@ -81,10 +81,10 @@ impl Formula {
                     stack[size] = point[axis];
                     size += 1;
                 }
-                FormulaStep::Unary(function) => stack[size - 1] = function.of(stack[size - 1]),
+                FormulaStep::Unary(function) => stack[size - 1] = function.value(stack[size - 1]),
                 FormulaStep::Binary(function) => {
                     size -= 1;
-                    stack[size - 1] = function.of(stack[size - 1], stack[size]);
+                    stack[size - 1] = function.value(stack[size - 1], stack[size]);
                 }
             }
         }
@@ -130,7 +130,7 @@ impl fmt::Display for Formula {
 }
 
 impl Unary {
-    fn of(self, x: f64) -> f64 {
+    fn value(self, x: f64) -> f64 {
         match self {
             Self::Minus => -x,
             Self::Sin => libm::sin(x),
@@ -145,7 +145,7 @@ impl Unary {
 }
 
 impl Binary {
-    fn of(self, a: f64, b: f64) -> f64 {
+    fn value(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Plus => a + b,
             Self::Minus => a - b,

@@ -42,7 +42,7 @@ fn harmonic_gradients(Complex { re: x, im: y }: Complex) -> [Complex; HARMONIC] 
 }
 
 impl Energies {
-    pub(super) fn of(trace: &Trace, problem: &SpectralProblem) -> Self {
+    pub(super) fn new(trace: &Trace, problem: &SpectralProblem) -> Self {
         let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
         energies.add_boundary(trace, problem, &bilinear);
         energies.add_edges(problem, &bilinear, &trace.rules);
@@ -153,7 +153,7 @@ impl Bilinear {
     fn new(problem: &SpectralProblem) -> Self {
         let mut c = [0.0; 4];
         for z in CORNERS {
-            let value = problem.boundary_psi.value(BoundaryPlace::of(z));
+            let value = problem.boundary_psi.value(BoundaryPlace::nearest(z));
             let basis = [0.25, z.re, z.im, 4.0 * z.re * z.im];
             for (c, b) in c.iter_mut().zip(basis) {
                 *c += b * value;

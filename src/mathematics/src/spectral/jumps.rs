@@ -66,7 +66,7 @@ struct CurveCut {
 type CurvePiece = CurvePart<Option<[f64; 2]>>;
 
 impl Jumps {
-    pub(super) fn of(f: &Source) -> Self {
+    pub(super) fn new(f: &Source) -> Self {
         let (mut curves, mut shapes): (Vec<Curve>, Vec<Shape<2>>) = (Vec::new(), Vec::new());
         if let Source::Pieces { pieces, .. } = f {
             for &(shape, _) in pieces {
@@ -138,7 +138,7 @@ impl Jumps {
     /// Points at which edges meet a side, as distances from the corner at which it begins.
     pub(super) fn crossings_on(&self, side: i32) -> impl Iterator<Item = f64> {
         let places = self.crossings.iter().map(|place| place.on_side());
-        places.filter(move |&(of, _)| of == side).map(|(_, t)| t)
+        places.filter(move |&(met, _)| met == side).map(|(_, t)| t)
     }
 
     /// Adds the jumps along the `k`-th curve.
@@ -268,7 +268,7 @@ impl Jumps {
             return Some(self.vertex(z));
         }
         if !self.crossings.iter().any(|place| (place.point() - z).norm() < APART) {
-            self.crossings.push(BoundaryPlace::of(z));
+            self.crossings.push(BoundaryPlace::nearest(z));
         }
         None
     }

@@ -281,7 +281,7 @@ impl Solution {
         FoundTrace { trace, steps }: FoundTrace,
         before: Option<f64>,
     ) -> Result<Self, SpectralError> {
-        let energies = Energies::of(&trace, problem);
+        let energies = Energies::new(&trace, problem);
         let Energies { energy, rellich, force, .. } = energies;
         let integral = problem.integral;
         // The integral of f may vanish under other laws.
@@ -331,7 +331,7 @@ impl Solution {
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn in a corner is that on one of its sides.
     pub fn on_boundary(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let BoundaryValues { value, multiplier } =
-            self.trace.at(BoundaryPlace::of(Complex::new(x, y)));
+            self.trace.at(BoundaryPlace::nearest(Complex::new(x, y)));
         [value, multiplier]
     }
 

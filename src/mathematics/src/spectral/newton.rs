@@ -41,7 +41,7 @@ impl SpectralProblem {
             }
             // If arcs or gaps vanish the next step is another one.
             let factor = (1.0 / longest).min(1.0);
-            let moved = ends.places.iter().zip(&changes).map(|(&p, c)| c.scaled(factor).of(p));
+            let moved = ends.places.iter().zip(&changes).map(|(&p, c)| c.scaled(factor).apply(p));
             let moved = StickArcs { places: moved.collect(), flux: ends.flux };
             arcs = without_short(moved, SHORTEST)?;
             if longest < shortest || arcs.places.is_empty() {
@@ -234,7 +234,7 @@ impl Change {
     }
 
     /// Changes an end.
-    fn of(self, BoundaryPlace { corner, t }: BoundaryPlace) -> BoundaryPlace {
+    fn apply(self, BoundaryPlace { corner, t }: BoundaryPlace) -> BoundaryPlace {
         match self {
             Self::Length(d) => BoundaryPlace::new(corner, t + d),
             Self::Logarithm(d) => BoundaryPlace::new(corner, t * libm::exp(d)),

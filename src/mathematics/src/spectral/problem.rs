@@ -28,7 +28,7 @@ pub(super) struct SpectralProblem {
 impl SpectralProblem {
     /// Data for the paper's law.
     pub(super) fn new(f: &Source) -> Self {
-        let jumps = Jumps::of(f);
+        let jumps = Jumps::new(f);
         let [one, x, y, xy, xx, yy, ..] = moments(f);
         let [mass, ..] = moments(&f.absolute());
         let moments = [one, x, y, xy, xx - yy];

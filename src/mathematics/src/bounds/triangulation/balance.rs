@@ -112,7 +112,7 @@ fn tree<const V: usize>(sides: &Sides<V>, outlet: u32, is_seen: &mut [bool]) -> 
     is_seen[steps[0].cell as usize] = true;
     let mut place = 0;
     while let Some(&Step { cell, .. }) = steps.get(place) {
-        for side in sides.of(cell) {
+        for side in sides.numbers(cell) {
             if let Neighbour::Cell(next) = sides.across(cell, side)
                 && !std::mem::replace(&mut is_seen[next as usize], true)
             {
@@ -158,7 +158,7 @@ impl Component {
         let (mut outlets, mut parts) = (Vec::new(), Vec::new());
         for &Step { cell, .. } in &self.steps {
             integral += V as f64 * cells.load(cell);
-            for side in sides.of(cell) {
+            for side in sides.numbers(cell) {
                 if let Neighbour::Facet(facet) = sides.across(cell, side) {
                     let facet = &mesh.facets()[facet as usize];
                     if mesh.condition(facet) == Condition::Contact {

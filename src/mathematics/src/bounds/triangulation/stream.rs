@@ -102,9 +102,9 @@ impl Stream {
                     *place = boundary.len() as u32;
                     boundary.push(StreamEnd::default());
                 }
-                let of: &mut StreamEnd = &mut boundary[*place as usize];
-                of.facets += 1;
-                of.is_free |= condition == Condition::Free;
+                let end: &mut StreamEnd = &mut boundary[*place as usize];
+                end.facets += 1;
+                end.is_free |= condition == Condition::Free;
                 if condition == Condition::Contact {
                     let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
                     let outflow = flux[side as usize];
@@ -112,7 +112,7 @@ impl Stream {
                     let begins = k == 0;
                     let [lower, upper] = if begins { [-below, above] } else { [-above, below] };
                     let limit = Limit { other: facet.nodes[1 - k], lower, upper };
-                    of.limits[usize::from(begins)] = Some(limit);
+                    end.limits[usize::from(begins)] = Some(limit);
                 }
             }
         }
@@ -147,7 +147,7 @@ impl Stream {
         flux: &mut [f64],
     ) {
         for (number, cell) in (0..).zip(cells.mesh.cells()) {
-            for (k, side) in sides.of(number).into_iter().enumerate() {
+            for (k, side) in sides.numbers(number).into_iter().enumerate() {
                 if sides.leaves(number, side) {
                     let [from, to] = [1, 2].map(|step| self.psi[cell[(k + step) % V] as usize]);
                     flux[side as usize] += to - from;
