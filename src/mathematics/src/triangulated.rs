@@ -159,8 +159,8 @@ impl MeshProblem {
         }
     }
 
-    /// Checks that the flux can balance the load of each connected component without a fixed part, for the paper's law the
-    /// condition (2).
+    /// Checks that the flux can balance the load of each connected component without a fixed part, for the paper's law
+    /// the condition (2).
     fn check_solvable(&self) -> Result<(), MeshProblemError> {
         let network = self.network();
         let found = loaded_components(network, &network.components(), &self.f.load);

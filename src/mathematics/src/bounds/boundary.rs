@@ -54,8 +54,8 @@ impl Signs {
     }
 }
 
-/// Coefficient of the bubble on an edge of the boundary, limited so that the recovery has the sign of the values p and q at
-/// the ends: the Bernstein coefficients are p, (p + q - c) / 2 and q. Zero where p and q have different signs.
+/// Coefficient of the bubble on an edge of the boundary, limited so that the recovery has the sign of the values p and
+/// q at the ends: the Bernstein coefficients are p, (p + q - c) / 2 and q. Zero where p and q have different signs.
 #[inline(always)]
 pub(super) fn limit_bubble(bubble: f64, ends: [f64; 2]) -> f64 {
     let [p, q] = ends;
@@ -114,7 +114,8 @@ impl PartLaw {
         }
     }
 
-    /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a bubble.
+    /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a
+    /// bubble.
     pub(super) fn potential<const N: usize>(self, values: [f64; N], bubble: f64) -> f64 {
         let signs = Signs::find(&values);
         match signs {
@@ -171,8 +172,8 @@ fn single_positive_mean<const N: usize>(values: [f64; N]) -> f64 {
     others.fold(top / N as f64, |product, value| product * (top / (top - value)))
 }
 
-/// Shifts the fluxes per length or area by one number, and keeps them in the interval of the law, so that their sum becomes
-/// `sum`. Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
+/// Shifts the fluxes per length or area by one number, and keeps them in the interval of the law, so that their sum
+/// becomes `sum`. Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
 ///
 /// The interval must be bounded. A sum out of reach is missed.
 pub(super) fn shift_to_sum(law: Law, parts: &mut [BoundaryPart], sum: f64) {

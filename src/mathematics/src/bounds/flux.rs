@@ -20,11 +20,11 @@ pub(super) struct Reactions {
 }
 
 impl Reactions {
-    /// Computes the reactions of the nodal vector `y` with the boundary values `outer`, which the law allows. The law must
-    /// be able to balance the integral of f.
+    /// Computes the reactions of the nodal vector `y` with the boundary values `outer`, which the law allows. The law
+    /// must be able to balance the integral of f.
     ///
-    /// The reaction is `A y - b` where that is inside the interval of the law even when lessened by y, otherwise the end of the
-    /// interval. What f still needs is spread over the nodes inside the interval.
+    /// The reaction is `A y - b` where that is inside the interval of the law even when lessened by y, otherwise the
+    /// end of the interval. What f still needs is spread over the nodes inside the interval.
     pub(super) fn new(grid: Grid, law: Law, y: &[f64], outer: &[f64], f: &AllCells) -> Self {
         let (n, nodes) = (grid.cells(), outer.len());
         let mut values = Vec::with_capacity(nodes + 1);
@@ -63,8 +63,8 @@ impl Reactions {
     }
 }
 
-/// Limits the reactions to an interval that is bounded on one side, and scales what they exceed that end by, so that they
-/// balance f.
+/// Limits the reactions to an interval that is bounded on one side, and scales what they exceed that end by, so that
+/// they balance f.
 fn scale_reactions(law: PartLaw, outer: &[f64], integral: f64, values: &mut [f64]) {
     let (end, sign) = if law.least.is_finite() { (law.least, 1.0) } else { (law.most, -1.0) };
     for (value, &y) in values.iter_mut().zip(outer) {
@@ -83,8 +83,8 @@ fn scale_reactions(law: PartLaw, outer: &[f64], integral: f64, values: &mut [f64
     values.iter_mut().for_each(|value| *value = sign * (*value * balance) + end);
 }
 
-/// Limits the reactions to a bounded interval, and shifts them so that they balance f: scaled ones could leave the interval.
-/// Returns the largest absolute value of a reaction before or after the shift.
+/// Limits the reactions to a bounded interval, and shifts them so that they balance f: scaled ones could leave the
+/// interval. Returns the largest absolute value of a reaction before or after the shift.
 fn shift_reactions(law: Law, outer: &[f64], integral: f64, values: &mut [f64], h: f64) -> f64 {
     let of_nodes = PartLaw::new(law, h);
     let mut parts = Vec::with_capacity(outer.len());

@@ -1,16 +1,17 @@
 //! Volume and first moments of what a ball and a tetrahedron have in common, in closed form.
 //!
-//! With the centre at 0 and the radius 1, let F be the part inside the ball of the side in the plane `n . x = h`, n the normal
-//! outwards, and S the part of the sphere inside the tetrahedron. By the divergence theorem for x and for `|x|^2`, since the
-//! integral of the normal over the whole surface is 0,
+//! With the centre at 0 and the radius 1, let F be the part inside the ball of the side in the plane `n . x = h`, n the
+//! normal outwards, and S the part of the sphere inside the tetrahedron. By the divergence theorem for x and for
+//! `|x|^2`, since the integral of the normal over the whole surface is 0,
 //!
 //! ```text
 //! 3 volume = sum over the sides of h |F| + |S|,
 //! 2 (integral of x) = sum over the sides of n (integral over F of |x|^2 - 1).
 //! ```
 //!
-//! |S| is the sum of the solid angles of the sides without F. All integrals over F and the rest of a side are sums over the
-//! edges, each cut at the circle: in polar coordinates around the foot of the centre they are integrals over the angle.
+//! |S| is the sum of the solid angles of the sides without F. All integrals over F and the rest of a side are sums over
+//! the edges, each cut at the circle: in polar coordinates around the foot of the centre they are integrals over the
+//! angle.
 
 use super::geometry::{centroid, dot};
 
@@ -119,7 +120,8 @@ struct Circle {
     square: f64,
 }
 
-/// Edge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the foot on.
+/// Edge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the
+/// foot on.
 #[derive(Clone, Copy, Debug)]
 struct SideEdge {
     away: f64,

@@ -1,7 +1,7 @@
 //! Integrals over one cell of a mesh of a function that is constant on shapes, of which the last one wins.
 //!
-//! Most cells lie inside or outside each shape. The others are integrated exactly, in coordinates in which the cell just
-//! fits into the unit box, whatever the scale of the mesh.
+//! Most cells lie inside or outside each shape. The others are integrated exactly, in coordinates in which the cell
+//! just fits into the unit box, whatever the scale of the mesh.
 
 use super::geometry::{Element, bounds, centroid, dot, longest_side};
 use crate::problem::shape::{Shape, plain};
@@ -11,8 +11,8 @@ pub trait CutShape<const D: usize, const V: usize> {
     /// Storage for the work on one cell.
     type Storage: Default;
 
-    /// Integrals over a cell of a function less `background`, which is its value where no piece is; of the pieces the first
-    /// one wins. Cell and pieces are in the coordinates of the frame.
+    /// Integrals over a cell of a function less `background`, which is its value where no piece is; of the pieces the
+    /// first one wins. Cell and pieces are in the coordinates of the frame.
     fn integrate(
         storage: &mut Self::Storage,
         cell: &FramedCell<D, V>,
@@ -122,13 +122,14 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
         both.any(|(side, bounds)| side[1] <= bounds[0] || bounds[1] <= side[0])
     }
 
-    /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or equal.
+    /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or
+    /// equal.
     fn is_beyond(&self, normal: [f64; D], d: f64) -> bool {
         self.vertices.iter().all(|&vertex| dot(normal, vertex) >= d)
     }
 
-    /// True if the circle or sphere does not reach across the line or plane of a side of the cell, or across the one at a
-    /// right angle to the way from its centre to that of the cell.
+    /// True if the circle or sphere does not reach across the line or plane of a side of the cell, or across the one at
+    /// a right angle to the way from its centre to that of the cell.
     fn is_away_from(&self, centre: [f64; D], radius: f64) -> bool {
         let centre: [f64; D] = std::array::from_fn(|d| (centre[d] - self.origin[d]) / self.unit);
         let radius = radius / self.unit;

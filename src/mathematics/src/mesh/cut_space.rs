@@ -1,9 +1,10 @@
 //! Tetrahedra that borders of boxes, half-spaces and balls cross.
 //!
 //! Planes cut a tetrahedron into smaller ones, on each of which f is constant but for balls. A ball takes its
-//! [share](super::ball) of each in closed form, less that of the balls inside it. Two spheres that cross each other meet in
-//! the plane in which the powers of a point to both are the same: on each side of that plane, the one ball is inside the
-//! other. Only for balls so large that their surfaces are nearly planes, slices are integrated as on the cube.
+//! [share](super::ball) of each in closed form, less that of the balls inside it. Two spheres that cross each other
+//! meet in the plane in which the powers of a point to both are the same: on each side of that plane, the one ball is
+//! inside the other. Only for balls so large that their surfaces are nearly planes, slices are integrated as on the
+//! cube.
 
 use super::ball::{self, Corners, PartMeasure};
 use super::cut::{CutMoments, CutShape, FramedCell};
@@ -67,8 +68,8 @@ impl OpenBall {
         self.square_to(other) < apart * apart && !self.holds(other) && !other.holds(self)
     }
 
-    /// Plane `normal . x = d` in which the powers of a point to both balls are the same; that to this ball is less where the
-    /// left side is.
+    /// Plane `normal . x = d` in which the powers of a point to both balls are the same; that to this ball is less
+    /// where the left side is.
     fn radical_plane(&self, other: &Self) -> ([f64; 3], f64) {
         let normal: [f64; 3] = std::array::from_fn(|d| other.centre[d] - self.centre[d]);
         let middle = std::array::from_fn(|d| 0.5 * (self.centre[d] + other.centre[d]));
@@ -95,7 +96,8 @@ struct Parts {
 }
 
 impl Parts {
-    /// Adds a part with these corners, on which `pieces` lie over the background, the first one on top, and below `balls`.
+    /// Adds a part with these corners, on which `pieces` lie over the background, the first one on top, and below
+    /// `balls`.
     fn add(&mut self, corners: Corners, pieces: &[(Shape<3>, f64)], balls: &mut Vec<OpenBall>) {
         if ball::volume(corners) < self.least {
             return;
@@ -214,8 +216,8 @@ fn prism([a, b, c]: [[f64; 3]; 3], [d, e, f]: [[f64; 3]; 3]) -> [Corners; 3] {
     [[a, b, c, d], [b, c, d, e], [c, d, e, f]]
 }
 
-/// Integrals over a cell by slices: painted over with zero on the half-spaces outside, a function has the integrals over the
-/// cell as those over the unit cube.
+/// Integrals over a cell by slices: painted over with zero on the half-spaces outside, a function has the integrals
+/// over the cell as those over the unit cube.
 pub(super) fn by_slices(
     storage: &mut CutCube,
     cell: &FramedCell<3, 4>,

@@ -1,7 +1,7 @@
 //! f on a mesh: its load vector, its integrals, and its means over the cells.
 //!
-//! A cell on which f is constant, or which the borders of shapes with constant f [cut](super::cut), is integrated exactly.
-//! Any other f is sampled: the cells are divided until two formulas agree.
+//! A cell on which f is constant, or which the borders of shapes with constant f [cut](super::cut), is integrated
+//! exactly. Any other f is sampled: the cells are divided until two formulas agree.
 
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
 use super::{Element, Mesh};

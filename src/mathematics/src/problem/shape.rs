@@ -19,8 +19,8 @@ pub enum Shape<const D: usize> {
     HalfSpace { normal: [f64; D], d: f64 },
 }
 
-/// The quarters of the plane, axes through the centre of the square, as the sides of [`Shape::Box`], each with its name:
-/// lower or upper, left or right.
+/// The quarters of the plane, axes through the centre of the square, as the sides of [`Shape::Box`], each with its
+/// name: lower or upper, left or right.
 pub const QUADRANTS: [(&str, [[f64; 2]; 2]); 4] = [
     ("ll", [NEGATIVE, NEGATIVE]),
     ("lr", [POSITIVE, NEGATIVE]),
@@ -33,8 +33,8 @@ const POSITIVE: [f64; 2] = [0.0, f64::INFINITY];
 /// Coordinates of points that are in the square or the cube by more than rounding.
 const INSIDE: [f64; 2] = [-0.5 + 1e-9, 0.5 - 1e-9];
 
-/// The largest coordinate of a centre, and radius, over the coordinates of the domain: the border of a disc or ball is then
-/// known to 1e-13.
+/// The largest coordinate of a centre, and radius, over the coordinates of the domain: the border of a disc or ball is
+/// then known to 1e-13.
 pub(super) const VAST: f64 = 1e3;
 
 impl<const D: usize> Shape<D> {
@@ -64,8 +64,8 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// True if the shape is round and so large, or so far away, that where its border crosses a domain with coordinates of
-    /// this size is lost to rounding.
+    /// True if the shape is round and so large, or so far away, that where its border crosses a domain with coordinates
+    /// of this size is lost to rounding.
     pub fn is_vast(&self, size: f64) -> bool {
         match *self {
             Self::Ball { centre, radius } => {
@@ -163,8 +163,8 @@ impl<const D: usize> Shape<D> {
 }
 
 impl Shape<2> {
-    /// The shape as an intersection of half-planes `a x + b y <= d`, `[a, b, d]` each, to draw it: a disc becomes the regular
-    /// polygon of the same area with 360 sides, within 2e-5 radii of the circle.
+    /// The shape as an intersection of half-planes `a x + b y <= d`, `[a, b, d]` each, to draw it: a disc becomes the
+    /// regular polygon of the same area with 360 sides, within 2e-5 radii of the circle.
     pub fn half_planes(&self) -> Vec<[f64; 3]> {
         match *self {
             Self::Box([x, y]) => {

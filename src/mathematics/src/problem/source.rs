@@ -120,8 +120,8 @@ impl<const D: usize> Source<D> {
         }
     }
 
-    /// Checks that f, with this integral of |f| or its negative, is of a size that all solvers compute with, [`SCALE`], and
-    /// that a formula has values on the square or the cube.
+    /// Checks that f, with this integral of |f| or its negative, is of a size that all solvers compute with, [`SCALE`],
+    /// and that a formula has values on the square or the cube.
     ///
     /// # Errors
     /// [`SourceError::Scale`], [`SourceError::NoValue`]. f = 0 passes: the condition (2) excludes it.

@@ -4,8 +4,8 @@ use std::fmt;
 
 /// True if no line of text may have the character: a control character, or one of Unicode's noncharacters.
 ///
-/// XML forbids most of them, even escaped, so that an SVG or VTK file with one cannot be read. Source: Extensible Markup
-/// Language (XML) 1.0, fifth edition, production 2; The Unicode Standard, section 23.7.
+/// XML forbids most of them, even escaped, so that an SVG or VTK file with one cannot be read. Source: Extensible
+/// Markup Language (XML) 1.0, fifth edition, production 2; The Unicode Standard, section 23.7.
 pub fn is_forbidden(c: char) -> bool {
     let number = u32::from(c);
     c.is_control() || number & 0xFFFE == 0xFFFE || (0xFDD0..=0xFDEF).contains(&number)

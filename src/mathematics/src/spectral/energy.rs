@@ -12,7 +12,8 @@ use crate::problem::complex::Complex;
 /// Integrals over the boundary and over the square.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Energies {
-    /// `J = -1/2 int f v - 1/2 int l v`, the first by Green's identity with psi; the second is zero for the paper's law.
+    /// `J = -1/2 int f v - 1/2 int l v`, the first by Green's identity with psi; the second is zero for the paper's
+    /// law.
     pub energy: f64,
     /// J by Rellich's identity.
     pub rellich: f64,

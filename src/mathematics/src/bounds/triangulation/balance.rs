@@ -49,16 +49,16 @@ struct Step {
     side: u32,
 }
 
-/// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the law allows the flux out
-/// through the boundary in contact.
+/// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the law allows the flux
+/// out through the boundary in contact.
 ///
 /// In a component without fixed boundary the outflows through the contact boundary are first scaled, or shifted if the
-/// interval of the law is bounded, so that their sum balances f and the outlet at the root has no more than rounding errors
-/// to take.
+/// interval of the law is bounded, so that their sum balances f and the outlet at the root has no more than rounding
+/// errors to take.
 ///
 /// # Errors
-/// If a component has neither a contact nor a fixed boundary, or the law does not allow what balances the integral of f over a
-/// component without fixed boundary.
+/// If a component has neither a contact nor a fixed boundary, or the law does not allow what balances the integral of f
+/// over a component without fixed boundary.
 pub(super) fn balance<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,

@@ -74,8 +74,8 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         Self { mesh: cells.mesh, sides, cells, members, outlets, node: u32::MAX, found }
     }
 
-    /// Replaces the fan by the one of a cell around a node; false if this has been done for the node and another cell of
-    /// the fan.
+    /// Replaces the fan by the one of a cell around a node; false if this has been done for the node and another cell
+    /// of the fan.
     pub(super) fn find(&mut self, node: u32, cell: u32) -> bool {
         if self.node != node {
             self.node = node;

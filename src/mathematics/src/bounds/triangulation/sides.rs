@@ -6,8 +6,8 @@ use crate::mesh::{Mesh, sides_of, sorted};
 pub(super) struct Sides<const V: usize> {
     /// Numbers of the sides of each cell: opposite to the first vertex, to the second, and so on.
     of_cell: Vec<[u32; V]>,
-    /// Numbers of the two cells of each side. At the boundary the second number is the number of cells plus the position
-    /// of the facet.
+    /// Numbers of the two cells of each side. At the boundary the second number is the number of cells plus the
+    /// position of the facet.
     cells: Vec<[u32; 2]>,
 }
 

@@ -1,9 +1,9 @@
 //! Circulations around all nodes of a mesh in the plane together, by which the flux of all patches gets a smaller norm.
 //!
-//! For a linear function psi, the field `(d psi/dy, -d psi/dx)` has no divergence. The outflow of a cell through a side is
-//! the difference of psi between the ends of the side, and the product of two such fields is that of the gradients: psi
-//! with the least norm of sigma solves a problem with the stiffness matrix. By the identity the norm of sigma is all of
-//! the flux on which the bounds depend, whatever w is.
+//! For a linear function psi, the field `(d psi/dy, -d psi/dx)` has no divergence. The outflow of a cell through a side
+//! is the difference of psi between the ends of the side, and the product of two such fields is that of the gradients:
+//! psi with the least norm of sigma solves a problem with the stiffness matrix. By the identity the norm of sigma is
+//! all of the flux on which the bounds depend, whatever w is.
 
 use super::cells::{Cells, RaviartThomas};
 use super::sides::Sides;
@@ -46,8 +46,8 @@ struct Stream {
     boundary: Vec<StreamEnd>,
 }
 
-/// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays, and
-/// the law allows the outflows through the boundary in contact.
+/// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays,
+/// and the law allows the outflows through the boundary in contact.
 pub(super) fn circulate<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,

@@ -20,7 +20,8 @@ pub struct CutCube {
     slice: SweepCut,
 }
 
-/// Relative difference of seven and fifteen points up to which, fifteen are exact to rounding: errors fall geometrically.
+/// Relative difference of seven and fifteen points up to which, fifteen are exact to rounding: errors fall
+/// geometrically.
 const AGREED: f64 = 1e-11;
 /// Halvings of a layer at which it is too thin to matter.
 const DEEPEST: usize = 40;

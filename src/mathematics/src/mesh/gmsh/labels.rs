@@ -64,8 +64,8 @@ impl Groups {
         once
     }
 
-    /// Names of all sets that elements have, in the order of their numbers, and of all groups that the file names and no
-    /// element has.
+    /// Names of all sets that elements have, in the order of their numbers, and of all groups that the file names and
+    /// no element has.
     pub(super) fn labels(
         &mut self,
         dimension: i64,
