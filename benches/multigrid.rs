@@ -99,7 +99,7 @@ fn all_problems(sizes: &[usize], repeats: usize) {
         let grid = Grid::new(n).expect("fine enough");
         let mut workspace = Multigrid::square(n).expect("a power of two times 1, 3, 5 or 7");
         let exact = Exact::ALL
-            .map(|exact| (exact.name(), load(grid, &Source::Exact(exact), LoadRule::default())));
+            .map(|exact| (exact.name(), load(grid, &Source::from(exact), LoadRule::default())));
         let others = problems::paper_loads(n).into_iter().chain(problems::stress_loads(n));
         let plain = plain_ns(n, &exact[0].1, repeats);
         println!("{n:6} plain red-black sweep: {plain:.3} ns per unknown, one thread");

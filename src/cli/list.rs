@@ -8,7 +8,7 @@ use crate::replication::scenes::SceneFolder;
 use clap::Args;
 use serde::Serialize;
 use signorini_mathematics::mesh::BUILT_IN;
-use signorini_mathematics::problem::{cube, exact};
+use signorini_mathematics::problem::exact::{CubeExact, Exact};
 use signorini_mathematics::solvers::SOLVERS;
 
 #[derive(Args)]
@@ -45,8 +45,8 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
         broken: broken.into_iter().map(|(name, why)| Named::new(name, why)).collect(),
         solvers: solvers(),
         domains: domains(),
-        square: exact::Exact::ALL.map(exact::Exact::name).into(),
-        cube: cube::Exact::ALL.map(cube::Exact::name).into(),
+        square: Exact::ALL.map(Exact::name).into(),
+        cube: CubeExact::ALL.map(CubeExact::name).into(),
     };
     if args.json { say_json(&listed) } else { say(&listed.text()) }?;
     for Named { description, .. } in &listed.broken {

@@ -3,9 +3,9 @@
 use super::Stroke::{Line, Marked, Reference};
 use super::*;
 use signorini_mathematics::discrete::grid::nested;
-use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;

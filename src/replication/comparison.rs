@@ -4,7 +4,7 @@ use super::paper::{Paper, PublishedTable};
 use crate::pipeline::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::identify::agrees;
-use signorini_mathematics::problem::shape::Written;
+use signorini_mathematics::problem::text::Written;
 
 /// Computed row of a table: iteration counts per grid and Delta a on the finest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

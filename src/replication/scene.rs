@@ -422,7 +422,7 @@ mod tests {
     #[test]
     fn problems_with_known_solutions_are_solvable() {
         for exact in signorini_mathematics::problem::exact::Exact::ALL {
-            assert!(integrals(&Source::Exact(exact))[0] < -0.5, "{exact:?}");
+            assert!(integrals(&Source::from(exact))[0] < -0.5, "{exact:?}");
         }
     }
 

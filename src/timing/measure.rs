@@ -121,7 +121,7 @@ fn time_sweep(plan: &TimingPlan) -> Sweep {
     const CELLS: usize = 64;
     const ITERATIONS: usize = 2000;
     let grid = Grid::new(CELLS).expect("fine enough");
-    let load = load(grid, &Source::Exact(Exact::FreeCorner), LoadRule::default());
+    let load = load(grid, &Source::from(Exact::FreeCorner), LoadRule::default());
     // A tolerance out of reach, so that all iterations are made.
     let params = Params {
         tolerance: f64::MIN_POSITIVE,
@@ -143,7 +143,7 @@ fn scaling(plan: &TimingPlan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>
     for cells in (5..).map(|level| 1 << level).take_while(|n| *n <= plan.finest && !plan.ended()) {
         say(&format!("multigrid, h = 1/{cells}"));
         let grid = Grid::new(cells).map_err(|e| e.to_string())?;
-        let load = load(grid, &Source::Exact(TIMED), LoadRule::default());
+        let load = load(grid, &Source::from(TIMED), LoadRule::default());
         let problem = Law::SIGNORINI.with_load(&load);
         let mut workspace = Multigrid::square(cells).map_err(|e| e.to_string())?;
         let mut y = vec![0.0; load.len()];

@@ -243,7 +243,7 @@ fn brackets_hold_the_energies_of_solutions_with_formulas() {
                 rule.iter().map(density).sum::<f64>()
             })
             .sum();
-        let f = Source::Exact(problem);
+        let f = Source::from(problem);
         for n in [8, 16, 32, 64] {
             for (rule, goal) in [
                 (EXACT, Goal::RoundingFloor),
@@ -262,7 +262,7 @@ fn brackets_hold_the_energies_of_solutions_with_formulas() {
 fn errors_of_known_solutions_lie_between_the_bounds() {
     use signorini_mathematics::discrete::norms::errors;
     for problem in Exact::ALL {
-        let f = Source::Exact(problem);
+        let f = Source::from(problem);
         for n in [64, 128] {
             let grid = Grid::new(n).unwrap();
             let load = load(grid, &f, EXACT);

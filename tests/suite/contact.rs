@@ -9,8 +9,8 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::square::Square;
 use signorini_mathematics::multigrid::{self, MultigridParams};
-use signorini_mathematics::problem::cube::{Body, Source as CubeSource};
 use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 
@@ -136,10 +136,10 @@ fn the_multiplier_of_the_cube_has_the_total_force_by_the_trapezoidal_rule() {
     for case in 0..24 {
         let n = [4, 6, 8, 16][case % 4];
         let centre = [0; 3].map(|_| dice.unit() - 0.5);
-        let ball = Body::Ball { centre, radius: 0.1 + 0.3 * dice.unit() };
+        let ball = Shape::Ball { centre, radius: 0.1 + 0.3 * dice.unit() };
         let value = 3.0 * dice.unit() - 2.0;
         let pieces = if case == 0 { Vec::new() } else { vec![(ball, value)] };
-        let f = CubeSource::Pieces { background: -1.0, pieces };
+        let f = Source::<3>::Pieces { background: -1.0, pieces };
         if cube::integral(&f) > -0.05 {
             continue;
         }

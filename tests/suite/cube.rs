@@ -11,7 +11,7 @@ use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::cube::Cube;
 use signorini_mathematics::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams};
-use signorini_mathematics::problem::cube::Exact;
+use signorini_mathematics::problem::exact::CubeExact as Exact;
 use signorini_mathematics::problem::law::Law;
 
 fn grid(n: usize) -> Grid {

@@ -2,7 +2,7 @@
 
 use signorini_mathematics::discrete::cube::{Grid, load};
 use signorini_mathematics::experiments::problems::with_deficit;
-use signorini_mathematics::problem::cube::Exact;
+use signorini_mathematics::problem::exact::CubeExact as Exact;
 
 /// Nodal load of `f` with this deficit; without one as it is.
 pub(crate) fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {

@@ -4,7 +4,6 @@ use crate::common::{EVERYTHING, Project, TABLE};
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini_mathematics::problem::cube::Source as CubeSource;
 use signorini_mathematics::problem::source::{Source, Tie};
 
 const RULES: [LoadRule; 5] = [
@@ -61,7 +60,7 @@ fn formulas_have_the_loads_of_known_solutions_and_constants() {
         ("formula(-3*pi^2*cos(pi*x)*cos(pi*y)*cos(pi*z))", "exact(full-contact)"),
         ("formula(-1.5)", "else=-1.5"),
     ] {
-        let [formula, other]: [CubeSource; 2] = [formula, other].map(|text| text.parse().unwrap());
+        let [formula, other]: [Source<3>; 2] = [formula, other].map(|text| text.parse().unwrap());
         assert!((cube::integral(&formula) - cube::integral(&other)).abs() < 1e-12);
         let grid = cube::Grid::new(8).unwrap();
         let error = apart(&cube::exact_load(grid, &formula), &cube::exact_load(grid, &other));

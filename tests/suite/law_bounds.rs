@@ -182,7 +182,7 @@ fn an_end_of_the_interval_that_no_reaction_reaches_does_not_widen_the_bounds() {
 
 #[test]
 fn nor_does_it_on_meshes() {
-    let f: problem::cube::Source =
+    let f: problem::source::Source<3> =
         "box(-0.2,0.3,-0.3,0.1,-0.5,0.5)=1.1; else=-0.41".parse().unwrap();
     let grid = cube::Grid::new(8).unwrap();
     let load = cube::exact_load(grid, &f);

@@ -3,8 +3,8 @@
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini_mathematics::problem::cube::{Body, Source as CubeSource};
 use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::problem::source::Source;
 
 #[test]
@@ -26,27 +26,27 @@ fn a_load_does_not_depend_on_the_scale_of_a_half_plane() {
 #[test]
 fn turning_the_cube_turns_the_load() {
     let bodies = [
-        Body::Box([[-0.4, 0.11], [-0.23, 0.31], [0.02, 0.45]]),
-        Body::Ball { centre: [0.2, -0.1, 0.3], radius: 0.27 },
+        Shape::Box([[-0.4, 0.11], [-0.23, 0.31], [0.02, 0.45]]),
+        Shape::Ball { centre: [0.2, -0.1, 0.3], radius: 0.27 },
         // With one or two axes along the plane.
-        Body::HalfSpace { normal: [0.0, 0.7, -0.2], d: 0.05 },
-        Body::HalfSpace { normal: [0.0, 0.0, 1.0], d: 0.13 },
-        Body::HalfSpace { normal: [0.3, -0.5, 0.9], d: -0.1 },
+        Shape::HalfSpace { normal: [0.0, 0.7, -0.2], d: 0.05 },
+        Shape::HalfSpace { normal: [0.0, 0.0, 1.0], d: 0.13 },
+        Shape::HalfSpace { normal: [0.3, -0.5, 0.9], d: -0.1 },
     ];
-    let turned = |body: Body, axes: [usize; 3]| match body {
-        Body::Box(sides) => Body::Box(axes.map(|axis| sides[axis])),
-        Body::Ball { centre, radius } => {
-            Body::Ball { centre: axes.map(|axis| centre[axis]), radius }
+    let turned = |body: Shape<3>, axes: [usize; 3]| match body {
+        Shape::Box(sides) => Shape::Box(axes.map(|axis| sides[axis])),
+        Shape::Ball { centre, radius } => {
+            Shape::Ball { centre: axes.map(|axis| centre[axis]), radius }
         }
-        Body::HalfSpace { normal, d } => {
-            Body::HalfSpace { normal: axes.map(|axis| normal[axis]), d }
+        Shape::HalfSpace { normal, d } => {
+            Shape::HalfSpace { normal: axes.map(|axis| normal[axis]), d }
         }
     };
     let grid = cube::Grid::new(7).unwrap();
     for body in bodies {
         let load = |axes| {
             let pieces = vec![(turned(body, axes), 3.0)];
-            let load = cube::exact_load(grid, &CubeSource::Pieces { background: -1.0, pieces });
+            let load = cube::exact_load(grid, &Source::<3>::Pieces { background: -1.0, pieces });
             grid.indices().zip(load).collect::<std::collections::BTreeMap<_, _>>()
         };
         let straight = load([0, 1, 2]);
@@ -105,7 +105,7 @@ fn smooth_loads_are_the_integrals_over_the_triangles_of_either_diagonal() {
                 }
             }
         }
-        let ours = load(grid, &Source::Exact(f), LoadRule::Exact { diagonal });
+        let ours = load(grid, &Source::from(f), LoadRule::Exact { diagonal });
         for (ours, want) in ours.iter().zip(&want) {
             assert!((ours - want).abs() < 1e-8, "{diagonal:?}: {ours} {want}");
         }

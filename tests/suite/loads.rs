@@ -6,14 +6,12 @@ use signorini_mathematics::discrete::cells::Cells;
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini_mathematics::problem::cube::{Body, Source as CubeSource};
-use signorini_mathematics::problem::region::{QUADRANTS, Region};
-use signorini_mathematics::problem::shape::{Convex, Shape};
+use signorini_mathematics::problem::shape::{QUADRANTS, Shape};
 use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-type Pieces = [(Region, f64)];
+type Pieces = [(Shape<2>, f64)];
 
 /// Shapes at random.
 struct Random(Dice);
@@ -29,26 +27,26 @@ impl Random {
         [a.min(b), a.max(b)]
     }
 
-    fn region(&mut self) -> Region {
+    fn region(&mut self) -> Shape<2> {
         match (4.0 * self.next() + 2.0) as usize {
-            0 => Region::Rect { x: self.interval(), y: self.interval() },
-            1 => Region::HalfPlane { a: self.next(), b: self.next(), c: 0.5 * self.next() },
-            2 => QUADRANTS[(4.0 * self.next() + 2.0) as usize].1,
-            _ => Region::Disc {
+            0 => Shape::Box([self.interval(), self.interval()]),
+            1 => Shape::HalfSpace { normal: [self.next(), self.next()], d: 0.5 * self.next() },
+            2 => Shape::Box(QUADRANTS[(4.0 * self.next() + 2.0) as usize].1),
+            _ => Shape::Ball {
                 centre: [1.2 * self.next(), 1.2 * self.next()],
                 radius: 0.31 + 0.6 * self.next(),
             },
         }
     }
 
-    fn body(&mut self) -> Body {
+    fn body(&mut self) -> Shape<3> {
         match (3.0 * self.next() + 1.5) as usize {
-            0 => Body::Box([self.interval(), self.interval(), self.interval()]),
-            1 => Body::HalfSpace {
+            0 => Shape::Box([self.interval(), self.interval(), self.interval()]),
+            1 => Shape::HalfSpace {
                 normal: [self.next(), self.next(), self.next()],
                 d: 0.3 * self.next(),
             },
-            _ => Body::Ball {
+            _ => Shape::Ball {
                 centre: [1.2 * self.next(), 1.2 * self.next(), 1.2 * self.next()],
                 radius: 0.3 + 0.5 * self.next(),
             },
@@ -63,12 +61,12 @@ fn heights(pieces: &Pieces, x: f64) -> Vec<(f64, usize)> {
     for (k, (region, _)) in pieces.iter().enumerate() {
         let there = |yes: bool| if yes { -9.0 } else { 9.0 };
         match *region {
-            Region::Rect { x: [left, right], y } => {
+            Shape::Box([[left, right], y]) => {
                 let within = there(left < x && x < right);
                 found.extend([(y[0], 4 * k), (y[1], 4 * k + 1), (within, 4 * k + 2)]);
             }
-            Region::HalfPlane { a, b, c } => found.push(((c - a * x) / b, 4 * k)),
-            Region::Disc { centre, radius } => {
+            Shape::HalfSpace { normal: [a, b], d: c } => found.push(((c - a * x) / b, 4 * k)),
+            Shape::Ball { centre, radius } => {
                 let half = (radius * radius - (x - centre[0]).powi(2)).sqrt();
                 if half > 0.0 {
                     found.extend([(centre[1] - half, 4 * k), (centre[1] + half, 4 * k + 1)]);
@@ -106,7 +104,7 @@ impl Quadrature<'_> {
         let mut sums = [0.0; 9];
         for pair in ends.windows(2) {
             let (p, q) = (pair[0], pair[1]);
-            let inside = |(region, _): &&(Region, f64)| region.contains([x, 0.5 * (p + q)]);
+            let inside = |(region, _): &&(Shape<2>, f64)| region.contains([x, 0.5 * (p + q)]);
             let value = self.pieces.iter().rev().find(inside).map_or(self.background, |p| p.1);
             let [one, y, yy] = [1, 2, 3].map(|k| value * (q.powi(k) - p.powi(k)) / f64::from(k));
             let terms = [one, x * one, y, x * y, x * x * one, yy, x * x * y, x * yy, value * one];
@@ -155,9 +153,9 @@ impl Quadrature<'_> {
         let mut ends: Vec<_> = (0..=5).map(|k| f64::from(k) / 5.0 - 0.5).collect();
         for (region, _) in self.pieces {
             match *region {
-                Region::Rect { x, .. } => ends.extend(x),
-                Region::Disc { centre: [x, _], radius } => ends.extend([x - radius, x + radius]),
-                Region::HalfPlane { .. } => (),
+                Shape::Box([x, _]) => ends.extend(x),
+                Shape::Ball { centre: [x, _], radius } => ends.extend([x - radius, x + radius]),
+                Shape::HalfSpace { .. } => (),
             }
         }
         ends.retain(|x| x.abs() <= 0.5);
@@ -173,9 +171,9 @@ impl Quadrature<'_> {
 }
 
 /// The pieces in the coordinates of cell (i, j).
-fn seen(pieces: &Pieces, grid: Grid, i: usize, j: usize) -> Vec<(Region, f64)> {
+fn seen(pieces: &Pieces, grid: Grid, i: usize, j: usize) -> Vec<(Shape<2>, f64)> {
     let middle = |k: usize| 0.5 * (grid.coordinate(k) + grid.coordinate(k + 1));
-    let look = |region: &Region| region.seen_from(middle(i), [middle(j)], grid.h());
+    let look = |shape: &Shape<2>| shape.seen_from([middle(i), middle(j)], grid.h());
     pieces.iter().map(|(region, value)| (look(region), *value)).collect()
 }
 
@@ -291,7 +289,7 @@ fn integrals_are_those_of_closed_forms() {
 #[test]
 fn a_load_is_the_same_on_any_number_of_threads() {
     let f: Source = "disc(0.03,0.01,0.31)=3; halfplane(1,2,0.1)=2; else=-1".parse().unwrap();
-    let cubic: CubeSource = "ball(0.03,0.01,0,0.31)=3; else=-1".parse().unwrap();
+    let cubic: Source<3> = "ball(0.03,0.01,0,0.31)=3; else=-1".parse().unwrap();
     let loads = || {
         let exact = LoadRule::Exact { diagonal: Diagonal::Rising };
         let rules = [exact, LoadRule::LumpedAverage {}, LoadRule::default()];
@@ -342,7 +340,7 @@ fn loads_on_the_cube_have_the_same_moments_on_every_grid() {
     for trial in 0..24 {
         let pieces: Vec<_> =
             (0..1 + trial % 4).map(|_| (random.body(), 4.0 * random.next())).collect();
-        let f = CubeSource::Pieces { background: random.next(), pieces };
+        let f = Source::<3>::Pieces { background: random.next(), pieces };
         // The hats reproduce trilinear functions, so that the moments do not depend on the grid.
         let moments = |n: usize| {
             let grid = cube::Grid::new(n).unwrap();

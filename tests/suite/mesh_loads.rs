@@ -10,7 +10,6 @@ use signorini_mathematics::mesh::{
 };
 use signorini_mathematics::multigrid::MultigridParams;
 use signorini_mathematics::multilevel::solve_nested_networks;
-use signorini_mathematics::problem::cube::Source as CubeSource;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::triangulated::MeshProblem;
@@ -95,7 +94,7 @@ fn integrals_on_tetrahedra_are_those_of_the_cube() {
                 _ => format!("ball({x},{y},{z},{})={value}; ", 0.8 * size),
             };
         }
-        let f: CubeSource = format!("{text}else=-0.3").parse().unwrap();
+        let f: Source<3> = format!("{text}else=-0.3").parse().unwrap();
         let ours = mesh_load(&mesh, &f).unwrap();
         let exact = cube::exact_load(grid, &f);
         // Linear and trilinear hat functions sum to 1, and to x, with weights x.
@@ -117,7 +116,7 @@ fn integrals_on_tetrahedra_are_those_of_the_cube() {
 #[test]
 fn small_balls_are_seen_in_large_cells() {
     for radius in [0.3f64, 1e-2, 1e-4] {
-        let f: CubeSource = format!("ball(0.21,-0.13,0.17,{radius})=1; else=0").parse().unwrap();
+        let f: Source<3> = format!("ball(0.21,-0.13,0.17,{radius})=1; else=0").parse().unwrap();
         let mesh = BuiltIn::Ball.space().unwrap();
         let volume = mesh_load(&mesh, &f).unwrap().integral;
         let exact = 4.0 / 3.0 * PI * radius.powi(3);

@@ -24,7 +24,7 @@ fn grid(n: usize) -> Grid {
 }
 
 fn exact_load(problem: Exact, n: usize) -> Vec<f64> {
-    load(grid(n), &Source::Exact(problem), LoadRule::Nodal { tie: Tie::LowerLeft, diagonal: None })
+    load(grid(n), &Source::from(problem), LoadRule::Nodal { tie: Tie::LowerLeft, diagonal: None })
 }
 
 fn exact_values(problem: Exact, n: usize) -> Vec<f64> {

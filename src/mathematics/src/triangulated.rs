@@ -13,10 +13,9 @@ use crate::mesh::{
 };
 use crate::multigrid::InputError;
 use crate::multigrid::input::loaded_components;
-use crate::problem::cube::Body;
+use crate::problem::error::SourceError;
 use crate::problem::law::{Law, LawError};
-use crate::problem::region::Region;
-use crate::problem::shape::SourceError;
+use crate::problem::shape::Shape;
 
 /// Problem on a triangulation and its refinements.
 pub struct MeshProblem {
@@ -86,14 +85,14 @@ impl MeshProblem {
         law: Law,
     ) -> Result<Self, MeshProblemError> {
         let problem = match coarsest {
-            AnyMesh::Plane(mesh) => Self::prepared::<Region, 2, 3>(mesh, times, f, law)?,
-            AnyMesh::Space(mesh) => Self::prepared::<Body, 3, 4>(mesh, times, f, law)?,
+            AnyMesh::Plane(mesh) => Self::prepared(mesh, times, f, law)?,
+            AnyMesh::Space(mesh) => Self::prepared(mesh, times, f, law)?,
         };
         problem.check_solvable()?;
         Ok(problem)
     }
 
-    fn prepared<S: CutShape<D, V>, const D: usize, const V: usize>(
+    fn prepared<const D: usize, const V: usize>(
         coarsest: &Mesh<D, V>,
         times: usize,
         f: &str,
@@ -101,8 +100,9 @@ impl MeshProblem {
     ) -> Result<Self, MeshProblemError>
     where
         AnyMesh: From<Mesh<D, V>>,
+        Shape<D>: CutShape<D, V>,
     {
-        let f = read::<S, D, V>(coarsest, f)?;
+        let f = read(coarsest, f)?;
         let (levels, mesh) = refined(coarsest, times)?;
         let load = mesh_load(&mesh, &f)?;
         f.check_scale(load.size)?;
@@ -159,22 +159,24 @@ impl MeshProblem {
         }
     }
 
-    /// Checks that the flux can balance the load of each connected component without a fixed part, for the paper's law the
-    /// condition (2).
+    /// Checks that the flux can balance the load of each connected component without a fixed part, for the paper's law
+    /// the condition (2).
     fn check_solvable(&self) -> Result<(), MeshProblemError> {
         let network = self.network();
         let found = loaded_components(network, &network.components(), &self.f.load);
-        for (component, of) in found.iter().enumerate() {
+        for (component, loaded) in found.iter().enumerate() {
             let place = match found.len() {
                 1 => "the domain".to_owned(),
                 _ => format!("component {} of the domain", component + 1),
             };
-            if !of.has_fixed && of.measure == 0.0 {
+            if !loaded.has_fixed && loaded.measure == 0.0 {
                 return Err(MeshProblemError::Insulated(place));
             }
-            match of.check(self.law, ROUNDING * self.f.size) {
+            match loaded.check(self.law, ROUNDING * self.f.size) {
                 Err(InputError::Law(error)) => return Err(MeshProblemError::Law { place, error }),
-                Err(_) => return Err(MeshProblemError::NotCoercive { integral: of.sum, place }),
+                Err(_) => {
+                    return Err(MeshProblemError::NotCoercive { integral: loaded.sum, place });
+                }
                 Ok(()) => {}
             }
         }
@@ -183,10 +185,10 @@ impl MeshProblem {
 }
 
 /// Reads f on a mesh.
-fn read<S: CutShape<D, V>, const D: usize, const V: usize>(
+fn read<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
-) -> Result<MeshSource<S>, MeshSourceError> {
+) -> Result<MeshSource<D>, MeshSourceError> {
     // A power of ten, which messages show.
     let size = libm::exp10(libm::log10(mesh.largest_coordinate()).ceil());
     MeshSource::read(f, mesh.region_names(), size)
@@ -203,7 +205,7 @@ pub fn means_on(mesh: &AnyMesh, f: &str) -> Result<Vec<f64>, MeshProblemError> {
 /// Integrates f, given as text, on a mesh.
 fn load_on(mesh: &AnyMesh, f: &str) -> Result<MeshLoad, MeshProblemError> {
     Ok(match mesh {
-        AnyMesh::Plane(mesh) => mesh_load(mesh, &read::<Region, 2, 3>(mesh, f)?)?,
-        AnyMesh::Space(mesh) => mesh_load(mesh, &read::<Body, 3, 4>(mesh, f)?)?,
+        AnyMesh::Plane(mesh) => mesh_load(mesh, &read(mesh, f)?)?,
+        AnyMesh::Space(mesh) => mesh_load(mesh, &read(mesh, f)?)?,
     })
 }

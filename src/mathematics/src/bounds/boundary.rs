@@ -46,7 +46,7 @@ enum Signs {
 
 impl Signs {
     #[inline(always)]
-    fn of(values: &[f64]) -> Self {
+    fn find(values: &[f64]) -> Self {
         if values.iter().all(|value| *value >= 0.0) {
             return Self::Up;
         }
@@ -54,15 +54,15 @@ impl Signs {
     }
 }
 
-/// Coefficient of the bubble on an edge of the boundary, limited so that the recovery has the sign of the values p and q at
-/// the ends: the Bernstein coefficients are p, (p + q - c) / 2 and q. Zero where p and q have different signs.
+/// Coefficient of the bubble on an edge of the boundary, limited so that the recovery has the sign of the values p and
+/// q at the ends: the Bernstein coefficients are p, (p + q - c) / 2 and q. Zero where p and q have different signs.
 #[inline(always)]
 pub(super) fn limit_bubble(bubble: f64, ends: [f64; 2]) -> f64 {
     let [p, q] = ends;
     if p == 0.0 && q == 0.0 {
         return 0.0;
     }
-    match Signs::of(&ends) {
+    match Signs::find(&ends) {
         Signs::Up => bubble.min(p + q),
         Signs::Down => bubble.max(p + q),
         Signs::Both => 0.0,
@@ -114,9 +114,10 @@ impl PartLaw {
         }
     }
 
-    /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a bubble.
+    /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a
+    /// bubble.
     pub(super) fn potential<const N: usize>(self, values: [f64; N], bubble: f64) -> f64 {
-        let signs = Signs::of(&values);
+        let signs = Signs::find(&values);
         match signs {
             Signs::Up | Signs::Down => -self.end(signs) * (mean(values) - bubble / 6.0),
             Signs::Both => {
@@ -129,7 +130,7 @@ impl PartLaw {
 
     /// Integral of `j(w) + sigma.n w` over an edge of the grid, sigma.n the linear function with `fluxes` at the ends.
     pub(super) fn work(self, values: [f64; 2], fluxes: [f64; 2], bubble: f64) -> f64 {
-        match Signs::of(&values) {
+        match Signs::find(&values) {
             Signs::Both => flux_work(values, fluxes, bubble) + self.potential(values, bubble),
             signs => flux_work(values, fluxes.map(|flux| flux - self.end(signs)), bubble),
         }
@@ -137,7 +138,7 @@ impl PartLaw {
 
     /// Integral of `j(w) + sigma.n w` over a facet through which the flux is constant.
     pub(super) fn work_of_facet<const N: usize>(self, values: [f64; N], flux: f64) -> f64 {
-        match Signs::of(&values) {
+        match Signs::find(&values) {
             Signs::Both => flux * mean(values) + self.potential(values, 0.0),
             signs => (flux - self.end(signs)) * values.iter().sum::<f64>() / N as f64,
         }
@@ -171,8 +172,8 @@ fn single_positive_mean<const N: usize>(values: [f64; N]) -> f64 {
     others.fold(top / N as f64, |product, value| product * (top / (top - value)))
 }
 
-/// Shifts the fluxes per length or area by one number, and keeps them in the interval of the law, so that their sum becomes
-/// `sum`. Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
+/// Shifts the fluxes per length or area by one number, and keeps them in the interval of the law, so that their sum
+/// becomes `sum`. Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
 ///
 /// The interval must be bounded. A sum out of reach is missed.
 pub(super) fn shift_to_sum(law: Law, parts: &mut [BoundaryPart], sum: f64) {

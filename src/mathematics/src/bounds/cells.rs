@@ -2,15 +2,10 @@
 //! flux; here for cells at the boundary and at jumps of f, one by one.
 
 use super::flux::EdgeFluxes;
+use super::lanes::{CellLanes, LANES, loop_over_fields};
 use super::moments::{BubbleLoad, CellMoments, difference, mean};
 use std::array::from_fn;
 use std::f64::consts::PI;
-
-/// Number of cells whose sums are formed side by side.
-pub(super) const LANES: usize = 16;
-
-/// One number for each of [`LANES`] cells.
-pub(super) type CellLanes = [f64; LANES];
 
 /// Sums over cells. Gradients are in units of differences, since in two dimensions h cancels.
 ///
@@ -33,18 +28,7 @@ pub(super) struct Sums<T = f64> {
     pub variance: T,
 }
 
-impl<T> Sums<T> {
-    /// Calls `take` with each sum and the same sum of `other`.
-    #[inline(always)]
-    pub(super) fn each<U: Copy>(&mut self, other: &Sums<U>, take: impl Fn(&mut T, U)) {
-        take(&mut self.distance, other.distance);
-        take(&mut self.recovered, other.recovered);
-        take(&mut self.recovered_load, other.recovered_load);
-        take(&mut self.linear, other.linear);
-        take(&mut self.linear_load, other.linear_load);
-        take(&mut self.variance, other.variance);
-    }
-}
+loop_over_fields!(Sums { distance, recovered, recovered_load, linear, linear_load, variance });
 
 impl Sums {
     #[inline(always)]
@@ -159,12 +143,7 @@ impl SpecialCell<CellLanes> {
         SpecialCell {
             lines: from_fn(|a| from_fn(|b| from_fn(|c| self.lines[a][b][c][k]))),
             bubbles: from_fn(|a| from_fn(|b| self.bubbles[a][b][k])),
-            flux: EdgeFluxes {
-                left: self.flux.left[k],
-                right: self.flux.right[k],
-                bottom: self.flux.bottom[k],
-                top: self.flux.top[k],
-            },
+            flux: self.flux.lane(k),
             f: self.f.lane(k),
         }
     }
@@ -381,11 +360,8 @@ mod tests {
                 (0..4).for_each(|node| cells.lines[axis][edge][node][lane] = line[node]);
                 cells.bubbles[axis][edge][lane] = cell.bubbles[axis][edge];
             }
-            cells.flux.left[lane] = left;
-            cells.flux.right[lane] = right;
-            cells.flux.bottom[lane] = bottom;
-            cells.flux.top[lane] = top;
-            cells.f.each(&cell.f, |lanes, moment| lanes[lane] = moment);
+            cells.flux.each(&cell.flux, |lanes, flux| lanes[lane] = *flux);
+            cells.f.each(&cell.f, |lanes, moment| lanes[lane] = *moment);
             batch.push();
             expected.add(&cell.sums());
         }

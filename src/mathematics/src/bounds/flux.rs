@@ -2,6 +2,7 @@
 
 use super::boundary::{BoundaryPart, PartLaw, Slips, shift_to_sum};
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun, find_seams};
+use super::lanes::loop_over_fields;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 
@@ -19,11 +20,11 @@ pub(super) struct Reactions {
 }
 
 impl Reactions {
-    /// Computes the reactions of the nodal vector `y` with the boundary values `outer`, which the law allows. The law must
-    /// be able to balance the integral of f.
+    /// Computes the reactions of the nodal vector `y` with the boundary values `outer`, which the law allows. The law
+    /// must be able to balance the integral of f.
     ///
-    /// The reaction is `A y - b` where that is inside the interval of the law even when lessened by y, otherwise the end of the
-    /// interval. What f still needs is spread over the nodes inside the interval.
+    /// The reaction is `A y - b` where that is inside the interval of the law even when lessened by y, otherwise the
+    /// end of the interval. What f still needs is spread over the nodes inside the interval.
     pub(super) fn new(grid: Grid, law: Law, y: &[f64], outer: &[f64], f: &AllCells) -> Self {
         let (n, nodes) = (grid.cells(), outer.len());
         let mut values = Vec::with_capacity(nodes + 1);
@@ -62,8 +63,8 @@ impl Reactions {
     }
 }
 
-/// Limits the reactions to an interval that is bounded on one side, and scales what they exceed that end by, so that they
-/// balance f.
+/// Limits the reactions to an interval that is bounded on one side, and scales what they exceed that end by, so that
+/// they balance f.
 fn scale_reactions(law: PartLaw, outer: &[f64], integral: f64, values: &mut [f64]) {
     let (end, sign) = if law.least.is_finite() { (law.least, 1.0) } else { (law.most, -1.0) };
     for (value, &y) in values.iter_mut().zip(outer) {
@@ -82,8 +83,8 @@ fn scale_reactions(law: PartLaw, outer: &[f64], integral: f64, values: &mut [f64
     values.iter_mut().for_each(|value| *value = sign * (*value * balance) + end);
 }
 
-/// Limits the reactions to a bounded interval, and shifts them so that they balance f: scaled ones could leave the interval.
-/// Returns the largest absolute value of a reaction before or after the shift.
+/// Limits the reactions to a bounded interval, and shifts them so that they balance f: scaled ones could leave the
+/// interval. Returns the largest absolute value of a reaction before or after the shift.
 fn shift_reactions(law: Law, outer: &[f64], integral: f64, values: &mut [f64], h: f64) -> f64 {
     let of_nodes = PartLaw::new(law, h);
     let mut parts = Vec::with_capacity(outer.len());
@@ -205,16 +206,24 @@ pub(super) struct EdgeFluxes<T = f64> {
     pub top: T,
 }
 
+loop_over_fields!(EdgeFluxes { left, right, bottom, top });
+
+impl<const N: usize> EdgeFluxes<[f64; N]> {
+    /// Fluxes in lane `k`.
+    #[inline(always)]
+    pub(super) fn lane(&self, k: usize) -> EdgeFluxes {
+        let mut fluxes = EdgeFluxes::default();
+        fluxes.each(self, |flux, lanes| *flux = lanes[k]);
+        fluxes
+    }
+}
+
 impl EdgeFluxes {
     /// Sum of two fluxes, edge by edge.
     #[inline(always)]
-    pub(super) fn plus(self, other: Self) -> Self {
-        Self {
-            left: self.left + other.left,
-            right: self.right + other.right,
-            bottom: self.bottom + other.bottom,
-            top: self.top + other.top,
-        }
+    pub(super) fn plus(mut self, other: Self) -> Self {
+        self.each(&other, |flux, more| *flux += more);
+        self
     }
 
     /// Flux out of the cell less flux into it, along x and along y.

@@ -1,18 +1,18 @@
 //! Guaranteed two-sided bounds of the energy and of the error of a finite element solution on the square.
 //!
 //! # The identity
-//! Let the [law](crate::problem::law) keep dv/dn in `[lo, hi]`, and let j(v) be the largest of `-l v` over the l of this
-//! interval. Let K be the functions of H^1 where j(v) is finite on the boundary, J(v) = 1/2 |grad v|^2 - (f, v) + the integral
-//! of j(v) over the boundary, and sigma a *flux*: `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the boundary. For w in
-//! K integration by parts gives
+//! Let the [law](crate::problem::law) keep dv/dn in `[lo, hi]`, and let j(v) be the largest of `-l v` over the l of
+//! this interval. Let K be the functions of H^1 where j(v) is finite on the boundary, J(v) = 1/2 |grad v|^2 - (f, v) +
+//! the integral of j(v) over the boundary, and sigma a *flux*: `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the
+//! boundary. For w in K integration by parts gives
 //!
 //! ```text
 //! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n w> =: G(w, sigma),
 //! ```
 //!
-//! where `< >` is the integral over the boundary, nowhere negative under it. Under the paper's law K has the functions that
-//! are not negative on the boundary, and j is zero. The identity holds likewise with the solution u in place of w, or its
-//! flux `grad u` in place of sigma. So J(u) lies between J(w) - G and J(w), is at most J(0) = 0, and
+//! where `< >` is the integral over the boundary, nowhere negative under it. Under the paper's law K has the functions
+//! that are not negative on the boundary, and j is zero. The identity holds likewise with the solution u in place of w,
+//! or its flux `grad u` in place of sigma. So J(u) lies between J(w) - G and J(w), is at most J(0) = 0, and
 //! `1/2 |grad (u - v)|^2 <= J(v) - J(u)` for v in K, with equality where v vanishes on the part of the boundary that
 //! sticks and has the sign of u on the others. No constant of Poincaré's or of the trace inequality appears, so the
 //! bounds do not depend on the problem being only semicoercive. (Prager and Synge 1947; for Signorini's problem
@@ -20,12 +20,12 @@
 //! solutions make the bounds wide, not wrong.
 //!
 //! # Algorithm
-//! 1. Set boundary values to zero that the law forbids, under the paper's law negative ones; their energy norm is added to
-//!    the bounds of the error (`project`).
-//! 2. Integrate f over all cells (`data.rs`) and compute the reactions at the boundary nodes, inside the interval of the
-//!    law and so that they balance f: under the paper's law scaled, under others shifted by one constant (`flux.rs`).
-//!    If they do not reach an end of the interval, the end plays no part, and values of v that slip to it become zero
-//!    too (`bracketed`).
+//! 1. Set boundary values to zero that the law forbids, under the paper's law negative ones; their energy norm is added
+//!    to the bounds of the error (`project`).
+//! 2. Integrate f over all cells (`data.rs`) and compute the reactions at the boundary nodes, inside the interval of
+//!    the law and so that they balance f: under the paper's law scaled, under others shifted by one constant
+//!    (`flux.rs`). If they do not reach an end of the interval, the end plays no part, and values of v that slip to it
+//!    become zero too (`bracketed`).
 //! 3. In one sweep over the cells, row by row (`walk.rs`), form the flux (`flux.rs`, `strip.rs`), the recovery
 //!    (`recovery.rs`), the sums of all energies (`regular.rs` where f is constant around a cell, else `cells.rs`), and
 //!    the residual (`residual.rs`).
@@ -64,6 +64,7 @@ mod boundary;
 mod cells;
 mod data;
 mod flux;
+mod lanes;
 mod moments;
 mod recovery;
 mod regular;
@@ -152,12 +153,12 @@ impl NoBound {
 /// rounding.
 const LEAST_MASS: f64 = 1e-146;
 
-/// Returns bounds for the nodal vector `y` as an approximation of the solution for f under a law on the boundary. Any vector
-/// may be given.
+/// Returns bounds for the nodal vector `y` as an approximation of the solution for f under a law on the boundary. Any
+/// vector may be given.
 ///
 /// # Errors
-/// If the flux cannot balance the integral of f, which must be negative for the paper's law, or numbers exceed the range of
-/// double precision.
+/// If the flux cannot balance the integral of f, which must be negative for the paper's law, or numbers exceed the
+/// range of double precision.
 ///
 /// # Panics
 /// If `y.len() != grid.nodes()`.
@@ -207,7 +208,7 @@ fn bracketed(
     if narrower.distance == projection.distance {
         return found;
     }
-    let mut other_recovered = recovered.as_ref().map(|of| vec![0.0; of.len()]);
+    let mut other_recovered = recovered.as_ref().map(|values| vec![0.0; values.len()]);
     let (other, _) = summed(&data, law, &narrower, other_recovered.as_deref_mut());
     let Ok(other) = other else { return found };
     if found.as_ref().is_ok_and(|found| found.recovered <= other.recovered) {

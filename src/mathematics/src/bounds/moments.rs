@@ -1,5 +1,6 @@
 //! Moments of the right-hand side over a cell.
 
+use super::lanes::loop_over_fields;
 use crate::discrete::cells::{SweepCut, bilinear};
 use crate::discrete::grid::Grid;
 
@@ -21,39 +22,15 @@ pub(super) struct CellMoments<T = f64> {
     pub square: T,
 }
 
-impl<T> CellMoments<T> {
-    /// Calls `take` with each moment and the same moment of `other`.
-    #[inline(always)]
-    pub(super) fn each<U: Copy>(&mut self, other: &CellMoments<U>, take: impl Fn(&mut T, U)) {
-        take(&mut self.one, other.one);
-        take(&mut self.x, other.x);
-        take(&mut self.y, other.y);
-        take(&mut self.xy, other.xy);
-        take(&mut self.xx, other.xx);
-        take(&mut self.yy, other.yy);
-        take(&mut self.xxy, other.xxy);
-        take(&mut self.xyy, other.xyy);
-        take(&mut self.ridge, other.ridge);
-        take(&mut self.square, other.square);
-    }
-}
+loop_over_fields!(CellMoments { one, x, y, xy, xx, yy, xxy, xyy, ridge, square });
 
 impl<const N: usize> CellMoments<[f64; N]> {
     /// Moments in lane `k`.
     #[inline(always)]
     pub(super) fn lane(&self, k: usize) -> CellMoments {
-        CellMoments {
-            one: self.one[k],
-            x: self.x[k],
-            y: self.y[k],
-            xy: self.xy[k],
-            xx: self.xx[k],
-            yy: self.yy[k],
-            xxy: self.xxy[k],
-            xyy: self.xyy[k],
-            ridge: self.ridge[k],
-            square: self.square[k],
-        }
+        let mut moments = CellMoments::default();
+        moments.each(self, |moment, lanes| *moment = lanes[k]);
+        moments
     }
 }
 

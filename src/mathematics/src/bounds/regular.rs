@@ -1,6 +1,7 @@
 //! Sums over regular cells, that is cells in and around which f has one value.
 
-use super::cells::{CellLanes, LANES, Sums};
+use super::cells::Sums;
+use super::lanes::{CellLanes, LANES};
 use std::ops::Range;
 
 /// Sums over regular cells, in units that [`take`](Self::take) converts.

@@ -1,9 +1,10 @@
 //! The surroundings of a row of cells: the nodal vector, and the fluxes that f and its load require.
 
 use super::boundary::limit_bubble;
-use super::cells::{CellSlot, LANES, second};
+use super::cells::{CellSlot, second};
 use super::data::{ColumnSpan, MomentRun};
 use super::flux::{EdgeFluxes, NodeFluxes, through_edges};
+use super::lanes::LANES;
 use super::moments::{CellMoments, mean};
 use super::recovery::Extended;
 
@@ -94,11 +95,8 @@ impl<'a> FluxStrip<'a> {
             }
         }
         let EdgeFluxes { left, right, bottom, top } = flux;
-        cells.flux.left[lane] = left;
-        cells.flux.right[lane] = right;
-        cells.flux.bottom[lane] = bottom;
-        cells.flux.top[lane] = top;
-        cells.f.each(&f, |lanes, moment| lanes[lane] = moment);
+        cells.flux.each(&flux, |lanes, flux| lanes[lane] = *flux);
+        cells.f.each(&f, |lanes, moment| lanes[lane] = *moment);
         let [x, y] = seconds.map(mean);
         f.one + (x + y) + (right - left) + (top - bottom)
     }

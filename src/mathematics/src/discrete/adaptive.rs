@@ -1,11 +1,11 @@
 //! Integrals over a triangle or tetrahedron of a function that is given by its values alone.
 //!
-//! A part of the cell counts as settled if two formulas, of degree 5 inside and of degree 3 with the corners, the midpoints
-//! of the edges and the centroid, agree there on the integrals of the function times the hat functions. A part that is not
-//! settled is halved across its longest edge, the part with the largest difference first.
+//! A part of the cell counts as settled if two formulas, of degree 5 inside and of degree 3 with the corners, the
+//! midpoints of the edges and the centroid, agree there on the integrals of the function times the hat functions. A
+//! part that is not settled is halved across its longest edge, the part with the largest difference first.
 
 use super::quadrature::{QuadraturePoint, quadrature};
-use crate::problem::shape::SourceError;
+use crate::problem::error::SourceError;
 
 /// Integrals of a function over a cell, over the volume of the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +41,8 @@ impl<const D: usize> From<BadValue<D>> for SourceError {
 
 /// Parts of cells at least over a whole domain: peaks of a width of some hundredths of the domain are not missed.
 pub(crate) const LEAST_PARTS: usize = 1 << 15;
-/// Difference of the formulas on a part of a domain up to which it is settled, over the integral of |f| and the share of the
-/// part to the power (D - 1) / D.
+/// Difference of the formulas on a part of a domain up to which it is settled, over the integral of |f| and the share
+/// of the part to the power (D - 1) / D.
 pub(crate) const SETTLED: f64 = 1e-6;
 /// Numbers whose work takes as long as that on a cell.
 pub(crate) const COST: usize = 64;
@@ -54,8 +54,8 @@ pub(crate) struct Settling {
     pub least_parts: usize,
     /// Parts at most, if there are more than the least.
     pub most_parts: usize,
-    /// Difference of a part up to which it is settled, over the power (D - 1) / D of its share of the cell: summed over the
-    /// parts that a jump of the function crosses, the differences do not exceed a multiple of it.
+    /// Difference of a part up to which it is settled, over the power (D - 1) / D of its share of the cell: summed over
+    /// the parts that a jump of the function crosses, the differences do not exceed a multiple of it.
     pub tolerance: f64,
 }
 

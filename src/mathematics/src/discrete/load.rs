@@ -152,8 +152,8 @@ fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f6
                 Source::Pieces { background, pieces } => {
                     row.fill(*background);
                     let nodes = TiedRow { xs: &at, y: at[j], moved_xs: &xs, moved_y: ys[j], tie };
-                    for (region, value) in pieces {
-                        nodes.paint(region, *value, row);
+                    for (shape, value) in pieces {
+                        nodes.paint(shape, *value, row);
                     }
                 }
                 Source::Exact(_) | Source::Formula(_) => {

@@ -2,7 +2,7 @@
 
 use super::adaptive::{BadValue, COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
 use crate::machine::threads::in_tasks;
-use crate::problem::shape::SourceError;
+use crate::problem::error::SourceError;
 use rayon::prelude::*;
 
 /// Integrals of f over the square.

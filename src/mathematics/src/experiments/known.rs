@@ -76,7 +76,7 @@ impl KnownSolution {
     /// Right-hand side.
     pub fn f(&self) -> Source {
         match self {
-            Self::Formula(exact) => Source::Exact(*exact),
+            Self::Formula(exact) => Source::from(*exact),
             Self::Spectral(known) => known.f.clone(),
         }
     }

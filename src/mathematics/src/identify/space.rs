@@ -2,9 +2,8 @@
 
 use super::IdentifyError;
 use crate::discrete::load::integral;
-use crate::problem::region::QUADRANTS;
-use crate::problem::shape::Shape;
-use crate::problem::source::{Region, Source};
+use crate::problem::shape::{QUADRANTS, Shape};
+use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 
 /// A family of right-hand sides with two values, one on a region and one on the rest.
@@ -24,9 +23,9 @@ impl Space {
     /// The geometries of the family.
     pub fn geometries(self) -> Vec<Geometry> {
         match self {
-            Self::OddQuadrant => {
-                QUADRANTS.map(|(_, one)| Geometry { regions: vec![one], rest: true }).into()
-            }
+            Self::OddQuadrant => QUADRANTS
+                .map(|(_, sides)| Geometry { regions: vec![Shape::Box(sides)], rest: true })
+                .into(),
             Self::Rectangles => rectangles(),
         }
     }
@@ -42,7 +41,7 @@ fn rectangles() -> Vec<Geometry> {
     let mut all = Vec::new();
     for &x in &spans {
         for &y in spans.iter().filter(|&&y| [x, y] != [whole; 2]) {
-            all.push(Geometry { regions: vec![Region::Rect { x, y }], rest: true });
+            all.push(Geometry { regions: vec![Shape::Box([x, y])], rest: true });
         }
     }
     all
@@ -51,7 +50,7 @@ fn rectangles() -> Vec<Geometry> {
 /// Disjoint pieces of the square on each of which f is constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
-    regions: Vec<Region>,
+    regions: Vec<Shape<2>>,
     /// Whether what the regions leave is a piece as well; it is the last one.
     rest: bool,
 }
@@ -59,19 +58,21 @@ pub struct Geometry {
 impl Geometry {
     /// The four quadrants: lower left, lower right, upper left, upper right.
     pub fn quadrants() -> Self {
-        Self { regions: QUADRANTS.map(|(_, quadrant)| quadrant).into(), rest: false }
+        Self { regions: QUADRANTS.map(|(_, sides)| Shape::Box(sides)).into(), rest: false }
     }
 
     /// The pieces of an f made of quadrants, with a background if they leave any, and its values on them; `None` for
     /// any other f.
     pub fn of_quadrants(f: &Source) -> Option<(Self, Vec<f64>)> {
         let Source::Pieces { background, pieces } = f else { return None };
-        let quadrant = |(region, _): &(Region, f64)| QUADRANTS.iter().any(|(_, q)| q == region);
+        let quadrant = |(shape, _): &(Shape<2>, f64)| {
+            QUADRANTS.iter().any(|(_, sides)| *shape == Shape::Box(*sides))
+        };
         if pieces.is_empty() || !pieces.iter().all(quadrant) {
             return None;
         }
         let (regions, mut values): (Vec<_>, Vec<_>) = pieces.iter().copied().unzip();
-        let rest = !Region::cover(&regions);
+        let rest = !Shape::cover(&regions);
         values.extend(rest.then_some(*background));
         Some((Self { regions, rest }, values))
     }

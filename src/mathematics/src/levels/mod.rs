@@ -21,8 +21,8 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
 use crate::mesh::{AnyMesh, Touching};
+use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
-use crate::problem::shape::SourceError;
 use crate::saddle::Pair;
 use std::borrow::Cow;
 

@@ -9,9 +9,7 @@ use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load::LoadRule;
 use crate::discrete::verdict::Verdict;
 use crate::mesh::AnyMesh;
-use crate::problem::cube::Body;
 use crate::problem::law::Law;
-use crate::problem::region::Region;
 use crate::problem::source::Source;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -79,12 +77,12 @@ impl Problem {
         let is_curved = coarsest.is_curved();
         match coarsest {
             AnyMesh::Plane(mesh) => {
-                let levels = Triangulations::<Region, 2, 3>::new(mesh, times, f)?;
+                let levels = Triangulations::new(mesh, times, f)?;
                 check(levels.components(), law, levels.integrals().of_size)?;
                 Ok(Self::new(levels, law, is_curved))
             }
             AnyMesh::Space(mesh) => {
-                let levels = Triangulations::<Body, 3, 4>::new(mesh, times, f)?;
+                let levels = Triangulations::new(mesh, times, f)?;
                 check(levels.components(), law, levels.integrals().of_size)?;
                 Ok(Self::new(levels, law, is_curved))
             }

@@ -10,32 +10,36 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh,
-    Touching, mesh_arcs, mesh_load, nested_meshes,
+    Touching, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
 use crate::multigrid::input::{LoadedComponent, loaded_components};
+use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
-use crate::problem::shape::SourceError;
+use crate::problem::shape::Shape;
 use crate::saddle::Pair;
 use std::any::Any;
 use std::borrow::Cow;
 
 /// Mesh and its refinements, with f.
-pub struct Triangulations<S: CutShape<D, V>, const D: usize, const V: usize> {
+pub struct Triangulations<const D: usize, const V: usize> {
     nested: NestedMeshes<D, V>,
     /// Right-hand side.
-    f: MeshSource<S>,
+    f: MeshSource<D>,
     /// f on the finest mesh.
     load: MeshLoad,
     integrals: Integrals,
 }
 
-impl<S: CutShape<D, V>, const D: usize, const V: usize> Triangulations<S, D, V> {
+impl<const D: usize, const V: usize> Triangulations<D, V>
+where
+    Shape<D>: CutShape<D, V>,
+{
     /// Levels on a mesh and its refinements, `times` of them, with f given as text.
     ///
     /// # Errors
     /// [`Unsolvable`] if the text is no f on the mesh, f is not finite, or the mesh cannot be refined.
     pub(super) fn new(coarsest: &Mesh<D, V>, times: usize, f: &str) -> Result<Self, Unsolvable> {
-        let f = read::<S, D, V>(coarsest, f)?;
+        let f = read(coarsest, f)?;
         let nested = nested_meshes(coarsest, times)?;
         let load = mesh_load(&nested.meshes[times], &f)?;
         f.check_scale(load.size)?;
@@ -77,17 +81,18 @@ impl<S: CutShape<D, V>, const D: usize, const V: usize> Triangulations<S, D, V> 
 }
 
 /// Reads f on a mesh.
-fn read<S: CutShape<D, V>, const D: usize, const V: usize>(
+fn read<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
-) -> Result<MeshSource<S>, MeshSourceError> {
+) -> Result<MeshSource<D>, MeshSourceError> {
     // A power of ten, which messages show.
     let size = libm::exp10(libm::log10(mesh.largest_coordinate()).ceil());
     MeshSource::read(f, mesh.region_names(), size)
 }
 
-impl<S: CutShape<D, V> + 'static, const D: usize, const V: usize> Levels for Triangulations<S, D, V>
+impl<const D: usize, const V: usize> Levels for Triangulations<D, V>
 where
+    Shape<D>: CutShape<D, V>,
     AnyMesh: From<Mesh<D, V>>,
 {
     fn count(&self) -> usize {
@@ -185,8 +190,10 @@ where
         Some(mesh_arcs(plane, self.network(), y, judgement))
     }
 
-    fn errors(&self, _y: &[f64], _load: &[f64]) -> Option<KnownErrors> {
-        None
+    fn errors(&self, y: &[f64], _load: &[f64]) -> Option<KnownErrors> {
+        let known = self.f.known().filter(|_| self.finest().is_unit_box())?;
+        let values = mesh_errors(self.finest(), |point| known.sample(point), y);
+        Some(KnownErrors { values, multiplier_l2: None })
     }
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {

@@ -1,8 +1,8 @@
 //! Reasons for which a problem has no solution.
 
 use crate::mesh::{MeshError, MeshSourceError};
+use crate::problem::error::SourceError;
 use crate::problem::law::{Law, LawError};
-use crate::problem::shape::SourceError;
 
 /// Reason for which there is no problem with a unique solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

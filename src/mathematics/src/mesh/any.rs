@@ -180,8 +180,8 @@ impl AnyMesh {
         }
     }
 
-    /// Puts a part of the boundary on a circle, sphere or cylinder, given by its numbers: the centre and the radius, or a
-    /// point, a direction and the radius.
+    /// Puts a part of the boundary on a circle, sphere or cylinder, given by its numbers: the centre and the radius, or
+    /// a point, a direction and the radius.
     ///
     /// # Errors
     /// [`PartError`].

@@ -13,8 +13,8 @@ struct BoundaryWalk<'a> {
     links: BoundaryLinks,
 }
 
-/// Returns the arcs of boundary nodes [in contact](Judgement::in_contact), for a nodal vector and its judgement, each in
-/// the direction that has the domain on the left. An arc that is a whole closed curve begins and ends at one node.
+/// Returns the arcs of boundary nodes [in contact](Judgement::in_contact), for a nodal vector and its judgement, each
+/// in the direction that has the domain on the left. An arc that is a whole closed curve begins and ends at one node.
 pub fn mesh_arcs(
     mesh: &PlaneMesh,
     network: &Network,

@@ -8,8 +8,8 @@ use crate::problem::law::ContactNode;
 /// Coupling over the least diagonal of its nodes below which it is the rounding error of a right angle.
 const RIGHT_ANGLE: f64 = 1e-14;
 
-/// Returns the discrete problem for linear elements. Contact nodes are in the order of their numbers; a node where parts
-/// meet is fixed if one of them is, else in contact if one of them is.
+/// Returns the discrete problem for linear elements. Contact nodes are in the order of their numbers; a node where
+/// parts meet is fixed if one of them is, else in contact if one of them is.
 ///
 /// # Panics
 /// If there are more couplings than 32 bits number.

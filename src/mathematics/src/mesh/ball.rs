@@ -1,16 +1,17 @@
 //! Volume and first moments of what a ball and a tetrahedron have in common, in closed form.
 //!
-//! With the centre at 0 and the radius 1, let F be the part inside the ball of the side in the plane `n . x = h`, n the normal
-//! outwards, and S the part of the sphere inside the tetrahedron. By the divergence theorem for x and for `|x|^2`, since the
-//! integral of the normal over the whole surface is 0,
+//! With the centre at 0 and the radius 1, let F be the part inside the ball of the side in the plane `n . x = h`, n the
+//! normal outwards, and S the part of the sphere inside the tetrahedron. By the divergence theorem for x and for
+//! `|x|^2`, since the integral of the normal over the whole surface is 0,
 //!
 //! ```text
 //! 3 volume = sum over the sides of h |F| + |S|,
 //! 2 (integral of x) = sum over the sides of n (integral over F of |x|^2 - 1).
 //! ```
 //!
-//! |S| is the sum of the solid angles of the sides without F. All integrals over F and the rest of a side are sums over the
-//! edges, each cut at the circle: in polar coordinates around the foot of the centre they are integrals over the angle.
+//! |S| is the sum of the solid angles of the sides without F. All integrals over F and the rest of a side are sums over
+//! the edges, each cut at the circle: in polar coordinates around the foot of the centre they are integrals over the
+//! angle.
 
 use super::geometry::{centroid, dot};
 
@@ -119,7 +120,8 @@ struct Circle {
     square: f64,
 }
 
-/// SideEdge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the foot on.
+/// Edge of a side: `away` is its distance from the foot, `ends` are coordinates along it from the point next to the
+/// foot on.
 #[derive(Clone, Copy, Debug)]
 struct SideEdge {
     away: f64,
@@ -182,7 +184,7 @@ mod tests {
     use super::*;
     use crate::mesh::cut::FramedCell;
     use crate::mesh::cut_space::by_slices;
-    use crate::problem::cube::Body;
+    use crate::problem::shape::Shape;
     use std::f64::consts::PI;
 
     const CORNERS: Corners =
@@ -219,7 +221,7 @@ mod tests {
             let radius = 0.05 + 1.2 * wave(0.7).abs();
             let cell = FramedCell::new(corners);
             let found = common(cell.framed, centre, radius);
-            let piece = (Body::Ball { centre, radius }, 1.0);
+            let piece = (Shape::Ball { centre, radius }, 1.0);
             let slices =
                 by_slices(&mut crate::discrete::cells::CutCube::default(), &cell, 0.0, &[piece]);
             assert!((found.volume - slices.one).abs() < 1e-10, "{k}: {found:?} {slices:?}");

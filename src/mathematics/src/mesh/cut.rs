@@ -1,39 +1,33 @@
 //! Integrals over one cell of a mesh of a function that is constant on shapes, of which the last one wins.
 //!
-//! Most cells lie inside or outside each shape. The others are integrated exactly, in coordinates in which the cell just
-//! fits into the unit box, whatever the scale of the mesh.
+//! Most cells lie inside or outside each shape. The others are integrated exactly, in coordinates in which the cell
+//! just fits into the unit box, whatever the scale of the mesh.
 
 use super::geometry::{Element, bounds, centroid, dot, longest_side};
-use crate::problem::shape::Shape;
+use crate::problem::shape::{Shape, plain};
 
-/// Shape whose border may cut triangles, V = 3, or tetrahedra, V = 4.
-pub trait CutShape<const D: usize, const V: usize>: Shape<Point = [f64; D]> + Send + Sync {
+/// Shapes whose borders may cut triangles, V = 3, or tetrahedra, V = 4.
+pub trait CutShape<const D: usize, const V: usize> {
     /// Storage for the work on one cell.
     type Storage: Default;
 
-    /// This shape in coordinates with another origin and unit.
-    fn moved(&self, origin: [f64; D], unit: f64) -> Self;
-
-    /// True if the shape certainly has no point inside the cell.
-    fn misses(&self, cell: &FramedCell<D, V>) -> bool;
-
-    /// Integrals over a cell of a function less `background`, which is its value where no piece is; of the pieces the first
-    /// one wins. Cell and pieces are in the coordinates of the frame.
+    /// Integrals over a cell of a function less `background`, which is its value where no piece is; of the pieces the
+    /// first one wins. Cell and pieces are in the coordinates of the frame.
     fn integrate(
         storage: &mut Self::Storage,
         cell: &FramedCell<D, V>,
         background: f64,
-        pieces: &[(Self, f64)],
+        pieces: &[(Shape<D>, f64)],
     ) -> CutMoments<D>;
 }
 
 /// Function that is constant on shapes, of which the last one wins.
 #[derive(Clone, Copy, Debug)]
-pub struct ConstantPieces<'a, S> {
+pub struct ConstantPieces<'a, const D: usize> {
     /// Value where no shape is.
     pub background: f64,
     /// Shapes with their values.
-    pub pieces: &'a [(S, f64)],
+    pub pieces: &'a [(Shape<D>, f64)],
 }
 
 /// Integrals of f over a cell.
@@ -101,20 +95,42 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
         Self { origin, unit, vertices, framed, element: Element::new(framed), bounds }
     }
 
+    /// True if a shape, in the coordinates of the mesh, certainly has no point inside the cell.
+    fn is_missed_by(&self, shape: &Shape<D>) -> bool {
+        match *shape {
+            Shape::Box(sides) => self.is_beside(sides),
+            Shape::Ball { centre, radius } => self.is_away_from(centre, radius),
+            Shape::HalfSpace { normal, d } => {
+                let (normal, d) = plain(normal, d);
+                self.is_beyond(normal, d)
+            }
+        }
+    }
+
+    /// The half-planes or half-spaces, in the frame, that the sides of the cell separate from it.
+    pub(super) fn outside(&self) -> [Shape<D>; V] {
+        std::array::from_fn(|vertex| {
+            // The hat function of the vertex is negative there.
+            let normal = self.element.gradients[vertex];
+            Shape::HalfSpace { normal, d: dot(normal, self.framed[(vertex + 1) % V]) }
+        })
+    }
+
     /// True if the box with these sides, in the coordinates of the mesh, has no point inside that of the cell.
-    pub(super) fn is_beside(&self, sides: [[f64; 2]; D]) -> bool {
+    fn is_beside(&self, sides: [[f64; 2]; D]) -> bool {
         let mut both = sides.iter().zip(&self.bounds);
         both.any(|(side, bounds)| side[1] <= bounds[0] || bounds[1] <= side[0])
     }
 
-    /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or equal.
-    pub(super) fn is_beyond(&self, normal: [f64; D], d: f64) -> bool {
+    /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or
+    /// equal.
+    fn is_beyond(&self, normal: [f64; D], d: f64) -> bool {
         self.vertices.iter().all(|&vertex| dot(normal, vertex) >= d)
     }
 
-    /// True if the circle or sphere does not reach across the line or plane of a side of the cell, or across the one at a
-    /// right angle to the way from its centre to that of the cell.
-    pub(super) fn is_away_from(&self, centre: [f64; D], radius: f64) -> bool {
+    /// True if the circle or sphere does not reach across the line or plane of a side of the cell, or across the one at
+    /// a right angle to the way from its centre to that of the cell.
+    fn is_away_from(&self, centre: [f64; D], radius: f64) -> bool {
         let centre: [f64; D] = std::array::from_fn(|d| (centre[d] - self.origin[d]) / self.unit);
         let radius = radius / self.unit;
         for (vertex, gradient) in self.element.gradients.iter().enumerate() {
@@ -133,15 +149,21 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
 }
 
 /// The pieces that share a cell, with storage for the work on them.
-pub(super) struct CellCutter<S: CutShape<D, V>, const D: usize, const V: usize> {
-    storage: S::Storage,
+pub(super) struct CellCutter<const D: usize, const V: usize>
+where
+    Shape<D>: CutShape<D, V>,
+{
+    storage: <Shape<D> as CutShape<D, V>>::Storage,
     /// Pieces whose borders may cross the cell, the last one first, in the frame.
-    across: Vec<(S, f64)>,
+    across: Vec<(Shape<D>, f64)>,
 }
 
-impl<S: CutShape<D, V>, const D: usize, const V: usize> CellCutter<S, D, V> {
+impl<const D: usize, const V: usize> CellCutter<D, V>
+where
+    Shape<D>: CutShape<D, V>,
+{
     pub(super) fn new() -> Self {
-        Self { storage: S::Storage::default(), across: Vec::new() }
+        Self { storage: Default::default(), across: Vec::new() }
     }
 
     /// Integrates over the cell with these vertices and this volume.
@@ -149,7 +171,7 @@ impl<S: CutShape<D, V>, const D: usize, const V: usize> CellCutter<S, D, V> {
         &mut self,
         vertices: [[f64; D]; V],
         volume: f64,
-        f: ConstantPieces<'_, S>,
+        f: ConstantPieces<'_, D>,
     ) -> CellPart<V> {
         if f.pieces.is_empty() {
             return CellPart::constant(volume, f.background);
@@ -159,7 +181,7 @@ impl<S: CutShape<D, V>, const D: usize, const V: usize> CellCutter<S, D, V> {
         if self.across.iter().all(|&(_, value)| value == background) {
             return CellPart::constant(volume, background);
         }
-        let moments = S::integrate(&mut self.storage, &cell, background, &self.across);
+        let moments = Shape::integrate(&mut self.storage, &cell, background, &self.across);
         let whole = cell.element.volume;
         let (one, first) = (moments.one / whole, moments.first.map(|first| first / whole));
         let middle = centroid(cell.framed);
@@ -177,15 +199,15 @@ impl<S: CutShape<D, V>, const D: usize, const V: usize> CellCutter<S, D, V> {
     }
 
     /// Finds the pieces whose borders may cross the cell, and returns the value of f where none of them is.
-    fn find_across(&mut self, cell: &FramedCell<D, V>, f: ConstantPieces<'_, S>) -> f64 {
+    fn find_across(&mut self, cell: &FramedCell<D, V>, f: ConstantPieces<'_, D>) -> f64 {
         self.across.clear();
         for (shape, value) in f.pieces.iter().rev() {
             // A convex shape covers the cell if it holds the vertices.
             if cell.vertices.iter().all(|&vertex| shape.contains(vertex)) {
                 return *value;
             }
-            if !shape.misses(cell) {
-                self.across.push((shape.moved(cell.origin, cell.unit), *value));
+            if !cell.is_missed_by(shape) {
+                self.across.push((shape.seen_from(cell.origin, cell.unit), *value));
             }
         }
         f.background

@@ -1,39 +1,24 @@
 //! Tetrahedra that borders of boxes, half-spaces and balls cross.
 //!
 //! Planes cut a tetrahedron into smaller ones, on each of which f is constant but for balls. A ball takes its
-//! [share](super::ball) of each in closed form, less that of the balls inside it. Two spheres that cross each other meet in
-//! the plane in which the powers of a point to both are the same: on each side of that plane, the one ball is inside the
-//! other. Only for balls so large that their surfaces are nearly planes, slices are integrated as on the cube.
+//! [share](super::ball) of each in closed form, less that of the balls inside it. Two spheres that cross each other
+//! meet in the plane in which the powers of a point to both are the same: on each side of that plane, the one ball is
+//! inside the other. Only for balls so large that their surfaces are nearly planes, slices are integrated as on the
+//! cube.
 
 use super::ball::{self, Corners, PartMeasure};
 use super::cut::{CutMoments, CutShape, FramedCell};
 use super::geometry::{centroid, dot};
 use crate::discrete::cells::CutCube;
-use crate::problem::cube::Body;
-use crate::problem::shape::{Convex, Shape, plain};
+use crate::problem::shape::{Shape, plain};
 
 /// Radius over the size of a cell from which on the closed form loses digits: it takes angles at the centre.
 const FLAT: f64 = 300.0;
 /// Volume over that of the cell below which a part of it is a rounding error.
 const NOTHING: f64 = 1e-16;
 
-impl CutShape<3, 4> for Body {
+impl CutShape<3, 4> for Shape<3> {
     type Storage = CutCube;
-
-    fn moved(&self, [x, y, z]: [f64; 3], unit: f64) -> Self {
-        self.seen_from(x, [y, z], unit)
-    }
-
-    fn misses(&self, cell: &FramedCell<3, 4>) -> bool {
-        match *self {
-            Self::Box(sides) => cell.is_beside(sides),
-            Self::HalfSpace { normal, d } => {
-                let (normal, d) = plain(normal, d);
-                cell.is_beyond(normal, d)
-            }
-            Self::Ball { centre, radius } => cell.is_away_from(centre, radius),
-        }
-    }
 
     fn integrate(
         storage: &mut CutCube,
@@ -83,8 +68,8 @@ impl OpenBall {
         self.square_to(other) < apart * apart && !self.holds(other) && !other.holds(self)
     }
 
-    /// Plane `normal . x = d` in which the powers of a point to both balls are the same; that to this ball is less where the
-    /// left side is.
+    /// Plane `normal . x = d` in which the powers of a point to both balls are the same; that to this ball is less
+    /// where the left side is.
     fn radical_plane(&self, other: &Self) -> ([f64; 3], f64) {
         let normal: [f64; 3] = std::array::from_fn(|d| other.centre[d] - self.centre[d]);
         let middle = std::array::from_fn(|d| 0.5 * (self.centre[d] + other.centre[d]));
@@ -111,8 +96,9 @@ struct Parts {
 }
 
 impl Parts {
-    /// Adds a part with these corners, on which `pieces` lie over the background, the first one on top, and below `balls`.
-    fn add(&mut self, corners: Corners, pieces: &[(Body, f64)], balls: &mut Vec<OpenBall>) {
+    /// Adds a part with these corners, on which `pieces` lie over the background, the first one on top, and below
+    /// `balls`.
+    fn add(&mut self, corners: Corners, pieces: &[(Shape<3>, f64)], balls: &mut Vec<OpenBall>) {
         if ball::volume(corners) < self.least {
             return;
         }
@@ -123,18 +109,18 @@ impl Parts {
             return self.settle(corners, *value, balls);
         }
         match *shape {
-            Body::Ball { centre, radius } => {
+            Shape::Ball { centre, radius } => {
                 balls.push(OpenBall { centre, radius, value: *value });
                 self.add(corners, below, balls);
                 balls.pop();
             }
-            Body::HalfSpace { normal, d } => {
+            Shape::HalfSpace { normal, d } => {
                 let (normal, d) = plain(normal, d);
                 let [inside, outside] = halves(corners, normal, d);
                 inside.into_iter().for_each(|part| self.settle(part, *value, balls));
                 outside.into_iter().for_each(|part| self.add(part, below, balls));
             }
-            Body::Box(sides) => {
+            Shape::Box(sides) => {
                 let mut inside = vec![corners];
                 for (axis, sign, d) in (0..3)
                     .flat_map(|axis| [(axis, -1.0, -sides[axis][0]), (axis, 1.0, sides[axis][1])])
@@ -230,23 +216,19 @@ fn prism([a, b, c]: [[f64; 3]; 3], [d, e, f]: [[f64; 3]; 3]) -> [Corners; 3] {
     [[a, b, c, d], [b, c, d, e], [c, d, e, f]]
 }
 
-/// Integrals over a cell by slices: painted over with zero on the half-spaces outside, a function has the integrals over the
-/// cell as those over the unit cube.
+/// Integrals over a cell by slices: painted over with zero on the half-spaces outside, a function has the integrals
+/// over the cell as those over the unit cube.
 pub(super) fn by_slices(
     storage: &mut CutCube,
     cell: &FramedCell<3, 4>,
     background: f64,
-    pieces: &[(Body, f64)],
+    pieces: &[(Shape<3>, f64)],
 ) -> CutMoments<3> {
-    let outside: [Body; 4] = std::array::from_fn(|vertex| {
-        let normal = cell.element.gradients[vertex];
-        Body::HalfSpace { normal, d: dot(normal, cell.framed[(vertex + 1) % 4]) }
-    });
     let functions: [fn(f64, f64) -> f64; 3] =
         [|f, c| f - c, |f, c| (f - c) * (f - c), |f, c| f.abs() - c.abs()];
-    let [corners, square, size] = functions.map(|of| {
-        let above = pieces.iter().map(|&(shape, value)| (shape, of(value, background)));
-        storage.set(0.0, outside.into_iter().map(|shape| (shape, 0.0)).chain(above));
+    let [corners, square, size] = functions.map(|function| {
+        let above = pieces.iter().map(|&(shape, value)| (shape, function(value, background)));
+        storage.set(0.0, cell.outside().into_iter().map(|shape| (shape, 0.0)).chain(above));
         storage.corners()
     });
     let first = std::array::from_fn(|axis| {

@@ -84,14 +84,14 @@ pub fn distance_squared<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
 mod tests {
     use super::*;
     use crate::mesh::uniform_cube;
-    use crate::problem::cube::Exact;
+    use crate::problem::exact::CubeExact;
     use std::f64::consts::PI;
 
     #[test]
     fn the_errors_of_zero_are_the_norms_of_the_solution() {
         let mesh = uniform_cube(8);
         let zero = vec![0.0; mesh.points().len()];
-        let Errors { l2, h1, max } = mesh_errors(&mesh, |at| Exact::FullContact.at(at), &zero);
+        let Errors { l2, h1, max } = mesh_errors(&mesh, |at| CubeExact::FullContact.at(at), &zero);
         // Integrals of cos^2 cos^2 cos^2 and 3 pi^2 sin^2 cos^2 cos^2 over the cube.
         assert!((l2 - 0.125f64.sqrt()).abs() < 1e-5, "{l2}");
         assert!((h1 - PI * 0.375f64.sqrt()).abs() < 1e-4, "{h1}");

@@ -27,8 +27,8 @@ struct SideCells {
 }
 
 impl<const D: usize, const V: usize> MeshData<D, V> {
-    /// Boundary of the cells, which are numbered in the positive sense. Named facets inside the domain are left out, and
-    /// so are parts that have no others.
+    /// Boundary of the cells, which are numbered in the positive sense. Named facets inside the domain are left out,
+    /// and so are parts that have no others.
     ///
     /// # Errors
     /// Cells that overlap at a facet, and parts that name no facet or one facet twice.
@@ -136,8 +136,8 @@ fn default_part<const D: usize>(parts: &mut Vec<Part<D>>) -> u16 {
     position as u16
 }
 
-/// Returns the facets of a cell: the vertices without the first, without the second, and so on; those of a triangle in the
-/// sense of the triangle.
+/// Returns the facets of a cell: the vertices without the first, without the second, and so on; those of a triangle in
+/// the sense of the triangle.
 pub(crate) fn sides_of<const D: usize, const V: usize>(cell: &[u32; V]) -> [[u32; D]; V] {
     std::array::from_fn(|without| std::array::from_fn(|k| cell[(without + 1 + k) % V]))
 }

@@ -1,5 +1,7 @@
 //! Triangles and tetrahedra: volumes, gradients of the hat functions, measures of facets.
 
+pub(crate) use crate::problem::shape::dot;
+
 /// Triangle or tetrahedron, as far as linear functions on it are concerned.
 #[derive(Clone, Copy, Debug)]
 pub struct Element<const D: usize, const V: usize> {
@@ -67,11 +69,6 @@ fn cofactors<const D: usize>(rows: [[f64; D]; D]) -> (f64, [[f64; D]; D]) {
         }
     }
     (dot(rows[0], cofactors[0]), cofactors)
-}
-
-/// Product of two vectors.
-pub(crate) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Difference of two points.

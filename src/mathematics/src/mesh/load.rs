@@ -1,22 +1,20 @@
 //! f on a mesh: its load vector, its integrals, and its means over the cells.
 //!
-//! A cell on which f is constant, or which the borders of shapes with constant f [cut](super::cut), is integrated exactly.
-//! Any other f is sampled: the cells are divided until two formulas agree.
+//! A cell on which f is constant, or which the borders of shapes with constant f [cut](super::cut), is integrated
+//! exactly. Any other f is sampled: the cells are divided until two formulas agree.
 
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
 use super::{Element, Mesh};
 use crate::discrete::adaptive::{COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
 use crate::machine::threads::in_tasks;
-use crate::problem::shape::{Shape, SourceError};
+use crate::problem::error::SourceError;
+use crate::problem::shape::Shape;
 use rayon::prelude::*;
 
 /// f on the cells of a mesh.
 pub trait OnCells<const D: usize>: Sync {
-    /// Shapes on which f may be constant.
-    type Shape: Shape<Point = [f64; D]>;
-
     /// The constant pieces of f on the cells of a region; none if f is known there by its values only.
-    fn pieces(&self, region: u16) -> Option<ConstantPieces<'_, Self::Shape>>;
+    fn pieces(&self, region: u16) -> Option<ConstantPieces<'_, D>>;
 
     /// Value at a point of a cell of this region.
     fn at(&self, region: u16, point: [f64; D]) -> f64;
@@ -47,12 +45,12 @@ pub struct MeshLoad {
 }
 
 impl<const V: usize> CellPart<V> {
-    fn sampled(volume: f64, of: &SampledCell<V>) -> Self {
+    fn sampled(volume: f64, cell: &SampledCell<V>) -> Self {
         Self {
-            shares: of.shares.map(|share| volume * share),
-            mean: of.mean,
-            deviation: (volume * of.variance.max(0.0)).sqrt(),
-            size: volume * of.size,
+            shares: cell.shares.map(|share| volume * share),
+            mean: cell.mean,
+            deviation: (volume * cell.variance.max(0.0)).sqrt(),
+            size: volume * cell.size,
         }
     }
 }
@@ -71,7 +69,7 @@ pub fn mesh_load<const D: usize, const V: usize, F: OnCells<D>>(
     f: &F,
 ) -> Result<MeshLoad, SourceError>
 where
-    F::Shape: CutShape<D, V>,
+    Shape<D>: CutShape<D, V>,
 {
     let cells = mesh.cells().len();
     let work = CellWork { mesh, f, sampler: Sampler::default(), volume: mesh.volume() };
@@ -136,12 +134,12 @@ struct CellWork<'a, F, const D: usize, const V: usize> {
 
 impl<F: OnCells<D>, const D: usize, const V: usize> CellWork<'_, F, D, V>
 where
-    F::Shape: CutShape<D, V>,
+    Shape<D>: CutShape<D, V>,
 {
     /// Integrates over a cell. A tolerance is for the mesh, as [`SETTLED`].
     fn integrate(
         &self,
-        cutter: &mut CellCutter<F::Shape, D, V>,
+        cutter: &mut CellCutter<D, V>,
         cell: usize,
         settling: Settling,
     ) -> Result<WeighedPart<V>, SourceError> {

@@ -208,6 +208,15 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         longest_side(bounds(&self.points))
     }
 
+    /// True if the domain is (-1/2, 1/2)^D with all of its boundary in contact, the domain of the known solutions.
+    pub fn is_unit_box(&self) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let is_half = |end: f64| (end.abs() - 0.5).abs() < ROUNDING;
+        bounds(&self.points).as_flattened().iter().all(|&end| is_half(end))
+            && (self.volume() - 1.0).abs() < ROUNDING
+            && self.parts.iter().all(|part| part.condition == Condition::Contact)
+    }
+
     /// Largest coordinate, without its sign.
     pub fn largest_coordinate(&self) -> f64 {
         self.points.iter().flatten().fold(0.0, |largest, x| x.abs().max(largest))

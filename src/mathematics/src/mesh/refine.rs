@@ -70,8 +70,8 @@ impl NodeNumbers<'_> {
 /// Refines all cells.
 ///
 /// # Errors
-/// [`MeshError::TooManyNodes`], and [`MeshError::Folded`] if a curve puts a node so far away that an element turns inside
-/// out.
+/// [`MeshError::TooManyNodes`], and [`MeshError::Folded`] if a curve puts a node so far away that an element turns
+/// inside out.
 pub fn refine<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
 ) -> Result<Refined<D, V>, MeshError> {

@@ -6,16 +6,17 @@
 use super::Names;
 use super::cut::ConstantPieces;
 use super::load::OnCells;
-use crate::problem::shape::{Shape, SourceError};
+use crate::problem::error::SourceError;
+use crate::problem::exact::Known;
 use crate::problem::source::Source;
 
 /// f on a mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeshSource<S: Shape> {
+pub struct MeshSource<const D: usize> {
     /// f on each region; none where the rest says it.
-    regions: Vec<Option<Source<S>>>,
+    regions: Vec<Option<Source<D>>>,
     /// f where no region has a value.
-    rest: Source<S>,
+    rest: Source<D>,
     /// Text, in one line.
     text: String,
 }
@@ -44,7 +45,7 @@ pub enum MeshSourceError {
     NoValue(String),
 }
 
-impl<S: Shape> MeshSource<S> {
+impl<const D: usize> MeshSource<D> {
     /// Reads a text for a mesh with these regions, whose largest coordinate has this size.
     ///
     /// # Errors
@@ -80,8 +81,16 @@ impl<S: Shape> MeshSource<S> {
         &self.text
     }
 
+    /// Problem with a known solution whose f this is, if it is one.
+    pub fn known(&self) -> Option<Known> {
+        match &self.rest {
+            Source::Exact(known) if self.regions.iter().all(Option::is_none) => Some(*known),
+            _ => None,
+        }
+    }
+
     /// f on the cells of a region.
-    fn on(&self, region: u16) -> &Source<S> {
+    fn on(&self, region: u16) -> &Source<D> {
         self.regions[region as usize].as_ref().unwrap_or(&self.rest)
     }
 
@@ -92,16 +101,16 @@ impl<S: Shape> MeshSource<S> {
     pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
         let parts = self.regions.iter().flatten().chain([&self.rest]);
         let sizes = parts.map(|f| f.largest().unwrap_or(integral_of_size));
-        Source::<S>::constant(sizes.fold(0.0, f64::max)).check_scale(integral_of_size)
+        Source::<D>::constant(sizes.fold(0.0, f64::max)).check_scale(integral_of_size)
     }
 }
 
 /// Gives f a value on all regions of this name.
-fn set_named<S: Shape>(
-    regions: &mut [Option<Source<S>>],
+fn set_named<const D: usize>(
+    regions: &mut [Option<Source<D>>],
     region_names: &[Names],
     name: &str,
-    value: &Source<S>,
+    value: &Source<D>,
 ) -> Result<(), MeshSourceError> {
     let mut is_known = false;
     for (region, names) in regions.iter_mut().zip(region_names) {
@@ -127,10 +136,8 @@ fn region(item: &str) -> Option<(&str, &str)> {
     Some((name.trim(), value.trim()))
 }
 
-impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for Source<S> {
-    type Shape = S;
-
-    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, S>> {
+impl<const D: usize> OnCells<D> for Source<D> {
+    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, D>> {
         match self {
             Self::Pieces { background, pieces } => {
                 Some(ConstantPieces { background: *background, pieces })
@@ -144,10 +151,8 @@ impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for Source<S> {
     }
 }
 
-impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for MeshSource<S> {
-    type Shape = S;
-
-    fn pieces(&self, region: u16) -> Option<ConstantPieces<'_, S>> {
+impl<const D: usize> OnCells<D> for MeshSource<D> {
+    fn pieces(&self, region: u16) -> Option<ConstantPieces<'_, D>> {
         OnCells::pieces(self.on(region), region)
     }
 
@@ -160,7 +165,6 @@ impl<S: Shape<Point = [f64; D]>, const D: usize> OnCells<D> for MeshSource<S> {
 mod tests {
     use super::*;
     use crate::mesh::{BuiltIn, mesh_load};
-    use crate::problem::region::Region;
 
     fn names(names: &[&str]) -> Vec<Names> {
         names.iter().map(|name| (*name).into()).collect()
@@ -169,14 +173,12 @@ mod tests {
     #[test]
     fn regions_and_shapes_are_read_together() {
         let names = names(&["core", "shell"]);
-        let f =
-            MeshSource::<Region>::read("region(core)=-1/4;  disc(0,0,1)=2; else=-1", &names, 1.0)
-                .unwrap();
+        let f = MeshSource::<2>::read("region(core)=-1/4;  disc(0,0,1)=2; else=-1", &names, 1.0)
+            .unwrap();
         assert_eq!([f.at(0, [0.0; 2]), f.at(1, [0.0; 2]), f.at(1, [2.0; 2])], [-0.25, 2.0, -1.0]);
         assert_eq!(f.text(), "region(core)=-1/4; disc(0,0,1)=2; else=-1");
-        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=2", &names, 1.0).is_ok());
-        let f =
-            MeshSource::<Region>::read("region(core)=formula(x*y); else=-1", &names, 1.0).unwrap();
+        assert!(MeshSource::<2>::read("region(core)=1; region(shell)=2", &names, 1.0).is_ok());
+        let f = MeshSource::<2>::read("region(core)=formula(x*y); else=-1", &names, 1.0).unwrap();
         assert_eq!([f.at(0, [2.0, 3.0]), f.at(1, [2.0, 3.0])], [6.0, -1.0]);
         let mut both = Names::from("core");
         both.add("shell");
@@ -191,16 +193,13 @@ mod tests {
                 "f has two values on the region `core`; give it one",
             ),
         ] {
-            assert_eq!(
-                MeshSource::<Region>::read(text, &names, 1.0).unwrap_err().to_string(),
-                said
-            );
+            assert_eq!(MeshSource::<2>::read(text, &names, 1.0).unwrap_err().to_string(), said);
         }
-        let said = MeshSource::<Region>::read("region(core)=1; region(shell)=2", &both, 1.0);
+        let said = MeshSource::<2>::read("region(core)=1; region(shell)=2", &both, 1.0);
         assert_eq!(said.unwrap_err(), MeshSourceError::TwoValues("core, shell".into()));
-        assert!(MeshSource::<Region>::read("region(core)=1; region(shell)=1", &both, 1.0).is_ok());
+        assert!(MeshSource::<2>::read("region(core)=1; region(shell)=1", &both, 1.0).is_ok());
         for wrong in ["region(core)=1", "region(x)=1; else=2", "region(core)=x; else=1", "hello"] {
-            let message = MeshSource::<Region>::read(wrong, &names, 1.0).unwrap_err().to_string();
+            let message = MeshSource::<2>::read(wrong, &names, 1.0).unwrap_err().to_string();
             assert!(!message.contains('\n'), "{message}");
         }
     }
@@ -208,7 +207,7 @@ mod tests {
     #[test]
     fn loads_sum_to_the_integral_and_constants_are_exact() {
         let mesh = BuiltIn::LShape.plane().unwrap();
-        let f = |text: &str| MeshSource::<Region>::read(text, mesh.region_names(), 1.0).unwrap();
+        let f = |text: &str| MeshSource::<2>::read(text, mesh.region_names(), 1.0).unwrap();
         let made = mesh_load(&mesh, &f("rect(-1,0,-1,0)=3; else=-2")).unwrap();
         assert_eq!((made.integral, made.size, made.cells.deviation), (-1.0, 7.0, None));
         assert!((made.load.iter().sum::<f64>() + 1.0).abs() < 1e-15);

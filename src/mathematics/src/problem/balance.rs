@@ -1,8 +1,8 @@
 //! Balance of a load by the boundary of a connected component under the law `[0, limit]`.
 //!
-//! Without fixed nodes, the fluxes of a solution sum to minus the load: nodes that slip down have the flux `limit` for each
-//! length or area, nodes that slip up have none, and nodes that stick anything between. So the load determines the measure
-//! that the nodes which slip down would have if no other node had a flux.
+//! Without fixed nodes, the fluxes of a solution sum to minus the load: nodes that slip down have the flux `limit` for
+//! each length or area, nodes that slip up have none, and nodes that stick anything between. So the load determines the
+//! measure that the nodes which slip down would have if no other node had a flux.
 
 use super::law::BoundaryState;
 
@@ -43,10 +43,10 @@ impl Balance {
     }
 }
 
-/// Sorts the nodes of a component by increasing values, then by decreasing multipliers: the order in which they begin to
-/// slip down if a growing constant is subtracted from all values. Returns the place of the node which is zero after the
-/// constant of least energy, where the nodes before have at most the measure `needed` that balances the load if it slips
-/// down; under the paper's law, where that is zero, the first.
+/// Sorts the nodes of a component by increasing values, then by decreasing multipliers: the order in which they begin
+/// to slip down if a growing constant is subtracted from all values. Returns the place of the node which is zero after
+/// the constant of least energy, where the nodes before have at most the measure `needed` that balances the load if it
+/// slips down; under the paper's law, where that is zero, the first.
 ///
 /// # Panics
 /// If there are no nodes.

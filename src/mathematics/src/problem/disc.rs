@@ -68,8 +68,8 @@ impl DiscProblem {
     /// Gradient of v at a point.
     ///
     /// With the particular solution `P = c0 r^2 / 4 - B r^(k + 2) cos(k t)`, `z (v_x - i v_y)` on the rim is
-    /// `B (1 - 1/s) sqrt(s^2 - 2 s cos(alpha) + 1)`, s = z^k: real in contact, imaginary where the rim is free. Less the
-    /// same of P, that is analytic in the disc, and so holds inside for v less P.
+    /// `B (1 - 1/s) sqrt(s^2 - 2 s cos(alpha) + 1)`, s = z^k: real in contact, imaginary where the rim is free. Less
+    /// the same of P, that is analytic in the disc, and so holds inside for v less P.
     pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         let [a, b] = self.coefficients();
         let (k, [x, y]) = (f64::from(self.k), point);

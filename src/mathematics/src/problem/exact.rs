@@ -5,11 +5,15 @@
 //! arithmetic, square roots and functions of the `libm` crate are used, so that the numbers are the
 //! same on all machines.
 
+mod known;
+mod space;
 mod torsion;
+
+pub use known::Known;
+pub use space::CubeExact;
 
 use super::complex::Complex;
 use super::field::{Field, bump, falling, hill, product};
-use super::shape::Known;
 use std::f64::consts::PI;
 
 /// The problems with known solutions.
@@ -122,18 +126,6 @@ impl Exact {
     }
 }
 
-impl Known<[f64; 2]> for Exact {
-    const KNOWN: &'static [Self] = &Self::ALL;
-
-    fn name(self) -> &'static str {
-        self.name()
-    }
-
-    fn f(self, [x, y]: [f64; 2]) -> f64 {
-        self.source(x, y)
-    }
-}
-
 /// A coordinate of a point, and the functions of it from which some solutions are made; NaN in the others.
 #[derive(Clone, Copy, Debug)]
 pub struct Coordinate {
@@ -163,7 +155,7 @@ fn free_segment(x: f64, y: f64) -> Sample {
 /// The harmonic function `-Im ((z - a) (z - b))^(3/2)`, `z = x + i t`, which on
 /// `t = 0` is positive between `a = -0.23` and `b = 0.19`, without slope there, and zero elsewhere.
 #[inline(always)]
-pub(super) fn segment(x: f64, t: f64) -> Field<2> {
+fn segment(x: f64, t: f64) -> Field<2> {
     const LEFT: f64 = -0.23;
     const RIGHT: f64 = 0.19;
     let z = Complex::new(x, t);

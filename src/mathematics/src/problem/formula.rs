@@ -5,7 +5,7 @@
 
 mod read;
 
-use super::shape::{SourceError, Written};
+use super::error::SourceError;
 use std::fmt;
 
 /// Formula in x and y, in space also in z.
@@ -81,10 +81,10 @@ impl Formula {
                     stack[size] = point[axis];
                     size += 1;
                 }
-                FormulaStep::Unary(function) => stack[size - 1] = function.of(stack[size - 1]),
+                FormulaStep::Unary(function) => stack[size - 1] = function.value(stack[size - 1]),
                 FormulaStep::Binary(function) => {
                     size -= 1;
-                    stack[size - 1] = function.of(stack[size - 1], stack[size]);
+                    stack[size - 1] = function.value(stack[size - 1], stack[size]);
                 }
             }
         }
@@ -122,22 +122,6 @@ impl Formula {
     }
 }
 
-impl SourceError {
-    /// Checks a value of f at a point.
-    ///
-    /// # Errors
-    /// [`SourceError::NoValue`] if the value is not finite.
-    pub fn check_value(value: f64, point: &[f64]) -> Result<(), Self> {
-        if value.is_finite() { Ok(()) } else { Err(Self::no_value(value, point)) }
-    }
-
-    /// The error of a value at a point that is not finite.
-    pub(crate) fn no_value(value: f64, point: &[f64]) -> Self {
-        let point: Vec<_> = point.iter().map(|&at| Written(at).to_string()).collect();
-        Self::NoValue { value, point: point.join(", ") }
-    }
-}
-
 /// The canonical text.
 impl fmt::Display for Formula {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -146,7 +130,7 @@ impl fmt::Display for Formula {
 }
 
 impl Unary {
-    fn of(self, x: f64) -> f64 {
+    fn value(self, x: f64) -> f64 {
         match self {
             Self::Minus => -x,
             Self::Sin => libm::sin(x),
@@ -161,7 +145,7 @@ impl Unary {
 }
 
 impl Binary {
-    fn of(self, a: f64, b: f64) -> f64 {
+    fn value(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Plus => a + b,
             Self::Minus => a - b,
@@ -201,7 +185,6 @@ fn power(base: f64, exponent: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::cube;
     use crate::problem::source::Source;
     use proptest::prelude::*;
 
@@ -278,7 +261,7 @@ mod tests {
             assert!(message.contains(words), "{message}");
             assert!(!message.contains('\n') && message.contains("formula(3*x*y - 1.1)"));
         }
-        assert!("formula(x*y*z - 1)".parse::<cube::Source>().is_ok());
+        assert!("formula(x*y*z - 1)".parse::<Source<3>>().is_ok());
         let alone = "formula(x); else=1".parse::<Source>().unwrap_err().to_string();
         assert!(alone.contains("stands alone"), "{alone}");
     }

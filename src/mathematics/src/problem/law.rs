@@ -1,4 +1,5 @@
-//! The law on the boundary: the flux dv/dn stays in an interval, and v is not zero only where the flux is at an end of it.
+//! The law on the boundary: the flux dv/dn stays in an interval, and v is not zero only where the flux is at an end of
+//! it.
 //!
 //! With the flux `l = dv/dn` in `[lo, hi]`:
 //!
@@ -8,11 +9,11 @@
 //! | slips up | above 0 | `lo` |
 //! | slips down | below 0 | `hi` |
 //!
-//! The paper's problem (1) has `[0, inf)`: nothing slips down, and what sticks is in contact. Friction with the bound g has
-//! `[-g, g]` (Glowinski, Lions and Tremolieres, *Numerical Analysis of Variational Inequalities*, 1981), and a membrane
-//! that lets at most a given flow through `[0, hi]` (Duvaut and Lions, *Inequalities in Mechanics and Physics*, 1976).
-//! The energy of the problem has the term `j(v)`, the largest of `-l v` over the interval.
-//! In the paper's formulas the projection onto the interval takes the place of `( )^+`.
+//! The paper's problem (1) has `[0, inf)`: nothing slips down, and what sticks is in contact. Friction with the bound g
+//! has `[-g, g]` (Glowinski, Lions and Tremolieres, *Numerical Analysis of Variational Inequalities*, 1981), and a
+//! membrane that lets at most a given flow through `[0, hi]` (Duvaut and Lions, *Inequalities in Mechanics and
+//! Physics*, 1976). The energy of the problem has the term `j(v)`, the largest of `-l v` over the interval. In the
+//! paper's formulas the projection onto the interval takes the place of `( )^+`.
 
 use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
@@ -112,12 +113,12 @@ pub enum BoundaryState {
     SlipsDown,
 }
 
-/// A problem under a law as one for v or -v under the law `[0, limit]`, with another load: all that solvers have to know of
-/// a law is then one number.
+/// A problem under a law as one for v or -v under the law `[0, limit]`, with another load: all that solvers have to
+/// know of a law is then one number.
 ///
-/// The end of the interval with the smaller absolute value becomes 0. For friction, where both are as far from 0, it is the
-/// one that v mostly slips towards: the load of largest absolute value decides. So f and -f lead to the same numbers, and
-/// where v has one sign, the limit plays no part.
+/// The end of the interval with the smaller absolute value becomes 0. For friction, where both are as far from 0, it is
+/// the one that v mostly slips towards: the load of largest absolute value decides. So f and -f lead to the same
+/// numbers, and where v has one sign, the limit plays no part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OneSided {
     /// True if the problem is that of -v.
@@ -264,8 +265,8 @@ impl Law {
         (sum + measure * a) / (diagonal + measure * r)
     }
 
-    /// Minimiser of the energy over one boundary unknown, [`Law::relax`] as r grows: the diagonal entry times y is `sum` and
-    /// the flux times `measure`.
+    /// Minimiser of the energy over one boundary unknown, [`Law::relax`] as r grows: the diagonal entry times y is
+    /// `sum` and the flux times `measure`.
     #[inline(always)]
     pub fn settle(self, sum: f64, diagonal: f64, measure: f64) -> f64 {
         let up = (sum + measure * self.lo) / diagonal;
@@ -273,8 +274,8 @@ impl Law {
         up.max(down.min(0.0))
     }
 
-    /// Natural residual at a boundary node where `gradient` is that of the energy without the boundary, `(A y - F)_i`: the
-    /// distance of the gradient from the point of `measure` times the interval that is next to `gradient - y`.
+    /// Natural residual at a boundary node where `gradient` is that of the energy without the boundary, `(A y - F)_i`:
+    /// the distance of the gradient from the point of `measure` times the interval that is next to `gradient - y`.
     ///
     /// For the paper's law `|min(y, gradient)|`.
     #[inline(always)]
@@ -283,15 +284,15 @@ impl Law {
         min_or_nan(above_lo, max_or_nan(y, above_hi)).abs()
     }
 
-    /// Differences between a gradient and `measure` times the ends of the interval; infinite for an infinite end, whatever
-    /// the gradient.
+    /// Differences between a gradient and `measure` times the ends of the interval; infinite for an infinite end,
+    /// whatever the gradient.
     #[inline(always)]
     pub(crate) fn above_ends(self, gradient: f64, measure: f64) -> [f64; 2] {
         [self.lo, self.hi].map(|end| if end.is_finite() { gradient - measure * end } else { -end })
     }
 
-    /// State at a boundary node, where differences up to `rounding` are rounding errors: a node sticks where the gradient
-    /// is inside, and where both it and v are undecided. NaN slips up.
+    /// State at a boundary node, where differences up to `rounding` are rounding errors: a node sticks where the
+    /// gradient is inside, and where both it and v are undecided. NaN slips up.
     pub fn state(self, y: f64, gradient: f64, measure: f64, rounding: f64) -> BoundaryState {
         let [above_lo, above_hi] = self.above_ends(gradient, measure);
         if above_hi - y > rounding {

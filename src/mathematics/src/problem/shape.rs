@@ -1,71 +1,222 @@
-//! Shapes on which f is constant, as texts name them and as the cells of a grid see them.
+//! Shapes on which f is constant, and how the cells of a grid see them; all are convex.
 
-use std::fmt;
+mod notation;
+
+use std::f64::consts::PI;
 use std::ops::Range;
 
-/// A closed convex set on which f may be constant.
-pub trait Shape: Copy + fmt::Debug + fmt::Display + PartialEq + Send + Sync {
-    /// A point of the square or the cube.
-    type Point: Copy + AsRef<[f64]>;
-    /// The problems there whose solutions are known.
-    type Exact: Known<Self::Point>;
-    /// Number of coordinates of a point.
-    const DIMENSION: usize;
-    /// A right-hand side, for messages.
-    const EXAMPLE: &'static str;
+/// A closed convex shape of the plane, D = 2, or of space, D = 3, with its notation in texts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "fields are the arguments of the notation")]
+pub enum Shape<const D: usize> {
+    /// Least and greatest coordinate along each axis: `rect(x0,x1,y0,y1)`, without bounds towards two sides one of the
+    /// [`QUADRANTS`]; in space `box(x0,x1,y0,y1,z0,z1)`.
+    Box([[f64; 2]; D]),
+    /// `disc(x,y,radius)`, in space `ball(x,y,z,radius)`.
+    Ball { centre: [f64; D], radius: f64 },
+    /// `halfplane(a,b,d)`, all points with `a x + b y <= d`; in space `halfspace(a,b,c,d)`, all points with
+    /// `a x + b y + c z <= d`.
+    HalfSpace { normal: [f64; D], d: f64 },
+}
 
-    /// True if the set holds a point.
-    fn contains(&self, point: Self::Point) -> bool;
+/// The quarters of the plane, axes through the centre of the square, as the sides of [`Shape::Box`], each with its
+/// name: lower or upper, left or right.
+pub const QUADRANTS: [(&str, [[f64; 2]; 2]); 4] = [
+    ("ll", [NEGATIVE, NEGATIVE]),
+    ("lr", [POSITIVE, NEGATIVE]),
+    ("ul", [NEGATIVE, POSITIVE]),
+    ("ur", [POSITIVE, POSITIVE]),
+];
+const NEGATIVE: [f64; 2] = [f64::NEG_INFINITY, 0.0];
+const POSITIVE: [f64; 2] = [0.0, f64::INFINITY];
 
-    /// The shape of this name; `None` if there is none. It may be [empty](Self::is_empty).
-    fn read(name: &str, arguments: &str) -> Option<Result<Self, SourceError>>;
+/// Coordinates of points that are in the square or the cube by more than rounding.
+const INSIDE: [f64; 2] = [-0.5 + 1e-9, 0.5 - 1e-9];
 
-    /// True if it has no interior.
-    fn is_empty(&self) -> bool;
+/// The largest coordinate of a centre, and radius, over the coordinates of the domain: the border of a disc or ball is
+/// then known to 1e-13.
+pub(super) const VAST: f64 = 1e3;
 
-    /// True if it is round and so large, or so far away, that where its border crosses a domain with coordinates of this
-    /// size is lost to rounding.
-    fn is_vast(&self, size: f64) -> bool;
+impl<const D: usize> Shape<D> {
+    /// True if the shape holds a point.
+    pub fn contains(&self, point: [f64; D]) -> bool {
+        match *self {
+            Self::Box(sides) => {
+                (0..D).all(|axis| sides[axis][0] <= point[axis] && point[axis] <= sides[axis][1])
+            }
+            Self::Ball { centre, radius } => {
+                let way: [f64; D] = std::array::from_fn(|axis| point[axis] - centre[axis]);
+                dot(way, way) <= radius * radius
+            }
+            Self::HalfSpace { normal, d } => {
+                let (normal, d) = plain(normal, d);
+                dot(normal, point) <= d
+            }
+        }
+    }
 
-    /// True if it does not reach into the domain.
-    fn is_outside(&self) -> bool;
+    /// True if the shape has no interior.
+    pub fn is_empty(&self) -> bool {
+        match *self {
+            Self::Box(sides) => sides.iter().any(|[low, high]| low >= high),
+            Self::Ball { radius, .. } => radius <= 0.0,
+            Self::HalfSpace { normal, .. } => normal == [0.0; D],
+        }
+    }
 
-    /// True if shapes cover everything between them, as far as their kinds show it.
-    fn cover(_shapes: &[Self]) -> bool {
-        false
+    /// True if the shape is round and so large, or so far away, that where its border crosses a domain with coordinates
+    /// of this size is lost to rounding.
+    pub fn is_vast(&self, size: f64) -> bool {
+        match *self {
+            Self::Ball { centre, radius } => {
+                centre.iter().chain([&radius]).any(|s| s.abs() > VAST * size)
+            }
+            Self::Box(_) | Self::HalfSpace { .. } => false,
+        }
+    }
+
+    /// True if the shape does not reach into the square or the cube.
+    pub fn is_outside(&self) -> bool {
+        self.extent([INSIDE; D])
+            .is_none_or(|[least, greatest]| greatest < INSIDE[0] || INSIDE[1] < least)
+    }
+
+    /// True if shapes cover the plane, as the four quadrants do. No other shapes without a gap are found.
+    pub fn cover(shapes: &[Self]) -> bool {
+        QUADRANTS.iter().all(|(_, quadrant)| shapes.iter().any(|shape| shape.has_sides(quadrant)))
+    }
+
+    /// True for the box with these sides.
+    fn has_sides(&self, sides: &[[f64; 2]]) -> bool {
+        matches!(self, Self::Box(own) if own[..] == *sides)
+    }
+
+    /// Which of the increasing abscissas `xs` the shape holds where the coordinates but x are those of `at`: bisection
+    /// finds the ends as [`Shape::contains`] has them to the last bit, since rounding is monotone.
+    pub fn along(&self, xs: &[f64], at: [f64; D]) -> Range<usize> {
+        // From here on the shape loses abscissas, and before gains them.
+        let turn = match *self {
+            Self::Box(sides) => xs.partition_point(|&x| x < sides[0][0]),
+            Self::Ball { centre, .. } => xs.partition_point(|&x| x < centre[0]),
+            Self::HalfSpace { normal, .. } if normal[0] < 0.0 => xs.len(),
+            Self::HalfSpace { .. } => 0,
+        };
+        let holds = |x: f64| {
+            let mut point = at;
+            point[0] = x;
+            self.contains(point)
+        };
+        let start = xs[..turn].partition_point(|&x| !holds(x));
+        let end = turn + xs[turn..].partition_point(|&x| holds(x));
+        start..end.max(start)
+    }
+
+    /// Least and greatest x of the shape where the coordinates but x are within `strip`; nothing if it is empty there.
+    pub fn extent(&self, strip: [[f64; 2]; D]) -> Option<[f64; 2]> {
+        match *self {
+            Self::Box(sides) => {
+                let meets = |axis: usize| {
+                    sides[axis][0] <= strip[axis][1] && strip[axis][0] <= sides[axis][1]
+                };
+                (1..D).all(meets).then_some(sides[0])
+            }
+            Self::Ball { centre, radius } => {
+                let away = |axis: usize| {
+                    let ([low, high], middle) = (strip[axis], centre[axis]);
+                    (low - middle).max(middle - high).max(0.0)
+                };
+                let away = (1..D).map(|axis| away(axis) * away(axis)).sum::<f64>().sqrt();
+                let half = ((radius - away) * (radius + away)).sqrt();
+                (away <= radius).then_some([centre[0] - half, centre[0] + half])
+            }
+            Self::HalfSpace { normal, d } => {
+                let (normal, d) = scaled(normal, d);
+                let least = |axis: usize| {
+                    (normal[axis] * strip[axis][0]).min(normal[axis] * strip[axis][1])
+                };
+                half_line(normal[0], (1..D).fold(d, |room, axis| room - least(axis)))
+            }
+        }
+    }
+
+    /// This shape in coordinates with this origin and unit.
+    pub fn seen_from(&self, origin: [f64; D], unit: f64) -> Self {
+        match *self {
+            Self::Box(sides) => Self::Box(std::array::from_fn(|axis| {
+                sides[axis].map(|s| (s - origin[axis]) / unit)
+            })),
+            Self::Ball { centre, radius } => Self::Ball {
+                centre: std::array::from_fn(|axis| (centre[axis] - origin[axis]) / unit),
+                radius: radius / unit,
+            },
+            Self::HalfSpace { normal, d } => {
+                let (normal, d) = scaled(normal, d);
+                // The last digit depends on the order of the terms, which is another one in space.
+                let left = match D {
+                    2 => (0..D).fold(d, |left, axis| left - normal[axis] * origin[axis]),
+                    _ => d - dot(normal, origin),
+                };
+                Self::HalfSpace { normal, d: left / unit }
+            }
+        }
     }
 }
 
-/// A problem with a known solution.
-pub trait Known<Point>: Copy + fmt::Debug + PartialEq + Send + Sync + 'static {
-    /// All of them.
-    const KNOWN: &'static [Self];
-
-    /// The name used in `exact(name)`.
-    fn name(self) -> &'static str;
-
-    /// `f = -Laplacian v` at a point.
-    fn f(self, point: Point) -> f64;
+impl Shape<2> {
+    /// The shape as an intersection of half-planes `a x + b y <= d`, `[a, b, d]` each, to draw it: a disc becomes the
+    /// regular polygon of the same area with 360 sides, within 2e-5 radii of the circle.
+    pub fn half_planes(&self) -> Vec<[f64; 3]> {
+        match *self {
+            Self::Box([x, y]) => {
+                // By subtraction, since the negative of zero is another zero.
+                let [left, bottom] = [0.0 - x[0], 0.0 - y[0]];
+                let sides =
+                    [[-1.0, 0.0, left], [1.0, 0.0, x[1]], [0.0, -1.0, bottom], [0.0, 1.0, y[1]]];
+                sides.into_iter().filter(|[.., d]| d.is_finite()).collect()
+            }
+            Self::HalfSpace { normal, d } => {
+                let ([a, b], d) = plain(normal, d);
+                vec![[a, b, d]]
+            }
+            Self::Ball { centre: [x, y], radius } => {
+                let angle = PI / 360.0;
+                let apothem = radius * (angle / libm::tan(angle)).sqrt();
+                (0..360)
+                    .map(|k| {
+                        let (b, a) = libm::sincos(2.0 * angle * f64::from(k));
+                        [a, b, a * x + b * y + apothem]
+                    })
+                    .collect()
+            }
+        }
+    }
 }
 
-/// A closed convex set, as the cells of a grid see it; `N` is the dimension less one.
-pub trait Convex<const N: usize>: Copy {
-    /// Which of the increasing abscissas `xs` the set holds where the other coordinates are `at`: bisection
-    /// finds the ends as [`contains`](Shape::contains) has them to the last bit, since rounding is monotone.
-    fn along(&self, xs: &[f64], at: [f64; N]) -> Range<usize>;
-
-    /// Least and greatest x of the set where the other coordinates are within `strip`; nothing if it is empty there.
-    fn extent(&self, strip: [[f64; 2]; N]) -> Option<[f64; 2]>;
-
-    /// This set in coordinates with their origin at (`x`, `at`) and this unit.
-    fn seen_from(&self, x: f64, at: [f64; N], unit: f64) -> Self;
+impl Shape<3> {
+    /// The shape at height z, which must not be that of a face; nothing if it does not reach there.
+    pub fn slice(&self, z: f64) -> Option<Shape<2>> {
+        match *self {
+            Self::Box([x, y, [bottom, top]]) => {
+                (bottom < z && z < top).then_some(Shape::Box([x, y]))
+            }
+            Self::Ball { centre: [x, y, height], radius } => {
+                let square = (radius - (z - height)) * (radius + (z - height));
+                (square > 0.0).then(|| Shape::Ball { centre: [x, y], radius: square.sqrt() })
+            }
+            Self::HalfSpace { normal: [a, b, c], d } if a == 0.0 && b == 0.0 => {
+                (c * z < d).then_some(Shape::Box([[f64::NEG_INFINITY, f64::INFINITY]; 2]))
+            }
+            Self::HalfSpace { normal, d } => {
+                let ([a, b, c], d) = plain(normal, d);
+                Some(Shape::HalfSpace { normal: [a, b], d: d - c * z })
+            }
+        }
+    }
 }
 
-/// Bisects for the run of abscissas with a property that none loses before, or gains from, `turn` on.
-pub(crate) fn run(xs: &[f64], turn: usize, inside: impl Fn(f64) -> bool) -> Range<usize> {
-    let start = xs[..turn].partition_point(|&x| !inside(x));
-    let end = turn + xs[turn..].partition_point(|&x| inside(x));
-    start..end.max(start)
+/// Product of two vectors.
+pub(crate) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A half-plane or half-space `normal . p <= d` with a normal whose greatest component is 1 in size.
@@ -89,168 +240,10 @@ pub(crate) fn plain<const D: usize>(normal: [f64; D], d: f64) -> ([f64; D], f64)
 }
 
 /// Least and greatest x with `a x <= room`; nothing if there is none.
-pub(super) fn half_line(a: f64, room: f64) -> Option<[f64; 2]> {
+fn half_line(a: f64, room: f64) -> Option<[f64; 2]> {
     match a {
         0.0 => (room >= 0.0).then_some([f64::NEG_INFINITY, f64::INFINITY]),
         a if a > 0.0 => Some([f64::NEG_INFINITY, room / a]),
         a => Some([room / a, f64::INFINITY]),
     }
-}
-
-/// Coordinates of points that are in the domain by more than rounding.
-pub(super) const INSIDE: [f64; 2] = [-0.5 + 1e-9, 0.5 - 1e-9];
-
-/// True if a set misses the domain, whose least and greatest x there are these, if it has any.
-pub(super) fn misses(extent: Option<[f64; 2]>) -> bool {
-    extent.is_none_or(|[least, greatest]| greatest < INSIDE[0] || INSIDE[1] < least)
-}
-
-/// Why a text is no right-hand side.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SourceError {
-    /// Not of the grammar.
-    #[error("cannot read `{text}` in f; write e.g. '{example}'")]
-    Syntax {
-        /// Text that is not read.
-        text: String,
-        /// Example of a text that is.
-        example: &'static str,
-    },
-    /// Nothing is said about the rest of the domain.
-    #[error(
-        "`{text}` in f stands without `else=value` for where no piece is; write e.g. '{example}'"
-    )]
-    NoElse {
-        /// Text of f.
-        text: String,
-        /// Example of a text that is right.
-        example: &'static str,
-    },
-    /// A shape with a wrong number of arguments.
-    #[error("`{name}` takes {want}, e.g. {example}")]
-    Arguments {
-        /// Shape named.
-        name: &'static str,
-        /// Arguments that the shape takes.
-        want: &'static str,
-        /// A correct use.
-        example: &'static str,
-    },
-    /// NaN or an infinity, or no number at all.
-    #[error(
-        "`{0}` in f is not a finite number; give a decimal such as -1.5, or a fraction such as -1/3"
-    )]
-    NotFinite(String),
-    /// A shape without an interior, or without a border.
-    #[error(
-        "`{0}` in f is no region; order its bounds, and give a size or a normal that is not zero"
-    )]
-    Empty(String),
-    /// A disc or ball too large or too far away.
-    #[error(
-        "`{shape}` in f: the centre and the radius of what is round are at most {}; write a straight border as a half-plane or half-space",
-        Written(*most)
-    )]
-    Vast {
-        /// Text of the shape.
-        shape: String,
-        /// Largest coordinate and radius.
-        most: f64,
-    },
-    /// Values too large or too small to compute with.
-    #[error("{what} is {}, outside {} to {}; scale f", Written(*size), Written(SCALE.start), Written(SCALE.end))]
-    Scale {
-        /// Quantity that is out of range.
-        what: &'static str,
-        /// Size of the quantity.
-        size: f64,
-    },
-    /// A text that is no formula.
-    #[error("formula `{formula}`: {reason}; write e.g. 'formula(3*x*y - 1.1)'")]
-    Formula {
-        /// Text of the formula, or its beginning.
-        formula: String,
-        /// Fault of the text.
-        reason: String,
-    },
-    /// A formula beside other parts of f.
-    #[error("a formula stands alone, as all of f; write e.g. 'formula(3*x*y - 1.1)'")]
-    NotAlone,
-    /// A point at which f is not finite.
-    #[error("f is {value} at ({point}); give a formula with finite values on the whole domain")]
-    NoValue {
-        /// Value of f.
-        value: f64,
-        /// Coordinates of the point.
-        point: String,
-    },
-    /// A name that is no known exact problem.
-    #[error("`{name}` is no exact problem; choose one of {names}")]
-    UnknownExact {
-        /// Name that was asked for.
-        name: String,
-        /// Names that there are.
-        names: String,
-    },
-}
-
-/// Sizes of f that all solvers compute with: of the largest value, and of the integral of |f|.
-///
-/// The energy and the bounds are quadratic in f. Within this range neither the square of a rounding error underflows,
-/// `(1e-16 * 1e-130)^2 = 1e-292`, nor does a sum of squares over a grid overflow.
-pub const SCALE: Range<f64> = 1e-130..1e130;
-
-/// The largest coordinate of a centre, and radius, over the coordinates of the domain: the border of a disc or ball is then
-/// known to 1e-13.
-pub(super) const VAST: f64 = 1e3;
-
-/// Reads a finite number, or a fraction of two such as `-1/3`.
-pub(super) fn number(text: &str) -> Result<f64, SourceError> {
-    let text = text.trim();
-    let value = match text.split_once('/') {
-        Some((above, below)) => decimal(above).zip(decimal(below)).map(|(p, q)| p / q),
-        None => decimal(text),
-    };
-    value.filter(|value| value.is_finite()).ok_or_else(|| SourceError::NotFinite(text.into()))
-}
-
-/// Returns nothing for an infinity too: one over it would pass as the number 0.
-fn decimal(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// Number as a person writes it, `0.25` or `1e-310`, in the fewest digits that read back to the same bits.
-pub struct Written(pub f64);
-
-impl fmt::Display for Written {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(value) = *self;
-        if value == 0.0 || (1e-5..1e16).contains(&value.abs()) {
-            write!(out, "{value}")
-        } else {
-            write!(out, "{value:e}")
-        }
-    }
-}
-
-/// Numbers as the arguments of a shape, separated by commas.
-pub(super) struct List<'a>(pub(super) &'a [f64]);
-
-impl fmt::Display for List<'_> {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (k, value) in self.0.iter().enumerate() {
-            let separator = if k > 0 { "," } else { "" };
-            write!(out, "{separator}{}", Written(*value))?;
-        }
-        Ok(())
-    }
-}
-
-/// The `N` numbers that shape `name` takes.
-pub(super) fn numbers<const N: usize>(
-    text: &str,
-    [name, want, example]: [&'static str; 3],
-) -> Result<[f64; N], SourceError> {
-    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-    numbers.try_into().map_err(|_| SourceError::Arguments { name, want, example })
 }

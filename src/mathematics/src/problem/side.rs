@@ -1,7 +1,6 @@
 //! Values of f at a point on a jump: limits from the side that a [`Tie`] names.
 
-use super::region::Region;
-use super::shape::{Convex, plain};
+use super::shape::{Shape, plain};
 use super::source::{STEP_OFF, Tie};
 use std::ops::Range;
 
@@ -20,24 +19,24 @@ pub struct TiedRow<'a> {
 }
 
 impl TiedRow<'_> {
-    /// Writes `value` at the nodes that belong to a region.
+    /// Writes `value` at the nodes that belong to a shape.
     ///
-    /// A node on the border of a half-plane or disc is inside if the tie rule steps into the region; where the step is
+    /// A node on the border of a half-plane or disc is inside if the tie rule steps into the shape; where the step is
     /// along the border, its horizontal part decides, so that all nodes on a line are on one side of it.
-    pub fn paint(&self, region: &Region, value: f64, row: &mut [f64]) {
-        match *region {
+    pub fn paint(&self, shape: &Shape<2>, value: f64, row: &mut [f64]) {
+        match *shape {
             // Its sides are along the axes, and a step along each axis is off them.
-            Region::Rect { .. } => row[self.held(region)].fill(value),
-            Region::HalfPlane { a, b, c } => {
-                let (normal, c) = plain([a, b], c);
+            Shape::Box(_) => row[self.held(shape)].fill(value),
+            Shape::HalfSpace { normal, d } => {
+                let (normal, d) = plain(normal, d);
                 for (x, at) in self.xs.iter().zip(row) {
-                    let above = normal[0] * x + normal[1] * self.y - c;
+                    let above = normal[0] * x + normal[1] * self.y - d;
                     if self.is_below([*x, self.y], above, normal) {
                         *at = value;
                     }
                 }
             }
-            Region::Disc { centre: [cx, cy], radius } => {
+            Shape::Ball { centre: [cx, cy], radius } => {
                 for (x, at) in self.xs.iter().zip(row) {
                     let [dx, dy] = [x - cx, self.y - cy];
                     // The distance from the circle over the radius, but for terms of second order.
@@ -50,8 +49,8 @@ impl TiedRow<'_> {
         }
     }
 
-    fn held(&self, rect: &Region) -> Range<usize> {
-        rect.along(self.moved_xs, [self.moved_y])
+    fn held(&self, rectangle: &Shape<2>) -> Range<usize> {
+        rectangle.along(self.moved_xs, [0.0, self.moved_y])
     }
 
     /// True if a function with this value and gradient at a node is negative, or zero and negative on the side of the

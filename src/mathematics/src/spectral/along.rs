@@ -22,7 +22,7 @@ pub(super) struct Node {
 impl SpectralProblem {
     /// psi at a point, along a straight line from the nearest side.
     pub(super) fn psi(&self, z: Complex, rules: &Rules) -> f64 {
-        let place = BoundaryPlace::of(z);
+        let place = BoundaryPlace::nearest(z);
         let inwards = tangent(place.corner, place.t).turned();
         let line = Curve::line(place.point(), inwards);
         let to = line.local(z).re;

@@ -13,7 +13,8 @@ use crate::problem::source::Source;
 
 /// Length below which arcs and gaps are left out.
 pub(super) const SHORTEST: f64 = 2e-6;
-/// Length below which arcs between v of opposite signs are not resolved: it magnifies the rounding errors of their ends.
+/// Length below which arcs between v of opposite signs are not resolved: it magnifies the rounding errors of their
+/// ends.
 const SHORTEST_BETWEEN_SIGNS: f64 = 1e-7;
 /// Length below which gaps round corners are left out in the end.
 pub(super) const SHORTEST_ROUND_CORNER: f64 = 2.0 * UNRESOLVED;
@@ -192,8 +193,9 @@ fn behind_corner(j: usize, end: BoundaryPlace) -> BoundaryPlace {
     if (0.0..NEAR).contains(&before) { BoundaryPlace { t: -end.t, ..end } } else { end }
 }
 
-/// Contact set of a solution without the points at which the multiplier leaves the law, and with the points at which v has
-/// the wrong sign: the same ends if all signs are right, `None` if no contact is left, or none between v of both signs.
+/// Contact set of a solution without the points at which the multiplier leaves the law, and with the points at which v
+/// has the wrong sign: the same ends if all signs are right, `None` if no contact is left, or none between v of both
+/// signs.
 pub(super) fn corrected(trace: &Trace, law: Law) -> Option<StickArcs> {
     let wrong = wrong_points(&trace.signs(law));
     if !wrong.contains(&true) {
@@ -275,8 +277,8 @@ fn widen_round_corners(places: &mut [BoundaryPlace]) {
 }
 
 /// Leaves out arcs and gaps that are too short, and gaps round corners that are shorter than `round_corner`;
-/// `None` if no arc is left, or not one between gaps of opposite signs. Corners are counted on from the first end to the last, as in
-/// [`Ends`](super::panels::Ends).
+/// `None` if no arc is left, or not one between gaps of opposite signs. Corners are counted on from the first end to
+/// the last, as in [`Ends`](super::panels::Ends).
 pub(super) fn without_short(
     StickArcs { mut places, mut flux }: StickArcs,
     round_corner: f64,

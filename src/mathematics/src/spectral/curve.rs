@@ -1,9 +1,8 @@
-//! Lines and circles: the points at which they meet, and the curves that bound a region.
+//! Lines and circles: the points at which they meet, and the curves that bound a shape.
 
 use super::complex::arg;
 use crate::problem::complex::Complex;
-use crate::problem::region::Region;
-use crate::problem::shape::scaled;
+use crate::problem::shape::{Shape, scaled};
 use std::f64::consts::TAU;
 
 /// Points closer than this count as one: about 1e-12, but no decimal number, so that a decimal distance is never at
@@ -228,9 +227,9 @@ pub(super) const SIDES: [Curve; 4] = [
 /// Lines farther from the centre than this bound nothing in the square, and their points may overflow.
 const FARTHEST: f64 = 10.0;
 
-/// Curves that bound a region; none for a disc that is hardly wider than a point.
-pub(super) fn borders(region: &Region) -> Vec<Curve> {
-    if let Region::Disc { centre: [x, y], radius } = *region {
+/// Curves that bound a shape; none for a disc that is hardly wider than a point.
+pub(super) fn borders(shape: &Shape<2>) -> Vec<Curve> {
+    if let Shape::Ball { centre: [x, y], radius } = *shape {
         if radius < 2.0 * SAME {
             return Vec::new();
         }
@@ -246,7 +245,7 @@ pub(super) fn borders(region: &Region) -> Vec<Curve> {
         };
         return vec![Curve { origin, tangent: -normal.turned(), curvature: 1.0 / radius }];
     }
-    let lines = region.half_planes().into_iter().map(line);
+    let lines = shape.half_planes().into_iter().map(line);
     lines.filter(|line| line.origin.norm() < FARTHEST).collect()
 }
 
@@ -262,21 +261,21 @@ fn line([a, b, c]: [f64; 3]) -> Curve {
 mod tests {
     use super::*;
 
-    fn disc(x: f64, y: f64, radius: f64) -> Region {
-        Region::Disc { centre: [x, y], radius }
+    fn disc(x: f64, y: f64, radius: f64) -> Shape<2> {
+        Shape::Ball { centre: [x, y], radius }
     }
 
     #[test]
     fn curves_meet_at_points_of_both() {
-        let regions = [
-            Region::HalfPlane { a: 0.3, b: 0.7, c: 0.1 },
-            Region::HalfPlane { a: -0.7, b: 0.3, c: 0.05 },
+        let shapes = [
+            Shape::HalfSpace { normal: [0.3, 0.7], d: 0.1 },
+            Shape::HalfSpace { normal: [-0.7, 0.3], d: 0.05 },
             disc(0.1, -0.2, 0.3),
             disc(-0.1, 0.1, 0.25),
             disc(6e4, -8e4, 1e5),
             disc(0.2, 1e5, 1e5),
         ];
-        let curves = regions.map(|region| borders(&region)[0]);
+        let curves = shapes.map(|shape| borders(&shape)[0]);
         for (k, l) in (0..36).map(|pair| (pair / 6, pair % 6)).filter(|(k, l)| k != l) {
             let [found, again] = [[k, l], [l, k]].map(|pair| {
                 let [a, b] = pair.map(|k| curves[k]);

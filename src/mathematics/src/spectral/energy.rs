@@ -12,7 +12,8 @@ use crate::problem::complex::Complex;
 /// Integrals over the boundary and over the square.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Energies {
-    /// `J = -1/2 int f v - 1/2 int l v`, the first by Green's identity with psi; the second is zero for the paper's law.
+    /// `J = -1/2 int f v - 1/2 int l v`, the first by Green's identity with psi; the second is zero for the paper's
+    /// law.
     pub energy: f64,
     /// J by Rellich's identity.
     pub rellich: f64,
@@ -42,7 +43,7 @@ fn harmonic_gradients(Complex { re: x, im: y }: Complex) -> [Complex; HARMONIC] 
 }
 
 impl Energies {
-    pub(super) fn of(trace: &Trace, problem: &SpectralProblem) -> Self {
+    pub(super) fn new(trace: &Trace, problem: &SpectralProblem) -> Self {
         let (mut energies, bilinear) = (Self::default(), Bilinear::new(problem));
         energies.add_boundary(trace, problem, &bilinear);
         energies.add_edges(problem, &bilinear, &trace.rules);
@@ -153,7 +154,7 @@ impl Bilinear {
     fn new(problem: &SpectralProblem) -> Self {
         let mut c = [0.0; 4];
         for z in CORNERS {
-            let value = problem.boundary_psi.value(BoundaryPlace::of(z));
+            let value = problem.boundary_psi.value(BoundaryPlace::nearest(z));
             let basis = [0.25, z.re, z.im, 4.0 * z.re * z.im];
             for (c, b) in c.iter_mut().zip(basis) {
                 *c += b * value;

@@ -5,7 +5,8 @@ use super::parts::{CurvePart, append, close};
 use super::place::BoundaryPlace;
 use super::potential::Potential;
 use crate::problem::complex::Complex;
-use crate::problem::source::{Region, Source};
+use crate::problem::shape::Shape;
+use crate::problem::source::Source;
 use std::fmt;
 
 /// Piece of a jump inside the square, between vertices or points of the boundary.
@@ -16,7 +17,7 @@ pub(super) struct JumpEdge {
     pub values: [f64; 2],
 }
 
-/// Two borders that nearly touch, by the regions that they bound.
+/// Two borders that nearly touch, by the shapes that they bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Touch(pub [String; 2]);
 
@@ -33,10 +34,10 @@ impl fmt::Display for Touch {
 #[derive(Clone)]
 pub(super) struct Jumps {
     f: Source,
-    /// Borders of all regions, in full.
+    /// Borders of all shapes, in full.
     pub curves: Vec<Curve>,
-    /// First region that each of the curves bounds.
-    regions: Vec<Region>,
+    /// First shape that each of the curves bounds.
+    shapes: Vec<Shape<2>>,
     pub edges: Vec<JumpEdge>,
     /// Points at which edges meet the boundary.
     pub crossings: Vec<BoundaryPlace>,
@@ -65,22 +66,22 @@ struct CurveCut {
 type CurvePiece = CurvePart<Option<[f64; 2]>>;
 
 impl Jumps {
-    pub(super) fn of(f: &Source) -> Self {
-        let (mut curves, mut regions): (Vec<Curve>, Vec<Region>) = (Vec::new(), Vec::new());
+    pub(super) fn new(f: &Source) -> Self {
+        let (mut curves, mut shapes): (Vec<Curve>, Vec<Shape<2>>) = (Vec::new(), Vec::new());
         if let Source::Pieces { pieces, .. } = f {
-            for &(region, _) in pieces {
-                for curve in borders(&region) {
-                    // Common borders of two regions are one curve.
+            for &(shape, _) in pieces {
+                for curve in borders(&shape) {
+                    // Common borders of two shapes are one curve.
                     if !curves.iter().any(|&other| other.same(curve)) {
                         curves.push(curve);
-                        regions.push(region);
+                        shapes.push(shape);
                     }
                 }
             }
         }
         let (edges, crossings, hubs) = (Vec::new(), Vec::new(), Vec::new());
         let psi = Potential::default();
-        let mut jumps = Self { f: f.clone(), curves, regions, edges, crossings, hubs, psi };
+        let mut jumps = Self { f: f.clone(), curves, shapes, edges, crossings, hubs, psi };
         for k in 0..jumps.curves.len() {
             jumps.add(k);
         }
@@ -112,10 +113,10 @@ impl Jumps {
         touch
     }
 
-    /// Name of a region by the number of a curve that bounds it; curves after the last are the sides.
+    /// Name of a shape by the number of a curve that bounds it; curves after the last are the sides.
     fn border_name(&self, curve: usize) -> String {
-        match self.regions.get(curve) {
-            Some(region) => region.to_string(),
+        match self.shapes.get(curve) {
+            Some(shape) => shape.to_string(),
             None => {
                 let side = ["left", "right", "lower", "upper"][curve - self.curves.len()];
                 format!("the {side} side")
@@ -137,7 +138,7 @@ impl Jumps {
     /// Points at which edges meet a side, as distances from the corner at which it begins.
     pub(super) fn crossings_on(&self, side: i32) -> impl Iterator<Item = f64> {
         let places = self.crossings.iter().map(|place| place.on_side());
-        places.filter(move |&(of, _)| of == side).map(|(_, t)| t)
+        places.filter(move |&(met, _)| met == side).map(|(_, t)| t)
     }
 
     /// Adds the jumps along the `k`-th curve.
@@ -267,7 +268,7 @@ impl Jumps {
             return Some(self.vertex(z));
         }
         if !self.crossings.iter().any(|place| (place.point() - z).norm() < APART) {
-            self.crossings.push(BoundaryPlace::of(z));
+            self.crossings.push(BoundaryPlace::nearest(z));
         }
         None
     }

@@ -61,14 +61,14 @@
 //!
 //! *Other laws.* Under a law with the flux in [lo, hi] (`problem/law.rs`) a gap has one sign of v, since the flux jumps
 //! only across an arc that sticks, and its flux q is lo or hi. Then `h_r = q - psi_r` there, the data are the parts of
-//! `grad psi - q n` with n the outer normal, and l and `v_theta` follow from the same formula if a constant vector is subtracted that
-//! fits the data on both sides of an end: `c = grad psi(z) - q n` with the q of the gap at that end. Its difference from
-//! the gradient is given back to the result (`panels::Panel::shift`). Unknowns and equations stay the same, and
-//! `J = -1/2 int f v - 1/2 int l v`.
+//! `grad psi - q n` with n the outer normal, and l and `v_theta` follow from the same formula if a constant vector is
+//! subtracted that fits the data on both sides of an end: `c = grad psi(z) - q n` with the q of the gap at that end.
+//! Its difference from the gradient is given back to the result (`panels::Panel::shift`). Unknowns and equations stay
+//! the same, and `J = -1/2 int f v - 1/2 int l v`.
 //!
-//! Between v > 0 and v < 0 there is an arc that sticks, of a length exponentially small in 1 / (hi - lo), the logarithm of
-//! which Newton's method changes (`newton.rs`). Such an arc cannot be left out: a problem that needs a shorter one than is resolved is
-//! refused.
+//! Between v > 0 and v < 0 there is an arc that sticks, of a length exponentially small in 1 / (hi - lo), the logarithm
+//! of which Newton's method changes (`newton.rs`). Such an arc cannot be left out: a problem that needs a shorter one
+//! than is resolved is refused.
 //!
 //! # Limits
 //! An f is refused if arcs or gaps of less than 2e-6 matter, arcs between opposite signs of v of less than 1e-7, and
@@ -281,7 +281,7 @@ impl Solution {
         FoundTrace { trace, steps }: FoundTrace,
         before: Option<f64>,
     ) -> Result<Self, SpectralError> {
-        let energies = Energies::of(&trace, problem);
+        let energies = Energies::new(&trace, problem);
         let Energies { energy, rellich, force, .. } = energies;
         let integral = problem.integral;
         // The integral of f may vanish under other laws.
@@ -331,7 +331,7 @@ impl Solution {
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn in a corner is that on one of its sides.
     pub fn on_boundary(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let BoundaryValues { value, multiplier } =
-            self.trace.at(BoundaryPlace::of(Complex::new(x, y)));
+            self.trace.at(BoundaryPlace::nearest(Complex::new(x, y)));
         [value, multiplier]
     }
 

@@ -41,7 +41,7 @@ impl SpectralProblem {
             }
             // If arcs or gaps vanish the next step is another one.
             let factor = (1.0 / longest).min(1.0);
-            let moved = ends.places.iter().zip(&changes).map(|(&p, c)| c.scaled(factor).of(p));
+            let moved = ends.places.iter().zip(&changes).map(|(&p, c)| c.scaled(factor).apply(p));
             let moved = StickArcs { places: moved.collect(), flux: ends.flux };
             arcs = without_short(moved, SHORTEST)?;
             if longest < shortest || arcs.places.is_empty() {
@@ -211,8 +211,8 @@ enum Change {
     Length(f64),
     /// Change of the logarithm of its distance from the corner.
     Logarithm(f64),
-    /// Change of a short arc between gaps of opposite signs, by the length that its middle moves and by the logarithm of
-    /// its length.
+    /// Change of a short arc between gaps of opposite signs, by the length that its middle moves and by the logarithm
+    /// of its length.
     Arc {
         middle: f64,
         logarithm: f64,
@@ -234,7 +234,7 @@ impl Change {
     }
 
     /// Changes an end.
-    fn of(self, BoundaryPlace { corner, t }: BoundaryPlace) -> BoundaryPlace {
+    fn apply(self, BoundaryPlace { corner, t }: BoundaryPlace) -> BoundaryPlace {
         match self {
             Self::Length(d) => BoundaryPlace::new(corner, t + d),
             Self::Logarithm(d) => BoundaryPlace::new(corner, t * libm::exp(d)),
@@ -284,8 +284,8 @@ fn changes(ends: &Ends, unknowns: &[f64]) -> Vec<Change> {
     changes
 }
 
-/// Change of the `j`-th end if its arc is short and lies between gaps of opposite signs: the conditions at such an arc are
-/// almost linear in the logarithm of its length, which may be exponentially small.
+/// Change of the `j`-th end if its arc is short and lies between gaps of opposite signs: the conditions at such an arc
+/// are almost linear in the logarithm of its length, which may be exponentially small.
 fn arc_change(ends: &Ends, unknowns: &[f64], j: usize) -> Option<Change> {
     let (begin, end) = (j & !1, j | 1);
     let half = 0.5 * ends.places[end].after(ends.places[begin]).rem_euclid(4.0);

@@ -88,8 +88,9 @@ impl Panel {
 
     /// Vector by which the constant vector that a target at `t` subtracts differs from the gradient of psi there.
     ///
-    /// The part along the inner normal is the flux, as in the data. Beside an end of contact the vector has no other part, so
-    /// that nothing jumps at the end; on other panels that slip it is the flux times `-2 z`, which does not jump at corners.
+    /// The part along the inner normal is the flux, as in the data. Beside an end of contact the vector has no other
+    /// part, so that nothing jumps at the end; on other panels that slip it is the flux times `-2 z`, which does not
+    /// jump at corners.
     pub(super) fn shift(&self, t: f64) -> Complex {
         let normal = self.tangent.turned().scaled(self.flux);
         if self.contact || self.end().is_some() {

@@ -26,7 +26,7 @@ impl BoundaryPlace {
     }
 
     /// Returns the point of the boundary nearest to `z`.
-    pub(super) fn of(z: Complex) -> Self {
+    pub(super) fn nearest(z: Complex) -> Self {
         let corner = (0..4)
             .min_by(|&j, &k| (CORNERS[j] - z).norm2().total_cmp(&(CORNERS[k] - z).norm2()))
             .expect("a square has corners");

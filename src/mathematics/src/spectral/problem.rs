@@ -8,7 +8,6 @@ use super::place::{BoundaryPlace, tangent};
 use crate::discrete::cells::SweepCut;
 use crate::discrete::load::integral;
 use crate::problem::law::Law;
-use crate::problem::shape::Convex;
 use crate::problem::source::Source;
 use std::f64::consts::FRAC_1_PI;
 
@@ -29,7 +28,7 @@ pub(super) struct SpectralProblem {
 impl SpectralProblem {
     /// Data for the paper's law.
     pub(super) fn new(f: &Source) -> Self {
-        let jumps = Jumps::of(f);
+        let jumps = Jumps::new(f);
         let [one, x, y, xy, xx, yy, ..] = moments(f);
         let [mass, ..] = moments(&f.absolute());
         let moments = [one, x, y, xy, xx - yy];
@@ -66,7 +65,7 @@ impl SpectralProblem {
 fn moments(f: &Source) -> [f64; 8] {
     let mut square = SweepCut::default();
     if let Source::Pieces { background, pieces } = f {
-        let seen = pieces.iter().rev().map(|(region, f)| (region.seen_from(0.0, [0.0], 1.0), *f));
+        let seen = pieces.iter().rev().map(|(shape, f)| (shape.seen_from([0.0; 2], 1.0), *f));
         square.set(*background, seen);
     }
     square.moments().f

@@ -180,11 +180,11 @@ impl<'a> SourceField<'a> {
         let (psi, panels) = (&problem.boundary_psi, panels(ends, &problem.jumps));
         let (mut plain, mut graded) = (Sources::default(), Sources::default());
         let mut graded_of = vec![None; panels.len()];
-        for (panel, of) in panels.iter().zip(&mut graded_of) {
+        for (panel, number) in panels.iter().zip(&mut graded_of) {
             let power = if panel.end().is_some() { 2 } else { 1 };
             plain.add(psi, ends, panel, GradedRule { nodes: &rules.plain, power });
             if panel.kink().is_some() && wanted(panel) {
-                *of = Some(graded.groups.len());
+                *number = Some(graded.groups.len());
                 graded.add(psi, ends, panel, GradedRule { nodes: &rules.near, power: 1 });
             }
         }

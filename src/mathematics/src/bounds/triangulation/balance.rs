@@ -49,16 +49,16 @@ struct Step {
     side: u32,
 }
 
-/// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the law allows the flux out
-/// through the boundary in contact.
+/// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the law allows the flux
+/// out through the boundary in contact.
 ///
 /// In a component without fixed boundary the outflows through the contact boundary are first scaled, or shifted if the
-/// interval of the law is bounded, so that their sum balances f and the outlet at the root has no more than rounding errors
-/// to take.
+/// interval of the law is bounded, so that their sum balances f and the outlet at the root has no more than rounding
+/// errors to take.
 ///
 /// # Errors
-/// If a component has neither a contact nor a fixed boundary, or the law does not allow what balances the integral of f over a
-/// component without fixed boundary.
+/// If a component has neither a contact nor a fixed boundary, or the law does not allow what balances the integral of f
+/// over a component without fixed boundary.
 pub(super) fn balance<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
@@ -112,7 +112,7 @@ fn tree<const V: usize>(sides: &Sides<V>, outlet: u32, is_seen: &mut [bool]) -> 
     is_seen[steps[0].cell as usize] = true;
     let mut place = 0;
     while let Some(&Step { cell, .. }) = steps.get(place) {
-        for side in sides.of(cell) {
+        for side in sides.numbers(cell) {
             if let Neighbour::Cell(next) = sides.across(cell, side)
                 && !std::mem::replace(&mut is_seen[next as usize], true)
             {
@@ -158,7 +158,7 @@ impl Component {
         let (mut outlets, mut parts) = (Vec::new(), Vec::new());
         for &Step { cell, .. } in &self.steps {
             integral += V as f64 * cells.load(cell);
-            for side in sides.of(cell) {
+            for side in sides.numbers(cell) {
                 if let Neighbour::Facet(facet) = sides.across(cell, side) {
                     let facet = &mesh.facets()[facet as usize];
                     if mesh.condition(facet) == Condition::Contact {

@@ -60,8 +60,8 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
     }
 }
 
-/// Gradient of the linear function with these values at the vertices. Differences come first: a constant has no gradient,
-/// not even by rounding.
+/// Gradient of the linear function with these values at the vertices. Differences come first: a constant has no
+/// gradient, not even by rounding.
 pub(super) fn gradient<const D: usize, const V: usize>(
     element: &Element<D, V>,
     values: [f64; V],

@@ -74,8 +74,8 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         Self { mesh: cells.mesh, sides, cells, members, outlets, node: u32::MAX, found }
     }
 
-    /// Replaces the fan by the one of a cell around a node; false if this has been done for the node and another cell of
-    /// the fan.
+    /// Replaces the fan by the one of a cell around a node; false if this has been done for the node and another cell
+    /// of the fan.
     pub(super) fn find(&mut self, node: u32, cell: u32) -> bool {
         if self.node != node {
             self.node = node;
@@ -89,7 +89,7 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         self.push(cell, Parent { member: 0, slot: 0, from: 0 });
         let mut place = 0;
         while let Some(&Member { cell, vertex, .. }) = self.members.get(place) {
-            for (slot, side) in self.sides.of(cell).into_iter().enumerate() {
+            for (slot, side) in self.sides.numbers(cell).into_iter().enumerate() {
                 if slot == vertex {
                     continue;
                 }
@@ -203,7 +203,8 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// Lists the outflows through all sides.
     pub(super) fn add_to(&self, outflows: &mut Vec<SideOutflow>) {
         for member in &self.members {
-            for (side, outflow) in self.sides.of(member.cell).into_iter().zip(member.outflows) {
+            for (side, outflow) in self.sides.numbers(member.cell).into_iter().zip(member.outflows)
+            {
                 // The other cell of the side has the opposite outflow.
                 if self.sides.leaves(member.cell, side) {
                     outflows.push(SideOutflow { side, outflow });

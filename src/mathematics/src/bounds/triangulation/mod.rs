@@ -4,35 +4,38 @@
 //! distance from the domain with the curve is not in the bounds.
 //!
 //! # The identity
-//! Let the law keep dv/dn in `[lo, hi]` on the contact boundary, and let j(v) be the largest of `-l v` over the l of this
-//! interval. K are the functions v of H^1 with finite j(v) on the contact boundary, under the paper's law v >= 0, and v = 0 on
-//! the fixed boundary. A *flux* sigma has `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the contact boundary,
-//! `sigma.n = 0` on the free boundary, and any `sigma.n` on the fixed boundary. Then, for w in K, with `< >` the integral over
-//! the contact boundary,
+//! Let the law keep dv/dn in `[lo, hi]` on the contact boundary, and let j(v) be the largest of `-l v` over the l of
+//! this interval. K are the functions v of H^1 with finite j(v) on the contact boundary, under the paper's law v >= 0,
+//! and v = 0 on the fixed boundary. A *flux* sigma has `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the contact
+//! boundary, `sigma.n = 0` on the free boundary, and any `sigma.n` on the fixed boundary. Then, for w in K, with `< >`
+//! the integral over the contact boundary,
 //!
 //! ```text
 //! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n w> =: G(w, sigma),
 //! -1/2 |sigma|^2 <= J(u) <= J(w),    J(u) <= J(0) = 0,    |grad (u - w)|^2 <= 2 G.
 //! ```
 //!
-//! w is the linear function of the nodal vector, with zero in place of values on the contact boundary that the law forbids
-//! and of all values on the fixed boundary. Nothing else is assumed of the vector.
+//! w is the linear function of the nodal vector, with zero in place of values on the contact boundary that the law
+//! forbids and of all values on the fixed boundary. Nothing else is assumed of the vector.
 //!
 //! # The flux
-//! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux for
-//! each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral of
-//! `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its share of
-//! `grad w . n` (`fan.rs`). The distance that is made least is the one between the part of sigma and that share as fields on the
-//! cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on fine meshes the bounds
-//! exceed the error by any factor. The reaction at a boundary node leaves through the facets at the
-//! node if the boundary allows the sign; else, and for the residual at other nodes, all outflows around the node are
-//! changed alike. In the plane, sweeps over circulations around all nodes then lower the norm of sigma (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every vector.
+//! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux
+//! for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral
+//! of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its
+//! share of `grad w . n` (`fan.rs`). The distance that is made least is the one between the part of sigma and that
+//! share as fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on
+//! fine meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at
+//! the node if the boundary allows the sign; else, and for the residual at other nodes, all outflows around the node
+//! are changed alike. In the plane, sweeps over circulations around all nodes then lower the norm of sigma
+//! (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every
+//! vector.
 //!
 //! # An f that is not constant on cells
-//! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose norm
-//! is at most `h / pi` times the L2 norm of the deviation of f from the mean, h the diameter (Payne and Weinberger, Arch.
-//! Rational Mech. Anal. 5, 1960; Bebendorf, Z. Anal. Anwend. 22, 2003). The norms of sigma and of `grad w - sigma` on the
-//! cell grow by as much. J(w) takes f by the means alone, and `h / pi` times the deviation times `|grad w|` is added.
+//! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose
+//! norm is at most `h / pi` times the L2 norm of the deviation of f from the mean, h the diameter (Payne and
+//! Weinberger, Arch. Rational Mech. Anal. 5, 1960; Bebendorf, Z. Anal. Anwend. 22, 2003). The norms of sigma and of
+//! `grad w - sigma` on the cell grow by as much. J(w) takes f by the means alone, and `h / pi` times the deviation
+//! times `|grad w|` is added.
 
 mod balance;
 mod cells;

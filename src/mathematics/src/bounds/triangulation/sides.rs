@@ -6,8 +6,8 @@ use crate::mesh::{Mesh, sides_of, sorted};
 pub(super) struct Sides<const V: usize> {
     /// Numbers of the sides of each cell: opposite to the first vertex, to the second, and so on.
     of_cell: Vec<[u32; V]>,
-    /// Numbers of the two cells of each side. At the boundary the second number is the number of cells plus the position
-    /// of the facet.
+    /// Numbers of the two cells of each side. At the boundary the second number is the number of cells plus the
+    /// position of the facet.
     cells: Vec<[u32; 2]>,
 }
 
@@ -52,7 +52,7 @@ impl<const V: usize> Sides<V> {
     }
 
     /// Numbers of the sides of a cell.
-    pub(super) fn of(&self, cell: u32) -> [u32; V] {
+    pub(super) fn numbers(&self, cell: u32) -> [u32; V] {
         self.of_cell[cell as usize]
     }
 
@@ -79,7 +79,7 @@ impl<const V: usize> Sides<V> {
 
     /// Outflows of a cell through all its sides.
     pub(super) fn outflows(&self, cell: u32, flux: &[f64]) -> [f64; V] {
-        self.of(cell).map(|side| match self.leaves(cell, side) {
+        self.numbers(cell).map(|side| match self.leaves(cell, side) {
             true => flux[side as usize],
             false => -flux[side as usize],
         })
@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(sides.len(), 12);
         let facets = sides.of_facets(6);
         for cell in 0..6 {
-            let [outer, one, two] = sides.of(cell);
+            let [outer, one, two] = sides.numbers(cell);
             assert_eq!(sides.across(cell, outer), Neighbour::Facet(cell));
             assert_eq!((facets[cell as usize], sides.inner_cell(outer)), (outer, cell));
             let mut cells = [one, two].map(|side| sides.across(cell, side));

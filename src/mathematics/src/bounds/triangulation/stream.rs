@@ -1,9 +1,9 @@
 //! Circulations around all nodes of a mesh in the plane together, by which the flux of all patches gets a smaller norm.
 //!
-//! For a linear function psi, the field `(d psi/dy, -d psi/dx)` has no divergence. The outflow of a cell through a side is
-//! the difference of psi between the ends of the side, and the product of two such fields is that of the gradients: psi
-//! with the least norm of sigma solves a problem with the stiffness matrix. By the identity the norm of sigma is all of
-//! the flux on which the bounds depend, whatever w is.
+//! For a linear function psi, the field `(d psi/dy, -d psi/dx)` has no divergence. The outflow of a cell through a side
+//! is the difference of psi between the ends of the side, and the product of two such fields is that of the gradients:
+//! psi with the least norm of sigma solves a problem with the stiffness matrix. By the identity the norm of sigma is
+//! all of the flux on which the bounds depend, whatever w is.
 
 use super::cells::{Cells, RaviartThomas};
 use super::sides::Sides;
@@ -46,8 +46,8 @@ struct Stream {
     boundary: Vec<StreamEnd>,
 }
 
-/// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays, and
-/// the law allows the outflows through the boundary in contact.
+/// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays,
+/// and the law allows the outflows through the boundary in contact.
 pub(super) fn circulate<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
@@ -102,9 +102,9 @@ impl Stream {
                     *place = boundary.len() as u32;
                     boundary.push(StreamEnd::default());
                 }
-                let of: &mut StreamEnd = &mut boundary[*place as usize];
-                of.facets += 1;
-                of.is_free |= condition == Condition::Free;
+                let end: &mut StreamEnd = &mut boundary[*place as usize];
+                end.facets += 1;
+                end.is_free |= condition == Condition::Free;
                 if condition == Condition::Contact {
                     let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
                     let outflow = flux[side as usize];
@@ -112,7 +112,7 @@ impl Stream {
                     let begins = k == 0;
                     let [lower, upper] = if begins { [-below, above] } else { [-above, below] };
                     let limit = Limit { other: facet.nodes[1 - k], lower, upper };
-                    of.limits[usize::from(begins)] = Some(limit);
+                    end.limits[usize::from(begins)] = Some(limit);
                 }
             }
         }
@@ -147,7 +147,7 @@ impl Stream {
         flux: &mut [f64],
     ) {
         for (number, cell) in (0..).zip(cells.mesh.cells()) {
-            for (k, side) in sides.of(number).into_iter().enumerate() {
+            for (k, side) in sides.numbers(number).into_iter().enumerate() {
                 if sides.leaves(number, side) {
                     let [from, to] = [1, 2].map(|step| self.psi[cell[(k + step) % V] as usize]);
                     flux[side as usize] += to - from;

@@ -6,21 +6,22 @@
 
 use super::bilinear;
 use super::sweep::SweepCut;
-use crate::problem::cube::Body;
+use crate::problem::shape::{Shape, dot};
 
 /// The pieces that share one cell of the cube, with room for the work on them.
 #[derive(Default)]
 pub struct CutCube {
     background: f64,
-    /// Bodies in the coordinates of the cell, the last first: it wins.
-    pieces: Vec<(Body, f64)>,
+    /// Shapes in the coordinates of the cell, the last first: it wins.
+    pieces: Vec<(Shape<3>, f64)>,
     planes: Vec<Plane>,
     spheres: Vec<Sphere>,
     stops: Vec<f64>,
     slice: SweepCut,
 }
 
-/// Relative difference of seven and fifteen points up to which, fifteen are exact to rounding: errors fall geometrically.
+/// Relative difference of seven and fifteen points up to which, fifteen are exact to rounding: errors fall
+/// geometrically.
 const AGREED: f64 = 1e-11;
 /// Halvings of a layer at which it is too thin to matter.
 const DEEPEST: usize = 40;
@@ -40,7 +41,7 @@ struct Sphere {
 
 impl CutCube {
     /// Takes another cell, f there being `background` but for the pieces, of which the first wins.
-    pub fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Body, f64)>) {
+    pub fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Shape<3>, f64)>) {
         self.background = background;
         self.pieces.clear();
         self.pieces.extend(pieces);
@@ -93,7 +94,8 @@ impl CutCube {
 
     /// Integrals of f times the hats over the slice at height z.
     fn hats(&mut self, z: f64) -> [f64; 8] {
-        let slices = self.pieces.iter().filter_map(|(body, value)| Some((body.slice(z)?, *value)));
+        let slices =
+            self.pieces.iter().filter_map(|(shape, value)| Some((shape.slice(z)?, *value)));
         self.slice.set(self.background, slices);
         let slice = bilinear(self.slice.moments().first());
         let [lower, upper] = [0.5 - z, 0.5 + z].map(|height| slice.map(|hat| height * hat));
@@ -112,16 +114,16 @@ impl CutCube {
         spheres.clear();
         stops.clear();
         planes.extend([0, 1].into_iter().flat_map(|a| [axis(a, -0.5), axis(a, 0.5)]));
-        for (body, _) in pieces.iter() {
-            match *body {
-                Body::Box(sides) => {
+        for (shape, _) in pieces.iter() {
+            match *shape {
+                Shape::Box(sides) => {
                     stops.extend(sides[2]);
                     let faces = [0, 1].into_iter().flat_map(|a| sides[a].map(|s| (a, s)));
                     let inside = faces.filter(|(_, s)| s.abs() < 0.5);
                     planes.extend(inside.map(|(a, s)| axis(a, s)));
                 }
-                Body::Ball { centre, radius } => spheres.push(Sphere { centre, radius }),
-                Body::HalfSpace { normal, d } => {
+                Shape::Ball { centre, radius } => spheres.push(Sphere { centre, radius }),
+                Shape::HalfSpace { normal, d } => {
                     stops.push(d / normal[2]);
                     planes.push(Plane { normal, d });
                 }
@@ -196,10 +198,6 @@ impl Sphere {
         let foot = centre[2] + step * across[2];
         stops.extend([foot - half, foot + half]);
     }
-}
-
-fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 }
 
 fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {

@@ -6,7 +6,6 @@
 //! Below a straight graph that is a polynomial; a circular one adds the segment between chord and arc.
 
 use super::monomials::{below_arc, below_chord, beside_chord, half_chord};
-use crate::problem::region::Region;
 use crate::problem::shape::Shape;
 
 /// Integrals of f times monomials over the unit cell [-1/2, 1/2]^2, or a part of it, in the coordinates X and Y there.
@@ -54,8 +53,8 @@ struct Bound {
 pub struct SweepCut {
     /// Value where none of the pieces is.
     background: f64,
-    /// Regions in the coordinates of the cell, the last first: it wins.
-    pieces: Vec<(Region, f64)>,
+    /// Shapes in the coordinates of the cell, the last first: it wins.
+    pieces: Vec<(Shape<2>, f64)>,
     borders: Vec<PieceBorder>,
     stops: Vec<f64>,
     graphs: Vec<Graph>,
@@ -72,13 +71,13 @@ struct Graph {
 
 impl SweepCut {
     /// Takes another cell, f there being `background` but for the pieces, of which the first wins.
-    pub fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Region, f64)>) {
+    pub fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Shape<2>, f64)>) {
         self.background = background;
         self.pieces.clear();
         self.pieces.extend(pieces);
         self.borders.clear();
-        for (region, _) in &self.pieces {
-            add_borders(region, &mut self.borders);
+        for (shape, _) in &self.pieces {
+            add_borders(shape, &mut self.borders);
         }
     }
 
@@ -104,7 +103,7 @@ impl SweepCut {
     }
 
     fn value(&self, x: f64, y: f64) -> f64 {
-        let covering = self.pieces.iter().find(|(region, _)| region.contains([x, y]));
+        let covering = self.pieces.iter().find(|(shape, _)| shape.contains([x, y]));
         covering.map_or(self.background, |&(_, value)| value)
     }
 
@@ -235,9 +234,9 @@ impl Moments {
     }
 }
 
-fn add_borders(region: &Region, borders: &mut Vec<PieceBorder>) {
-    match *region {
-        Region::Rect { x, y } => {
+fn add_borders(shape: &Shape<2>, borders: &mut Vec<PieceBorder>) {
+    match *shape {
+        Shape::Box([x, y]) => {
             borders.extend(
                 y.iter()
                     .filter(|y| y.abs() < 0.5)
@@ -250,13 +249,13 @@ fn add_borders(region: &Region, borders: &mut Vec<PieceBorder>) {
             );
         }
         // A line as steep as this is vertical to rounding.
-        Region::HalfPlane { a, b, c } if b.abs() < 1e-15 * a.abs() => {
+        Shape::HalfSpace { normal: [a, b], d: c } if b.abs() < 1e-15 * a.abs() => {
             borders.push(PieceBorder::Straight(SweepLine { a, b: 0.0, c }, [c / a, c / a]));
         }
-        Region::HalfPlane { a, b, c } => {
+        Shape::HalfSpace { normal: [a, b], d: c } => {
             borders.push(PieceBorder::Straight(SweepLine { a, b, c }, [-0.5, 0.5]));
         }
-        Region::Disc { centre, radius } => borders.push(PieceBorder::Circle { centre, radius }),
+        Shape::Ball { centre, radius } => borders.push(PieceBorder::Circle { centre, radius }),
     }
 }
 

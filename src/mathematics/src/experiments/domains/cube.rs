@@ -5,8 +5,9 @@ use crate::experiments::accuracy::KnownLevels;
 use crate::mesh::{mesh_errors, mesh_load, refined, uniform_cube};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
-use crate::problem::cube::{Exact, Source};
+use crate::problem::exact::CubeExact;
 use crate::problem::law::Law;
+use crate::problem::source::Source;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -23,10 +24,10 @@ pub struct CubeLevel {
 
 /// Measures the errors of every known solution on all refinements from the third on.
 pub(super) fn convergence(refinements: usize) -> Result<Vec<KnownLevels<CubeLevel>>, String> {
-    Exact::ALL.into_par_iter().map(|exact| on_cube(exact, refinements)).collect()
+    CubeExact::ALL.into_par_iter().map(|exact| on_cube(exact, refinements)).collect()
 }
 
-fn on_cube(exact: Exact, refinements: usize) -> Result<KnownLevels<CubeLevel>, String> {
+fn on_cube(exact: CubeExact, refinements: usize) -> Result<KnownLevels<CubeLevel>, String> {
     let mut levels: Vec<CubeLevel> = Vec::new();
     for times in 3..=refinements {
         let Errors { l2, h1, max } = errors(exact, times)?;
@@ -39,9 +40,9 @@ fn on_cube(exact: Exact, refinements: usize) -> Result<KnownLevels<CubeLevel>, S
     Ok(KnownLevels { name: exact.name().into(), levels })
 }
 
-fn errors(exact: Exact, times: usize) -> Result<Errors, String> {
+fn errors(exact: CubeExact, times: usize) -> Result<Errors, String> {
     let (levels, mesh) = refined(&uniform_cube(1), times).map_err(|e| e.to_string())?;
-    let load = mesh_load(&mesh, &Source::Exact(exact)).map_err(|e| e.to_string())?.load;
+    let load = mesh_load(&mesh, &Source::from(exact)).map_err(|e| e.to_string())?.load;
     let loaded = Law::SIGNORINI.with_load(&load);
     let (y, _) = solve_nested_networks(&levels, loaded, &MultigridParams::default())
         .map_err(|e| format!("on the cube, {}: {e}", exact.name()))?;
@@ -54,7 +55,7 @@ mod tests {
 
     #[test]
     fn errors_fall_at_the_optimal_rate() {
-        for exact in Exact::ALL {
+        for exact in CubeExact::ALL {
             let errors = [4, 5].map(|times| errors(exact, times).unwrap());
             let rate = |norm: fn(&Errors) -> f64| libm::log2(norm(&errors[0]) / norm(&errors[1]));
             assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{exact:?} L2 {}", rate(|e| e.l2));

@@ -9,7 +9,6 @@ use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
 use crate::problem::law::{ContactNode, Law};
-use crate::problem::region::Region;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -52,9 +51,7 @@ pub struct DiscLevel {
 }
 
 impl OnCells<2> for DiscProblem {
-    type Shape = Region;
-
-    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, Region>> {
+    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, 2>> {
         None
     }
 

@@ -66,7 +66,7 @@ pub struct Truth {
     pub summary: TruthSummary,
 }
 
-/// AccuracyFindings of identities and bounds over all problems.
+/// Findings on identities and bounds over all problems.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TruthSummary {
     /// Largest absolute value of [`Reference::green`].

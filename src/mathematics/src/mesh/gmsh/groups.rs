@@ -35,7 +35,7 @@ impl GroupNames {
     }
 
     /// Names of the groups of one dimension, in the order of their numbers.
-    pub(super) fn of(&self, dimension: i64) -> impl Iterator<Item = (u64, &str)> {
+    pub(super) fn select(&self, dimension: i64) -> impl Iterator<Item = (u64, &str)> {
         let groups = self.0.range((dimension, 1)..=(dimension, u64::MAX));
         groups.map(|(&(_, group), name)| (group, name.as_str()))
     }
@@ -75,11 +75,11 @@ impl GroupSets {
 
     /// Position of the set of all groups of two sets.
     pub(super) fn union(&mut self, one: u32, two: u32) -> u32 {
-        self.position(&[self.of(one), self.of(two)].concat())
+        self.position(&[self.groups(one), self.groups(two)].concat())
     }
 
     /// Groups of a set, in increasing order.
-    pub(super) fn of(&self, position: u32) -> &[u64] {
+    pub(super) fn groups(&self, position: u32) -> &[u64] {
         &self.sets[position as usize]
     }
 }

@@ -23,7 +23,7 @@ impl Groups {
     /// True if there is a named group, or an element in a group.
     pub(super) fn is_any<const K: usize>(&self, elements: &[Simplex<K>]) -> bool {
         !self.names.is_empty()
-            || elements.iter().any(|element| !self.sets.of(element.groups).is_empty())
+            || elements.iter().any(|element| !self.sets.groups(element.groups).is_empty())
     }
 
     /// Cells, each once: version 2.2 writes one of several groups once for each, one after the other.
@@ -52,7 +52,7 @@ impl Groups {
         let mut once: Vec<Simplex<D>> = Vec::new();
         let mut positions: HashMap<[u32; D], usize> = HashMap::new();
         for side in sides {
-            if self.sets.of(side.groups).is_empty() {
+            if self.sets.groups(side.groups).is_empty() {
                 continue;
             }
             let position = *positions.entry(sorted(side.nodes)).or_insert(once.len());
@@ -64,8 +64,8 @@ impl Groups {
         once
     }
 
-    /// Names of all sets that elements have, in the order of their numbers, and of all groups that the file names and no
-    /// element has.
+    /// Names of all sets that elements have, in the order of their numbers, and of all groups that the file names and
+    /// no element has.
     pub(super) fn labels(
         &mut self,
         dimension: i64,
@@ -73,8 +73,8 @@ impl Groups {
     ) -> Result<Labels, GmshError> {
         let used: BTreeSet<u32> = sets.collect();
         let mut by_groups: BTreeMap<&[u64], Option<u32>> = BTreeMap::new();
-        by_groups.extend(used.iter().map(|&set| (self.sets.of(set), Some(set))));
-        let names: BTreeMap<u64, &str> = self.names.of(dimension).collect();
+        by_groups.extend(used.iter().map(|&set| (self.sets.groups(set), Some(set))));
+        let names: BTreeMap<u64, &str> = self.names.select(dimension).collect();
         let in_sets: BTreeSet<u64> =
             by_groups.keys().flat_map(|groups| groups.iter().copied()).collect();
         let unused: Vec<[u64; 1]> =

@@ -68,7 +68,7 @@ const STL: [usize; 2] = [80, 50];
 
 impl OtherFile {
     /// Tells the kind of a file from its contents.
-    pub(super) fn of(bytes: &[u8]) -> Self {
+    pub(super) fn recognise(bytes: &[u8]) -> Self {
         let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes).trim_ascii_start();
         if text.is_empty() {
             return Self { is: "is empty", remedy: "save the mesh again" };
@@ -181,7 +181,7 @@ mod tests {
                 "does not begin with $MeshFormat; save the mesh with Gmsh as .msh",
             ),
         ] {
-            assert_eq!(OtherFile::of(file).to_string(), format!("the file {said}"));
+            assert_eq!(OtherFile::recognise(file).to_string(), format!("the file {said}"));
         }
         stl.pop();
         assert!(!is_binary_stl(&stl));

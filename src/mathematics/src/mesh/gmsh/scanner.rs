@@ -51,7 +51,7 @@ impl<'a> Scanner<'a> {
             match scanner.section() {
                 Ok(Some("MeshFormat")) => break,
                 Ok(Some("Comments")) => scanner.skip()?,
-                _ => return Err(GmshError::NoMeshFormat(OtherFile::of(bytes))),
+                _ => return Err(GmshError::NoMeshFormat(OtherFile::recognise(bytes))),
             }
         }
         scanner.version = match scanner.word()? {

@@ -7,7 +7,8 @@
 //! ```
 
 use super::{Binary, DEPTH, Formula, FormulaStep, Unary};
-use crate::problem::shape::{SourceError, Written};
+use crate::problem::error::SourceError;
+use crate::problem::text::Written;
 use std::f64::consts;
 
 /// Functions of one number.

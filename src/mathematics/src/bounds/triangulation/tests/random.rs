@@ -29,8 +29,8 @@ fn random_case() -> impl Strategy<Value = RandomCase> {
         .prop_map(|(conditions, run, frequencies)| RandomCase { conditions, run, frequencies })
 }
 
-/// Checks that the brackets of many vectors hold one energy, and that the bounds of their errors agree with the distances
-/// between them.
+/// Checks that the brackets of many vectors hold one energy, and that the bounds of their errors agree with the
+/// distances between them.
 fn check_brackets<const D: usize, const V: usize>(mut mesh: Mesh<D, V>, case: &RandomCase) {
     mesh.parts = (0..3).map(|k| straight(&k.to_string(), case.conditions[k])).collect();
     for (k, facet) in mesh.facets.iter_mut().enumerate() {

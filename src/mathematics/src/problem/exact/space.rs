@@ -2,16 +2,15 @@
 //!
 //! All satisfy `v >= 0`, `dv/dn >= 0`, `v dv/dn = 0` on the boundary exactly. Where contact ends, `v`
 //! behaves like the distance to the power 3/2, the generic singularity of the problem. As on the square
-//! ([`exact`](crate::problem::exact)), the numbers are the same on all machines.
+//! ([`Exact`](super::Exact)), the numbers are the same on all machines.
 
-use crate::problem::exact::segment;
-use crate::problem::field::{self, Field, Jet, bump, falling, hill, product};
-use crate::problem::shape::Known;
+use super::segment;
+use crate::problem::field::{Field, Sample, bump, falling, hill, product};
 use std::f64::consts::PI;
 
 /// The problems with known solutions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Exact {
+pub enum CubeExact {
     /// Contact on the whole boundary: `v = -cos(pi x) cos(pi y) cos(pi z)`.
     FullContact,
     /// Free on -0.23 < x < 0.19 of the face y = -1/2, in contact elsewhere.
@@ -20,10 +19,7 @@ pub enum Exact {
     FreeDisc,
 }
 
-/// The solution at a point.
-pub type Sample = field::Sample<3>;
-
-impl Exact {
+impl CubeExact {
     /// Every problem.
     pub const ALL: [Self; 3] = [Self::FullContact, Self::FreeStrip, Self::FreeDisc];
 
@@ -37,76 +33,27 @@ impl Exact {
     }
 
     /// The solution at a point of the closed cube.
-    pub fn at(self, point: [f64; 3]) -> Sample {
-        let ([x, y, z], mut sample) = (point.map(|at| self.along(at)), None);
-        self.in_row(&[x], [y, z], |_, at| sample = Some(at));
-        sample.expect("a point")
-    }
-
-    /// Function of one coordinate on which the solution depends.
-    pub(crate) fn along(self, at: f64) -> Coordinate {
-        let cosine = match self {
-            Self::FullContact => {
-                let (sin, cos) = libm::sincos(PI * at);
-                (cos, -PI * sin, -PI * PI * cos)
-            }
-            Self::FreeStrip | Self::FreeDisc => (f64::NAN, f64::NAN, f64::NAN),
-        };
-        Coordinate { at, cosine }
-    }
-
-    /// Notes the solution at points with the same y and z, with the place of each in `x`.
-    ///
-    /// Always inlined, so that the caller decides for which instructions it is compiled.
-    #[inline(always)]
-    pub(crate) fn in_row(
-        self,
-        x: &[Coordinate],
-        [y, z]: [Coordinate; 2],
-        mut note: impl FnMut(usize, Sample),
-    ) {
+    pub fn at(self, point: [f64; 3]) -> Sample<3> {
         match self {
-            Self::FullContact => {
-                for (i, x) in x.iter().enumerate() {
-                    note(i, product([x.cosine, y.cosine, z.cosine]).scaled(-1.0).into());
-                }
-            }
-            Self::FreeStrip => {
-                for (i, x) in x.iter().enumerate() {
-                    note(i, free_strip([x.at, y.at, z.at]).into());
-                }
-            }
-            Self::FreeDisc => {
-                for (i, x) in x.iter().enumerate() {
-                    note(i, free_disc([x.at, y.at, z.at]).into());
-                }
-            }
+            Self::FullContact => full_contact(point),
+            Self::FreeStrip => free_strip(point),
+            Self::FreeDisc => free_disc(point),
         }
+        .into()
     }
 }
 
-/// A coordinate s of a point, and `cos(pi s)` where the solution is made of it; NaN in the others.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Coordinate {
-    at: f64,
-    cosine: Jet,
-}
-
-impl Known<[f64; 3]> for Exact {
-    const KNOWN: &'static [Self] = &Self::ALL;
-
-    fn name(self) -> &'static str {
-        self.name()
-    }
-
-    fn f(self, point: [f64; 3]) -> f64 {
-        self.at(point).f
-    }
+/// `v = -cos(pi x) cos(pi y) cos(pi z)`.
+fn full_contact(point: [f64; 3]) -> Field<3> {
+    let cosines = point.map(|at| {
+        let (sin, cos) = libm::sincos(PI * at);
+        (cos, -PI * sin, -PI * PI * cos)
+    });
+    product(cosines).scaled(-1.0)
 }
 
 /// `v = p(x) ((1 - t^2) p(z)^2 psi(x, t) - A p(z) t^2 (1 - t))`, `p(s) = 1 - 4 s^2`, `t = y + 1/2`,
 /// with the harmonic function `psi` of the free segment on the square.
-#[inline(always)]
 fn free_strip([x, y, z]: [f64; 3]) -> Field<3> {
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
@@ -124,7 +71,6 @@ fn free_strip([x, y, z]: [f64; 3]) -> Field<3> {
 /// In oblate spheroidal coordinates, `t = a m s` and `r^2 = a^2 (1 + s^2) (1 - m^2)`, it is
 /// `3/5 P_1(m) q_1(s) + 2/5 P_3(m) q_3(s)`: on the disc `s = 0` and this is `m^3`. There its slope along
 /// `t` is a quadratic in `r`, the `c + d r^2` that `psi` takes away.
-#[inline(always)]
 fn free_disc([x, y, z]: [f64; 3]) -> Field<3> {
     const CENTRE: [f64; 2] = [0.03, -0.02];
     const RADIUS: f64 = 0.3618;
@@ -182,7 +128,7 @@ mod tests {
     #[test]
     fn derivatives_match_finite_differences() {
         const STEP: f64 = 1e-3;
-        for problem in Exact::ALL {
+        for problem in CubeExact::ALL {
             for number in 0..343 {
                 let at = |digit: i32, shift: f64| f64::from(1 + digit) / 8.0 - shift;
                 let point = [at(number % 7, 0.49), at(number / 7 % 7, 0.48), at(number / 49, 0.51)];
@@ -211,9 +157,10 @@ mod tests {
     #[test]
     fn the_rim_of_the_free_disc_is_reached_without_a_jump() {
         // On the rim to the last bit: 0.3918 - 0.03 is the radius.
-        let all = |Sample { value, gradient: [gx, gy, gz], f }: Sample| [value, gx, gy, gz, f];
-        let beside = all(Exact::FreeDisc.at([0.3918 + 1e-10, -0.5 + 1e-10, -0.02]));
-        for (here, beside) in all(Exact::FreeDisc.at([0.3918, -0.5, -0.02])).into_iter().zip(beside)
+        let all = |Sample { value, gradient: [gx, gy, gz], f }: Sample<3>| [value, gx, gy, gz, f];
+        let beside = all(CubeExact::FreeDisc.at([0.3918 + 1e-10, -0.5 + 1e-10, -0.02]));
+        for (here, beside) in
+            all(CubeExact::FreeDisc.at([0.3918, -0.5, -0.02])).into_iter().zip(beside)
         {
             assert!((here - beside).abs() < 1e-3 * (1.0 + beside.abs()), "{here} {beside}");
         }
@@ -222,7 +169,7 @@ mod tests {
     #[test]
     fn boundary_conditions_hold() {
         const POINTS: u32 = 199;
-        for problem in Exact::ALL {
+        for problem in CubeExact::ALL {
             let mut free = 0;
             for number in 0..POINTS * POINTS {
                 let along = |digit: u32| (f64::from(digit) + 0.5) / f64::from(POINTS) - 0.5;
@@ -248,9 +195,9 @@ mod tests {
             }
             let share = f64::from(free) / f64::from(POINTS * POINTS);
             let expected = match problem {
-                Exact::FullContact => 0.0,
-                Exact::FreeStrip => 0.42,
-                Exact::FreeDisc => PI * 0.3618 * 0.3618,
+                CubeExact::FullContact => 0.0,
+                CubeExact::FreeStrip => 0.42,
+                CubeExact::FreeDisc => PI * 0.3618 * 0.3618,
             };
             assert!((share - expected).abs() < 0.01, "{problem:?} {share}");
         }
