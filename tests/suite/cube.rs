@@ -2,9 +2,8 @@
 
 use crate::common::Dice;
 use crate::domains::{CubeMesh, Domain, run};
-use crate::solvers::{ALGEBRAIC, HARD_WORK_UNITS, distance};
+use crate::solvers::{ALGEBRAIC, NETWORK_WORK_UNITS, distance};
 use proptest::prelude::*;
-use rayon::prelude::*;
 use signorini_mathematics::discrete::norms::Errors;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::mesh::mesh_errors;
@@ -19,33 +18,15 @@ fn errors(cube: &CubeMesh, problem: Exact, y: &[f64]) -> Errors {
 }
 
 #[test]
-fn errors_fall_at_the_optimal_rate() {
-    let meshes = [3, 4, 5].map(|times| CubeMesh::new(1, times));
-    Exact::ALL.into_par_iter().for_each(|problem| {
-        let errors = meshes.each_ref().map(|cube| {
-            let load = cube.exact_load(problem);
-            errors(cube, problem, &run(cube, &load, Goal::RoundingFloor).0)
-        });
-        for pair in errors.windows(2) {
-            let rate = |norm: fn(&Errors) -> f64| (norm(&pair[0]) / norm(&pair[1])).log2();
-            assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{problem:?} L2 {}", rate(|e| e.l2));
-            assert!((rate(|e| e.h1) - 1.0).abs() < 0.05, "{problem:?} H1 {}", rate(|e| e.h1));
-            assert!((rate(|e| e.max) - 2.0).abs() < 0.2, "{problem:?} max {}", rate(|e| e.max));
-        }
-    });
-}
-
-#[test]
 fn a_few_cycles_reach_the_discretisation_error() {
-    for cube in [4, 5].map(|times| CubeMesh::new(1, times)) {
-        for problem in Exact::ALL {
-            let n = cube.cells_per_side();
-            let load = cube.exact_load(problem);
+    for cube in [3, 4].map(|times| CubeMesh::new(1, times)) {
+        let n = cube.cells_per_side();
+        for (problem, (_, load)) in Exact::ALL.into_iter().zip(cube.exact_loads()) {
             let (exact_discrete, _) = run(&cube, &load, Goal::RoundingFloor);
             let (y, outcome) = run(&cube, &load, Goal::DiscretisationError);
             assert_eq!(outcome.stop, Stop::Converged);
             assert!(outcome.cycles <= 2, "{problem:?} {n} {outcome:?}");
-            assert!(outcome.work_units < HARD_WORK_UNITS[0], "{problem:?} {n} {outcome:?}");
+            assert!(outcome.work_units < NETWORK_WORK_UNITS[0], "{problem:?} {n} {outcome:?}");
             let discretisation = errors(&cube, problem, &exact_discrete);
             let algebraic: Vec<_> = y.iter().zip(&exact_discrete).map(|(a, b)| a - b).collect();
             let squares =
@@ -62,18 +43,20 @@ fn a_few_cycles_reach_the_discretisation_error() {
 
 #[test]
 fn work_does_not_depend_on_the_mesh() {
-    for times in [4, 5] {
+    let goals = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];
+    for times in [3, 4, 5] {
         let cube = CubeMesh::new(1, times);
-        for (name, load) in cube.exact_loads().into_iter().chain(cube.stress_loads()) {
-            // The loads of one problem are a million times larger.
-            let tolerance = 1e-10 * if name == "jumps" { 1e6 } else { 1.0 };
-            for (goal, limit) in [
-                (Goal::DiscretisationError, HARD_WORK_UNITS[0]),
-                (Goal::Kkt(tolerance), HARD_WORK_UNITS[1]),
-                (Goal::RoundingFloor, HARD_WORK_UNITS[2]),
-            ] {
+        let loads = cube.exact_loads().into_iter().chain(cube.stress_loads());
+        // On the finest mesh some, which takes a few seconds.
+        for (name, load) in loads.step_by(if times == 5 { 4 } else { 1 }) {
+            for (goal, limit) in goals.into_iter().zip(NETWORK_WORK_UNITS) {
+                let goal = match goal {
+                    // The loads of one problem are a million times larger.
+                    Goal::Kkt(tolerance) if name == "jumps" => Goal::Kkt(1e6 * tolerance),
+                    goal => goal,
+                };
                 let (_, outcome) = run(&cube, &load, goal);
-                println!("{name} {times} {goal:?} {outcome:?}");
+                println!("{name} {times} {goal:?} {:.0}", outcome.work_units);
                 assert!(outcome.work_units < limit, "{name} {times} {goal:?} {outcome:?}");
                 let floor = goal == Goal::RoundingFloor;
                 let expected = if floor { Stop::RoundingFloor } else { Stop::Converged };
@@ -118,7 +101,7 @@ proptest! {
     /// Random loads, from smooth to rough, with any negative sum.
     #[test]
     fn random_problems_are_solved(
-        (coarsest, times) in prop::sample::select(vec![(1, 1), (1, 2), (3, 1), (1, 3), (3, 2)]),
+        (coarsest, times) in prop::sample::select(vec![(1, 1), (1, 2), (3, 1), (1, 3)]),
         amplitudes in prop::collection::vec(-1.0..1.0_f64, 12),
         roughness in 0.0..1.0_f64,
         deficit_exponent in -8.0..-0.3_f64,

@@ -97,10 +97,6 @@ impl CubeMesh {
         mesh_load(&self.mesh, f).expect("a finite f").load
     }
 
-    pub(crate) fn exact_load(&self, problem: Exact) -> Vec<f64> {
-        self.load(&Source::Exact(problem))
-    }
-
     /// Nodal load of `f` with this deficit; without one as it is.
     pub(crate) fn nodal_load(&self, deficit: Option<f64>, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
         let ones = self.network().masses();
@@ -127,7 +123,8 @@ impl Domain for CubeMesh {
     }
 
     fn exact_loads(&self) -> Vec<Named> {
-        Exact::ALL.map(|problem| (problem.name(), self.exact_load(problem))).into()
+        let load = |problem: Exact| self.nodal_load(None, |point| problem.at(point).f);
+        Exact::ALL.map(|problem| (problem.name(), load(problem))).into()
     }
 
     /// Contact all over, on one face, on a disc, around a free ball, and at ever fewer nodes: on faces, edges
@@ -222,7 +219,7 @@ fn optimal_and_direct_solvers_agree_to_rounding() {
     for n in [4, 6, 16, 40, 64] {
         agree_to_rounding(&SquareGrid(n), n);
     }
-    for (coarsest, times) in [(1, 1), (1, 2), (3, 1), (1, 3), (3, 2)] {
+    for (coarsest, times) in [(1, 1), (1, 2), (3, 1), (1, 3)] {
         agree_to_rounding(&CubeMesh::new(coarsest, times), coarsest << times);
     }
 }
@@ -250,7 +247,7 @@ fn claimed_tolerances_hold(domain: &impl Domain) {
 #[test]
 fn a_claimed_tolerance_holds() {
     claimed_tolerances_hold(&SquareGrid(64));
-    claimed_tolerances_hold(&CubeMesh::new(1, 4));
+    claimed_tolerances_hold(&CubeMesh::new(1, 3));
 }
 
 fn scale_with_the_load(domain: &impl Domain) {
@@ -271,7 +268,7 @@ fn scale_with_the_load(domain: &impl Domain) {
 #[test]
 fn solutions_scale_with_the_load() {
     scale_with_the_load(&SquareGrid(32));
-    scale_with_the_load(&CubeMesh::new(1, 4));
+    scale_with_the_load(&CubeMesh::new(1, 3));
 }
 
 #[test]
