@@ -76,7 +76,7 @@ mod tests {
         let long = Floor::around(&[[0.0, 0.0], [100.0, 1.0 / 3.0]]);
         assert_eq!(long.half, [0.5, LEAST_HALF]);
         assert_eq!(long.numbers(1), ["0", "0.167", "0.333"]);
-        assert_eq!(Floor::SQUARE.numbers(0), ["\u{2212}0.5", "0", "0.5"]);
+        assert_eq!(Floor::around(&[[-0.5; 2], [0.5; 2]]).numbers(0), ["\u{2212}0.5", "0", "0.5"]);
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use super::samples::{committed, every, on_grid, solution, svg, unusual};
 use super::*;
 use signorini_mathematics::mesh::{MeshData, PlaneMesh};
-use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use std::collections::BTreeMap;

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
 fn plan() -> ClaimsPlan {
     let targets = vec![(1e-3, 32), (1e-6, 16)];
-    let problems = project().scenes.iter().filter_map(Scene::problem).collect();
+    let problems = project().scenes.iter().filter_map(Scene::table_problem).collect();
     ClaimsPlan { per_decade: 2, targets, ..ClaimsPlan::new(problems) }
 }
 
@@ -47,15 +47,22 @@ fn the_lanes_count_what_the_solver_counts() {
     let project = project();
     let scene = project.scene("problem2").unwrap();
     let loads: Vec<_> = scene
+        .on_grids()
         .grids
         .iter()
-        .map(|&grid| signorini_mathematics::discrete::load::load(grid, &scene.f, scene.load))
+        .map(|&grid| {
+            signorini_mathematics::discrete::load::load(
+                grid,
+                &scene.on_grids().f,
+                scene.on_grids().load,
+            )
+        })
         .collect();
     for table in &measured().problems[1].tables {
         let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &scene.grids,
+            &scene.on_grids().grids,
             Law::SIGNORINI.with_loads(&loads),
             &params,
             scene.prolongation,

@@ -1,113 +1,79 @@
-//! Solvers on the cube: accuracy, agreement, cost in work units, robustness.
+//! The cube as a mesh: accuracy, agreement of unlike solvers, cost in work units, and the seven-point matrix.
 
 use crate::common::Dice;
-use crate::cube_loads::{exact_load, nodal_load, stress_loads};
-use crate::domains::{self, rounding_level};
-use crate::solvers::{ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, distance};
+use crate::domains::{CubeMesh, Domain, run};
+use crate::solvers::{ALGEBRAIC, NETWORK_WORK_UNITS, distance};
 use proptest::prelude::*;
-use signorini_mathematics::discrete::cube::{Grid, errors, judge};
 use signorini_mathematics::discrete::norms::Errors;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::multigrid::active_set::active_set;
-use signorini_mathematics::multigrid::cube::Cube;
-use signorini_mathematics::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams};
-use signorini_mathematics::problem::exact::CubeExact as Exact;
+use signorini_mathematics::mesh::mesh_errors;
+use signorini_mathematics::multigrid::active_set::active_set_on;
+use signorini_mathematics::multigrid::{Goal, MultigridParams};
+use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::exact::CubeExact;
 use signorini_mathematics::problem::law::Law;
 
-fn grid(n: usize) -> Grid {
-    Grid::new(n).expect("fine enough")
-}
-
-fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
-    domains::run::<Cube>(n, load, goal)
-}
-
-pub(crate) fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
-    judge(grid(n), Law::SIGNORINI, y, load).kkt.natural
-}
-
-/// Loads of the problems with a formula for the solution, by name.
-pub(crate) fn exact_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
-    Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n))).into()
+fn errors(cube: &CubeMesh, problem: CubeExact, y: &[f64]) -> Errors {
+    mesh_errors(&cube.mesh, |point| problem.at(point), y)
 }
 
 #[test]
-fn errors_fall_at_the_optimal_rate() {
-    for problem in Exact::ALL {
-        let errors = [16, 32, 64].map(|n| {
-            let load = exact_load(problem, n);
-            errors(grid(n), problem, &run(n, &load, Goal::RoundingFloor).0)
-        });
-        for pair in errors.windows(2) {
-            let rate = |norm: fn(&Errors) -> f64| (norm(&pair[0]) / norm(&pair[1])).log2();
-            assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{problem:?} L2 {}", rate(|e| e.l2));
-            assert!((rate(|e| e.h1) - 1.0).abs() < 0.05, "{problem:?} H1 {}", rate(|e| e.h1));
-            assert!((rate(|e| e.max) - 2.0).abs() < 0.15, "{problem:?} max {}", rate(|e| e.max));
-        }
-    }
-}
-
-#[test]
-fn one_cycle_reaches_the_discretisation_error() {
-    for problem in Exact::ALL {
-        for n in [32, 64] {
-            let load = exact_load(problem, n);
-            let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
-            let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!((outcome.stop, outcome.cycles), (Stop::Converged, 1));
-            assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
-            let grid = grid(n);
-            let discretisation = errors(grid, problem, &exact_discrete);
+fn a_few_cycles_reach_the_discretisation_error() {
+    for cube in [3, 4].map(|times| CubeMesh::new(1, times)) {
+        let n = cube.cells_per_side();
+        for (problem, (_, load)) in CubeExact::ALL.into_iter().zip(cube.exact_loads()) {
+            let (exact_discrete, _) = run(&cube, &load, Goal::RoundingFloor);
+            let (y, outcome) = run(&cube, &load, Goal::DiscretisationError);
+            assert_eq!(outcome.stop, Stop::Converged);
+            assert!(outcome.cycles <= 2, "{problem:?} {n} {outcome:?}");
+            assert!(outcome.work_units < NETWORK_WORK_UNITS[0], "{problem:?} {n} {outcome:?}");
+            let discretisation = errors(&cube, problem, &exact_discrete);
             let algebraic: Vec<_> = y.iter().zip(&exact_discrete).map(|(a, b)| a - b).collect();
-            let squares = algebraic.iter().zip(grid.indices()).map(|(e, i)| grid.share(i) * e * e);
-            let l2 = (grid.h().powi(3) * squares.sum::<f64>()).sqrt();
+            let squares =
+                algebraic.iter().zip(cube.network().masses()).map(|(e, mass)| mass * e * e);
+            let l2 = squares.sum::<f64>().sqrt() / discretisation.l2;
             // For zero load, the energy is half the square of the H1 seminorm.
-            let h1 =
-                (2.0 * judge(grid, Law::SIGNORINI, &algebraic, &vec![0.0; y.len()]).energy).sqrt();
-            assert!(l2 < 0.25 * discretisation.l2, "{problem:?} {n} {}", l2 / discretisation.l2);
-            assert!(
-                h1 < ALGEBRAIC * discretisation.h1,
-                "{problem:?} {n} {}",
-                h1 / discretisation.h1
-            );
+            let energy = cube.network().energy(&algebraic, &vec![0.0; y.len()]);
+            let h1 = (2.0 * energy).sqrt() / discretisation.h1;
+            assert!(l2 < 0.25, "{problem:?} {n} {l2}");
+            assert!(h1 < ALGEBRAIC, "{problem:?} {n} {h1}");
         }
     }
 }
 
 #[test]
-fn work_does_not_depend_on_the_grid() {
-    for n in [64, 128] {
-        let mut workspace = Multigrid::cube(n).expect("valid size");
-        let loads = match n {
-            64 => exact_loads(n).into_iter().chain(stress_loads(n)).collect(),
-            _ => vec![("free-disc", exact_load(Exact::FreeDisc, n))],
-        };
-        for (name, load) in loads {
-            // The loads of one problem are a million times larger.
-            let tolerance = 1e-10 * if name == "jumps" { 1e6 } else { 1.0 };
-            for (goal, limit) in [
-                (Goal::DiscretisationError, HARD_WORK_UNITS[0]),
-                (Goal::Kkt(tolerance), HARD_WORK_UNITS[1]),
-                (Goal::RoundingFloor, HARD_WORK_UNITS[2]),
-            ] {
-                let params = MultigridParams { goal, ..Default::default() };
-                let outcome = workspace
-                    .solve(Law::SIGNORINI.with_load(&load), None, &params)
-                    .expect("valid load");
-                assert!(outcome.work_units < limit, "{name} {n} {goal:?} {outcome:?}");
+fn work_does_not_depend_on_the_mesh() {
+    let goals = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];
+    for times in [3, 4, 5] {
+        let cube = CubeMesh::new(1, times);
+        let loads = cube.exact_loads().into_iter().chain(cube.stress_loads());
+        // On the finest mesh some, which takes a few seconds.
+        for (name, load) in loads.step_by(if times == 5 { 4 } else { 1 }) {
+            for (goal, limit) in goals.into_iter().zip(NETWORK_WORK_UNITS) {
+                let goal = match goal {
+                    // The loads of one problem are a million times larger.
+                    Goal::Kkt(tolerance) if name == "jumps" => Goal::Kkt(1e6 * tolerance),
+                    goal => goal,
+                };
+                let (_, outcome) = run(&cube, &load, goal);
+                println!("{name} {times} {goal:?} {:.0}", outcome.work_units);
+                assert!(outcome.work_units < limit, "{name} {times} {goal:?} {outcome:?}");
                 let floor = goal == Goal::RoundingFloor;
                 let expected = if floor { Stop::RoundingFloor } else { Stop::Converged };
-                assert_eq!(outcome.stop, expected, "{name} {n} {goal:?}");
+                assert_eq!(outcome.stop, expected, "{name} {times} {goal:?}");
             }
         }
-        let bytes = workspace.bytes() as f64 / (n + 1).pow(3) as f64;
-        assert!(bytes < BYTES[1], "{n} {bytes}");
     }
 }
 
 /// Waves of these amplitudes and noise, with a negative sum.
-fn random_load(n: usize, amplitudes: &[f64], roughness: f64, deficit_exponent: f64) -> Vec<f64> {
-    nodal_load(n, Some(10_f64.powf(deficit_exponent)), |[x, y, z]| {
+fn random_load(
+    cube: &CubeMesh,
+    amplitudes: &[f64],
+    roughness: f64,
+    deficit_exponent: f64,
+) -> Vec<f64> {
+    cube.nodal_load(Some(10_f64.powf(deficit_exponent)), |[x, y, z]| {
         let wave = |(k, a): (usize, &f64)| {
             let (x, y) = ((k / 4 + 1) as f64 * 2.0 * x + k as f64, (k % 4) as f64 * 2.5 * y);
             a * x.sin() * (y + 0.3).cos() * (2.0 * z + k as f64).cos()
@@ -117,14 +83,14 @@ fn random_load(n: usize, amplitudes: &[f64], roughness: f64, deficit_exponent: f
     })
 }
 
-/// Full corrections go round between two contact sets for six in ten thousand of these loads.
 #[test]
 fn no_two_contact_sets_take_turns() {
+    let cube = CubeMesh::new(1, 2);
     let mut dice = Dice(7);
     for number in 0..20_000 {
         let amplitudes: Vec<f64> = (0..12).map(|_| 2.0 * dice.unit() - 1.0).collect();
-        let load = random_load(4, &amplitudes, dice.unit(), -8.0 + 7.7 * dice.unit());
-        let (_, outcome) = run(4, &load, Goal::RoundingFloor);
+        let load = random_load(&cube, &amplitudes, dice.unit(), -8.0 + 7.7 * dice.unit());
+        let (_, outcome) = run(&cube, &load, Goal::RoundingFloor);
         assert_eq!(outcome.stop, Stop::RoundingFloor, "{number}: {outcome:?}");
     }
 }
@@ -135,24 +101,131 @@ proptest! {
     /// Random loads, from smooth to rough, with any negative sum.
     #[test]
     fn random_problems_are_solved(
-        n in prop::sample::select(vec![2_usize, 4, 6, 8, 12]),
+        (coarsest, times) in prop::sample::select(vec![(1, 1), (1, 2), (3, 1), (1, 3)]),
         amplitudes in prop::collection::vec(-1.0..1.0_f64, 12),
         roughness in 0.0..1.0_f64,
         deficit_exponent in -8.0..-0.3_f64,
     ) {
-        let load = random_load(n, &amplitudes, roughness, deficit_exponent);
-        let (y, outcome) = run(n, &load, Goal::RoundingFloor);
+        let cube = CubeMesh::new(coarsest, times);
+        let load = random_load(&cube, &amplitudes, roughness, deficit_exponent);
+        let (y, outcome) = run(&cube, &load, Goal::RoundingFloor);
         prop_assert_eq!(outcome.stop, Stop::RoundingFloor);
-        let (oracle, _) = active_set::<Cube>(n, Law::SIGNORINI, &load).expect("valid");
-        let level = 2.0 * rounding_level::<Cube>(n, &oracle);
-        prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
-        prop_assert!(natural_residual(n, &oracle, &load) <= level);
+        let oracle = cube.direct(&load).expect("valid");
+        let level = 2.0 * cube.rounding_level(&oracle);
+        prop_assert!(cube.natural_residual(&y, &load) <= level, "{outcome:?}");
+        prop_assert!(cube.natural_residual(&oracle, &load) <= level);
         prop_assert!(distance(&y, &oracle) <= 1e6 * level, "{}", distance(&y, &oracle) / level);
         for tolerance in [1e-5, 1e-9, 1e-13] {
-            let (y, outcome) = run(n, &load, Goal::Kkt(tolerance));
-            let measured = natural_residual(n, &y, &load);
+            let (y, outcome) = run(&cube, &load, Goal::Kkt(tolerance));
+            let measured = cube.natural_residual(&y, &load);
             let claimed = outcome.stop == Stop::Converged;
             prop_assert!(!claimed || measured <= tolerance + 0.25 * level, "{measured:e}");
+        }
+    }
+}
+
+/// The seven-point matrix on the nodes of a cube with `n` cells per side, x fastest, times h: neighbours are coupled by h
+/// times the part of the square between their cells that lies in the cube.
+struct SevenPoints {
+    n: usize,
+    /// Neighbours of each node, with their couplings.
+    rows: Vec<Vec<(usize, f64)>>,
+    /// Area of a third of the boundary triangles at each node.
+    areas: Vec<f64>,
+}
+
+impl SevenPoints {
+    fn new(n: usize) -> Self {
+        let (side, h) = (n + 1, 1.0 / n as f64);
+        let half = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
+        let steps = [1, side, side * side];
+        let mut rows = vec![Vec::new(); side.pow(3)];
+        let mut areas = vec![0.0; side.pow(3)];
+        for node in 0..rows.len() {
+            let at = steps.map(|step| node / step % side);
+            for axis in 0..3 {
+                let [one, two] = [(axis + 1) % 3, (axis + 2) % 3];
+                if at[axis] < n {
+                    let (other, weight) = (node + steps[axis], h * half(at[one]) * half(at[two]));
+                    rows[node].push((other, weight));
+                    rows[other].push((node, weight));
+                }
+                // Each square of the boundary is cut by the diagonal from its lowest to its highest corner.
+                if at[axis] % n == 0 && at[one] < n && at[two] < n {
+                    let ends = [node, node + steps[one] + steps[two]];
+                    ends.into_iter().for_each(|end| areas[end] += h * h / 3.0);
+                    let others = [node + steps[one], node + steps[two]];
+                    others.into_iter().for_each(|other| areas[other] += h * h / 6.0);
+                }
+            }
+        }
+        Self { n, rows, areas }
+    }
+
+    /// Number of the node at a point.
+    fn node(&self, point: [f64; 3]) -> usize {
+        let [i, j, k] = point.map(|x| ((x + 0.5) * self.n as f64).round() as usize);
+        i + (self.n + 1) * (j + (self.n + 1) * k)
+    }
+
+    /// Minimises the energy over one value after the other, with over-relaxation where the law does not act.
+    fn solve(&self, load: &[f64], friction: Option<f64>) -> Vec<f64> {
+        let factor = 2.0 / (1.0 + 3.0 / self.n as f64);
+        let mut y = vec![0.0; load.len()];
+        for _ in 0..5000 {
+            let mut change = 0.0_f64;
+            for (node, row) in self.rows.iter().enumerate() {
+                let diagonal: f64 = row.iter().map(|(_, weight)| weight).sum();
+                let sum =
+                    load[node] + row.iter().map(|(other, weight)| weight * y[*other]).sum::<f64>();
+                let value = match (self.areas[node] > 0.0, friction) {
+                    (false, _) => y[node] + factor * (sum / diagonal - y[node]),
+                    (true, None) => (sum / diagonal).max(0.0),
+                    (true, Some(g)) => {
+                        let most = g * self.areas[node];
+                        (sum - sum.clamp(-most, most)) / diagonal
+                    }
+                };
+                change = change.max((value - y[node]).abs());
+                y[node] = value;
+            }
+            if change < 1e-17 {
+                break;
+            }
+        }
+        y
+    }
+}
+
+#[test]
+fn the_solution_is_that_of_the_seven_point_matrix() {
+    for (coarsest, times) in [(1, 3), (3, 1), (5, 0)] {
+        let cube = CubeMesh::new(coarsest, times);
+        let plain = SevenPoints::new(cube.cells_per_side());
+        let places: Vec<_> = cube.mesh.points().iter().map(|&point| plain.node(point)).collect();
+        let area: f64 = plain.areas.iter().sum();
+        assert!((area - 6.0).abs() < 1e-13, "{area}");
+        for (f, friction) in [
+            ("box(-0.5,0,-0.5,0,-0.5,0)=3; else=-1", None),
+            ("ball(0.1,0.2,-0.1,0.3)=6; else=-1", None),
+            ("box(-0.5,0,-0.5,0.5,-0.5,0.5)=3; else=-3.3", Some(0.2)),
+            ("halfspace(1,2,1,0)=2; else=-1", Some(0.35)),
+        ] {
+            let law = friction.map_or(Law::SIGNORINI, |g| Law::friction(g).unwrap());
+            let load = cube.load(&f.parse().unwrap());
+            let mut plain_load = vec![0.0; load.len()];
+            places.iter().zip(&load).for_each(|(&place, load)| plain_load[place] = *load);
+            let expected = plain.solve(&plain_load, friction);
+            let largest = expected.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            let problem = law.with_load(&load);
+            let params = MultigridParams::default();
+            let (y, _) = solve_nested_networks(&cube.levels, problem, &params).unwrap();
+            let (direct, _) = active_set_on(cube.network(), law, &load).unwrap();
+            for y in [y, direct] {
+                let far = places.iter().zip(&y).map(|(&place, y)| (y - expected[place]).abs());
+                let far = far.fold(0.0, f64::max) / largest;
+                assert!(far < 1e-12, "{f} {law} 1/{}: {far:e}", plain.n);
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ const DISC: &str = "title = \"Disc\"\nf = \"rect(-1,0,-1,0)=-6; else=1\"\n\
 
 /// Scene on a file with a free hole.
 const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=formula(x - 1)\"\n\
-    domain = { mesh = \"meshes/gear.msh\", refine = 1, free = [\"hole\"], curve = { hole = [0, 0, 0.3] } }\n\
+    domain = { name = \"meshes/gear.msh\", refine = 1, free = [\"hole\"], curve = { hole = [0, 0, 0.3] } }\n\
     r = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\", \"surface\", \"contact\"]\n";
 
 /// Scene in space, with a table alone.
@@ -105,16 +105,17 @@ const LAWS: [(&str, &str); 3] = [
 ];
 
 /// Kinds of domain that a scene can have, each with an f that no law leaves at v = 0.
-const DOMAINS: [(&str, &str); 6] = [
+const DOMAINS: [(&str, &str); 7] = [
     ("square", "f = \"formula(16*x - 0.5)\"\ngrids = [4, 8]\n"),
     ("disc", "f = \"formula(3*x - 0.5)\"\ndomain = { name = \"disc\", refine = 2 }\n"),
     ("lshape", "f = \"formula(3*x - 0.1)\"\ndomain = { name = \"lshape\", refine = 2 }\n"),
     ("annulus", "f = \"formula(9*x - 0.5)\"\ndomain = { name = \"annulus\", refine = 1 }\n"),
+    ("cube", "f = \"formula(16*x - 0.5)\"\ndomain = { name = \"cube\", refine = 2 }\n"),
     ("ball", "f = \"formula(6*x - 0.5)\"\ndomain = { name = \"ball\", refine = 1 }\n"),
     (
         "gear",
         "f = \"formula(3*x - 0.5)\"\n\
-         domain = { mesh = \"meshes/gear.msh\", refine = 0, free = [\"hole\"] }\n",
+         domain = { name = \"meshes/gear.msh\", refine = 0, free = [\"hole\"] }\n",
     ),
 ];
 
@@ -162,6 +163,20 @@ fn run_and_solve_have_one_answer_under_every_law_on_every_domain() {
 }
 
 #[test]
+fn a_name_alone_is_a_domain() {
+    let project = project();
+    for (name, kind) in [("disc", "rect"), ("meshes/gear.msh", "rect"), ("cube", "box")] {
+        let numbers = if kind == "box" { "-1,0,-1,0,-1,0" } else { "-1,0,-1,0" };
+        let text = format!(
+            "title = \"t\"\nf = \"{kind}({numbers})=1; else=-2\"\ndomain = \"{name}\"\nr = [10]\noutputs = [\"table\"]\n"
+        );
+        project.scene("alone", &text);
+        let json = project.run(&["solve", "alone", "--solver", "multigrid", "--json"]).json();
+        assert_eq!(json["stop"], "rounding-floor", "{json}");
+    }
+}
+
+#[test]
 fn an_edited_mesh_makes_its_scene_alone_anew() {
     let project = project();
     project.run(&["run"]).lines();
@@ -196,17 +211,17 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
         ("refine = 3", "free = [\"hole\"]", "free hole: the mesh has no part `hole`"),
         ("refine = 3", "fixed = [\"hole\"]", "fixed hole: the mesh has no part"),
         ("refine = 3", "curve = { rim = [0, 0] }", "curve rim: "),
-        ("refine = 3", "mesh = \"x.msh\"", "there is no pipeline/x.msh"),
-        ("name = \"disc\", ", "", "a domain is either a file"),
+        ("name = \"disc\"", "name = \"x.msh\"", "there is no pipeline/x.msh"),
+        ("name = \"disc\", ", "", "missing field `name`"),
         ("name = \"disc\"", "name = \"gear\"", "domain gear: no such domain"),
-        ("name = \"disc\"", "mesh = \"../x.msh\"", "name a file below pipeline/"),
-        ("name = \"disc\"", "mesh = \"./scenes/a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "mesh = \"scenes//a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "mesh = \"scenes/./a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "mesh = \"scenes/../scenes/a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "mesh = \"scenes/a.toml/\"", "by its shortest path"),
-        ("name = \"disc\"", "mesh = \"scenes/a.toml\"", "does not begin with $MeshFormat"),
-        ("{ name = \"disc\", refine = 3 }", "\"disc\"", "a table such as { name = \"disc\""),
+        ("name = \"disc\"", "name = \"../x.msh\"", "name a file below pipeline/"),
+        ("name = \"disc\"", "name = \"./scenes/a.toml\"", "by its shortest path"),
+        ("name = \"disc\"", "name = \"scenes//a.toml\"", "by its shortest path"),
+        ("name = \"disc\"", "name = \"scenes/./a.toml\"", "by its shortest path"),
+        ("name = \"disc\"", "name = \"scenes/../scenes/a.toml\"", "by its shortest path"),
+        ("name = \"disc\"", "name = \"scenes/a.toml/\"", "by its shortest path"),
+        ("name = \"disc\"", "name = \"scenes/a.toml\"", "does not begin with $MeshFormat"),
+        ("{ name = \"disc\", refine = 3 }", "3", "a table such as { name = \"disc\""),
         ("else=1", "else=7", "(2) asks for a negative one"),
         ("else=1", "els=1", "cannot read `els=1`"),
         ("r = [10, 1]", "r = []", "`r` and `stop` must not be empty"),

@@ -1,305 +1,313 @@
-//! Multigrid on the square and on the cube: agreement with the direct method, claims, scaling, starts and refusals.
+//! Solvers of optimal cost, multigrid on the square and multilevel iteration on the mesh of the cube: agreement with the
+//! direct method, claims, scaling and refusals.
 
-use crate::solvers::{BYTES, absurd_starts, assert_threads_do_not_matter, distance};
-use crate::{cube, multigrid as square};
+use crate::multigrid::{exact_loads, natural_residual};
+use crate::solvers::{assert_threads_do_not_matter, distance};
+use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
+use signorini_mathematics::discrete::nested::NestedNetwork;
+use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::experiments::problems;
-use signorini_mathematics::multigrid::active_set::active_set;
-use signorini_mathematics::multigrid::cube::Cube;
-use signorini_mathematics::multigrid::square::Square;
+use signorini_mathematics::experiments::problems::{self, with_deficit};
+use signorini_mathematics::mesh::{SpaceMesh, mesh_load, refined, uniform_cube};
+use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
 use signorini_mathematics::multigrid::{
-    Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, solve_cube, solve_square,
+    Goal, InputError, MultigridOutcome, MultigridParams, solve_square,
 };
+use signorini_mathematics::multilevel::solve_nested_networks;
+use signorini_mathematics::problem::exact::CubeExact;
 use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::source::Source;
+use std::f64::consts::TAU;
 
 /// Name of a problem, and its load.
 type Named = (&'static str, Vec<f64>);
-/// A solution and the outcome of multigrid.
+/// A solution and the outcome of the solver.
 type Solved = Result<(Vec<f64>, MultigridOutcome), InputError>;
 
-/// A domain on which multigrid and the direct method run.
-pub(crate) trait Domain {
-    const DIMENSION: i32;
-    /// Cells per side of the grids on which multigrid is compared with the direct method.
-    const COMPARED: [usize; 5];
-    /// Cells per side of the grid of the other tests.
-    const CELLS_PER_SIDE: usize;
-    /// Cells per side of a grid on which several threads have work.
-    const FINE: usize;
-    const BYTES_PER_NODE: f64;
-    /// A problem with a formula for the solution, and with a part of the boundary that is not in contact.
-    const FREE: &str;
-    /// Numbers of cells per side that multigrid refuses.
-    const REFUSED: &[usize];
+/// A discrete domain on which a solver of optimal cost and the direct method run.
+pub(crate) trait Domain: Sync {
+    fn nodes(&self) -> usize;
+    /// Natural residual that rounding errors alone leave, in the units of the load.
+    fn rounding_level(&self, y: &[f64]) -> f64;
+    fn natural_residual(&self, y: &[f64], load: &[f64]) -> f64;
+    /// Loads of the problems with a formula for the solution; the last one has a part of the boundary that is not in
+    /// contact.
+    fn exact_loads(&self) -> Vec<Named>;
+    fn stress_loads(&self) -> Vec<Named>;
+    fn solve(&self, problem: LawAndLoad<'_>, params: &MultigridParams) -> Solved;
+    fn direct(&self, load: &[f64]) -> Result<Vec<f64>, InputError>;
+}
 
-    fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64;
-    fn exact_loads(n: usize) -> Vec<Named>;
-    fn stress_loads(n: usize) -> Vec<Named>;
+/// The square with so many cells per side.
+pub(crate) struct SquareGrid(pub usize);
 
-    fn solve(
-        n: usize,
-        problem: LawAndLoad<'_>,
-        start: Option<&[f64]>,
-        params: &MultigridParams,
-    ) -> Solved;
-    fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError>;
-    fn workspace(n: usize) -> Result<Multigrid, InputError>;
-
-    fn nodes(n: usize) -> usize {
-        (n + 1).pow(Self::DIMENSION.unsigned_abs())
+impl Domain for SquareGrid {
+    fn nodes(&self) -> usize {
+        (self.0 + 1).pow(2)
     }
 
-    /// The load of a problem with a formula for the solution.
-    fn exact_load(n: usize, name: &str) -> Vec<f64> {
-        let mut all = Self::exact_loads(n).into_iter();
-        all.find(|(other, _)| *other == name).expect("a problem of this name").1
+    fn rounding_level(&self, y: &[f64]) -> f64 {
+        32.0 * f64::EPSILON * largest(y)
+    }
+
+    fn natural_residual(&self, y: &[f64], load: &[f64]) -> f64 {
+        natural_residual(self.0, y, load)
+    }
+
+    fn exact_loads(&self) -> Vec<Named> {
+        exact_loads(self.0)
+    }
+
+    fn stress_loads(&self) -> Vec<Named> {
+        problems::stress_loads(self.0)
+    }
+
+    fn solve(&self, problem: LawAndLoad<'_>, params: &MultigridParams) -> Solved {
+        solve_square(self.0, problem, None, params)
+    }
+
+    fn direct(&self, load: &[f64]) -> Result<Vec<f64>, InputError> {
+        active_set(self.0, Law::SIGNORINI, load).map(|(y, _)| y)
     }
 }
 
-impl Domain for Square {
-    const DIMENSION: i32 = 2;
-    const COMPARED: [usize; 5] = [4, 6, 16, 40, 64];
-    const CELLS_PER_SIDE: usize = 64;
-    const FINE: usize = 512;
-    const BYTES_PER_NODE: f64 = BYTES[0];
-    const FREE: &str = "free-corner";
-    const REFUSED: &[usize] = &[0, 1, 9, 11];
+/// The mesh of the cube and its refinements.
+pub(crate) struct CubeMesh {
+    pub(crate) levels: Vec<NestedNetwork>,
+    pub(crate) mesh: SpaceMesh,
+}
 
-    fn solve(
-        n: usize,
-        problem: LawAndLoad<'_>,
-        start: Option<&[f64]>,
-        params: &MultigridParams,
-    ) -> Solved {
-        solve_square(n, problem, start, params)
+impl CubeMesh {
+    /// The mesh with so many cells per side, refined some times.
+    pub(crate) fn new(coarsest: usize, times: usize) -> Self {
+        let (levels, mesh) = refined(&uniform_cube(coarsest), times).expect("a small mesh");
+        Self { levels, mesh }
     }
 
-    fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError> {
-        active_set::<Square>(n, Law::SIGNORINI, load).map(|(y, _)| y)
+    pub(crate) fn network(&self) -> &Network {
+        &self.levels[self.levels.len() - 1].network
     }
 
-    fn workspace(n: usize) -> Result<Multigrid, InputError> {
-        Multigrid::square(n)
+    pub(crate) fn cells_per_side(&self) -> usize {
+        (self.mesh.points().len() as f64).cbrt().round() as usize - 1
     }
 
-    fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
-        square::natural_residual(n, y, load)
+    /// Integrals of f times the hat functions.
+    pub(crate) fn load(&self, f: &Source<3>) -> Vec<f64> {
+        mesh_load(&self.mesh, f).expect("a finite f").load
     }
 
-    fn exact_loads(n: usize) -> Vec<Named> {
-        square::exact_loads(n)
-    }
-
-    fn stress_loads(n: usize) -> Vec<Named> {
-        problems::stress_loads(n)
+    /// Nodal load of `f` with this deficit; without one as it is.
+    pub(crate) fn nodal_load(&self, deficit: Option<f64>, f: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
+        let ones = self.network().masses();
+        let load = self.mesh.points().iter().zip(ones).map(|(&point, mass)| mass * f(point));
+        match deficit {
+            Some(deficit) => with_deficit(load.collect(), ones, deficit),
+            None => load.collect(),
+        }
     }
 }
 
-impl Domain for Cube {
-    const DIMENSION: i32 = 3;
-    const COMPARED: [usize; 5] = [2, 4, 6, 8, 12];
-    const CELLS_PER_SIDE: usize = 32;
-    const FINE: usize = 64;
-    const BYTES_PER_NODE: f64 = BYTES[1];
-    const FREE: &str = "free-disc";
-    const REFUSED: &[usize] = &[0, 1, 9, 10, 14];
-
-    fn solve(
-        n: usize,
-        problem: LawAndLoad<'_>,
-        start: Option<&[f64]>,
-        params: &MultigridParams,
-    ) -> Solved {
-        solve_cube(n, problem, start, params)
+impl Domain for CubeMesh {
+    fn nodes(&self) -> usize {
+        self.mesh.points().len()
     }
 
-    fn direct(n: usize, load: &[f64]) -> Result<Vec<f64>, InputError> {
-        active_set::<Cube>(n, Law::SIGNORINI, load).map(|(y, _)| y)
+    fn rounding_level(&self, y: &[f64]) -> f64 {
+        let terms = y.iter().zip(self.network().diagonal()).map(|(y, diagonal)| y * diagonal);
+        32.0 * f64::EPSILON * largest(&terms.collect::<Vec<_>>())
     }
 
-    fn workspace(n: usize) -> Result<Multigrid, InputError> {
-        Multigrid::cube(n)
+    fn natural_residual(&self, y: &[f64], load: &[f64]) -> f64 {
+        judge_network(self.network(), Law::SIGNORINI, y, load).kkt.natural
     }
 
-    fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
-        cube::natural_residual(n, y, load)
+    fn exact_loads(&self) -> Vec<Named> {
+        let load = |problem: CubeExact| self.nodal_load(None, |point| problem.at(point).f);
+        CubeExact::ALL.map(|problem| (problem.name(), load(problem))).into()
     }
 
-    fn exact_loads(n: usize) -> Vec<Named> {
-        cube::exact_loads(n)
+    /// Contact all over, on one face, on a disc, around a free ball, and at ever fewer nodes: on faces, edges
+    /// and corners, at last at one corner.
+    fn stress_loads(&self) -> Vec<Named> {
+        let waves = |[x, y, z]: [f64; 3]| {
+            (TAU * x).sin() + 0.7 * (3.0 * y + 1.0).cos() + 0.6 * (4.0 * z - 0.5).sin()
+        };
+        let chess = |[x, y, z]: [f64; 3]| (TAU * x).cos() * (TAU * y).cos() * (TAU * z).cos();
+        let octant = |[x, y, z]: [f64; 3]| {
+            if x <= 0.0 && y <= 0.0 && z <= 0.0 { 1.0 } else { -1.0 / 7.0 }
+        };
+        let slab = |[_, _, z]: [f64; 3]| if z <= 0.2 { -1.0 } else { 1.1 };
+        let ball = |[x, y, z]: [f64; 3]| if x * x + y * y + z * z <= 0.09 { 5.0 } else { -1.0 };
+        let width = 1.5 / self.cells_per_side() as f64;
+        let spike = |[x, y, z]: [f64; 3]| {
+            if (x * x + (y - 0.2).powi(2) + z * z).sqrt() < width { 1e4 } else { -1.0 }
+        };
+        let stripes = |[x, y, z]: [f64; 3]| (20.0 * (x + 0.7 * y)).sin() + 0.1 * z;
+        let noise = |[x, y, z]: [f64; 3]| {
+            ((x * 517.3 + y * 917.7 + z * 311.9).sin() * 4317.5).rem_euclid(1.0) - 0.5
+        };
+        let jumps = |[x, y, z]: [f64; 3]| match (x <= 0.0, y <= 0.0, z <= 0.0) {
+            (true, true, _) => -1e6,
+            (true, false, true) => 3e5,
+            _ => 1.0,
+        };
+        vec![
+            ("slab", self.nodal_load(None, slab)),
+            ("ball", self.nodal_load(None, ball)),
+            ("waves 1e-1", self.nodal_load(Some(1e-1), waves)),
+            ("waves 1e-3", self.nodal_load(Some(1e-3), waves)),
+            ("waves 1e-6", self.nodal_load(Some(1e-6), waves)),
+            ("waves 1e-12", self.nodal_load(Some(1e-12), waves)),
+            ("chess 1e-2", self.nodal_load(Some(1e-2), chess)),
+            ("chess 1e-5", self.nodal_load(Some(1e-5), chess)),
+            ("chess 1e-10", self.nodal_load(Some(1e-10), chess)),
+            ("octant 1e-1", self.nodal_load(Some(1e-1), octant)),
+            ("octant 1e-4", self.nodal_load(Some(1e-4), octant)),
+            ("octant 1e-8", self.nodal_load(Some(1e-8), octant)),
+            ("stripes 1e-2", self.nodal_load(Some(1e-2), stripes)),
+            ("stripes 1e-4", self.nodal_load(Some(1e-4), stripes)),
+            ("noise 1e-1", self.nodal_load(Some(1e-1), noise)),
+            ("noise 1e-4", self.nodal_load(Some(1e-4), noise)),
+            ("spike", self.nodal_load(Some(1e-2), spike)),
+            ("jumps", self.nodal_load(None, jumps)),
+        ]
     }
 
-    fn stress_loads(n: usize) -> Vec<Named> {
-        crate::cube_loads::stress_loads(n)
+    fn solve(&self, problem: LawAndLoad<'_>, params: &MultigridParams) -> Solved {
+        solve_nested_networks(&self.levels, problem, params)
+    }
+
+    fn direct(&self, load: &[f64]) -> Result<Vec<f64>, InputError> {
+        active_set_on(self.network(), Law::SIGNORINI, load).map(|(y, _)| y)
     }
 }
 
-pub(crate) fn run<D: Domain>(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
+pub(crate) fn run(domain: &impl Domain, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
     let params = MultigridParams { goal, ..Default::default() };
-    D::solve(n, Law::SIGNORINI.with_load(load), None, &params).expect("valid load")
-}
-
-/// Natural residual that rounding errors alone leave, in the units of the load.
-pub(crate) fn rounding_level<D: Domain>(n: usize, y: &[f64]) -> f64 {
-    32.0 * f64::EPSILON * largest(y) * (n as f64).powi(2 - D::DIMENSION)
-}
-
-/// By how much two ways to compute a residual differ, adding in another order.
-pub(crate) fn slack<D: Domain>(n: usize, y: &[f64]) -> f64 {
-    0.25 * rounding_level::<D>(n, y)
+    domain.solve(Law::SIGNORINI.with_load(load), &params).expect("valid load")
 }
 
 pub(crate) fn largest(y: &[f64]) -> f64 {
     y.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-fn multigrid_and_active_set_agree_to_rounding<D: Domain>() {
-    for n in D::COMPARED {
-        for (name, load) in D::exact_loads(n).into_iter().chain(D::stress_loads(n)) {
-            let (y, outcome) = run::<D>(n, &load, Goal::RoundingFloor);
-            let oracle = D::direct(n, &load).expect("valid load");
-            assert_eq!(outcome.stop, Stop::RoundingFloor, "{name} {n} {outcome:?}");
-            // Values are determined up to the conditioning of the contact set.
-            let rounding = 500.0 * f64::EPSILON * largest(&oracle) * n as f64;
-            let apart = distance(&y, &oracle);
-            assert!(apart <= rounding, "{name} {n} {apart:e} {rounding:e}");
-            for y in [&y, &oracle] {
-                let level = rounding_level::<D>(n, y) + slack::<D>(n, y);
-                let left = D::natural_residual(n, y, &load);
-                assert!(left <= level, "{name} {n} {left:e} {level:e} {outcome:?}");
-            }
+fn free_load(domain: &impl Domain) -> Vec<f64> {
+    domain.exact_loads().pop().expect("problems").1
+}
+
+fn agree_to_rounding(domain: &impl Domain, cells: usize) {
+    for (name, load) in domain.exact_loads().into_iter().chain(domain.stress_loads()) {
+        let (y, outcome) = run(domain, &load, Goal::RoundingFloor);
+        let oracle = domain.direct(&load).expect("valid load");
+        assert_eq!(outcome.stop, Stop::RoundingFloor, "{name} {cells} {outcome:?}");
+        // Values are determined up to the conditioning of the contact set.
+        let rounding = 500.0 * f64::EPSILON * largest(&oracle) * cells as f64;
+        let apart = distance(&y, &oracle);
+        assert!(apart <= rounding, "{name} {cells} {apart:e} {rounding:e}");
+        for y in [&y, &oracle] {
+            // A residual computed by adding in another order differs by a quarter of the level at most.
+            let level = 1.25 * domain.rounding_level(y);
+            let left = domain.natural_residual(y, &load);
+            assert!(left <= level, "{name} {cells} {left:e} {level:e} {outcome:?}");
         }
     }
 }
 
-fn a_claimed_tolerance_holds<D: Domain>() {
-    let n = D::CELLS_PER_SIDE;
-    for (name, load) in D::stress_loads(n) {
+#[test]
+fn optimal_and_direct_solvers_agree_to_rounding() {
+    for n in [4, 6, 16, 40, 64] {
+        agree_to_rounding(&SquareGrid(n), n);
+    }
+    for (coarsest, times) in [(1, 1), (1, 2), (3, 1), (1, 3)] {
+        agree_to_rounding(&CubeMesh::new(coarsest, times), coarsest << times);
+    }
+}
+
+fn claimed_tolerances_hold(domain: &impl Domain) {
+    for (name, load) in domain.stress_loads() {
         for exponent in 2..20 {
             let tolerance = 10_f64.powi(-exponent);
-            let (y, outcome) = run::<D>(n, &load, Goal::Kkt(tolerance));
+            let (y, outcome) = run(domain, &load, Goal::Kkt(tolerance));
+            let level = domain.rounding_level(&y);
             let claimed = match outcome.stop {
                 Stop::Converged => tolerance,
-                Stop::RoundingFloor => rounding_level::<D>(n, &y),
+                Stop::RoundingFloor => level,
                 stop => panic!("{name} {tolerance:e} {stop:?}"),
             };
-            let measured = D::natural_residual(n, &y, &load);
-            assert!(measured <= claimed + slack::<D>(n, &y), "{name} {measured:e} {outcome:?}");
+            let measured = domain.natural_residual(&y, &load);
+            assert!(
+                measured <= claimed + 0.25 * level,
+                "{name} {measured:e} {level:e} {outcome:?}"
+            );
         }
     }
 }
 
-fn solutions_scale_with_the_load<D: Domain>() {
-    let n = D::CELLS_PER_SIDE / 2;
-    let load = D::exact_load(n, D::FREE);
+#[test]
+fn a_claimed_tolerance_holds() {
+    claimed_tolerances_hold(&SquareGrid(64));
+    claimed_tolerances_hold(&CubeMesh::new(1, 3));
+}
+
+fn scale_with_the_load(domain: &impl Domain) {
+    let load = free_load(domain);
     for goal in [Goal::DiscretisationError, Goal::RoundingFloor] {
-        let (y, plain) = run::<D>(n, &load, goal);
+        let (y, plain) = run(domain, &load, goal);
         // Squares of the largest and of the least overflow and underflow.
         for exponent in [-960, -500, -332, -40, 40, 332, 500, 1000] {
             let factor = 2_f64.powi(exponent);
             let scaled: Vec<_> = load.iter().map(|entry| entry * factor).collect();
-            let (z, outcome) = run::<D>(n, &scaled, goal);
+            let (z, outcome) = run(domain, &scaled, goal);
             assert_eq!((outcome.stop, outcome.cycles), (plain.stop, plain.cycles), "2^{exponent}");
             assert!(y.iter().zip(&z).all(|(y, z)| y * factor == *z), "2^{exponent}");
         }
     }
 }
 
-fn threads_do_not_change_a_bit<D: Domain>() {
-    let load = D::exact_load(D::FINE, D::FREE);
-    assert_threads_do_not_matter(|| run::<D>(D::FINE, &load, Goal::RoundingFloor).0);
+#[test]
+fn solutions_scale_with_the_load() {
+    scale_with_the_load(&SquareGrid(32));
+    scale_with_the_load(&CubeMesh::new(1, 3));
 }
 
-fn absurd_starts_lead_to_the_same_solution<D: Domain>() {
-    let (n, params) = (D::CELLS_PER_SIDE, MultigridParams::default());
-    for (name, load) in D::exact_loads(n) {
-        let (y, _) = run::<D>(n, &load, Goal::RoundingFloor);
-        for (k, start) in absurd_starts(&y).iter().enumerate() {
-            let (z, outcome) =
-                D::solve(n, Law::SIGNORINI.with_load(&load), Some(start), &params).expect("valid");
-            assert_eq!(outcome.stop, Stop::RoundingFloor, "{name} start {k} {outcome:?}");
-            let rounding = 1e3 * f64::EPSILON * largest(&y);
-            assert!(distance(&y, &z) < rounding, "{name} start {k} {}", distance(&y, &z));
-        }
-    }
+#[test]
+fn threads_do_not_change_a_bit() {
+    let (square, cube) = (SquareGrid(512), CubeMesh::new(1, 5));
+    let [on_square, on_cube] = [free_load(&square), free_load(&cube)];
+    assert_threads_do_not_matter(|| run(&square, &on_square, Goal::RoundingFloor).0);
+    assert_threads_do_not_matter(|| run(&cube, &on_cube, Goal::RoundingFloor).0);
 }
 
-fn impossible_input_is_refused<D: Domain>() {
-    let (n, params) = (8, MultigridParams::default());
-    let expected = D::nodes(n);
+fn refuses_impossible_loads(domain: &impl Domain) {
+    let expected = domain.nodes();
     let good = vec![-1.0; expected];
-    let refusals = |n: usize, load: &[f64]| {
-        let direct = D::direct(n, load).map(|_| ());
-        [D::solve(n, Law::SIGNORINI.with_load(load), None, &params).map(|_| ()), direct]
+    let refusals = |load: &[f64]| {
+        let problem = Law::SIGNORINI.with_load(load);
+        let solved = domain.solve(problem, &MultigridParams::default()).map(|_| ());
+        [solved, domain.direct(load).map(|_| ())]
     };
-    for &wrong in D::REFUSED {
-        let refusal =
-            D::solve(wrong, Law::SIGNORINI.with_load(&vec![-1.0; D::nodes(wrong)]), None, &params)
-                .map(|_| ());
-        assert!(
-            matches!(refusal, Err(InputError::GridSize { cells, .. }) if cells == wrong),
-            "{wrong}"
-        );
-    }
     let short = Err(InputError::Length { found: expected - 1, expected });
-    assert_eq!(refusals(n, &good[1..]), [short.clone(), short]);
+    assert_eq!(refusals(&good[1..]), [short.clone(), short]);
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut bad = good.clone();
         bad[40] = value;
-        let not_finite = |what| Err(InputError::NotFinite(what));
-        assert_eq!(refusals(n, &bad), [not_finite("load"), not_finite("load")]);
-        let start = D::solve(n, Law::SIGNORINI.with_load(&good), Some(&bad), &params).map(|_| ());
-        assert_eq!(start, not_finite("start"));
+        let not_finite = Err(InputError::NotFinite("load"));
+        assert_eq!(refusals(&bad), [not_finite.clone(), not_finite]);
     }
     for value in [1.0, 0.0] {
         let sum = Err(InputError::NotCoercive(value * expected as f64));
-        assert_eq!(refusals(n, &vec![value; expected]), [sum.clone(), sum]);
+        assert_eq!(refusals(&vec![value; expected]), [sum.clone(), sum]);
     }
     // The smallest negative sum there is must not drown in rounding errors.
     let mut barely = vec![1e16, -1e16, -1.0];
     barely.resize(expected, 0.0);
-    assert_eq!(refusals(n, &barely), [Ok(()), Ok(())]);
+    assert_eq!(refusals(&barely), [Ok(()), Ok(())]);
 }
 
-fn the_workspace_stays_small_and_can_be_used_again<D: Domain>() {
-    let n = D::FINE;
-    let mut workspace = D::workspace(n).expect("valid size");
-    let mut solve = |load: &[f64]| {
-        workspace
-            .solve(Law::SIGNORINI.with_load(load), None, &MultigridParams::default())
-            .expect("valid load");
-        let mut y = vec![0.0; load.len()];
-        workspace.write_solution(&mut y);
-        y
-    };
-    let load = D::exact_load(n, D::FREE);
-    let first = solve(&load);
-    solve(&D::exact_load(n, "full-contact"));
-    assert!(first == solve(&load));
-    let bytes = workspace.bytes() as f64 / D::nodes(n) as f64;
-    assert!(bytes <= D::BYTES_PER_NODE, "{bytes}");
-}
-
-/// Makes a module with each test for a domain.
-macro_rules! tests_on {
-    ($module:ident, $domain:ty: $($test:ident)*) => {
-        mod $module {
-            $(#[test] fn $test() { super::$test::<$domain>() })*
-        }
-    };
-    ($($test:ident)*) => {
-        tests_on!(on_the_square, signorini_mathematics::multigrid::square::Square: $($test)*);
-        tests_on!(on_the_cube, signorini_mathematics::multigrid::cube::Cube: $($test)*);
-    };
-}
-
-tests_on! {
-    multigrid_and_active_set_agree_to_rounding
-    a_claimed_tolerance_holds
-    solutions_scale_with_the_load
-    threads_do_not_change_a_bit
-    absurd_starts_lead_to_the_same_solution
-    impossible_input_is_refused
-    the_workspace_stays_small_and_can_be_used_again
+#[test]
+fn impossible_loads_are_refused() {
+    refuses_impossible_loads(&SquareGrid(8));
+    refuses_impossible_loads(&CubeMesh::new(1, 3));
 }

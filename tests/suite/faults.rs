@@ -625,8 +625,8 @@ fn arguments_that_cannot_be_meant_are_refused() {
     }
     let said = project.run(&["solve"]);
     assert_eq!(said.code, Some(2));
-    assert!(said.err.contains("<SCENE|--f <F>|--cube <F>>"), "{said:?}");
-    for all in [["a", "--f", "else=-1"], ["a", "--cube", "else=-1"]] {
+    assert!(said.err.contains("<SCENE|--f <F>>"), "{said:?}");
+    for all in [["a", "--f", "else=-1"], ["a", "--domain", "cube"]] {
         let said = project.run(&["solve", all[0], all[1], all[2]]);
         assert!(said.code == Some(2) && said.err.contains("cannot be used with"), "{said:?}");
     }

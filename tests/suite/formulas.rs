@@ -1,9 +1,10 @@
 //! f by formulas: loads against closed forms and known solutions, and what refuses a formula.
 
 use crate::common::{EVERYTHING, Project, TABLE};
-use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::mesh::{mesh_load, uniform_cube};
+
 use signorini_mathematics::problem::source::{Source, Tie};
 
 const RULES: [LoadRule; 5] = [
@@ -61,9 +62,10 @@ fn formulas_have_the_loads_of_known_solutions_and_constants() {
         ("formula(-1.5)", "else=-1.5"),
     ] {
         let [formula, other]: [Source<3>; 2] = [formula, other].map(|text| text.parse().unwrap());
-        assert!((cube::integral(&formula) - cube::integral(&other)).abs() < 1e-12);
-        let grid = cube::Grid::new(8).unwrap();
-        let error = apart(&cube::exact_load(grid, &formula), &cube::exact_load(grid, &other));
+        let mesh = uniform_cube(8);
+        let [one, same] = [&formula, &other].map(|f| mesh_load(&mesh, f).unwrap());
+        assert!((one.integral - same.integral).abs() < 1e-12);
+        let error = apart(&one.load, &same.load);
         assert!(error < 1e-15, "{error:e}");
     }
 }
@@ -74,10 +76,10 @@ fn formulas_are_solved_on_every_domain_or_refused_in_one_line() {
     let project = Project::with(TABLE);
     for args in [
         &["--f", "formula(3*x*y - 1.1)", "--h", "1/16"][..],
-        &["--cube", "formula(x*y*z - 1)", "--h", "1/8"],
+        &["--domain", "cube", "--f", "formula(x*y*z - 1)", "--refine", "2"],
         &["--domain", "disc", "--f", "formula(4*x - 1)", "--refine", "3"],
         &["--domain", "ball", "--f", "formula(z - 1)", "--refine", "1"],
-        &["--mesh", &gear, "--f", "region(gear)=formula(x - 1)", "--refine", "1"],
+        &["--domain", &gear, "--f", "region(gear)=formula(x - 1)", "--refine", "1"],
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.lines()[0].contains("formula("), "{said:?}");
@@ -89,7 +91,7 @@ fn formulas_are_solved_on_every_domain_or_refused_in_one_line() {
         (&["--f", "formula(1e200*x - 1e200)"], "scale f"),
         (&["--f", "formula(x - 1)", "--solver", "spectral"], "constant pieces"),
         (&["--domain", "disc", "--f", "formula(ln(x) - 9)"], "f is -inf at (0, 0)"),
-        (&["--cube", "formula(q - 1)"], "there are x, y, z"),
+        (&["--domain", "cube", "--f", "formula(q - 1)"], "there are x, y, z"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(words), "{said:?}");

@@ -53,7 +53,7 @@ fn by_program(text: &str) -> Result<Source, String> {
     let without_place = |message: String| {
         message.trim_start_matches("scene `f`: ").trim_start_matches("line 2: ").to_owned()
     };
-    parsed.map(|scene| scene.f).map_err(without_place)
+    parsed.map(|scene| scene.on_grids().f.clone()).map_err(without_place)
 }
 
 /// What the script makes of all texts; nothing without a browser and without node.

@@ -174,7 +174,10 @@ impl Chooser {
         let cube = self.chance(30);
         match self.dice.below(10) {
             0 => args.push(self.one(&["a", "|", "b", ""]).into()),
-            _ if cube => args.extend(["--cube".into(), self.source(true)]),
+            _ if cube => {
+                args.extend(["--domain", "cube", "--f"].map(str::to_owned));
+                args.push(self.source(true));
+            }
             _ => args.extend(["--f".into(), self.source(false)]),
         }
         let widths = [
@@ -200,12 +203,11 @@ impl Chooser {
             "0.3",
         ];
         self.maybe(&mut args, 100, "--h", &widths);
-        let cubes = ["multigrid", "active-set", "|", "uzawa"];
-        let squares =
+        let solvers =
             ["arrow-hurwicz", "uzawa", "uzawa-proximal", "multigrid", "active-set", "|", "magic"];
-        self.maybe(&mut args, 80, "--solver", if cube { &cubes } else { &squares });
-        let on_one_grid = |arg: &String| ["--cube", "multigrid", "active-set"].contains(&&**arg);
-        if args[1] != "--cube" {
+        self.maybe(&mut args, 80, "--solver", &solvers);
+        let on_one_grid = |arg: &String| ["multigrid", "active-set"].contains(&&**arg);
+        if args[1] != "--domain" {
             self.maybe(&mut args, 30, "--load", &["nodal", "exact", "bilinear", "|", "x"]);
         }
         if !args.iter().any(on_one_grid) || self.chance(5) {

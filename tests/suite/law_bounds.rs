@@ -1,16 +1,17 @@
 //! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
 
 use crate::common::Dice;
-use signorini_mathematics::bounds::triangulation::{BoundsError, bounds_on_cube, bounds_on_mesh};
+use crate::domains::CubeMesh;
+use signorini_mathematics::bounds::triangulation::bounds_on_mesh;
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
-use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, mesh_load, refined};
 use signorini_mathematics::multigrid::active_set::active_set_on;
-use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_cube, solve_square};
+use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
+use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
@@ -184,17 +185,18 @@ fn an_end_of_the_interval_that_no_reaction_reaches_does_not_widen_the_bounds() {
 fn nor_does_it_on_meshes() {
     let f: problem::source::Source<3> =
         "box(-0.2,0.3,-0.3,0.1,-0.5,0.5)=1.1; else=-0.41".parse().unwrap();
-    let grid = cube::Grid::new(8).unwrap();
-    let load = cube::exact_load(grid, &f);
+    let CubeMesh { levels, mesh } = CubeMesh::new(1, 3);
+    let MeshLoad { load, cells, .. } = mesh_load(&mesh, &f).unwrap();
+    let network = &levels[3].network;
     let mut dice = Dice(10);
     for near in [Law::limited(100.0).unwrap(), Law::friction(100.0).unwrap()] {
-        let (y, _) =
-            solve_cube(8, near.with_load(&load), None, &MultigridParams::default()).unwrap();
+        let problem = near.with_load(&load);
+        let (y, _) = solve_nested_networks(&levels, problem, &MultigridParams::default()).unwrap();
         for size in [0.0, 1e-9, 1e-5] {
             let y = disturbed(&y, size, &mut dice);
-            let best = bounds_on_cube(grid, &f, near, &y).unwrap().bounds;
+            let best = bounds_on_mesh(&mesh, network, &cells, near, &y).unwrap();
             for law in far_laws(near) {
-                let found = bounds_on_cube(grid, &f, law, &y).unwrap().bounds;
+                let found = bounds_on_mesh(&mesh, network, &cells, law, &y).unwrap();
                 // Which of two valid fluxes gives the lower end is a matter of rounding.
                 let allowed = width(&best) * (1.0 + 1e-6);
                 assert!(width(&found) <= allowed, "{law} {size}: {found:?} {best:?}");
@@ -247,7 +249,7 @@ fn what_the_law_cannot_balance_has_no_bound() {
     let f = CellData { mean: vec![400.0; mesh.cells().len()], deviation: None };
     let (network, y) = (&levels[1].network, vec![0.0; mesh.points().len()]);
     let found = bounds_on_mesh(&mesh, network, &f, law, &y);
-    assert!(matches!(found, Err(BoundsError::Unbalanced { .. })), "{found:?}");
+    assert!(matches!(found, Err(NoBound::Unbalanced)), "{found:?}");
 }
 
 fn plane(name: &str) -> Mesh<2, 3> {

@@ -69,7 +69,7 @@ fn the_cube_and_every_solver_have_laws() {
         let tolerance = if solver == "active-set" { 1e-12 } else { 5e-2 };
         assert!((found / expected - 1.0).abs() < tolerance, "{solver}: {found} {expected}");
     }
-    let cube = ["--cube", "else=4", "--friction", "0.7", "--h", "1/8"];
+    let cube = ["--domain", "cube", "--f", "else=4", "--friction", "0.7", "--h", "1/8"];
     let other = energy(&[&cube[..], &["--solver", "active-set"]].concat());
     assert!((energy(&cube) / other - 1.0).abs() < 1e-12);
 }

@@ -1,7 +1,7 @@
 //! Laws on the boundary besides the paper's: solvers that agree, symmetries to the last bit, and known energies.
 
 use crate::common::Dice;
-use signorini_mathematics::discrete::cube;
+use crate::domains::CubeMesh;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::judge;
@@ -14,9 +14,9 @@ use signorini_mathematics::experiments::problems::FRICTION;
 use signorini_mathematics::mesh::gmsh::read;
 use signorini_mathematics::mesh::{AnyMesh, refined};
 use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
-use signorini_mathematics::multigrid::square::Square;
-use signorini_mathematics::multigrid::{InputError, MultigridParams};
-use signorini_mathematics::multigrid::{MultigridOutcome, solve_cube, solve_square};
+use signorini_mathematics::multigrid::{
+    InputError, MultigridOutcome, MultigridParams, solve_square,
+};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
@@ -105,8 +105,6 @@ fn multigrid_and_the_active_set_agree_on_random_laws() {
             solve_square(n, problem, None, &MultigridParams::default())
         });
     }
-    let network = Network::of_cube(cube::Grid::new(8).unwrap());
-    compare(&network, 500, |problem| solve_cube(8, problem, None, &MultigridParams::default()));
 }
 
 #[test]
@@ -118,6 +116,10 @@ fn so_they_do_on_meshes() {
             solve_nested_networks(&levels, problem, &MultigridParams::default())
         });
     }
+    let cube = CubeMesh::new(1, 3);
+    compare(cube.network(), 500, |problem| {
+        solve_nested_networks(&cube.levels, problem, &MultigridParams::default())
+    });
 }
 
 #[test]
@@ -170,7 +172,7 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
         });
         assert!(negative(&y) == minus, "{problem:?}: multigrid");
         let [(y, _), (minus, _)] =
-            [&load, &opposite].map(|load| active_set::<Square>(32, law, load).unwrap());
+            [&load, &opposite].map(|load| active_set(32, law, load).unwrap());
         assert!(negative(&y) == minus, "{problem:?}: active set");
         let params = Params { rule: StopRule::Printed, tolerance: 1e-3, ..Params::default() };
         let [(pair, run), (minus, other)] = [&load, &opposite].map(|load| {
@@ -200,7 +202,7 @@ fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
             "{f}"
         );
         let [(y, _), (z, _)] =
-            [Law::SIGNORINI, limited].map(|law| active_set::<Square>(32, law, &load).unwrap());
+            [Law::SIGNORINI, limited].map(|law| active_set(32, law, &load).unwrap());
         assert!(y == z, "{f}");
         // A limit below the largest reaction is felt.
         let felt = Law::limited(0.7 * most).unwrap();
@@ -292,7 +294,7 @@ fn loads_that_the_flux_cannot_balance_are_refused() {
             .unwrap_err()
             .to_string();
         assert!(message.contains("the flux through the boundary can only balance"), "{message}");
-        assert_eq!(active_set::<Square>(16, law, &load).unwrap_err().to_string(), message);
+        assert_eq!(active_set(16, law, &load).unwrap_err().to_string(), message);
     }
     assert!(
         solve_square(

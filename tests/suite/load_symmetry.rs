@@ -1,10 +1,11 @@
 //! Loads do not change when a half-plane is scaled, and turn with the cube; those of smooth f fit either diagonal.
 
-use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
-use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::mesh::{mesh_load, uniform_cube};
 use signorini_mathematics::problem::shape::Shape;
+
+use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 
 #[test]
@@ -42,19 +43,20 @@ fn turning_the_cube_turns_the_load() {
             Shape::HalfSpace { normal: axes.map(|axis| normal[axis]), d }
         }
     };
-    let grid = cube::Grid::new(7).unwrap();
+    let mesh = uniform_cube(7);
+    let place = |node: usize| [node % 8, node / 8 % 8, node / 64];
     for body in bodies {
         let load = |axes| {
             let pieces = vec![(turned(body, axes), 3.0)];
-            let load = cube::exact_load(grid, &Source::<3>::Pieces { background: -1.0, pieces });
-            grid.indices().zip(load).collect::<std::collections::BTreeMap<_, _>>()
+            mesh_load(&mesh, &Source::Pieces { background: -1.0, pieces }).unwrap().load
         };
         let straight = load([0, 1, 2]);
         for axes in [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
             let turned = load(axes);
-            for (at, want) in &straight {
-                let ours = turned[&axes.map(|axis| at[axis])];
-                assert!((ours - want).abs() < 1e-14, "{body} {axes:?} {at:?}: {ours} {want}");
+            for (node, want) in straight.iter().enumerate() {
+                let [i, j, k] = axes.map(|axis| place(node)[axis]);
+                let ours = turned[i + 8 * j + 64 * k];
+                assert!((ours - want).abs() < 1e-14, "{body} {axes:?} {node}: {ours} {want}");
             }
         }
     }
@@ -65,7 +67,8 @@ fn integrals_of_smooth_f_are_those_of_closed_forms() {
     // f is -2 pi^2 and -3 pi^2 times the product of the cosines of pi x, pi y (and pi z).
     let square = integral(&"exact(full-contact)".parse().unwrap());
     assert!((square + 8.0).abs() < 1e-7, "{square}");
-    let cube = cube::integral(&"exact(full-contact)".parse().unwrap());
+    let f: Source<3> = "exact(full-contact)".parse().unwrap();
+    let cube = mesh_load(&uniform_cube(8), &f).unwrap().integral;
     assert!((cube + 24.0 / std::f64::consts::PI).abs() < 1e-5, "{cube}");
 }
 

@@ -3,9 +3,9 @@
 use crate::common::Dice;
 use crate::solvers::on_threads;
 use signorini_mathematics::discrete::cells::Cells;
-use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::mesh::{mesh_load, uniform_cube};
 use signorini_mathematics::problem::shape::{QUADRANTS, Shape};
 use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
@@ -35,20 +35,6 @@ impl Random {
             _ => Shape::Ball {
                 centre: [1.2 * self.next(), 1.2 * self.next()],
                 radius: 0.31 + 0.6 * self.next(),
-            },
-        }
-    }
-
-    fn body(&mut self) -> Shape<3> {
-        match (3.0 * self.next() + 1.5) as usize {
-            0 => Shape::Box([self.interval(), self.interval(), self.interval()]),
-            1 => Shape::HalfSpace {
-                normal: [self.next(), self.next(), self.next()],
-                d: 0.3 * self.next(),
-            },
-            _ => Shape::Ball {
-                centre: [1.2 * self.next(), 1.2 * self.next(), 1.2 * self.next()],
-                radius: 0.3 + 0.5 * self.next(),
             },
         }
     }
@@ -295,8 +281,7 @@ fn a_load_is_the_same_on_any_number_of_threads() {
         let rules = [exact, LoadRule::LumpedAverage {}, LoadRule::default()];
         let grid = Grid::new(300).unwrap();
         let mut all: Vec<_> = rules.into_iter().flat_map(|rule| load(grid, &f, rule)).collect();
-        all.extend(cube::exact_load(cube::Grid::new(12).unwrap(), &cubic));
-        all.push(cube::integral(&cubic));
+        all.extend(mesh_load(&uniform_cube(12), &cubic).unwrap().load);
         all.into_iter().map(f64::to_bits).collect::<Vec<_>>()
     };
     assert!(on_threads(1, loads) == on_threads(3, loads));
@@ -329,39 +314,8 @@ fn integrals_on_the_cube_are_those_of_closed_forms() {
         ("halfspace(1,1,1,0)=1; ball(0,0,0,0.3)=0; else=0", 0.5 - ball(0.3) / 2.0),
         ("box(-0.3,0.1,-0.21,0.2,-0.37,0.15)=6; else=-0.556", 6.556 * 0.4 * 0.41 * 0.52 - 0.556),
     ] {
-        let ours = cube::integral(&f.parse().unwrap());
+        let f: Source<3> = f.parse().unwrap();
+        let ours = mesh_load(&uniform_cube(3), &f).unwrap().integral;
         assert!((ours - want).abs() < 1e-13, "{f}: {ours} {want}");
-    }
-}
-
-#[test]
-fn loads_on_the_cube_have_the_same_moments_on_every_grid() {
-    let mut random = Random(Dice(0x9E37_79B9_7F4A_7C15));
-    for trial in 0..24 {
-        let pieces: Vec<_> =
-            (0..1 + trial % 4).map(|_| (random.body(), 4.0 * random.next())).collect();
-        let f = Source::<3>::Pieces { background: random.next(), pieces };
-        // The hats reproduce trilinear functions, so that the moments do not depend on the grid.
-        let moments = |n: usize| {
-            let grid = cube::Grid::new(n).unwrap();
-            let mut sums = [0.0; 8];
-            for (load, at) in cube::exact_load(grid, &f).iter().zip(grid.indices()) {
-                for (monomial, sum) in sums.iter_mut().enumerate() {
-                    let along = |axis: usize| match monomial >> axis & 1 {
-                        0 => 1.0,
-                        _ => grid.coordinate(at[axis]),
-                    };
-                    *sum += load * along(0) * along(1) * along(2);
-                }
-            }
-            sums
-        };
-        let want = moments(2);
-        assert!((want[0] - cube::integral(&f)).abs() < 1e-12, "{f}");
-        for n in [3, 6] {
-            let apart =
-                moments(n).iter().zip(&want).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(apart < 1e-12, "{apart:e} 1/{n} {f}");
-        }
     }
 }

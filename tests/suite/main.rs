@@ -15,7 +15,6 @@ mod cli;
 mod common;
 mod contact;
 mod cube;
-mod cube_loads;
 mod disks;
 mod domain_scenes;
 mod domains;

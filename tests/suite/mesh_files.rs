@@ -35,7 +35,7 @@ fn mesh(nodes: &str, unit: &str, elements: &str) -> String {
 fn solve(project: &Project, file: impl AsRef<[u8]>, more: &[&str]) -> Said {
     project.write("m.msh", file);
     let path = project.path("m.msh");
-    project.run(&[&["solve", "--mesh", path.to_str().unwrap(), "--refine", "2"], more].concat())
+    project.run(&[&["solve", "--domain", path.to_str().unwrap(), "--refine", "2"], more].concat())
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn squares_that_are_not_joined_are_told_and_the_sense_of_their_elements_does_not
     project.write("pipeline/apart.msh", apart);
     project.scene(
         "apart",
-        "title = \"Apart\"\nf = \"else=-1\"\ndomain = { mesh = \"apart.msh\", refine = 1 }\nr = [10]\noutputs = [\"table\"]\n",
+        "title = \"Apart\"\nf = \"else=-1\"\ndomain = { name = \"apart.msh\", refine = 1 }\nr = [10]\noutputs = [\"table\"]\n",
     );
     let said = project.run(&["run", "apart"]);
     assert!(said.err.contains(&format!("warning: scene `apart`: {told}")), "{said:?}");

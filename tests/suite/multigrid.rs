@@ -1,8 +1,11 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
 use crate::common::{Dice, random_source};
-use crate::domains::{self, rounding_level};
-use crate::solvers::{ALGEBRAIC, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, distance, distance_in_h1};
+use crate::domains::{self, Domain, SquareGrid, largest};
+use crate::solvers::{
+    ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, absurd_starts, distance,
+    distance_in_h1,
+};
 use proptest::prelude::*;
 use rayon::prelude::*;
 use signorini_mathematics::discrete::grid::Grid;
@@ -13,8 +16,9 @@ use signorini_mathematics::discrete::stiffness::energy;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::problems::{nodal_load, paper_loads, stress_loads};
 use signorini_mathematics::multigrid::active_set::active_set;
-use signorini_mathematics::multigrid::square::Square;
-use signorini_mathematics::multigrid::{Goal, Multigrid, MultigridOutcome, MultigridParams};
+use signorini_mathematics::multigrid::{
+    Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, solve_square,
+};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::{Source, Tie};
@@ -43,7 +47,7 @@ pub(crate) fn exact_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
 }
 
 fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
-    domains::run::<Square>(n, load, goal)
+    domains::run(&SquareGrid(n), load, goal)
 }
 
 #[test]
@@ -171,6 +175,60 @@ fn work_does_not_depend_on_the_grid() {
 }
 
 #[test]
+fn absurd_starts_lead_to_the_same_solution() {
+    let (n, params) = (64, MultigridParams::default());
+    for (name, load) in exact_loads(n) {
+        let (y, _) = run(n, &load, Goal::RoundingFloor);
+        for (k, start) in absurd_starts(&y).iter().enumerate() {
+            let problem = Law::SIGNORINI.with_load(&load);
+            let (z, outcome) = solve_square(n, problem, Some(start), &params).expect("valid");
+            assert_eq!(outcome.stop, Stop::RoundingFloor, "{name} start {k} {outcome:?}");
+            let rounding = 1e3 * f64::EPSILON * largest(&y);
+            assert!(distance(&y, &z) < rounding, "{name} start {k} {}", distance(&y, &z));
+        }
+    }
+}
+
+#[test]
+fn impossible_grids_and_starts_are_refused() {
+    let refusal = |n: usize, start: Option<&[f64]>| {
+        let load = vec![-1.0; (n + 1).pow(2)];
+        let problem = Law::SIGNORINI.with_load(&load);
+        solve_square(n, problem, start, &MultigridParams::default()).map(|_| ())
+    };
+    for wrong in [0, 1, 9, 11] {
+        let refusal = refusal(wrong, None);
+        let names_it = matches!(refusal, Err(InputError::GridSize { cells, .. }) if cells == wrong);
+        assert!(names_it, "{wrong}");
+    }
+    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut start = vec![-1.0; 81];
+        start[40] = value;
+        assert_eq!(refusal(8, Some(&start)), Err(InputError::NotFinite("start")));
+    }
+}
+
+#[test]
+fn the_workspace_stays_small_and_can_be_used_again() {
+    let n = 512;
+    let mut workspace = Multigrid::square(n).expect("valid size");
+    let mut solve = |problem: Exact| {
+        let load = exact_load(problem, n);
+        workspace
+            .solve(Law::SIGNORINI.with_load(&load), None, &MultigridParams::default())
+            .expect("valid load");
+        let mut y = vec![0.0; load.len()];
+        workspace.write_solution(&mut y);
+        y
+    };
+    let first = solve(Exact::FreeCorner);
+    solve(Exact::FullContact);
+    assert!(first == solve(Exact::FreeCorner));
+    let bytes = workspace.bytes() as f64 / (n + 1).pow(2) as f64;
+    assert!(bytes <= BYTES, "{bytes}");
+}
+
+#[test]
 #[should_panic(expected = "one number for each node")]
 fn a_short_slice_does_not_hold_the_solution() {
     let mut workspace = Multigrid::square(16).expect("valid size");
@@ -201,9 +259,9 @@ proptest! {
         });
         let (y, outcome) = run(n, &load, Goal::RoundingFloor);
         prop_assert_eq!(outcome.stop, Stop::RoundingFloor);
-        let (oracle, _) = active_set::<Square>(n, Law::SIGNORINI, &load).expect("valid");
+        let (oracle, _) = active_set(n, Law::SIGNORINI, &load).expect("valid");
         // Twice what the solver asks for: the check adds in another order.
-        let level = 2.0 * rounding_level::<Square>(n, &oracle);
+        let level = 2.0 * SquareGrid(n).rounding_level(&oracle);
         prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
         prop_assert!(natural_residual(n, &oracle, &load) <= level);
         prop_assert!(distance(&y, &oracle) <= 1e4 * level, "{}", distance(&y, &oracle) / level);

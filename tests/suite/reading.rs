@@ -4,7 +4,7 @@ use crate::common::{Project, TABLE, assert_same, wanting};
 use std::fs;
 
 const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=-1\"\n\
-    domain = { mesh = \"meshes/gear.msh\", refine = 0, free = [\"hole\"] }\n\
+    domain = { name = \"meshes/gear.msh\", refine = 0, free = [\"hole\"] }\n\
     r = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\", \"surface\"]\n";
 
 fn gear() -> Vec<u8> {

@@ -4,6 +4,7 @@ use crate::common::this_project as project;
 use signorini::replication::comparison::Row;
 use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
+use signorini::replication::stated::Place;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::discrete::network::{Network, NodeCondition};
@@ -19,11 +20,16 @@ use signorini_mathematics::saddle::{
 };
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
-    let loads: Vec<_> = scene.grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
+    let loads: Vec<_> = scene
+        .on_grids()
+        .grids
+        .iter()
+        .map(|&grid| load(grid, &scene.on_grids().f, scene.on_grids().load))
+        .collect();
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &scene.grids,
+            &scene.on_grids().grids,
             Law::SIGNORINI.with_loads(&loads),
             &params,
             scene.prolongation,
@@ -63,8 +69,9 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         [StopRule::Signed, StopRule::Printed].into_iter().flat_map(of)
     }) {
         let scene = project.scene(name).unwrap();
-        let load = |&grid: &Grid| load(grid, &scene.f, scene.load);
-        let (grids, loads) = (&scene.grids, scene.grids.iter().map(load).collect::<Vec<_>>());
+        let load = |&grid: &Grid| load(grid, &scene.on_grids().f, scene.on_grids().load);
+        let (grids, loads) =
+            (&scene.on_grids().grids, scene.on_grids().grids.iter().map(load).collect::<Vec<_>>());
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
         let (made, made_pair) = solve_nested(
             grids,
@@ -112,16 +119,17 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
         let scene = project.scene(name).unwrap();
         let mut rows = Vec::new();
         for &r in &scene.r {
-            let (mut pair, mut counts, mut delta_a) = (Pair::zero(scene.grids[0]), vec![], 0.0);
-            for (k, &grid) in scene.grids.iter().enumerate() {
+            let (mut pair, mut counts, mut delta_a) =
+                (Pair::zero(scene.on_grids().grids[0]), vec![], 0.0);
+            for (k, &grid) in scene.on_grids().grids.iter().enumerate() {
                 if k > 0 {
-                    pair = pair.prolonged(scene.grids[k - 1], Prolongation::Bilinear);
+                    pair = pair.prolonged(scene.on_grids().grids[k - 1], Prolongation::Bilinear);
                 }
                 let mesh = uniform_square(grid);
                 let network = assemble(&mesh);
                 let f_at = |point: &[f64; 2]| {
                     let tie = Tie::LowerLeft;
-                    scene.f.at([tie.step_off(point[0], 0), tie.step_off(point[1], 1)])
+                    scene.on_grids().f.at([tie.step_off(point[0], 0), tie.step_off(point[1], 1)])
                 };
                 let nodal = mesh.points().iter().zip(network.masses());
                 let load: Vec<f64> = nodal.map(|(point, mass)| f_at(point) * mass).collect();
@@ -167,7 +175,8 @@ fn counts_hold_each_value_of_f_within_a_few_thousandths() {
         for value in thousandths.start() - 1..=thousandths.end() + 1 {
             let [odd, other] = if value_is_odd { [value, other] } else { [odd, value] };
             let f = format!("quadrant(ll)={odd}e-3; else={other}e-3");
-            scene.f = f.parse().unwrap();
+            let Place::Square(square) = &mut scene.problem.place else { unreachable!() };
+            square.f = f.parse().unwrap();
             let all = exact_counts(&project.paper, &scene, StopRule::Signed) == 25;
             assert_eq!(all, thousandths.contains(&value), "{f}");
         }
@@ -187,7 +196,7 @@ impl<F: Fn(f64, f64) -> f64> Monitor for Errors<F> {
 fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
     let project = project();
     let scene = project.scene("full-contact").unwrap();
-    let exact = scene.f.exact().unwrap();
+    let exact = scene.on_grids().f.exact().unwrap();
     let mut errors = Vec::new();
     for n in [8, 16, 32] {
         let grid = Grid::new(n).unwrap();
@@ -196,7 +205,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
         let mut pair = Pair::zero(grid);
         let outcome = arrow_hurwicz(
             grid,
-            Law::SIGNORINI.with_load(&load(grid, &scene.f, scene.load)),
+            Law::SIGNORINI.with_load(&load(grid, &scene.on_grids().f, scene.on_grids().load)),
             &params,
             &mut pair,
         );
@@ -215,9 +224,10 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     // What the tolerance of the paper costs: the error no longer follows the grid.
     let project = project();
     let scene = project.scene("full-contact").unwrap();
-    let exact = scene.f.exact().unwrap();
+    let exact = scene.on_grids().f.exact().unwrap();
     let grids = nested(&[4, 8, 16, 32, 64]).unwrap();
-    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &scene.f, scene.load)).collect();
+    let loads: Vec<_> =
+        grids.iter().map(|&grid| load(grid, &scene.on_grids().f, scene.on_grids().load)).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
     let mut errors = Errors(|x, y| exact.at(x, y).value, Vec::new());
     solve_nested(

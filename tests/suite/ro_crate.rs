@@ -131,7 +131,7 @@ fn inputs_are_said_to_be_what_they_are() {
         fs::copy(gear, project.path(&format!("pipeline/{name}"))).unwrap();
         let scene = "title = \"Gear\"\nf = \"region(gear)=-1\"\nr = [10]\nstop = [\"printed-dual\"]\n\
             outputs = [\"table\"]\n";
-        let domain = format!("domain = {{ mesh = \"{name}\", refine = 0, free = [\"hole\"] }}\n");
+        let domain = format!("domain = {{ name = \"{name}\", refine = 0, free = [\"hole\"] }}\n");
         project.scene(&name.replace('.', "-"), &(scene.to_owned() + &domain));
     }
     project.run(&["run"]).lines();

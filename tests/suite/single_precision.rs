@@ -114,12 +114,12 @@ fn wide(values: &[f32]) -> Vec<f64> {
 
 /// Returns the counts for one r on all grids of a scene. From grid to grid the pair is prolonged in double precision.
 fn counts(scene: &Scene, r: f64, limit: usize) -> Vec<Option<usize>> {
-    let mut start = Pair::zero(scene.grids[0]);
+    let mut start = Pair::zero(scene.on_grids().grids[0]);
     let mut counts = Vec::new();
-    for (k, &grid) in scene.grids.iter().enumerate() {
+    for (k, &grid) in scene.on_grids().grids.iter().enumerate() {
         let mut single = Single {
             rows: (0..grid.nodes()).map(|node| Row::of(grid, node)).collect(),
-            load: narrow(&load(grid, &scene.f, scene.load)),
+            load: narrow(&load(grid, &scene.on_grids().f, scene.on_grids().load)),
             h: grid.h() as f32,
             r: r as f32,
             y: narrow(&start.y),

@@ -109,7 +109,7 @@ fn run_says_why_and_how_long_on_standard_error() {
 fn data_on_standard_output_fit_eighty_columns() {
     let project = Project::with(TABLE);
     let f = ["--f", "disc(0,0,0.2)=3; else=-1"];
-    let cube = ["--cube", "ball(0,0,0,0.2)=3; else=-1", "--h", "1/8"];
+    let cube = ["--domain", "cube", "--f", "ball(0,0,0,0.2)=3; else=-1", "--h", "1/8"];
     let solve = |options: &[&'static str]| [&["solve"], options].concat();
     let commands = [
         vec!["run"],

@@ -1,13 +1,11 @@
 //! Problems on triangulations: closed forms, unlike solvers, guaranteed brackets, and the command line.
 
 use crate::common::{Dice, Project, TABLE};
-use signorini_mathematics::discrete::cube;
-use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::domains::{DomainsPlan, domains};
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::multigrid::active_set::active_set_on;
-use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_cube};
+use signorini_mathematics::multigrid::{Goal, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, solve_network};
@@ -125,16 +123,14 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
 
 #[test]
 fn the_papers_method_on_the_cube_ends_at_the_solution() {
-    let grid = cube::Grid::new(8).unwrap();
-    let f = "box(-0.5,0,-0.5,0,-0.5,0)=3; else=-1".parse().unwrap();
-    let load = cube::exact_load(grid, &f);
-    let (y, _) =
-        solve_cube(8, Law::SIGNORINI.with_load(&load), None, &MultigridParams::default()).unwrap();
-    let network = Network::of_cube(grid);
+    let f = "box(-0.5,0,-0.5,0,-0.5,0)=3; else=-1";
+    let problem = MeshProblem::new(&mesh("cube"), 3, f, Law::SIGNORINI).unwrap();
+    let (y, _) = solve(&problem, Goal::RoundingFloor);
+    let (network, load) = (problem.network(), &problem.f.load);
     let params =
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
-    let mut pair = Pair::zero_on(&network);
-    let run = solve_network(&network, Law::SIGNORINI.with_load(&load), &params, &mut pair);
+    let mut pair = Pair::zero_on(network);
+    let run = solve_network(network, Law::SIGNORINI.with_load(load), &params, &mut pair);
     assert_eq!(run.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");
@@ -145,12 +141,11 @@ fn the_command_solves_on_a_file_and_on_a_domain() {
     let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
     let f = "rect(-2,0,-2,0)=-6; else=1";
     let project = Project::with(TABLE);
-    for (mesh, more) in
-        [(["--mesh", gear.as_str()], ["--free", "hole"]), (["--domain", "disc"], ["--refine", "3"])]
-    {
+    for (domain, more) in [(gear.as_str(), ["--free", "hole"]), ("disc", ["--refine", "3"])] {
         for solver in ["multigrid", "active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal"] {
             let args =
-                [&["solve", "--json", "--f", f, "--solver", solver], &mesh[..], &more].concat();
+                [&["solve", "--json", "--f", f, "--solver", solver, "--domain", domain], &more[..]]
+                    .concat();
             let said = project.run(&args);
             assert_eq!(said.code, Some(0), "{solver}: {said:?}");
             let json = said.json();
@@ -175,9 +170,9 @@ fn bad_meshes_and_options_get_one_line() {
         &["--domain", "disc", "--curve", "rim=0,0,2"],
         &["--domain", "disc", "--refine", "20"],
         &["--domain", "ball", "--out", "ball.svg"],
-        &["--mesh", &gear, "--solver", "spectral"],
-        &["--mesh", "nowhere.msh"],
-        &["--mesh", here],
+        &["--domain", &gear, "--solver", "spectral"],
+        &["--domain", "nowhere.msh"],
+        &["--domain", here],
         &["--refine", "2"],
     ];
     let project = Project::with(TABLE);

@@ -8,61 +8,52 @@ impl Network {
     /// Network of the five-point matrix of the square: the paper's triangulation, with nodes and boundary nodes in the
     /// order of [`Grid`].
     pub fn of_square(grid: Grid) -> Self {
-        Self::uniform(2, grid.cells(), 1.0, grid.contact_nodes())
+        Self::uniform(grid.cells(), grid.contact_nodes())
     }
 
-    /// Network of the stencil on two or three axes with `n` cells each, whose couplings inside are 1, with all boundary
-    /// nodes in contact. Their measures are in units of `h^(axes - 1)`, as many as the parts of faces around the node.
-    pub(crate) fn of_stencil(axes: usize, n: usize) -> Self {
-        let mut network = Self::uniform(axes, n, 1.0, Vec::new());
-        let inside = 2.0 * axes as f64;
-        let on_boundary =
-            network.diagonal().iter().enumerate().filter(|(_, entry)| **entry < inside);
-        let node = |(node, entry): (usize, &f64)| {
-            let share = entry / inside;
-            ContactNode { node, measure: 2.0 * share * faces(share) }
-        };
-        let contact = on_boundary.map(node).collect();
+    /// Network of the five-point matrix with `n` cells per side, with all boundary nodes in contact. Their measures are in
+    /// cells, as many as the halves of sides around the node.
+    pub(crate) fn of_stencil(n: usize) -> Self {
+        let mut network = Self::uniform(n, Vec::new());
+        let mut contact = Vec::with_capacity(4 * n);
+        for (node, entry) in network.diagonal().iter().enumerate() {
+            let share = entry / 4.0;
+            if share < 1.0 {
+                contact.push(ContactNode { node, measure: 2.0 * share * sides(share) });
+            }
+        }
         network.set_contact(contact);
         network
     }
 
-    /// Network of the five- or seven-point stencil on two or three axes with `n` cells each, x fastest.
+    /// Network of the five-point matrix with `n` cells per side, x fastest.
     ///
-    /// Neighbours inside are coupled by `weight`, neighbours on the boundary by the part of `weight` that is the part
-    /// of their cells inside.
-    fn uniform(axes: usize, n: usize, weight: f64, contact: Vec<ContactNode>) -> Self {
-        let side = [n + 1, n + 1, if axes == 3 { n + 1 } else { 1 }];
-        let steps = [1, side[0], side[0] * side[1]];
+    /// Neighbours inside are coupled by 1, neighbours on the boundary by 1/2, the part of their cells inside.
+    fn uniform(n: usize, contact: Vec<ContactNode>) -> Self {
         let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
-        let volume = 1.0 / n.pow(axes as u32) as f64;
+        let area = 1.0 / n.pow(2) as f64;
         let (mut couplings, mut masses) = (Vec::new(), Vec::new());
-        for node in 0..side.iter().product() {
-            let at: [usize; 3] = std::array::from_fn(|axis| node / steps[axis] % side[axis]);
-            masses.push(at[..axes].iter().map(|&i| share(i)).product::<f64>() * volume);
-            for axis in (0..axes).filter(|&axis| at[axis] < n) {
-                let across: f64 = (0..axes)
-                    .filter(|&other| other != axis)
-                    .map(|other| share(at[other]))
-                    .product();
-                let nodes = [node as u32, (node + steps[axis]) as u32];
-                couplings.push(Coupling { nodes, weight: weight * across });
+        for j in 0..=n {
+            for i in 0..=n {
+                let node = (j * (n + 1) + i) as u32;
+                masses.push(share(i) * share(j) * area);
+                if i < n {
+                    couplings.push(Coupling { nodes: [node, node + 1], weight: share(j) });
+                }
+                if j < n {
+                    let above = node + n as u32 + 1;
+                    couplings.push(Coupling { nodes: [node, above], weight: share(i) });
+                }
             }
         }
         Self::new(&couplings, contact, Vec::new(), masses)
     }
 }
 
-/// Number of faces of the square or the cube on which a node lies, whose cell has this share inside: 1/2, 1/4 or 1/8.
+/// Number of sides of the square on which a node lies whose cell has this share inside: 1/2, or 1/4 in a corner.
 #[inline(always)]
-pub(crate) fn faces(share: f64) -> f64 {
-    if share == 0.5 {
-        1.0
-    } else if share == 0.25 {
-        2.0
-    } else {
-        3.0
-    }
+pub(crate) fn sides(share: f64) -> f64 {
+    if share == 0.5 { 1.0 } else { 2.0 }
 }
 
 #[cfg(test)]

@@ -1,28 +1,28 @@
-//! Blocks of slabs on which threads work independently.
+//! Blocks of rows on which threads work independently.
 
 use std::ops::Range;
 
 use super::buffers::Buffers;
-use super::layout::{Dimension, Slab, boundary_before, nodes, places_per_slab};
-use super::rows::{Colour, ColourRows, MIN_PLACES};
+use super::layout::{GridRow, boundary_before, nodes};
+use super::rows::{Colour, ColourRows, MIN_PLACES, stride};
 use super::stencil::{Boundary, ContactFlags, LevelEquation, ResidualReport, StencilRow, edges};
-use super::transfer::{CoarseLoad, Weighting};
+use super::transfer::CoarseLoad;
 use crate::machine::simd::Largest;
 use crate::machine::threads::stays;
 
-/// Least number of slabs per block: half of them must hold the slabs that the longest pass leaves to the seams.
+/// Least number of rows per block: half of them must hold the rows that the longest pass leaves to the seams.
 pub(super) const MIN_BLOCK: usize = 24;
 
-/// Number of blocks into which a pass over `n + 1` slabs is cut.
-pub(super) fn blocks<D: Dimension>(n: usize) -> usize {
-    if stays(nodes::<D>(n)) {
+/// Number of blocks into which a pass over `n + 1` rows is cut.
+pub(super) fn blocks(n: usize) -> usize {
+    if stays(nodes(n)) {
         return 1;
     }
-    let slabs = MIN_BLOCK.max(MIN_PLACES.div_ceil(places_per_slab::<D>(n)));
-    (4 * rayon::current_num_threads()).min((n + 1) / slabs).max(1)
+    let rows = MIN_BLOCK.max(MIN_PLACES.div_ceil(stride(n)));
+    (4 * rayon::current_num_threads()).min((n + 1) / rows).max(1)
 }
 
-/// Slabs at which the grid is cut: all even, except the last, `n + 1`.
+/// Rows at which the grid is cut: all even, except the last, `n + 1`.
 pub(super) struct Cuts(Vec<usize>);
 
 impl Cuts {
@@ -52,11 +52,11 @@ pub(super) struct PassOutput<'a> {
 }
 
 impl PassOutput<'_> {
-    /// One block with all slabs, for one thread.
-    pub(super) fn whole(&mut self) -> SlabBlock<'_> {
+    /// One block with all rows, for one thread.
+    pub(super) fn whole(&mut self) -> RowBlock<'_> {
         let Self { n, values: [red, black], coarse_load: [coarse_red, coarse_black], .. } = self;
-        SlabBlock {
-            slabs: 0..*n + 1,
+        RowBlock {
+            rows: 0..*n + 1,
             values: [red, black],
             contact: ContactFlags { flags: self.in_contact, first: 0 },
             coarse_load: [coarse_red, coarse_black],
@@ -65,7 +65,7 @@ impl PassOutput<'_> {
     }
 
     /// Blocks between the cuts.
-    pub(super) fn split<D: Dimension>(&mut self, cuts: &Cuts) -> Vec<SlabBlock<'_>> {
+    pub(super) fn split(&mut self, cuts: &Cuts) -> Vec<RowBlock<'_>> {
         let Self { n, values: [red, black], coarse_load: [coarse_red, coarse_black], .. } = self;
         let n = *n;
         let [mut red, mut black]: [&mut [f64]; 2] = [red, black];
@@ -73,15 +73,15 @@ impl PassOutput<'_> {
         let mut in_contact = &mut *self.in_contact;
         let mut blocks = Vec::with_capacity(self.buffers.len());
         for (pair, buffers) in cuts.0.windows(2).zip(self.buffers.iter_mut()) {
-            let slabs = pair[0]..pair[1];
-            let fine = slabs.len() * places_per_slab::<D>(n);
-            let coarse_slabs = slabs.end.div_ceil(2) - slabs.start.div_ceil(2);
-            let coarse = coarse_slabs * places_per_slab::<D>(n / 2);
-            let first = boundary_before::<D>(n, slabs.start);
-            let boundary_nodes = boundary_before::<D>(n, slabs.end) - first;
+            let rows = pair[0]..pair[1];
+            let fine = rows.len() * stride(n);
+            let coarse_rows = rows.end.div_ceil(2) - rows.start.div_ceil(2);
+            let coarse = coarse_rows * stride(n / 2);
+            let first = boundary_before(n, rows.start);
+            let boundary_nodes = boundary_before(n, rows.end) - first;
             let flags = take_front(&mut in_contact, boundary_nodes);
-            blocks.push(SlabBlock {
-                slabs,
+            blocks.push(RowBlock {
+                rows,
                 values: [take_front(&mut red, fine), take_front(&mut black, fine)],
                 contact: ContactFlags { flags, first },
                 coarse_load: [
@@ -103,53 +103,46 @@ fn take_front<'a, T>(rest: &mut &'a mut [T], len: usize) -> &'a mut [T] {
     front
 }
 
-/// Consecutive slabs of both colours, and the coarse slabs that a pass over them may write.
-pub(super) struct SlabBlock<'a> {
-    pub(super) slabs: Range<usize>,
+/// Consecutive rows of both colours, and the coarse rows that a pass over them may write.
+pub(super) struct RowBlock<'a> {
+    pub(super) rows: Range<usize>,
     pub(super) values: [&'a mut [f64]; 2],
     contact: ContactFlags<'a>,
     coarse_load: [&'a mut [f64]; 2],
     pub(super) buffers: &'a mut Buffers,
 }
 
-impl SlabBlock<'_> {
-    /// Computes the residual of a red slab, restricts it, and sets the contact flags of the slab.
+impl RowBlock<'_> {
+    /// Computes the residual of a red row, restricts it, and sets the contact flags of the row.
     ///
-    /// `first` is the first slab that is restricted; `natural` collects the natural residuals under the law.
+    /// `first` is the first row that is restricted; `natural` collects the natural residuals under the law.
     #[inline(always)]
-    pub(super) fn restrict<D: Weighting>(
+    pub(super) fn restrict(
         &mut self,
-        slab: Slab,
+        row: GridRow,
         first: usize,
         equation: LevelEquation,
         natural: &mut Largest,
     ) {
         let LevelEquation { load, boundary } = equation;
-        let places = places_per_slab::<D>(slab.n);
-        let start = self.slabs.start;
+        let (stride, start) = (stride(row.n), self.rows.start);
         let [red, black] = &self.values;
-        let own = (slab.s - start) * places..(slab.s - start + 1) * places;
+        let own = (row.j - start) * stride..(row.j - start + 1) * stride;
         // Local, so that the compiler keeps its fields in registers.
         let ContactFlags { flags, first: first_node } = &mut self.contact;
         let mut contact = ContactFlags { flags, first: *first_node };
         if let Boundary::Law { .. } = boundary {
-            for at in slab.rows::<D>() {
-                let black = &black[own.clone()][at.in_slab()];
-                for (m, node) in edges::<D>(at, Colour::Black) {
-                    contact.set(node, black[m] == 0.0);
-                }
+            let black = &black[own.clone()];
+            for (m, node) in edges(row, Colour::Black) {
+                contact.set(node, black[m] == 0.0);
             }
         }
-        let (red, target) = (&red[own], self.buffers.residuals(slab.s));
+        let (red, target) = (&red[own], &mut self.buffers.residuals(row.j)[..stride]);
         let mut report = ResidualReport { natural, contact: Some(&mut contact) };
-        for at in slab.rows::<D>() {
-            let load = load[Colour::Red as usize];
-            let row = StencilRow::new::<D>(at, Colour::Red, load, black, start);
-            let (values, target) = (&red[at.in_slab()], &mut target[at.in_slab()]);
-            row.residual::<D>(boundary, values, target, &mut report);
-        }
+        let stencil = StencilRow::new(row, Colour::Red, load[Colour::Red as usize], black, start);
+        stencil.residual(boundary, red, target, &mut report);
         let [red, black] = &mut self.coarse_load;
         let coarse_load = CoarseLoad { first: start.div_ceil(2), red, black };
-        self.buffers.restrict::<D>(slab, first, coarse_load);
+        self.buffers.restrict(row, first, coarse_load);
     }
 }

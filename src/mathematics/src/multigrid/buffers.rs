@@ -1,8 +1,10 @@
-//! Scratch memory of a pass over a block of slabs.
+//! Scratch memory of a pass over a block of rows.
 
-/// Scratch memory of a pass over one block of slabs.
+use super::rows::stride;
+
+/// Scratch memory of a pass over one block of rows.
 pub(super) struct Buffers {
-    /// Residuals of the last three slabs of red nodes; slab `s` is at index `s % 3`.
+    /// Residuals of the last three rows of red nodes; row `j` is at index `j % 3`.
     pub(super) residuals: [Vec<f64>; 3],
     /// Sums over coarse rows, at even columns.
     pub(super) even: Vec<f64>,
@@ -13,9 +15,9 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    /// Allocates buffers for a grid with `n` cells per side and `places` places of one colour per slab.
-    pub(super) fn new(n: usize, places: usize) -> Self {
-        let residuals = [(); 3].map(|()| vec![0.0; places]);
+    /// Allocates buffers for a grid with `n` cells per side.
+    pub(super) fn new(n: usize) -> Self {
+        let residuals = [(); 3].map(|()| vec![0.0; stride(n)]);
         let [even, odd, row] = [(); 3].map(|()| vec![0.0; n / 2 + 1]);
         Self { residuals, even, odd, row }
     }

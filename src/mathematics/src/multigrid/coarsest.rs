@@ -2,9 +2,9 @@
 
 use super::active_set::StateProblem;
 use super::direct::{BandOrder, Direct};
-use super::layout::{Dimension, boundary_number};
+use super::layout::boundary_number;
 use super::level::{Location, MultigridLevel};
-use super::stencil::{diagonal, inverse, multiplications_per_visit};
+use super::stencil::{DIAGONAL, INVERSE, MULTIPLICATIONS_PER_VISIT};
 use crate::discrete::network::Network;
 use crate::problem::law::BoundaryState;
 use std::sync::Arc;
@@ -16,8 +16,6 @@ const MAX_STEPS: usize = 60;
 pub(super) struct Coarsest {
     network: Arc<Network>,
     nodes: Vec<CoarsestNode>,
-    /// One over the diagonal inside.
-    inverse: f64,
     /// Work of one factorisation, in visits of unknowns.
     factor_work: f64,
     /// Work of one solution with the factors, in visits of unknowns.
@@ -51,31 +49,23 @@ impl CoarsestNode {
     }
 }
 
-/// Indices of node `k` in natural order, x first; the square uses the first two only.
-fn indices(n: usize, k: usize) -> [usize; 3] {
-    let row = k / (n + 1);
-    [k % (n + 1), row % (n + 1), row / (n + 1)]
-}
-
 impl Coarsest {
-    pub(super) fn new<D: Dimension>(n: usize) -> Self {
-        let network = Network::of_stencil(D::AXES, n);
-        let full = diagonal::<D>();
+    pub(super) fn new(n: usize) -> Self {
+        let network = Network::of_stencil(n);
         let direct = Direct::new(&network, BandOrder::Natural);
         let mut nodes = Vec::with_capacity(network.nodes());
         for (k, &entry) in network.diagonal().iter().enumerate() {
-            let on_boundary = entry < full;
+            let on_boundary = entry < DIAGONAL;
             nodes.push(CoarsestNode {
                 location: Location::of_node(n, k),
-                boundary: on_boundary.then(|| boundary_number::<D>(n, &indices(n, k)[..D::AXES])),
-                share: entry / full,
+                boundary: on_boundary.then(|| boundary_number(n, [k % (n + 1), k / (n + 1)])),
+                share: entry / DIAGONAL,
             });
         }
         Self {
             nodes,
-            inverse: inverse::<D>(),
-            factor_work: direct.factor_work() / multiplications_per_visit::<D>(),
-            solve_work: direct.solve_work() / multiplications_per_visit::<D>(),
+            factor_work: direct.factor_work() / MULTIPLICATIONS_PER_VISIT,
+            solve_work: direct.solve_work() / MULTIPLICATIONS_PER_VISIT,
             x: vec![0.0; network.nodes()],
             direct,
             network: Arc::new(network),
@@ -125,7 +115,7 @@ impl Coarsest {
         let network = Arc::clone(&self.network);
         let components = vec![0; network.nodes()];
         let load: Vec<_> = self.nodes.iter().map(|node| node.load(level)).collect();
-        // The measures of the network are twice as many as the faces of a node times its share.
+        // The measures of the network are twice as many as the sides of a node times its share.
         let limit = 0.5 * level.limit;
         let problem =
             StateProblem { network: &network, components: &components, load: &load, limit };
@@ -172,7 +162,7 @@ impl Coarsest {
         for (node, state) in self.nodes.iter().zip(states) {
             if let Some(edge) = node.boundary {
                 let sticks = *state == BoundaryState::Sticks;
-                level.inverse_diagonal[edge] = if sticks { 0.0 } else { self.inverse };
+                level.inverse_diagonal[edge] = if sticks { 0.0 } else { INVERSE };
             }
         }
     }

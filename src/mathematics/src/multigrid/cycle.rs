@@ -12,20 +12,31 @@
 //! grid 0            x   x       x
 //! ```
 //!
-//! In a W-cycle the second visit to grid 2 would visit grid 1 twice, too.
+//! During the second visit to grid 2, grid 1 is visited once; in a W-cycle it would be visited twice.
 
-use super::geometry::{MultigridGeometry, Visits};
-use super::hierarchy::Hierarchy;
 use super::layout::boundary_nodes;
 use super::pass::LevelProblem::{BoundaryLaw, Correction};
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
 use super::pass::{self, LevelProblem, Stage};
 use super::rows;
 use super::rows::Colour::{Black, Red};
+use super::springs::set_springs;
 use super::stencil::{contact_nodes, energy};
+use super::workspace::Multigrid;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::law::{BoundaryState, ContactNode};
 
+/// Over-relaxation factor inside, for the colour that the neighbouring transfers do not read or write.
+const RELAXATION: f64 = 1.15;
+/// Over-relaxation factor of the half-sweeps that begin and end a visit to a correction problem.
+const COARSE_RELAXATION: f64 = 1.45;
+/// Factor of the corrections to the problem under the law.
+///
+/// Corrections by a V-cycle are too small by up to a tenth where the wavelength is a few cells of the coarser grid;
+/// enlarged by this factor they are too large as often as too small.
+pub(super) const OVERCORRECTION: f64 = 1.08;
+/// Number of grids from the finest down to the first grid that is visited twice.
+pub(super) const DOUBLE_VISITS_BELOW: usize = 3;
 /// Ratio of the natural residual to the load at which nested iteration leaves a grid.
 const SETTLED: f64 = 1.0;
 /// Relative difference of energies that rounding errors may make.
@@ -35,7 +46,14 @@ const SEARCHED_PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.015_625, 0.0]
 /// Limit on the number of cycles on one coarse grid of the nested iteration.
 const MAX_NESTED_CYCLES: usize = 30;
 
-impl<G: MultigridGeometry> Hierarchy<G> {
+/// Number of visits to each of the coarsest grids per visit to the next finer one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Visits {
+    Single,
+    Double,
+}
+
+impl Multigrid {
     /// Solves on all grids but the finest, each started from the next coarser one.
     ///
     /// Two sweeps before the first correction let the contact set settle.
@@ -44,8 +62,8 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         for l in 1..self.levels.len() - 1 {
             self.pass_under_law(l, &Self::smooth_twice(Interpolate));
             for _ in 0..MAX_NESTED_CYCLES {
-                let smooth = Self::smooth_twice(Correct(G::OVERCORRECTION));
-                self.find_correction(l, G::DOUBLE_VISITS_BELOW);
+                let smooth = Self::smooth_twice(Correct(OVERCORRECTION));
+                self.find_correction(l, DOUBLE_VISITS_BELOW);
                 let residual = self.pass_under_law(l, &smooth);
                 if residual <= SETTLED * self.levels[l].load_scale {
                     break;
@@ -74,13 +92,13 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         let (coarser, level) = self.levels.split_at_mut(l);
         let in_contact = &level[0].in_contact;
         if self.springs.cells != Some(n) || self.springs.in_contact != *in_contact {
-            let work = G::set_springs(n, in_contact, coarser);
+            let work = set_springs(n, in_contact, coarser);
             let factor = self.coarsest.factor(&coarser[0]);
             self.springs.cells = Some(n);
             self.springs.in_contact.clone_from(in_contact);
             self.count(work + factor);
         }
-        self.count(boundary_nodes::<G>(n) as f64);
+        self.count(boundary_nodes(n) as f64);
         self.correct(l - 1, l.saturating_sub(double_visits_below), Visits::Double);
     }
 
@@ -93,8 +111,8 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         let (mut best, mut least) = (0.0, f64::INFINITY);
         for part in SEARCHED_PARTS {
             self.levels[l].values[Black as usize].copy_from_slice(&before);
-            self.pass(l, BoundaryLaw, &[Correct(part * G::OVERCORRECTION), Relax(Red, 1.0)]);
-            let energy = energy::<G>(&self.levels[l]);
+            self.pass(l, BoundaryLaw, &[Correct(part * OVERCORRECTION), Relax(Red, 1.0)]);
+            let energy = energy(&self.levels[l]);
             if least - energy > ENERGY_ROUNDING * energy.abs() {
                 (best, least) = (part, energy);
             }
@@ -117,18 +135,17 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             self.count(work);
             return;
         }
-        let relaxation = G::COARSE_RELAXATION;
-        self.pass(l, Correction, &[StartRed(relaxation), Relax(Black, 1.0), Restrict]);
+        self.pass(l, Correction, &[StartRed(COARSE_RELAXATION), Relax(Black, 1.0), Restrict]);
         self.correct(l - 1, double_visits_from, visits);
         if visits == Visits::Double && l <= double_visits_from {
             self.pass(l, Correction, &Self::smooth_twice(Correct(1.0)));
-            self.correct(l - 1, double_visits_from, G::IN_SECOND_VISIT);
+            self.correct(l - 1, double_visits_from, Visits::Single);
         }
         // Corrections after two cycles, or after a direct solution two grids below, are complete, near-constant modes
         // above all, and must not be enlarged on the finest grid. (That this also holds one grid below costs nothing:
         // otherwise 8 cells take 3 % more cycles, 12 and 28 cells 4 to 8 % less, finer grids as many.)
-        let factor = if l == double_visits_from + 1 { 1.0 / G::OVERCORRECTION } else { 1.0 };
-        let last = [Correct(factor), Relax(Red, 1.0), Relax(Black, relaxation)];
+        let factor = if l == double_visits_from + 1 { 1.0 / OVERCORRECTION } else { 1.0 };
+        let last = [Correct(factor), Relax(Red, 1.0), Relax(Black, COARSE_RELAXATION)];
         self.pass(l, Correction, &last);
     }
 
@@ -139,7 +156,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             return level.in_contact.contains(&true);
         }
         let mut balance = Balance::default();
-        let nodes = contact_nodes::<G>(level.n);
+        let nodes = contact_nodes(level.n);
         for (ContactNode { node, measure }, sticks) in nodes.into_iter().zip(&level.in_contact) {
             let state = match sticks {
                 true => BoundaryState::Sticks,
@@ -158,7 +175,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     fn shift_into_contact(&mut self, l: usize) {
         let level = &mut self.levels[l];
         let mut nodes = Vec::with_capacity(level.in_contact.len());
-        for (number, contact) in contact_nodes::<G>(level.n).into_iter().enumerate() {
+        for (number, contact) in contact_nodes(level.n).into_iter().enumerate() {
             let (measure, value) = (contact.measure, level.value(contact.node));
             nodes.push(ContactValue { number, measure, value, multiplier: 0.0 });
         }
@@ -184,10 +201,10 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     /// Runs a pass on level `l` and counts its work; returns the natural residual, as [`pass::run`].
     fn pass(&mut self, l: usize, problem: LevelProblem, stages: &[Stage]) -> Option<f64> {
         let (coarse, fine) = self.levels.split_at_mut(l);
-        let natural = pass::run::<G>(&mut fine[0], &mut coarse[l - 1], problem, stages);
+        let natural = pass::run(&mut fine[0], &mut coarse[l - 1], problem, stages);
         let nodes = self.levels[l].nodes as f64;
         self.count(pass::work(stages) * nodes);
-        self.move_bytes(pass::traffic::<G>(stages) * nodes);
+        self.move_bytes(pass::traffic(stages) * nodes);
         natural
     }
 
@@ -196,8 +213,8 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         [
             from_coarser,
             Relax(Red, 1.0),
-            Relax(Black, G::RELAXATION),
-            Relax(Red, G::RELAXATION),
+            Relax(Black, RELAXATION),
+            Relax(Red, RELAXATION),
             Relax(Black, 1.0),
             Restrict,
         ]

@@ -1,106 +1,28 @@
-//! The hierarchy of grids: its memory, the input of the load and the output of the solution.
+//! The solution of one problem on the hierarchy of grids: the input of the load, the steps, the output of the solution.
 
-use std::marker::PhantomData;
-
-use super::coarsest::Coarsest;
-use super::geometry::MultigridGeometry;
-use super::input::{InputError, LoadStats, check_length, check_start, nearest_sizes};
-use super::layout::Dimension;
+use super::cycle::{DOUBLE_VISITS_BELOW, OVERCORRECTION};
+use super::input::{InputError, LoadStats, check_length, check_start};
 use super::level::MultigridLevel;
 use super::load;
 use super::pass;
 use super::pass::Stage::{Correct, Interpolate, Relax, Restrict};
 use super::rows;
 use super::rows::Colour::{Black, Red};
-use super::stencil::{contact_nodes, coupling, multiplications_per_visit};
+use super::stencil::{MULTIPLICATIONS_PER_VISIT, contact_nodes};
 use super::stopping::{
     self, CyclePart, CyclePosition, CycledHierarchy, InitialState, IterationEnd,
 };
+use super::workspace::Multigrid;
 use super::{Goal, MultigridOutcome, MultigridParams};
 use crate::discrete::law_and_load::LawAndLoad;
-use crate::machine::threads::among_threads;
-use crate::problem::law::{Law, OneSided};
+use crate::problem::law::Law;
 
-/// Preallocated grids for problems with `n` cells per side.
-pub(super) struct Hierarchy<G: MultigridGeometry> {
-    /// All grids, coarsest first.
-    pub(super) levels: Vec<MultigridLevel>,
-    pub(super) coarsest: Coarsest,
-    pub(super) springs: SpringSource,
-    /// Problem as given, seen as the one that is solved.
-    one_sided: OneSided,
-    /// Flow through the boundary that balances the load.
-    needed_flow: f64,
-    /// Measure of the boundary that balances the load if it slips down and all else slips up; zero for the paper's law.
-    pub(super) needed: f64,
-    /// Power of two by which the load is divided, so that no residual overflows or underflows.
-    scale: f64,
-    /// Norm of the load on the finest grid but one, before a residual takes its place.
-    coarse_load: f64,
-    work_units: f64,
-    /// Bytes moved, per unknown of the finest grid.
-    traffic: f64,
-    geometry: PhantomData<G>,
-}
+/// Boundary of the unit square.
+const PERIMETER: f64 = 4.0;
 
-/// Contact set from which the springs of the coarser grids were made.
-pub(super) struct SpringSource {
-    /// Cells per side of the grid of the contact set; `None` if there are no springs yet.
-    pub(super) cells: Option<usize>,
-    /// Flag for each boundary node of that grid.
-    pub(super) in_contact: Vec<bool>,
-}
-
-/// Measure of the boundary of the square or the cube.
-fn perimeter<D: Dimension>() -> f64 {
-    2.0 * D::AXES as f64
-}
-
-impl<G: MultigridGeometry> Hierarchy<G> {
-    pub(super) fn allocate(n: usize) -> Result<Self, InputError> {
-        let coarsest = G::coarsest(n).ok_or_else(|| InputError::GridSize {
-            cells: n,
-            rule: G::CELLS,
-            nearest: nearest_sizes(n, |size| G::coarsest(size).is_some()),
-        })?;
-        let cells = std::iter::successors(Some(coarsest), |cells| Some(2 * cells));
-        Ok(Self {
-            levels: cells.take_while(|&cells| cells <= n).map(MultigridLevel::new::<G>).collect(),
-            coarsest: Coarsest::new::<G>(coarsest),
-            springs: SpringSource { cells: None, in_contact: Vec::new() },
-            one_sided: OneSided { is_reflected: false, shift: 0.0, limit: f64::INFINITY },
-            needed_flow: 0.0,
-            needed: 0.0,
-            scale: 1.0,
-            coarse_load: 0.0,
-            work_units: 0.0,
-            traffic: 0.0,
-            geometry: PhantomData,
-        })
-    }
-
-    /// Memory that one thread needs, in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        let levels: usize = self.levels.iter().map(MultigridLevel::bytes).sum();
-        levels + self.springs.in_contact.len() + self.coarsest.bytes()
-    }
-
-    /// Bytes per unknown that the last solve and one [`Hierarchy::write_solution`] move.
-    pub(super) fn traffic(&self) -> f64 {
-        self.traffic
-    }
-
-    /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
-    pub(super) fn solve(
-        &mut self,
-        problem: LawAndLoad<'_>,
-        start: Option<&[f64]>,
-        params: &MultigridParams,
-    ) -> Result<MultigridOutcome, InputError> {
-        among_threads(self.finest().nodes, || self.solve_here(problem, start, params))
-    }
-
-    fn solve_here(
+impl Multigrid {
+    /// Solves the problem in this thread or among all.
+    pub(super) fn solve_here(
         &mut self,
         problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
@@ -168,7 +90,10 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     }
 
     /// Copies the solution in the order of the load.
-    pub(super) fn write_solution(&self, solution: &mut [f64]) {
+    ///
+    /// # Panics
+    /// If the slice has another length.
+    pub fn write_solution(&self, solution: &mut [f64]) {
         let finest = self.finest();
         rows::merge(finest.n, &finest.values, self.one_sided.signed(self.scale), solution);
     }
@@ -181,8 +106,8 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         if self.one_sided.is_same() {
             self.set_load(load, law)?;
         } else {
-            LoadStats::measure(load).check(law, perimeter::<G>())?;
-            let load = self.one_sided.load(load, &contact_nodes::<G>(n));
+            LoadStats::measure(load).check(law, PERIMETER)?;
+            let load = self.one_sided.load(load, &contact_nodes(n));
             self.set_load(&load, Law::SIGNORINI)?;
         }
         self.set_limit(f64::INFINITY);
@@ -203,10 +128,10 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         let (coarser, top) = self.levels.split_at_mut(finest);
         let top = &mut top[0];
         let stats = match coarser.last_mut() {
-            Some(coarse) => load::set_finest_two::<G>(load, top, coarse),
-            None => load::set_finest::<G>(load, top),
+            Some(coarse) => load::set_finest_two(load, top, coarse),
+            None => load::set_finest(load, top),
         };
-        stats.check(law, perimeter::<G>())?;
+        stats.check(law, PERIMETER)?;
         self.needed_flow = -stats.sum();
         self.scale = stats.scale();
         rows::scale(&mut top.load, 1.0 / self.scale);
@@ -217,11 +142,11 @@ impl<G: MultigridGeometry> Hierarchy<G> {
             let nodes = fine.nodes as f64;
             let set_with_the_finest = l == finest && self.scale == 1.0;
             if !set_with_the_finest {
-                load::restrict::<G>(fine, coarse);
+                load::restrict(fine, coarse);
             }
             self.count(pass::RESTRICT_LOAD * nodes);
             let read = if set_with_the_finest { 0.0 } else { 8.0 };
-            self.move_bytes((read + 8.0 / f64::from(1 << G::AXES)) * nodes);
+            self.move_bytes((read + 2.0) * nodes);
         }
         Ok(())
     }
@@ -238,7 +163,7 @@ impl<G: MultigridGeometry> Hierarchy<G> {
     fn coarse_norm(&mut self) -> f64 {
         let coarse = &self.levels[self.levels.len() - 2];
         let (norm, nodes) = (load::norm(coarse), coarse.nodes as f64);
-        self.count(nodes / multiplications_per_visit::<G>());
+        self.count(nodes / MULTIPLICATIONS_PER_VISIT);
         self.move_bytes(8.0 * nodes);
         norm
     }
@@ -253,25 +178,25 @@ impl<G: MultigridGeometry> Hierarchy<G> {
         self.traffic += bytes / self.finest().nodes as f64;
     }
 
-    fn finest(&self) -> &MultigridLevel {
+    pub(super) fn finest(&self) -> &MultigridLevel {
         self.levels.last().expect("at least one grid")
     }
 }
 
-impl<G: MultigridGeometry> CycledHierarchy for Hierarchy<G> {
+impl CycledHierarchy for Multigrid {
     fn cycle(&mut self, position: CyclePosition, part: CyclePart) -> f64 {
         let finest = self.levels.len() - 1;
         let double_visits_below = match position {
             // Near-constant modes must converge in this cycle: double visits begin on a finer grid.
-            CyclePosition::Last => G::DOUBLE_VISITS_BELOW.min(2),
-            CyclePosition::Inner => G::DOUBLE_VISITS_BELOW,
+            CyclePosition::Last => DOUBLE_VISITS_BELOW.min(2),
+            CyclePosition::Inner => DOUBLE_VISITS_BELOW,
         };
         self.find_correction(finest, double_visits_below);
         let part = match part {
             CyclePart::Fixed(part) => part,
             CyclePart::LeastEnergy => self.search(finest),
         };
-        let correct = Correct(part * G::OVERCORRECTION);
+        let correct = Correct(part * OVERCORRECTION);
         match position {
             CyclePosition::Last => self
                 .pass_under_law(finest, &[correct, Relax(Red, 1.0), Relax(Black, 1.0), Restrict]),
@@ -290,13 +215,12 @@ impl<G: MultigridGeometry> CycledHierarchy for Hierarchy<G> {
     fn full_residual(&mut self) -> f64 {
         self.work_units += 1.0;
         self.traffic += 16.0;
-        pass::natural_residual::<G>(self.finest())
+        pass::natural_residual(self.finest())
     }
 
     fn rounding(&mut self) -> f64 {
         self.work_units += 0.25;
         self.traffic += 8.0;
-        let finest = self.finest();
-        f64::EPSILON * finest.max_abs() * coupling::<G>(finest.n)
+        f64::EPSILON * self.finest().max_abs()
     }
 }

@@ -1,4 +1,4 @@
-//! Validation of the input of a solver: lengths, finite numbers, a load with a negative sum.
+//! Validation of the input of a solver: numbers of cells, lengths, finite numbers, a load that the flux can balance.
 
 use crate::discrete::network::{Network, count_components};
 use crate::machine::extremes::max_or_second;
@@ -41,11 +41,22 @@ fn in_words(numbers: &[usize]) -> String {
     numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" and ")
 }
 
+/// Odd factors of the numbers of cells per side that can be used.
+const ODD_FACTORS: [usize; 4] = [1, 3, 5, 7];
+
+/// Returns the cells per side of the coarsest grid for `n` cells per side, or `None` if `n` cannot be used.
+pub(super) fn coarsest_cells(n: usize) -> Option<usize> {
+    let odd = n.checked_shr(n.trailing_zeros())?;
+    // Four cells per side are solved directly, which is cheaper than a further coarsening to two.
+    let coarsest = if odd == 1 { n.min(4) } else { 2 * odd };
+    (n.is_multiple_of(2) && ODD_FACTORS.contains(&odd)).then_some(coarsest)
+}
+
 /// Next smaller and next larger number of cells per side than `n` that can be used.
-pub(super) fn nearest_sizes(n: usize, can_be_used: impl Fn(usize) -> bool) -> Vec<usize> {
-    let powers = (0..usize::BITS).map(|k| 1_usize << k);
-    let sizes = powers.flat_map(|power| [1, 3, 5, 7].map(|odd| power.checked_mul(odd)));
-    let sizes: Vec<usize> = sizes.flatten().filter(|&size| can_be_used(size)).collect();
+pub(super) fn nearest_sizes(n: usize) -> Vec<usize> {
+    let powers = (1..usize::BITS).map(|k| 1_usize << k);
+    let sizes = powers.flat_map(|power| ODD_FACTORS.map(|odd| power.checked_mul(odd)));
+    let sizes: Vec<usize> = sizes.flatten().collect();
     let below = sizes.iter().copied().filter(|&size| size < n).max();
     let above = sizes.iter().copied().filter(|&size| size > n).min();
     below.into_iter().chain(above).collect()

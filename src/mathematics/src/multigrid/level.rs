@@ -1,58 +1,54 @@
 //! One grid of the hierarchy, with red and black nodes stored apart.
 
 use super::buffers::Buffers;
-use super::layout::{Dimension, boundary_nodes, nodes, places_per_slab};
+use super::layout::{boundary_nodes, nodes};
 use super::rows::{Colour, ColourRows, stride};
 use crate::machine::simd::{Largest, vectorised};
 
 /// Values and load on a grid with `n` cells per side.
 ///
-/// Each entry of the load is divided by the coupling of its node, that is by `h^(d - 2)` and the part of the cell
-/// around the node that lies inside. With values mirrored at the boundary the stencil is then the same at all nodes:
-/// `2 d` times the value, less the neighbours. All neighbours of a node have the other colour, and the neighbours of
+/// Each entry of the load is divided by the part of the cell around its node that lies inside. With values mirrored at
+/// the boundary the stencil is then the same at all nodes: four times the value, less the neighbours. All neighbours of a node have the other colour, and the neighbours of
 /// a row of nodes lie in contiguous rows, so that the stencil is plain arithmetic on contiguous slices.
 pub(super) struct MultigridLevel {
     pub(super) n: usize,
     pub(super) nodes: usize,
-    /// Number of places of one colour in a slab.
-    places_per_slab: usize,
     /// Red and black values: the solution during nested iteration, the correction while a finer level is being solved.
     pub(super) values: [ColourRows; 2],
     /// Red and black load: of the problem, or the restricted residual while a finer level is being solved.
     pub(super) load: [ColourRows; 2],
-    /// Largest absolute value of the load before the division by the couplings.
+    /// Largest absolute value of the load before the division by the shares of the nodes.
     pub(super) load_scale: f64,
-    /// Limit of the flux into a node in one face, in units of the load; infinite for the paper's law.
+    /// Limit of the flux into a node on one side, in units of the load; infinite for the paper's law.
     pub(super) limit: f64,
-    /// `1 / (2 d + spring)` for each boundary node, 0 for a node in contact.
+    /// `1 / (4 + spring)` for each boundary node, 0 for a node in contact.
     pub(super) inverse_diagonal: Vec<f64>,
     /// Flag for each boundary node, true if `y = 0` and the flux inside the law's interval at the last restriction.
     pub(super) in_contact: Vec<bool>,
-    /// Scratch memory for each block of slabs.
+    /// Scratch memory for each block of rows.
     pub(super) buffers: Vec<Buffers>,
 }
 
 impl MultigridLevel {
-    pub(super) fn new<D: Dimension>(n: usize) -> Self {
-        let places = (n + 1) * places_per_slab::<D>(n);
+    pub(super) fn new(n: usize) -> Self {
+        let places = (n + 1) * stride(n);
         Self {
             n,
-            nodes: nodes::<D>(n),
-            places_per_slab: places_per_slab::<D>(n),
+            nodes: nodes(n),
             values: [ColourRows::zeros(places), ColourRows::zeros(places)],
             load: [ColourRows::zeros(places), ColourRows::zeros(places)],
             load_scale: 0.0,
             limit: f64::INFINITY,
-            inverse_diagonal: vec![0.0; boundary_nodes::<D>(n)],
-            in_contact: vec![false; boundary_nodes::<D>(n)],
+            inverse_diagonal: vec![0.0; boundary_nodes(n)],
+            in_contact: vec![false; boundary_nodes(n)],
             buffers: Vec::new(),
         }
     }
 
-    /// Allocates scratch memory for at least this many blocks of slabs.
+    /// Allocates scratch memory for at least this many blocks of rows.
     pub(super) fn reserve(&mut self, blocks: usize) {
-        let (n, places) = (self.n, self.places_per_slab);
-        self.buffers.resize_with(blocks.max(self.buffers.len()), || Buffers::new(n, places));
+        let n = self.n;
+        self.buffers.resize_with(blocks.max(self.buffers.len()), || Buffers::new(n));
     }
 
     /// Memory that one thread needs, in bytes.

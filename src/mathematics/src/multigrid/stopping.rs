@@ -1,4 +1,4 @@
-//! Stopping test of multigrid, for the square and the cube.
+//! Stopping test of multigrid.
 //!
 //! # Algorithm
 //! After each cycle on the finest grid:

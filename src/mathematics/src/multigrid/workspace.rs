@@ -1,17 +1,40 @@
-//! Public entry points: a workspace for repeated solution, and two functions for a single one.
-//!
-//! Nothing here is generic, so that all loops are compiled with the options of this package.
+//! Public entry points: a workspace for repeated solution, and a function for a single one.
 
-use super::hierarchy::Hierarchy;
-use super::input::InputError;
-use super::square::Square;
+use super::coarsest::Coarsest;
+use super::input::{InputError, coarsest_cells, nearest_sizes};
+use super::level::MultigridLevel;
 use super::{MultigridOutcome, MultigridParams};
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::machine::threads::among_threads;
+use crate::problem::law::OneSided;
 
-/// Preallocated grids for problems with `n` cells per side.
+/// Preallocated grids of the square for problems with `n` cells per side.
 pub struct Multigrid {
-    grids: Hierarchy<Square>,
+    /// All grids, coarsest first.
+    pub(super) levels: Vec<MultigridLevel>,
+    pub(super) coarsest: Coarsest,
+    pub(super) springs: SpringSource,
+    /// Problem as given, seen as the one that is solved.
+    pub(super) one_sided: OneSided,
+    /// Flow through the boundary that balances the load.
+    pub(super) needed_flow: f64,
+    /// Measure of the boundary that balances the load if it slips down and all else slips up; zero for the paper's law.
+    pub(super) needed: f64,
+    /// Power of two by which the load is divided, so that no residual overflows or underflows.
+    pub(super) scale: f64,
+    /// Norm of the load on the finest grid but one, before a residual takes its place.
+    pub(super) coarse_load: f64,
+    pub(super) work_units: f64,
+    /// Bytes moved, per unknown of the finest grid.
+    pub(super) traffic: f64,
+}
+
+/// Contact set from which the springs of the coarser grids were made.
+pub(super) struct SpringSource {
+    /// Cells per side of the grid of the contact set; `None` if there are no springs yet.
+    pub(super) cells: Option<usize>,
+    /// Flag for each boundary node of that grid.
+    pub(super) in_contact: Vec<bool>,
 }
 
 impl Multigrid {
@@ -20,20 +43,38 @@ impl Multigrid {
     /// # Errors
     /// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7.
     pub fn square(n: usize) -> Result<Self, InputError> {
-        Ok(Self { grids: Hierarchy::allocate(n)? })
+        let coarsest = coarsest_cells(n).ok_or_else(|| InputError::GridSize {
+            cells: n,
+            rule: "a power of two (at least 2) times 1, 3, 5 or 7",
+            nearest: nearest_sizes(n),
+        })?;
+        let cells = std::iter::successors(Some(coarsest), |cells| Some(2 * cells));
+        Ok(Self {
+            levels: cells.take_while(|&cells| cells <= n).map(MultigridLevel::new).collect(),
+            coarsest: Coarsest::new(coarsest),
+            springs: SpringSource { cells: None, in_contact: Vec::new() },
+            one_sided: OneSided { is_reflected: false, shift: 0.0, limit: f64::INFINITY },
+            needed_flow: 0.0,
+            needed: 0.0,
+            scale: 1.0,
+            coarse_load: 0.0,
+            work_units: 0.0,
+            traffic: 0.0,
+        })
     }
 
     /// Memory that one thread needs, in bytes. Each further thread takes a few rows.
     pub fn bytes(&self) -> usize {
-        self.grids.bytes()
+        let levels: usize = self.levels.iter().map(MultigridLevel::bytes).sum();
+        levels + self.springs.in_contact.len() + self.coarsest.bytes()
     }
 
-    /// Bytes per unknown that the passes of the last solve and [`Multigrid::write_solution`] move together, if each
+    /// Bytes per unknown that the passes of the last solve and one [`Multigrid::write_solution`] move together, if each
     /// reads and writes every row once.
     ///
     /// On grids too large for the caches, this number over the bandwidth of the memory is a lower bound of the time.
     pub fn traffic(&self) -> f64 {
-        self.grids.traffic()
+        self.traffic
     }
 
     /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
@@ -47,31 +88,7 @@ impl Multigrid {
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<MultigridOutcome, InputError> {
-        self.grids.solve(problem, start, params)
-    }
-
-    /// Copies the solution in the order of the load.
-    ///
-    /// # Panics
-    /// If the slice has another length.
-    pub fn write_solution(&self, solution: &mut [f64]) {
-        self.grids.write_solution(solution)
-    }
-
-    /// Solves the problem for one load and returns the solution with the outcome.
-    fn solve_once(
-        mut self,
-        problem: LawAndLoad<'_>,
-        start: Option<&[f64]>,
-        params: &MultigridParams,
-    ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
-        let mut solution = vec![0.0; problem.load.len()];
-        let outcome = among_threads(problem.load.len(), || {
-            let outcome = self.solve(problem, start, params)?;
-            self.write_solution(&mut solution);
-            Ok::<_, InputError>(outcome)
-        })?;
-        Ok((solution, outcome))
+        among_threads(self.finest().nodes, || self.solve_here(problem, start, params))
     }
 }
 
@@ -91,5 +108,12 @@ pub fn solve_square(
     start: Option<&[f64]>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
-    Multigrid::square(n)?.solve_once(problem, start, params)
+    let mut grids = Multigrid::square(n)?;
+    let mut solution = vec![0.0; problem.load.len()];
+    let outcome = among_threads(problem.load.len(), || {
+        let outcome = grids.solve(problem, start, params)?;
+        grids.write_solution(&mut solution);
+        Ok::<_, InputError>(outcome)
+    })?;
+    Ok((solution, outcome))
 }

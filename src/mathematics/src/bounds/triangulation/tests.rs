@@ -1,5 +1,6 @@
 //! Brackets that must hold the true energy, and the distance between the bounds and the error.
 
+mod cube;
 mod random;
 
 use super::cells::RaviartThomas;

@@ -36,7 +36,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use crate::multigrid::level::MultigridLevel;
+use super::level::MultigridLevel;
 
 /// Distance from the last node in contact to the end of the equivalent interval: sqrt(2) / 4.
 const TIP: f64 = SQRT_2 / 4.0;

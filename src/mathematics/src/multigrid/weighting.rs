@@ -1,28 +1,48 @@
-//! Full weighting on the square, row by row.
+//! Full weighting, row by row.
 //!
 //! The weights are 1 at the coarse node, 1/2 at its four nearest and 1/4 at its four diagonal neighbours.
 
-use super::Square;
-use crate::multigrid::layout::{At, mirrored};
-use crate::multigrid::rows::Colour;
-use crate::multigrid::transfer::{FineLoad, Weighting};
+use super::layout::{GridRow, mirrored};
+use super::rows::Colour;
 
-impl Weighting for Square {
-    #[inline(always)]
-    fn weigh_residuals(_: At, [below, middle, above]: [&[f64]; 3], row: &mut [f64]) {
-        weigh_red(row, [middle, below, above]);
-    }
+/// Red and black load of some rows of the finer grid.
+#[derive(Clone, Copy)]
+pub(super) struct FineLoad<'a> {
+    /// Red and black rows from `first` on.
+    pub(super) rows: [&'a [f64]; 2],
+    pub(super) first: usize,
+    /// The red and the black row before `first`, or empty slices if no row there is needed.
+    pub(super) before: [&'a [f64]; 2],
+}
 
+impl<'a> FineLoad<'a> {
+    /// A row of one colour.
     #[inline(always)]
-    fn weigh_load(at: At, load: &FineLoad, row: &mut [f64]) {
-        let middle = 2 * at.s;
-        let [below, above] = mirrored(2 * at.n, middle);
-        let slabs = [middle, below, above];
-        weigh_red(row, slabs.map(|s| load.slab(Colour::Red, s)));
-        weigh_black(row, slabs.map(|s| load.slab(Colour::Black, s)));
+    fn row(&self, colour: Colour, row: GridRow) -> &'a [f64] {
+        if row.j < self.first {
+            return self.before[colour as usize];
+        }
+        row.of(self.rows[colour as usize], self.first)
     }
 }
 
+/// Sets `row`, a row of the coarser grid in natural order, to the full weighting of red residuals.
+///
+/// `residuals` are the fine rows below, at and above the coarse row, mirrored at the boundary.
+#[inline(always)]
+pub(super) fn weigh_residuals([below, middle, above]: [&[f64]; 3], row: &mut [f64]) {
+    weigh_red(row, [middle, below, above]);
+}
+
+/// Sets `row`, row `at` of the coarser grid in natural order, to the full weighting of the load of both colours.
+#[inline(always)]
+pub(super) fn weigh_load(at: GridRow, load: &FineLoad, row: &mut [f64]) {
+    let (n, middle) = (2 * at.n, 2 * at.j);
+    let [below, above] = mirrored(n, middle);
+    let rows = [middle, below, above].map(|j| GridRow { n, j });
+    weigh_red(row, rows.map(|row| load.row(Colour::Red, row)));
+    weigh_black(row, rows.map(|row| load.row(Colour::Black, row)));
+}
 /// Sets a coarse row to the red part of full weighting: the node itself and a quarter of its four diagonal neighbours.
 #[inline(always)]
 fn weigh_red(coarse: &mut [f64], [middle, lower, upper]: [&[f64]; 3]) {

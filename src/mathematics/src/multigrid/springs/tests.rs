@@ -3,7 +3,6 @@
 use super::*;
 use crate::multigrid::coarsest::Coarsest;
 use crate::multigrid::layout::{boundary_number, share};
-use crate::multigrid::square::Square;
 
 /// Contact flags counter-clockwise for these nodes in contact.
 fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> Vec<bool> {
@@ -66,12 +65,12 @@ fn contact_everywhere_and_nowhere_have_no_ends() {
 
 /// `F'y` for a constant load and the linear problem with these inverses on the boundary.
 fn energy(n: usize, inverse_diagonal: &[f64]) -> f64 {
-    let mut level = MultigridLevel::new::<Square>(n);
+    let mut level = MultigridLevel::new(n);
     level.load.iter_mut().for_each(|half| half.fill((n as f64).powi(-2)));
     for (p, inverse) in inverse_diagonal.iter().enumerate() {
         level.inverse_diagonal[number(n, p)] = *inverse;
     }
-    let mut coarsest = Coarsest::new::<Square>(n);
+    let mut coarsest = Coarsest::new(n);
     coarsest.factor(&level);
     coarsest.solve_linear(&mut level);
     let mut energy = 0.0;
@@ -201,7 +200,7 @@ fn the_perimeter_passes_every_boundary_node_once() {
         let sides = (0..n).map(|k| [[k, 0], [n, k], [n - k, n], [0, n - k]]);
         for (k, side) in sides.enumerate() {
             for (turn, node) in side.iter().enumerate() {
-                assert_eq!(number(n, turn * n + k), boundary_number::<Square>(n, node), "{node:?}");
+                assert_eq!(number(n, turn * n + k), boundary_number(n, *node), "{node:?}");
             }
         }
     }
