@@ -10,14 +10,14 @@ use crate::problem::cube::{Exact, Source};
 use crate::problem::law::Law;
 
 /// Bounds of the solution on a mesh, and its energy.
-struct Solved {
+struct BoundedSolution {
     bounds: Bounds,
     energy: f64,
     is_sampled: bool,
 }
 
 /// Solves on the mesh with `2^times` cells per side.
-fn solved(f: &Source, times: usize) -> Solved {
+fn solved(f: &Source, times: usize) -> BoundedSolution {
     let (levels, mesh) = refined(&uniform_cube(1), times).unwrap();
     let network = &levels[times].network;
     let MeshLoad { load, cells, unsettled, .. } = mesh_load(&mesh, f).unwrap();
@@ -25,7 +25,7 @@ fn solved(f: &Source, times: usize) -> Solved {
     let (y, _) = solve_nested_networks(&levels, problem, &MultigridParams::default()).unwrap();
     let bounds = bounds_on_mesh(&mesh, network, &cells, Law::SIGNORINI, &y).unwrap();
     let energy = judge_network(network, Law::SIGNORINI, &y, &load).energy;
-    Solved { bounds, energy, is_sampled: unsettled.is_some() }
+    BoundedSolution { bounds, energy, is_sampled: unsettled.is_some() }
 }
 
 /// Half the integral of f times the solution, by the midpoint rule, without its sign: the energy.
