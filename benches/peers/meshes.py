@@ -43,7 +43,7 @@ CASES = [
     ("disc", ["--domain", "disc"], PLANE, 8, 0),
     ("lshape", ["--domain", "lshape"], "rect(-9,0,-9,0)=3; else=-2", 8, 0),
     ("annulus", ["--domain", "annulus"], PLANE, 7, 0),
-    ("gear", ["--mesh", GEAR, "--free", "hole"], PLANE, 5, 0),
+    ("gear", ["--domain", GEAR, "--free", "hole"], PLANE, 5, 0),
     ("ball", ["--domain", "ball"], SPACE, 5, 5),
 ]
 

@@ -35,8 +35,7 @@ pub struct Judgement {
     pub kkt: Kkt,
     /// `1/2 <A y, y> - <F, y>` and the law's term.
     pub energy: f64,
-    /// Boundary nodes where the law holds: on the square in the order of a boundary vector, on the cube in that of a nodal
-    /// vector.
+    /// Boundary nodes where the law holds, in the order of a boundary vector.
     pub contact: Vec<ContactNode>,
     /// `A y - F` at these nodes.
     pub flux: Vec<f64>,

@@ -8,7 +8,7 @@ use crate::problem::law::Law;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Errors of a discrete solution `v_h`: piecewise linear on the square, trilinear on the cube.
+/// Errors of a discrete solution `v_h`, which is linear on the cells of its triangulation.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Errors {
     /// L2 norm of `v - v_h`.

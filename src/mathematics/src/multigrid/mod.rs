@@ -12,7 +12,7 @@
 //!
 //! # Algorithm
 //! 1. See the problem as one under a law `[0, limit]`, solved first without the limit; check the load, scale it by a
-//!    power of two, and restrict it to every coarser grid by full weighting (`hierarchy.rs`, `load.rs`).
+//!    power of two, and restrict it to every coarser grid by full weighting (`solve.rs`, `load.rs`).
 //! 2. Solve the problem of the coarsest grid directly (`coarsest.rs`).
 //! 3. Nested iteration (`cycle.rs`): interpolate the solution to the next finer grid and apply one cycle there, or
 //!    more if the residual is still large; repeat up to the finest grid.
@@ -72,13 +72,13 @@ mod buffers;
 mod coarsest;
 mod cycle;
 pub(crate) mod direct;
-mod hierarchy;
 pub(crate) mod input;
 mod layout;
 mod level;
 mod load;
 mod pass;
 mod rows;
+mod solve;
 mod springs;
 mod stencil;
 mod stopping;

@@ -269,11 +269,8 @@ impl Pass<'_> {
             }
             Stage::StartRed(factor) => {
                 for j in rows {
-                    self.start_red(
-                        GridRow { n, j },
-                        factor,
-                        &mut red[(j - start) * stride..][..stride],
-                    );
+                    let target = &mut red[(j - start) * stride..][..stride];
+                    self.start_red(GridRow { n, j }, factor, target);
                 }
             }
             Stage::Relax(colour, factor) => {
@@ -298,8 +295,8 @@ impl Pass<'_> {
 
     #[inline(always)]
     fn start_red(&self, row: GridRow, factor: f64, target: &mut [f64]) {
-        let (factor, load) =
-            (factor * INVERSE, row.of(self.equation.load[Colour::Red as usize], 0));
+        let load = row.of(self.equation.load[Colour::Red as usize], 0);
+        let factor = factor * INVERSE;
         target.iter_mut().zip(load).for_each(|(value, load)| *value = factor * load);
         for (m, node) in edges(row, Colour::Red) {
             target[m] = self.equation.boundary.relax(node, load[m]);

@@ -1,4 +1,4 @@
-//! The solution of one problem on the hierarchy of grids: the input of the load, the steps, the output of the solution.
+//! The solution of one problem: the input of the load, the steps, and the output of the solution.
 
 use super::cycle::{DOUBLE_VISITS_BELOW, OVERCORRECTION};
 use super::input::{InputError, LoadStats, check_length, check_start};
@@ -21,7 +21,7 @@ use crate::problem::law::Law;
 const PERIMETER: f64 = 4.0;
 
 impl Multigrid {
-    /// Solves the problem in this thread or among all.
+    /// Solves the problem in this thread, or in all threads of its pool.
     pub(super) fn solve_here(
         &mut self,
         problem: LawAndLoad<'_>,
