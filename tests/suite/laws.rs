@@ -3,7 +3,6 @@
 use crate::common::Dice;
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::{Grid, nested};
-use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::load::{LoadRule, load};
@@ -86,7 +85,7 @@ fn compare(
         let (y, outcome) = solve(law.with_load(&load)).unwrap();
         assert_eq!(outcome.stop, Stop::RoundingFloor, "{problem}: {law}");
         let (expected, _) = active_set_on(network, law, &load).unwrap();
-        let judged = judge_network(network, law, &y, &load);
+        let judged = judge(network, law, &y, &load);
         let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
         let far = y.iter().zip(&expected).any(|(a, b)| (a - b).abs() > 1e-8 * largest);
         assert!(!far && judged.kkt.relative < 1e-8, "{problem}: {law} {:?}", judged.kkt);
@@ -281,7 +280,7 @@ fn components_may_slip_in_opposite_directions() {
         }
     }
     assert!(left > 0.01, "{left}");
-    assert!(judge_network(network, law, &y, &load).kkt.relative < 1e-9);
+    assert!(judge(network, law, &y, &load).kkt.relative < 1e-9);
 }
 
 #[test]

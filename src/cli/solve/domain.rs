@@ -11,7 +11,6 @@ use signorini_mathematics::bounds::{Bounds, bounds, recovery};
 use signorini_mathematics::discrete::contact::{ContactArc, arcs};
 use signorini_mathematics::discrete::cube;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::{Judgement, judge};
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
@@ -190,7 +189,7 @@ impl Domain {
         match self {
             Self::Square { .. } => judge(square(n), law, y, load),
             Self::Cube { .. } => cube::judge(cube(n), law, y, load),
-            Self::Mesh(mesh) => judge_network(&mesh.problem.levels[n].network, law, y, load),
+            Self::Mesh(mesh) => judge(&mesh.problem.levels[n].network, law, y, load),
         }
     }
 

@@ -5,7 +5,6 @@ pub mod cells;
 pub mod contact;
 pub mod cube;
 pub mod grid;
-pub mod judging;
 pub mod kkt;
 pub mod law_and_load;
 pub mod load;

@@ -4,8 +4,7 @@ use super::method::Method;
 use super::plain::Plain;
 use super::stopping::{GradientTerms, RoundingFloor, SWEEPS_TO_FLOOR};
 use super::{Outcome, Pair, Params, tolerance};
-use crate::discrete::judging::judge_network;
-use crate::discrete::kkt::Judgement;
+use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::law_and_load::{LawAndLoad, LawAndLoads};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
@@ -29,7 +28,7 @@ impl NetworkRun {
     /// Judges the last pair of this run.
     pub fn outcome(&self, problem: &Plain<'_>, pair: &Pair) -> Outcome {
         let Plain { network, law, load, .. } = *problem;
-        let Judgement { kkt, energy, work, .. } = judge_network(network, law, &pair.y, load);
+        let Judgement { kkt, energy, work, .. } = judge(network, law, &pair.y, load);
         let sum_load = load.iter().sum();
         let (mut gradient_signed, mut gradient_abs) = (f64::NEG_INFINITY, 0.0f64);
         for node in 0..network.nodes() {
