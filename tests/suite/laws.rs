@@ -19,7 +19,7 @@ use signorini_mathematics::multigrid::{MultigridOutcome, solve_cube, solve_squar
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, solve, solve_nested};
+use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve, solve_nested};
 
 /// Iterations of the paper's method for the problems with friction under the printed rule with r = 1e6 on 1/4 to 1/64, as a
 /// program written apart from this one counts them.
@@ -147,10 +147,9 @@ fn the_papers_method_with_friction_has_the_counts_of_another_program() {
             grids.iter().map(|&grid| load(grid, &f, LoadRule::LumpedAverage {})).collect();
         let params = Params { r: 1e6, rule: StopRule::Printed, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &grids,
+            &NestedGrids { grids: &grids, prolongation: Prolongation::default() },
             problem.law().with_loads(&loads),
             &params,
-            Prolongation::default(),
             &mut (),
         );
         let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();

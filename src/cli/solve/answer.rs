@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
-use signorini_mathematics::saddle::{Pair, SaddleRun};
+use signorini_mathematics::saddle::{Outcome, Pair};
 use std::collections::BTreeMap;
 
 /// End of a solver on one grid.
@@ -33,11 +33,12 @@ pub(super) struct Level {
 }
 
 impl Level {
-    pub(super) fn of_saddle_run(&SaddleRun { outcome, sweeps }: &SaddleRun) -> Self {
+    /// End of a saddle-point method on the grid with this number.
+    pub(super) fn of_outcome(number: usize, outcome: &Outcome) -> Self {
         Self {
-            number: outcome.cells,
+            number,
             iterations: outcome.iterations,
-            sweeps: Some(sweeps),
+            sweeps: Some(outcome.sweeps),
             stop: outcome.stop,
             energy: outcome.energy,
             sum_load: outcome.sum_load,

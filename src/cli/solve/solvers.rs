@@ -15,9 +15,7 @@ use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::LawError;
-use signorini_mathematics::saddle::{
-    self, Params, SaddleRun, on_nested, solve_networks, tolerance,
-};
+use signorini_mathematics::saddle::{NestedGrids, NestedLevels, Params, solve_nested};
 use signorini_mathematics::solvers::{FinestRun, SolveOnGrid, Solver, SolverRun};
 use std::borrow::Cow;
 use std::time::Instant;
@@ -45,10 +43,14 @@ impl Problem {
                 self.on_finest_grid(cube, &finest)?
             }
             (SolverRun::Nested { .. }, Domain::Mesh(mesh)) => {
-                self.on_nested_meshes(mesh, &loads)?
+                self.on_nested(&mesh.problem.levels[..], &loads)?
             }
             (_, Domain::Mesh(mesh)) => self.on_finest_mesh(mesh, &finest)?,
-            _ => self.on_nested_grids(&loads)?,
+            _ => {
+                let grids: Vec<_> = self.grids.iter().map(|&n| square(n)).collect();
+                let prolongation = self.prolongation;
+                self.on_nested(&NestedGrids { grids: &grids, prolongation }, &loads)?
+            }
         };
         let seconds = [setup, start.elapsed().as_secs_f64()];
         Ok(Answer::new(self, solved, &finest, seconds))
@@ -77,24 +79,22 @@ impl Problem {
         }
     }
 
-    /// Runs a saddle-point method over the nested grids of the square.
-    fn on_nested_grids(&self, loads: &[Vec<f64>]) -> Result<Solved> {
-        let grids: Vec<_> = self.grids.iter().map(|&n| square(n)).collect();
-        let (outcomes, pair) =
-            on_nested(&grids, loads, self.prolongation, |level, grid, load, pair| {
-                let tolerance = tolerance(level);
-                let method =
-                    self.solver.method(0.1 * tolerance, false).expect("a saddle-point method");
-                let params = Params { method, tolerance, ..self.params };
-                let run = saddle::solve(grid, self.law.with_load(load), &params, pair, None);
-                (run, run.outcome.stop)
-            });
-        if let Some(SaddleRun { outcome: end, .. }) =
-            outcomes.last().filter(|run| run.outcome.stop == Stop::Diverged)
-        {
-            return Err(self.diverged(end.cells, end.iterations));
+    /// Runs a saddle-point method over nested grids or meshes.
+    fn on_nested<L: NestedLevels + ?Sized>(
+        &self,
+        nested: &L,
+        loads: &[Vec<f64>],
+    ) -> Result<Solved> {
+        let method = self.solver.method(0.0, false).expect("a saddle-point method");
+        let params = Params { method, ..self.params };
+        let (outcomes, pair) = solve_nested(nested, self.law.with_loads(loads), &params, &mut ());
+        let mut levels = Vec::new();
+        for (&number, outcome) in self.grids.iter().zip(&outcomes) {
+            if outcome.stop == Stop::Diverged {
+                return Err(self.diverged(number, outcome.iterations));
+            }
+            levels.push(Level::of_outcome(number, outcome));
         }
-        let levels = outcomes.iter().map(Level::of_saddle_run).collect();
         let judgement =
             self.domain.judge(self.finest(), self.law, &pair.y, &loads[loads.len() - 1]);
         Ok(Solved::new(levels, pair.y, judgement, None))
@@ -128,38 +128,6 @@ impl Problem {
             }
         };
         self.judged(run.map_err(|e| self.refused(&e))?, load)
-    }
-
-    /// Runs a saddle-point method over the nested meshes.
-    fn on_nested_meshes(&self, mesh: &MeshDomain, loads: &[Vec<f64>]) -> Result<Solved> {
-        let method = self.solver.method(0.0, false).expect("a saddle-point method");
-        let params = Params { method, ..self.params };
-        let (mut levels, mut diverged, mut last) = (Vec::new(), None, None);
-        let networks = &mesh.problem.levels;
-        let pair =
-            solve_networks(networks, self.law.with_loads(loads), &params, &mut |k, run, pair| {
-                let judgement = self.domain.judge(k, self.law, &pair.y, &loads[k]);
-                let sum_load = sum(&loads[k]);
-                if run.stop == Stop::Diverged {
-                    diverged = Some((k, run.iterations));
-                }
-                levels.push(Level {
-                    number: k,
-                    iterations: run.iterations,
-                    sweeps: Some(run.sweeps),
-                    stop: run.stop,
-                    energy: judgement.energy,
-                    sum_load,
-                    kkt: judgement.kkt,
-                    verdict: self.verdict(&judgement, sum_load),
-                });
-                last = Some(judgement);
-            });
-        if let Some((k, iterations)) = diverged {
-            return Err(self.diverged(k, iterations));
-        }
-        let judgement = last.expect("at least one mesh");
-        Ok(Solved::new(levels, pair.y, judgement, None))
     }
 
     /// Goal of a solver on the finest grid.

@@ -21,7 +21,7 @@ use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{
-    Iteration, Monitor, Outcome, Pair, Params, Plain, StopRule, solve_nested,
+    Iteration, Monitor, NestedGrids, Outcome, Pair, Params, Plain, StopRule, solve_nested,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -100,7 +100,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, String> {
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let mut stops = Stops::default();
     run(&drawn(scene), &mut stops)?;
-    Ok(stops.0)
+    Ok(scene.grids.iter().copied().zip(stops.0).collect())
 }
 
 /// Returns the cell of a scene that is drawn: its first rule, with the drawn r.
@@ -110,11 +110,11 @@ pub(super) fn drawn(scene: &Scene) -> Cell {
 
 /// Monitor that keeps the last pair on each grid.
 #[derive(Default)]
-struct Stops(Vec<(Grid, Pair)>);
+struct Stops(Vec<Pair>);
 
 impl Monitor for Stops {
-    fn level(&mut self, grid: Grid, pair: &Pair) {
-        self.0.push((grid, pair.clone()));
+    fn level(&mut self, _: usize, pair: &Pair) {
+        self.0.push(pair.clone());
     }
 }
 
@@ -151,29 +151,46 @@ fn run(cell: &Cell, monitor: &mut impl Monitor) -> Result<(Vec<Outcome>, Pair), 
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
-    Ok(solve_nested(&grids, law.with_loads(&loads), &params, cell.prolongation, monitor))
+    let levels = NestedGrids { grids: &grids, prolongation: cell.prolongation };
+    Ok(solve_nested(&levels, law.with_loads(&loads), &params, monitor))
 }
 
 fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
-    let mut recorder =
-        Recorder { keep_history: cell.keep_history, exact: cell.f.exact(), ..Recorder::default() };
+    let mut recorder = Recorder {
+        keep_history: cell.keep_history,
+        exact: cell.f.exact(),
+        grids: nested(&cell.grids)?,
+        ..Recorder::default()
+    };
     let (levels, pair) = run(cell, &mut recorder)?;
-    if let Some(last) = levels.last().filter(|last| last.stop == Stop::Diverged) {
-        return Err(format!(
-            "diverged on grid 1/{} after {} iterations at r = {}; choose a smaller r or scale f down",
-            last.cells, last.iterations, cell.r
-        )
-        .into());
-    }
     let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: recorder.errors };
-    let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(&outcomes))]);
-    if cell.keep_pair {
-        artifacts.insert(PAIR.into(), pair_bytes(&pair));
-    }
+    let mut artifacts = outcomes.artifacts(cell.keep_pair.then_some(&pair))?;
     if cell.keep_history {
         artifacts.insert(HISTORY.into(), to_json(&recorder.history));
     }
     Ok(artifacts)
+}
+
+impl Outcomes {
+    /// Artifacts with these outcomes, and the last pair if it is drawn; fails if the iteration diverged.
+    fn artifacts(&self, drawn: Option<&Pair>) -> Result<Artifacts, Failure> {
+        if let Some(last) = self.levels.last().filter(|last| last.stop == Stop::Diverged) {
+            let place = match last.cells {
+                Some(cells) => format!("grid 1/{cells}"),
+                None => format!("the mesh of {} nodes", last.nodes),
+            };
+            return Err(format!(
+                "diverged on {place} after {} iterations at r = {}; choose a smaller r or scale f down",
+                last.iterations, self.r
+            )
+            .into());
+        }
+        let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(self))]);
+        if let Some(pair) = drawn {
+            artifacts.insert(PAIR.into(), pair_bytes(pair));
+        }
+        Ok(artifacts)
+    }
 }
 
 /// Monitor that records the errors against a known solution and, if asked, all iterations.
@@ -181,6 +198,7 @@ fn solve(cell: &Cell) -> Result<Artifacts, Failure> {
 struct Recorder {
     keep_history: bool,
     exact: Option<Exact>,
+    grids: Vec<Grid>,
     history: Vec<Vec<Iteration>>,
     errors: Vec<f64>,
 }
@@ -195,8 +213,9 @@ impl Monitor for Recorder {
         self.history[level - 1].push(*iteration);
     }
 
-    fn level(&mut self, grid: Grid, pair: &Pair) {
+    fn level(&mut self, level: usize, pair: &Pair) {
         if let Some(exact) = self.exact {
+            let grid = self.grids[level - 1];
             self.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
         }
     }
@@ -238,7 +257,7 @@ pub(crate) fn without_solution(
         let Ok(Outcomes { levels, .. }) = serde_json::from_slice(&bytes) else { continue };
         solved &= levels.last().is_none_or(|level| level.end() == CONVERGED);
         for level in &levels {
-            grids.entry(level.end()).or_default().insert(level.cells);
+            grids.entry(level.end()).or_default().insert(level.nodes);
         }
     }
     if solved {

@@ -19,17 +19,16 @@
 //! R. V. Namm and A. S. Tkachenko, Izv. vuzov. Matematika, 2010, no. 4, for the proximal term (the
 //! paper's refs 5 and 6); G. Woo, R. V. Namm, S. A. Sachkoff, Comput. Math. Math. Phys. 46 (2006) 23-33.
 
-use super::gradient::{Duality, Extrema, Gradient, dual_step};
-use super::outcome::LastStep;
-use super::stopping::{GradientTerms, RoundingFloor, SWEEPS_TO_FLOOR, StopRule};
-use super::sweep::GaussSeidel;
+use super::engine::{End, Engine, MeasureBound, RunState, run_alone, within};
+use super::network::OnNetwork;
+use super::square::OnSquare;
+use super::stopping::{GradientMeasure, StopRule};
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
+use crate::discrete::kkt::DiscreteDomain;
 use crate::discrete::law_and_load::LawAndLoad;
-use crate::discrete::norms::largest;
-use crate::discrete::stop::Stop;
+use crate::discrete::network::Network;
 use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
 
 /// Accuracy of the minimisation over y before each step of the multiplier.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +65,14 @@ impl Method {
             Self::Uzawa { inner, loose, .. } => {
                 Some(if loose { (0.1 * gradient).max(inner) } else { inner })
             }
+        }
+    }
+
+    /// The method with this bound on the inner gradient.
+    pub fn with_inner(self, inner: f64) -> Self {
+        match self {
+            Self::ArrowHurwicz => self,
+            Self::Uzawa { weight, loose, .. } => Self::Uzawa { weight, inner, loose },
         }
     }
 
@@ -124,190 +131,138 @@ pub struct Iteration {
 /// Callback after each step of the multiplier.
 pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
 
-/// Outcome of [`solve`], and its cost.
+/// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SaddleRun {
-    /// Outcome of the last pair.
-    pub outcome: Outcome,
-    /// Number of Gauss-Seidel sweeps.
-    pub sweeps: usize,
+pub enum JobGoal {
+    /// A stopping rule with its tolerance, tried after each step of the multiplier.
+    Rule(StopRule, f64),
+    /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
+    Kkt(f64),
+}
+
+impl JobGoal {
+    /// Bound that ends a run if it holds after a step of the multiplier; none if this step was too long.
+    ///
+    /// Tolerances of a rule below the rounding errors of Uzawa's method count as those; the paper's method has no inner
+    /// bound, and ends where the rule holds.
+    pub(super) fn bound(self, run: &RunState) -> Option<MeasureBound> {
+        match self {
+            Self::Kkt(target) => {
+                Some(MeasureBound { measure: GradientMeasure::Kkt, bound: target * run.load })
+            }
+            Self::Rule(rule, tolerance) => {
+                let dual_bound_holds =
+                    !rule.asks_dual() || run.delta_a <= tolerance.max(run.floor.dual);
+                let bound = tolerance.max(run.floor.gradient);
+                dual_bound_holds.then_some(MeasureBound { measure: rule.measure(), bound })
+            }
+        }
+    }
+}
+
+/// Grid or network on which the methods run.
+pub trait SaddleDomain: DiscreteDomain {
+    /// Engine for one run of a method with this r, which changes `pair`.
+    ///
+    /// # Panics
+    /// If a vector has the wrong length for the domain, or r is not positive.
+    fn engine<'a>(
+        self,
+        problem: LawAndLoad<'a>,
+        method: Method,
+        r: f64,
+        pair: &'a mut Pair,
+    ) -> Box<dyn Engine<1> + 'a>
+    where
+        Self: 'a;
+}
+
+impl SaddleDomain for Grid {
+    fn engine<'a>(
+        self,
+        problem: LawAndLoad<'a>,
+        method: Method,
+        r: f64,
+        pair: &'a mut Pair,
+    ) -> Box<dyn Engine<1> + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(OnSquare::new(self, problem, method, r, pair))
+    }
+}
+
+impl SaddleDomain for &Network {
+    fn engine<'a>(
+        self,
+        problem: LawAndLoad<'a>,
+        method: Method,
+        r: f64,
+        pair: &'a mut Pair,
+    ) -> Box<dyn Engine<1> + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(OnNetwork::new(self, problem, method, r, pair))
+    }
 }
 
 /// Iterates on `pair` in place until the stopping rule is met or the limit on sweeps is reached.
 ///
-/// The central function of this room. Without a monitor the gradient is compared with the tolerance row by row, up to
-/// the first row that exceeds the tolerance; with a monitor all rows are evaluated. The iterates are the same. Bounds
-/// of Uzawa's method below the rounding errors of the gradient count as those; the paper's method has no inner bound,
-/// and ends where the stopping rule holds.
+/// Without a monitor the gradient is compared with the tolerance row by row, up to the first row that exceeds it; with
+/// a monitor all rows are evaluated. The iterates are the same.
 ///
 /// # Panics
-/// If a slice has the wrong length for `grid`, or `params.r` is not positive.
+/// If a vector has the wrong length for the domain, or `params.r` is not positive.
 pub fn solve(
-    grid: Grid,
-    LawAndLoad { law, load }: LawAndLoad<'_>,
+    domain: impl SaddleDomain,
+    problem: LawAndLoad<'_>,
     params: &Params,
     pair: &mut Pair,
-    mut monitor: Option<OnIteration>,
-) -> SaddleRun {
-    let mut steps = Steps::new(grid, load, params.method, Duality { law, r: params.r });
-    let stop = loop {
-        if let ControlFlow::Break(stop) = steps.step(pair, params.max_iterations) {
-            break stop;
-        }
-        let (number, delta_a) = (steps.iterations, steps.delta_a);
-        if let Some(monitor) = monitor.as_mut() {
-            let Extrema { signed, absolute } = steps.gradient.extrema(load, pair);
-            let (gradient_signed, gradient_abs) = (signed, absolute);
-            monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a });
-        }
-        let RoundingFloor { gradient, dual } = steps.floor;
-        let tolerance = params.tolerance.max(gradient);
-        if (!params.rule.asks_dual() || delta_a <= params.tolerance.max(dual))
-            && steps.gradient.within(load, pair, tolerance, params.rule.is_printed())
-        {
-            break Stop::Converged;
-        }
-    };
-    let last = LastStep {
-        iterations: steps.iterations,
-        delta_a: steps.delta_a,
-        gradient: steps.gradient.extrema(load, pair),
-        stop,
-    };
-    SaddleRun { outcome: Outcome::judge(grid, law, load, pair, &last), sweeps: steps.sweeps }
+    monitor: Option<OnIteration>,
+) -> Outcome {
+    let mut engine = domain.engine(problem, params.method, params.r, pair);
+    let end = run_to_rule(&mut *engine, problem.load, params, monitor);
+    let gradient = gradient_extrema(&mut *engine);
+    drop(engine);
+    Outcome::judge(domain, problem, pair, &end, gradient)
 }
 
 /// Solves by the paper's method whatever `params.method` says, without a monitor.
 ///
 /// # Panics
-/// If a slice has the wrong length for `grid`, or `params.r` is not positive.
+/// As [`solve`].
 pub fn arrow_hurwicz(
-    grid: Grid,
+    domain: impl SaddleDomain,
     problem: LawAndLoad<'_>,
     params: &Params,
     pair: &mut Pair,
 ) -> Outcome {
-    solve(grid, problem, &Params { method: Method::ArrowHurwicz, ..*params }, pair, None).outcome
+    solve(domain, problem, &Params { method: Method::ArrowHurwicz, ..*params }, pair, None)
 }
 
-/// Iteration of a method on one grid, one step of the multiplier at a time, without a stopping rule.
-pub struct Steps<'a> {
-    grid: Grid,
-    load: &'a [f64],
-    method: Method,
-    duality: Duality,
-    /// Positions of the boundary nodes in a nodal vector, in boundary order.
-    boundary: Vec<usize>,
-    /// Gradient (8), without the proximal term.
-    gradient: Gradient,
-    /// Gradient of the inner problem, with the proximal term.
-    inner: Gradient,
-    /// Bound on the inner gradient; `None` if one sweep is enough.
-    bound: Option<f64>,
-    /// Diagonal entry `c h^2` of the proximal term at an interior node.
-    shift: f64,
-    /// Terms of the inner gradient.
-    terms: GradientTerms,
-    /// Rounding errors of Uzawa's method.
-    floor: RoundingFloor,
-    /// Load vector of the inner problem: F plus `shift y^k`, halved on edges, quartered at corners.
-    target: Vec<f64>,
-    /// Steps of the multiplier done.
-    iterations: usize,
-    /// Sweeps done.
-    sweeps: usize,
-    /// Last change of the multiplier.
-    delta_a: f64,
+/// Iterates until the stopping rule is met.
+fn run_to_rule(
+    engine: &mut dyn Engine<1>,
+    load: &[f64],
+    params: &Params,
+    mut monitor: Option<OnIteration>,
+) -> End {
+    let goal = JobGoal::Rule(params.rule, params.tolerance);
+    let run = RunState::new(params.method, params.max_iterations, load);
+    run_alone(engine, run, &mut |engine, run| {
+        if let Some(monitor) = monitor.as_mut() {
+            let [gradient_signed, gradient_abs] = gradient_extrema(engine);
+            let RunState { iterations: number, delta_a, .. } = *run;
+            monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a });
+        }
+        within(engine, [goal.bound(run)])[0]
+    })
 }
 
-impl<'a> Steps<'a> {
-    /// Prepares the iteration, before its first step.
-    ///
-    /// # Panics
-    /// If `load` has the wrong length for `grid`, or r is not positive.
-    pub fn new(grid: Grid, load: &'a [f64], method: Method, duality: Duality) -> Self {
-        assert!(duality.r > 0.0, "the duality parameter r must be positive");
-        assert!(load.len() == grid.nodes());
-        let shift = method.weight() * grid.h() * grid.h();
-        Self {
-            grid,
-            load,
-            method,
-            duality,
-            boundary: grid.boundary().collect(),
-            gradient: Gradient::new(grid, duality, 0.0),
-            inner: Gradient::new(grid, duality, shift),
-            bound: method.inner_bound(largest(load)),
-            shift,
-            terms: GradientTerms {
-                matrix: 8.0 + shift + grid.h() * duality.r,
-                most_measure: grid.h(),
-                least_measure: grid.h(),
-            },
-            floor: RoundingFloor::default(),
-            target: load.to_vec(),
-            iterations: 0,
-            sweeps: 0,
-            delta_a: 0.0,
-        }
-    }
-
-    /// Sweeps done so far.
-    pub fn sweeps(&self) -> usize {
-        self.sweeps
-    }
-
-    /// Minimises over y and takes the step (12).
-    ///
-    /// Breaks with a reason to end the run if `max_sweeps` are done, or if a value is no longer finite.
-    ///
-    /// # Panics
-    /// If `pair` has the wrong length for the grid.
-    pub fn step(&mut self, pair: &mut Pair, max_sweeps: usize) -> ControlFlow<Stop> {
-        assert!(pair.y.len() == self.grid.nodes() && pair.a.len() == self.boundary.len());
-        self.regularise(pair);
-        loop {
-            if self.sweeps >= max_sweeps {
-                return ControlFlow::Break(Stop::IterationLimit);
-            }
-            self.sweeps += 1;
-            GaussSeidel::new(self.grid, &self.target, self.shift, self.duality, &pair.a)
-                .sweep(&mut pair.y);
-            let Some(bound) = self.bound else { break };
-            // A NaN spreads to the boundary within as many sweeps as there are rows.
-            if !self.boundary.iter().all(|&node| pair.y[node].is_finite()) {
-                return ControlFlow::Break(Stop::Diverged);
-            }
-            if self.sweeps.is_multiple_of(SWEEPS_TO_FLOOR) {
-                self.floor = self.terms.floor(largest(&self.target), pair);
-            }
-            if self.inner.within(&self.target, pair, bound.max(self.floor.gradient), true) {
-                break;
-            }
-        }
-        self.iterations += 1;
-        let Some(delta_a) = dual_step(self.duality, &self.boundary, pair) else {
-            return ControlFlow::Break(Stop::Diverged);
-        };
-        self.delta_a = delta_a;
-        let method = self.method.above(self.floor.gradient);
-        if matches!(method, Method::Uzawa { loose: true, .. }) {
-            self.bound = method.inner_bound(self.gradient.extrema(self.load, pair).absolute);
-        }
-        ControlFlow::Continue(())
-    }
-
-    /// Centres the proximal term at the present y.
-    fn regularise(&mut self, pair: &Pair) {
-        if self.shift > 0.0 {
-            let (n, side) = (self.grid.cells(), self.grid.side());
-            for (k, target) in self.target.iter_mut().enumerate() {
-                let weights =
-                    [k % side, k / side].map(|i| if i == 0 || i == n { 0.5 } else { 1.0 });
-                *target = self.load[k] + weights[0] * weights[1] * self.shift * pair.y[k];
-            }
-        }
-    }
+/// Largest component of the gradient (8), and largest absolute value of a component; NaN if one is.
+pub(super) fn gradient_extrema(engine: &mut dyn Engine<1>) -> [f64; 2] {
+    [GradientMeasure::Signed, GradientMeasure::Printed].map(|measure| engine.worst(measure)[0])
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! Forced and free runs, grid by grid.
 
-use super::{Evaluator, Forced, Level, Table, grid};
+use super::{Evaluator, Forced, Table};
+use crate::discrete::stop::Stop;
 use crate::saddle::batch::{LANES, LaneStart};
-use crate::saddle::{Pair, tolerance};
+use crate::saddle::{Engine, NestedGrids, Pair, run_nested, tolerance};
 use rayon::prelude::*;
 use std::array::from_fn;
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Misfit of a stop that comes too early, beyond what the measure lacks.
 const EARLY: f64 = 0.02;
@@ -27,57 +30,100 @@ impl Evaluator<'_> {
     /// # Panics
     /// If there is no such geometry, or not one value per piece.
     pub fn forced(&mut self, geometry: usize, values: &[f64], limit: f64) -> Forced {
-        let (rows, grids) = (self.target.r.len(), self.target.levels());
-        let misfit_of_all = vec![vec![0.0; grids]; rows];
+        let (rows, levels) = (self.target.r.len(), self.target.levels());
+        let misfit_of_all = vec![vec![0.0; levels]; rows];
         let mut forced = Forced { misfit: misfit_of_all, delta_a: Vec::new(), total: 0.0 };
-        let mut pairs = vec![Pair::zero(grid(0)); rows];
-        for level in 0..grids {
+        let runs: Vec<_> = (0..rows).map(|row| (values, row)).collect();
+        let grids = self.grids.clone();
+        let nested = NestedGrids { grids: &grids, prolongation: self.prolongation };
+        let mut pairs = vec![Pair::zero(grids[0]); rows];
+        let ended = run_nested(&nested, &mut pairs, |level, pairs: &mut Vec<Pair>| {
             self.entered[level] += 1;
-            let load = self.load(geometry, level, values);
-            for (row, (&r, start)) in self.target.r.iter().zip(&pairs).enumerate() {
-                let run = LaneStart { r, load: &load, weight: 0.0, start };
-                self.levels[level].lanes.enter(row, &run);
+            self.enter(geometry, level, &runs, pairs);
+            let budget = Budget { spent: forced.total, limit };
+            let ForcedOnGrid { misfit, delta_a, gave_up } =
+                self.forced_on_grid(level, budget, pairs);
+            for (of_row, misfit) in forced.misfit.iter_mut().zip(misfit) {
+                of_row[level] = misfit;
             }
-            let mut delta_a = vec![0.0; rows];
-            let last = (0..rows).map(|row| self.last(row, level)).collect::<Vec<_>>();
-            let tolerance = tolerance(level + 1);
-            for n in 1..=last.iter().copied().max().unwrap_or(0) {
-                if self.is_halted() {
-                    return Forced { total: f64::INFINITY, ..forced };
-                }
-                let first = self.variant.uncounted + 1;
-                let running = |k: usize| (first..=last[k]).contains(&n);
-                let mut failed = false;
-                let change = self.iterate(level, |at, measure| {
-                    for k in (0..rows).filter(|&k| running(k)) {
-                        let ends = n == last[k];
-                        // Before its last iteration a lane only has to be above the tolerance.
-                        if ends || at.lanes.within(k, measure, tolerance, &mut at.witness[k]) {
-                            let misfit = misfit(at.lanes.worst(measure)[k], tolerance, ends);
-                            let cell = &mut forced.misfit[k][level];
-                            *cell = (*cell + misfit).min(CELL_CAP);
-                            failed |= misfit > 0.0;
-                        }
-                    }
-                });
-                if failed {
-                    let so_far: f64 = forced.misfit.iter().map(|lane| lane[level]).sum();
-                    if forced.total + so_far > limit {
-                        forced.total += so_far;
-                        return forced;
-                    }
-                }
-                for k in (0..rows).filter(|&k| n == last[k]) {
-                    delta_a[k] = change[k];
-                    pairs[k] = self.passed_on(level, k);
-                }
+            forced.total += misfit[..rows].iter().sum::<f64>();
+            gave_up.map_or(Ok(()), Err)?;
+            if level + 1 == levels {
+                forced.delta_a = delta_a[..rows].to_vec();
             }
-            forced.total += forced.misfit.iter().map(|lane| lane[level]).sum::<f64>();
-            if level + 1 == grids {
-                forced.delta_a = delta_a;
-            }
+            Ok(())
+        });
+        if ended == Err(GaveUp::Halted) {
+            forced.total = f64::INFINITY;
         }
         forced
+    }
+
+    /// Makes the published number of iterations on one grid, for all rows.
+    fn forced_on_grid(&mut self, level: usize, budget: Budget, pairs: &mut [Pair]) -> ForcedOnGrid {
+        let rows = self.target.r.len();
+        let last = from_fn(|row| (row < rows).then(|| self.last(row, level)));
+        let (tolerance, measure) = (tolerance(level + 1), self.variant.measure.in_lanes());
+        let (uncounted, halt) = (self.variant.uncounted, self.halt);
+        let mut misfit = [0.0; LANES];
+        let mut gave_up = None;
+        let ends = self.iterate(level, last, Some(pairs), |lanes, n, under_way| {
+            if is_set(halt) {
+                gave_up = Some(GaveUp::Halted);
+            } else if n > uncounted {
+                let ends: [bool; LANES] = from_fn(|k| under_way[k] && last[k] == Some(n));
+                // Before its last iteration a lane only has to be above the tolerance.
+                let bounds = from_fn(|k| (under_way[k] && !ends[k]).then_some(tolerance));
+                let early = lanes.within(measure, bounds);
+                let judged = |k: &usize| ends[*k] || early[*k];
+                if (0..LANES).any(|k| judged(&k)) {
+                    let worst = lanes.worst(measure);
+                    let mut failed = false;
+                    for k in (0..LANES).filter(judged) {
+                        let more = misfit_of(worst[k], tolerance, ends[k]);
+                        misfit[k] = (misfit[k] + more).min(CELL_CAP);
+                        failed |= more > 0.0;
+                    }
+                    let so_far: f64 = misfit[..rows].iter().sum();
+                    if failed && budget.spent + so_far > budget.limit {
+                        gave_up = Some(GaveUp::Limit);
+                    }
+                }
+            }
+            [gave_up.is_some(); LANES]
+        });
+        let mut delta_a = [0.0; LANES];
+        for (row, end) in ends.iter().enumerate() {
+            let Some(end) = end else { continue };
+            delta_a[row] = end.delta_a;
+            if end.stop == Stop::Diverged {
+                misfit[row] = CELL_CAP;
+            }
+        }
+        ForcedOnGrid { misfit, delta_a, gave_up }
+    }
+
+    /// Puts runs, each of an f given by its values and of a row, into the lanes of a grid.
+    fn enter(
+        &mut self,
+        geometry: usize,
+        level: usize,
+        runs: &[(&[f64], usize)],
+        pairs: &mut [Pair],
+    ) {
+        let (mut load, mut made_for) = (Vec::new(), None);
+        for (lane, (&(values, row), start)) in runs.iter().zip(pairs).enumerate() {
+            if !self.variant.prolong_multiplier {
+                start.a.fill(0.0);
+            }
+            // The rows of one f have the same load vector.
+            if made_for != Some(values) {
+                load = self.load(geometry, level, values);
+                made_for = Some(values);
+            }
+            let run = LaneStart { r: self.target.r[row], load: &load, weight: 0.0, start };
+            self.lanes[level].enter(lane, &run);
+        }
     }
 
     /// For each of many f, given by their values, which counts come out in a free run: by row and grid.
@@ -110,24 +156,26 @@ impl Evaluator<'_> {
         row: usize,
         finest: usize,
     ) -> [bool; LANES] {
+        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
+        let halt = self.halt;
         let mut held = [true; LANES];
         for level in 0..=finest {
+            if held == [false; LANES] {
+                break;
+            }
             self.enter_all(geometry, level, values, row);
             let (last, tolerance) = (self.last(row, level), tolerance(level + 1));
-            for n in 1..=last {
-                if self.is_halted() || held == [false; LANES] {
-                    return [false; LANES];
+            let limits = held.map(|held| held.then_some(last));
+            self.iterate(level, limits, None, |lanes, n, _| {
+                if is_set(halt) {
+                    held = [false; LANES];
+                } else if n > uncounted {
+                    let bounds = held.map(|held| held.then_some(tolerance));
+                    let within = lanes.within(measure, bounds);
+                    held = from_fn(|k| held[k] && within[k] == (n == last));
                 }
-                let counted = n > self.variant.uncounted;
-                self.iterate(level, |at, measure| {
-                    if counted {
-                        let Level { lanes, witness, .. } = at;
-                        let bounds = held.map(|held| held.then_some(tolerance));
-                        let within = lanes.all_within(measure, bounds, witness);
-                        held = from_fn(|k| held[k] && within[k] == (n == last));
-                    }
-                });
-            }
+                held.map(|held| !held)
+            });
         }
         held
     }
@@ -182,44 +230,56 @@ impl Evaluator<'_> {
         runs: &[(&[f64], usize)],
     ) -> Vec<(Vec<Option<usize>>, f64)> {
         let mut ends = vec![(Vec::new(), 0.0); runs.len()];
-        let mut pairs = vec![Pair::zero(grid(0)); runs.len()];
-        for level in 0..self.target.levels() {
-            for (lane, (&(values, row), start)) in runs.iter().zip(&pairs).enumerate() {
-                let load = self.load(geometry, level, values);
-                let run = LaneStart { r: self.target.r[row], load: &load, weight: 0.0, start };
-                self.levels[level].lanes.enter(lane, &run);
-            }
+        let grids = self.grids.clone();
+        let nested = NestedGrids { grids: &grids, prolongation: self.prolongation };
+        let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
+        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
+        let on_level = |level: usize, pairs: &mut Vec<Pair>| {
+            self.enter(geometry, level, runs, pairs);
             let most = self.target.counts.iter().map(|row| row[level]).max().unwrap_or(0);
-            let tolerance = tolerance(level + 1);
-            let mut open: [bool; LANES] = from_fn(|k| k < runs.len());
-            let mut counts = [None; LANES];
-            for n in 1..=FREE_FACTOR * most + FREE_EXTRA {
-                let mut stops = [false; LANES];
-                let change = self.iterate(level, |at, measure| {
-                    let bounds = open.map(|open| open.then_some(tolerance));
-                    stops = at.lanes.all_within(measure, bounds, &mut at.witness);
-                });
-                (0..runs.len()).filter(|&k| open[k]).for_each(|k| ends[k].1 = change[k]);
-                let Some(counted) = n.checked_sub(self.variant.uncounted).filter(|&c| c > 0) else {
-                    continue;
-                };
-                for k in (0..runs.len()).filter(|&k| stops[k]) {
-                    (open[k], counts[k]) = (false, Some(counted));
-                    pairs[k] = self.passed_on(level, k);
-                }
-                if open == [false; LANES] {
-                    break;
-                }
+            let (limit, tolerance) = (FREE_FACTOR * most + FREE_EXTRA, tolerance(level + 1));
+            let limits = from_fn(|k| (k < runs.len()).then_some(limit));
+            let done = self.iterate(level, limits, Some(pairs), |lanes, n, open| {
+                let asked = n > uncounted;
+                lanes.within(measure, open.map(|open| (open && asked).then_some(tolerance)))
+            });
+            for ((counts, delta_a), end) in ends.iter_mut().zip(done.iter().flatten()) {
+                counts.push(end.count().map(|sweeps| sweeps - uncounted));
+                *delta_a = end.delta_a;
             }
-            for k in 0..runs.len() {
-                ends[k].0.push(counts[k]);
-                if open[k] {
-                    pairs[k] = self.passed_on(level, k);
-                }
-            }
-        }
+            Ok::<(), Infallible>(())
+        };
+        let Ok(()) = run_nested(&nested, &mut pairs, on_level);
         ends
     }
+}
+
+/// Sum of misfits at which a forced run is given up.
+#[derive(Clone, Copy)]
+struct Budget {
+    /// Sum on coarser grids.
+    spent: f64,
+    limit: f64,
+}
+
+/// Reason for which a forced run is given up.
+#[derive(Clone, Copy, PartialEq)]
+enum GaveUp {
+    /// The misfits pass the limit.
+    Limit,
+    /// The evaluator is halted.
+    Halted,
+}
+
+/// Forced run on one grid; a number per lane.
+struct ForcedOnGrid {
+    misfit: [f64; LANES],
+    delta_a: [f64; LANES],
+    gave_up: Option<GaveUp>,
+}
+
+fn is_set(halt: Option<&AtomicBool>) -> bool {
+    halt.is_some_and(|halt| halt.load(Ordering::Relaxed))
 }
 
 /// Values of f in all lanes, the last ones as often as there are lanes left.
@@ -228,7 +288,7 @@ fn in_lanes<V: AsRef<[f64]>>(some: &[V]) -> [&[f64]; LANES] {
 }
 
 /// By how much a measure fails what its place in the run asks for.
-fn misfit(measure: f64, tolerance: f64, last: bool) -> f64 {
+fn misfit_of(measure: f64, tolerance: f64, last: bool) -> f64 {
     if measure.is_nan() {
         CELL_CAP
     } else if last {

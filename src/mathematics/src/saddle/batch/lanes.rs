@@ -4,11 +4,14 @@ use super::LANES;
 use super::arithmetic::V;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
+use crate::discrete::norms::worst;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::machine::simd::vectorised;
 use crate::problem::law::Law;
-use crate::saddle::Pair;
+use crate::saddle::stopping::{GradientTerms, RoundingFloor};
+use crate::saddle::{Engine, GradientMeasure, Pair};
 use std::array::from_fn;
+use std::borrow::Cow;
 
 /// Order in which a sweep visits the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -68,6 +71,9 @@ pub struct Lanes {
     /// Place in `edges` of the boundary node in column `i` and row `j`, by `j * side + i`.
     pub(super) edge_at: Vec<u32>,
     pub(super) regularised: bool,
+    /// In each lane, the node that last broke a bound, the likeliest to break the next: on a measure of the outer
+    /// problem, and on that of the inner one.
+    witnesses: [[usize; LANES]; 2],
 }
 
 /// Run that enters a lane.
@@ -128,6 +134,7 @@ impl Lanes {
             edges,
             edge_at,
             regularised: false,
+            witnesses: [[0; LANES]; 2],
         }
     }
 
@@ -183,7 +190,7 @@ impl Lanes {
     }
 
     /// Sets the proximal term, if there is one, to pull towards y as it is now.
-    pub fn regularise(&mut self, lane: usize) {
+    fn regularise(&mut self, lane: usize) {
         let (n, side, shift) = (self.grid.cells(), self.grid.side(), self.shift.0[lane]);
         if shift > 0.0 {
             let half = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
@@ -195,14 +202,6 @@ impl Lanes {
                 }
             }
         }
-    }
-
-    /// (9)-(11) in every lane.
-    pub fn sweep(&mut self) {
-        vectorised(
-            #[inline(always)]
-            || self.sweep_inline(),
-        );
     }
 
     #[inline(always)]
@@ -319,14 +318,6 @@ impl Lanes {
         }
     }
 
-    /// (12) in the lanes that step, and the largest change in each; NaN if a value is no longer finite.
-    pub fn step(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
-        vectorised(
-            #[inline(always)]
-            || self.step_inline(steps),
-        )
-    }
-
     #[inline(always)]
     fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
         let steps = V(steps.map(|steps| f64::from(u8::from(steps))));
@@ -343,10 +334,47 @@ impl Lanes {
         }
         (changes + not_finite).0
     }
+}
 
-    /// The iterates of a lane.
-    pub fn pair(&self, lane: usize) -> Pair {
-        let take = |from: &[V]| from.iter().map(|v| v.0[lane]).collect();
-        Pair { y: take(&self.y), a: take(&self.a) }
+impl Engine<LANES> for Lanes {
+    fn sweep(&mut self) {
+        vectorised(
+            #[inline(always)]
+            || self.sweep_inline(),
+        );
+    }
+
+    fn dual_step(&mut self, lanes: [bool; LANES]) -> [f64; LANES] {
+        vectorised(
+            #[inline(always)]
+            || self.step_inline(lanes),
+        )
+    }
+
+    fn centre(&mut self, lane: usize) {
+        self.regularise(lane);
+    }
+
+    fn within(&mut self, measure: GradientMeasure, bounds: [Option<f64>; LANES]) -> [bool; LANES] {
+        let kind = usize::from(measure == GradientMeasure::Inner);
+        let mut witnesses = self.witnesses[kind];
+        let within = self.all_within(measure, bounds, &mut witnesses);
+        self.witnesses[kind] = witnesses;
+        within
+    }
+
+    fn worst(&mut self, measure: GradientMeasure) -> [f64; LANES] {
+        self.largest(measure)
+    }
+
+    fn floor(&self, lane: usize) -> RoundingFloor {
+        let target = if self.regularised { &self.target } else { &self.load };
+        let sizes = [target, &self.y, &self.a].map(|of| worst(of.iter().map(|v| v.0[lane])));
+        GradientTerms::on_square(self.grid, self.shift.0[lane], self.r.0[lane]).floor(sizes)
+    }
+
+    fn pair(&self, lane: usize) -> Cow<'_, Pair> {
+        let [y, a] = [&self.y, &self.a].map(|of| of.iter().map(|v| v.0[lane]).collect());
+        Cow::Owned(Pair { y, a })
     }
 }

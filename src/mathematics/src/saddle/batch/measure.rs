@@ -4,41 +4,14 @@ use super::LANES;
 use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
 use crate::machine::simd::vectorised;
+use crate::saddle::GradientMeasure;
 use std::array::from_fn;
 
-/// Measure at a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum GradientMeasure {
-    /// The gradient (8).
-    Signed,
-    /// Absolute value.
-    Printed,
-    /// Component of the gradient with the proximal term.
-    Inner,
-    /// `|A y - F|` inside, the law's natural residual on the boundary.
-    Kkt,
-}
-
 impl Lanes {
-    /// True if a measure is at most `bound` everywhere in a lane; NaN never is.
+    /// True in each lane that has a bound and where a measure is at most this bound at every node.
     ///
-    /// The node `witness`, which broke the bound last, is tried first.
-    pub fn within(
-        &self,
-        lane: usize,
-        measure: GradientMeasure,
-        bound: f64,
-        witness: &mut usize,
-    ) -> bool {
-        let mut witnesses = [*witness; LANES];
-        let bounds = from_fn(|l| (l == lane).then_some(bound));
-        let within = self.all_within(measure, bounds, &mut witnesses);
-        *witness = witnesses[lane];
-        within[lane]
-    }
-
-    /// True in each lane that has a bound, with a witness for each; the others are not.
-    pub fn all_within(
+    /// The nodes that broke the bounds last, the `witnesses`, are tried first.
+    pub(super) fn all_within(
         &self,
         measure: GradientMeasure,
         bounds: [Option<f64>; LANES],
@@ -87,7 +60,7 @@ impl Lanes {
     }
 
     /// The largest value of a measure over all nodes, in each lane; NaN if any is.
-    pub fn worst(&self, measure: GradientMeasure) -> [f64; LANES] {
+    pub(super) fn largest(&self, measure: GradientMeasure) -> [f64; LANES] {
         vectorised(
             #[inline(always)]
             || {

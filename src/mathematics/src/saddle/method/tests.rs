@@ -24,14 +24,14 @@ fn uzawa(weight: f64) -> Method {
 fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, usize, Pair); 2] {
     [0.0, weight].map(|weight| {
         let mut pair = Pair::zero(grid);
-        let SaddleRun { outcome: end, sweeps } = solve(
+        let end = solve(
             grid,
             Law::SIGNORINI.with_load(load),
             &Params { method: uzawa(weight), ..*params },
             &mut pair,
             None,
         );
-        (end, sweeps, pair)
+        (end, end.sweeps, pair)
     })
 }
 
@@ -66,7 +66,7 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load) = setting(PROBLEMS[0]);
     let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
     let mut ours = Pair::zero(grid);
-    let SaddleRun { outcome: end, sweeps } = solve(
+    let end = solve(
         grid,
         Law::SIGNORINI.with_load(&load),
         &Params { method: once, ..tight(3.0) },
@@ -75,7 +75,7 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     );
     let mut theirs = Pair::zero(grid);
     assert_eq!(end, arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(3.0), &mut theirs));
-    assert_eq!(sweeps, end.iterations);
+    assert_eq!(end.sweeps, end.iterations);
     assert_eq!(ours, theirs);
 }
 
@@ -142,8 +142,7 @@ fn the_monitor_sees_each_step() {
     let mut record = |iteration: &Iteration| seen.push(*iteration);
     let mut pair = Pair::zero(grid);
     let params = Params { method: uzawa(0.0), ..tight(1.0) };
-    let end =
-        solve(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair, Some(&mut record)).outcome;
+    let end = solve(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair, Some(&mut record));
     assert!(seen.iter().map(|iteration| iteration.number).eq(1..=end.iterations));
     let last = seen.last().unwrap();
     assert_eq!((last.gradient_abs, last.delta_a), (end.gradient_abs, end.delta_a));
