@@ -92,60 +92,54 @@ pub fn rounding(cells: usize, largest: f64) -> f64 {
 
 /// Grid of the square, or network: where a discrete problem is posed.
 pub trait DiscreteDomain: Copy {
-    /// Number of nodes, the length of a nodal vector.
-    fn nodes(self) -> usize;
-
-    /// Cells per side of a uniform grid; none on a mesh.
-    fn cells(self) -> Option<usize>;
-
-    /// Boundary nodes where the law holds, in the order of a boundary vector.
-    fn contact_nodes(self) -> Vec<ContactNode>;
-
-    /// Length or area of the boundary where the law holds.
-    fn perimeter(self) -> f64;
-
-    /// True if y = 0 at some nodes.
-    fn has_fixed_part(self) -> bool;
+    /// Size and boundary.
+    fn shape(self) -> DomainShape;
 
     /// Takes the energy, values, loads and residuals of a nodal vector into account, and returns `A y - F` at the
     /// contact nodes.
     fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64>;
+}
 
+/// Size and boundary of a grid or network.
+pub struct DomainShape {
+    /// Number of nodes, the length of a nodal vector.
+    pub nodes: usize,
+    /// Cells per side of a uniform grid; none on a mesh.
+    pub cells: Option<usize>,
+    /// Boundary nodes where the law holds, in the order of a boundary vector.
+    pub contact: Vec<ContactNode>,
+    /// Length or area of the boundary where the law holds.
+    pub perimeter: f64,
+    /// True if y = 0 at some nodes.
+    pub has_fixed_part: bool,
+}
+
+impl DomainShape {
     /// Cells per side of the grid; on a mesh, as many as would give as many nodes on the square.
-    fn width(self) -> usize {
-        self.cells().unwrap_or_else(|| (self.nodes() as f64).sqrt() as usize)
+    pub fn width(&self) -> usize {
+        self.cells.unwrap_or_else(|| (self.nodes as f64).sqrt() as usize)
     }
 
     /// True if the discrete problem with this sum of its load vector has a solution: y = 0 at some nodes, or the flux
     /// through the boundary can balance the load.
-    fn has_solution(self, law: Law, sum_load: f64) -> bool {
-        self.has_fixed_part() || law.check_solvable(sum_load, self.perimeter()).is_ok()
+    pub fn has_solution(&self, law: Law, sum_load: f64) -> bool {
+        self.has_fixed_part || law.check_solvable(sum_load, self.perimeter).is_ok()
     }
 }
 
 impl DiscreteDomain for Grid {
-    fn nodes(self) -> usize {
-        Self::nodes(self)
-    }
-
-    fn cells(self) -> Option<usize> {
-        Some(Self::cells(self))
-    }
-
-    fn contact_nodes(self) -> Vec<ContactNode> {
-        Self::contact_nodes(self)
-    }
-
-    fn perimeter(self) -> f64 {
-        Self::PERIMETER
-    }
-
-    fn has_fixed_part(self) -> bool {
-        false
+    fn shape(self) -> DomainShape {
+        DomainShape {
+            nodes: self.nodes(),
+            cells: Some(self.cells()),
+            contact: self.contact_nodes(),
+            perimeter: Self::PERIMETER,
+            has_fixed_part: false,
+        }
     }
 
     fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64> {
-        let (n, side) = (Self::cells(self), self.side());
+        let (n, side) = (self.cells(), self.side());
         let (mut gradient, mut flux) = (vec![0.0; side], vec![0.0; self.boundary_nodes()]);
         let rows = y.chunks_exact(side).zip(load.chunks_exact(side));
         for (j, (y_row, load_row)) in rows.enumerate() {
@@ -161,24 +155,14 @@ impl DiscreteDomain for Grid {
 }
 
 impl DiscreteDomain for &Network {
-    fn nodes(self) -> usize {
-        Network::nodes(self)
-    }
-
-    fn cells(self) -> Option<usize> {
-        None
-    }
-
-    fn contact_nodes(self) -> Vec<ContactNode> {
-        self.contact().to_vec()
-    }
-
-    fn perimeter(self) -> f64 {
-        Network::perimeter(self)
-    }
-
-    fn has_fixed_part(self) -> bool {
-        !self.fixed().is_empty()
+    fn shape(self) -> DomainShape {
+        DomainShape {
+            nodes: self.nodes(),
+            cells: None,
+            contact: self.contact().to_vec(),
+            perimeter: self.perimeter(),
+            has_fixed_part: !self.fixed().is_empty(),
+        }
     }
 
     /// A value at a fixed node counts as a residual.
@@ -203,11 +187,12 @@ impl DiscreteDomain for &Network {
 /// # Panics
 /// If a slice is not a nodal vector of the domain.
 pub fn judge(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> Judgement {
-    assert!(y.len() == domain.nodes() && load.len() == y.len());
+    let shape = domain.shape();
+    assert!(y.len() == shape.nodes && load.len() == y.len());
     let mut judge = Judge::default();
     let flux = domain.report_to(&mut judge, y, load);
-    let (cells, contact) = (domain.width(), domain.contact_nodes());
-    judge.judgement(JudgedValues { law, cells, y, contact, flux })
+    let cells = shape.width();
+    judge.judgement(JudgedValues { law, cells, y, contact: shape.contact, flux })
 }
 
 /// Residuals of the conditions for `y`, as [`judge`] finds it.

@@ -2,7 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
-use crate::saddle::{Method, Pair, RunState, SaddleDomain, run_alone};
+use crate::saddle::{Method, Pair, RunStart, RunState, SaddleDomain, run_alone};
 
 /// Uzawa's algorithm, each inner minimisation to a tenth of the gradient, with a proximal term of this weight.
 pub const fn loose_uzawa(weight: f64) -> Method {
@@ -50,9 +50,10 @@ impl CheckedRun<'_> {
         if done(pair) {
             return Some(0);
         }
-        let mut engine = grid.engine(Law::SIGNORINI.with_load(load), method, r, pair);
-        let (run, mut next) = (RunState::new(method, checks.limit, load), 1);
-        let end = run_alone(&mut *engine, run, &mut |engine, run| {
+        let start = RunStart { load, method, r, pair };
+        let mut engine = grid.engine(Law::SIGNORINI, &start);
+        let (state, mut next) = (RunState::new(&start, checks.limit), 1);
+        let end = run_alone(&mut *engine, state, &mut |engine, run| {
             if run.sweeps < next {
                 return false;
             }
@@ -63,6 +64,9 @@ impl CheckedRun<'_> {
                 };
             done(&engine.pair(0))
         });
+        let last = engine.pair(0).into_owned();
+        drop(engine);
+        *pair = last;
         end.count()
     }
 }

@@ -10,7 +10,7 @@ use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, Lanes, V};
-use crate::saddle::{End, Engine, Goals, Method, Pair, RunState, run};
+use crate::saddle::{End, Engine, Goals, Method, Pair, RunStart, RunState, run};
 use std::ops::{Add, Mul};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -32,6 +32,11 @@ impl Forced {
     /// True if every count comes out.
     pub fn is_exact(&self) -> bool {
         self.total == 0.0 && !self.delta_a.is_empty()
+    }
+
+    /// Sum of the misfits on one grid.
+    fn misfit_on(&self, level: usize) -> f64 {
+        self.misfit.iter().map(|row| row[level]).sum()
     }
 }
 
@@ -134,7 +139,9 @@ impl<'a> Evaluator<'a> {
         judge: impl FnMut(&mut Lanes, usize, [bool; LANES]) -> [bool; LANES],
     ) -> [Option<End>; LANES] {
         let time = self.variant.residual;
-        let runs = limits.map(|limit| Some(RunState::new(Method::ArrowHurwicz, limit?, &[])));
+        let start =
+            RunStart { load: &[], method: Method::ArrowHurwicz, r: 1.0, pair: &Pair::default() };
+        let runs = limits.map(|limit| Some(RunState::new(&start, limit?)));
         let (over, ends) = ([false; LANES], [None; LANES]);
         let mut judged = JudgedRuns { time, judge, number: 0, over, pairs, ends };
         run(&mut self.lanes[level], runs, &mut judged);

@@ -37,6 +37,19 @@ pub trait Engine<const K: usize> {
     fn pair(&self, lane: usize) -> Cow<'_, Pair>;
 }
 
+/// Start of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct RunStart<'a> {
+    /// Load vector F.
+    pub load: &'a [f64],
+    /// Method.
+    pub method: Method,
+    /// Duality parameter r > 0.
+    pub r: f64,
+    /// Pair from which the run starts.
+    pub pair: &'a Pair,
+}
+
 /// State of a run in a lane.
 #[derive(Clone, Copy, Debug)]
 pub struct RunState {
@@ -83,8 +96,8 @@ pub trait Goals<E: ?Sized, const K: usize> {
 }
 
 impl RunState {
-    /// Run before its first sweep, for a load vector F, which ends after `limit` sweeps.
-    pub fn new(method: Method, limit: usize, load: &[f64]) -> Self {
+    /// State before the first sweep of a run that ends after `limit` sweeps.
+    pub fn new(&RunStart { method, load, .. }: &RunStart<'_>, limit: usize) -> Self {
         let load = largest(load);
         Self {
             method,

@@ -19,7 +19,7 @@
 //! R. V. Namm and A. S. Tkachenko, Izv. vuzov. Matematika, 2010, no. 4, for the proximal term (the
 //! paper's refs 5 and 6); G. Woo, R. V. Namm, S. A. Sachkoff, Comput. Math. Math. Phys. 46 (2006) 23-33.
 
-use super::engine::{End, Engine, MeasureBound, RunState, run_alone, within};
+use super::engine::{End, Engine, MeasureBound, RunStart, RunState, run_alone, within};
 use super::network::OnNetwork;
 use super::square::OnSquare;
 use super::stopping::{GradientMeasure, StopRule};
@@ -28,6 +28,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::DiscreteDomain;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::network::Network;
+use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 
 /// Accuracy of the minimisation over y before each step of the multiplier.
@@ -162,52 +163,34 @@ impl JobGoal {
 
 /// Grid or network on which the methods run.
 pub trait SaddleDomain: DiscreteDomain {
-    /// Engine for one run of a method with this r, which changes `pair`.
+    /// Engine for one run.
     ///
     /// # Panics
     /// If a vector has the wrong length for the domain, or r is not positive.
-    fn engine<'a>(
-        self,
-        problem: LawAndLoad<'a>,
-        method: Method,
-        r: f64,
-        pair: &'a mut Pair,
-    ) -> Box<dyn Engine<1> + 'a>
+    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
     where
         Self: 'a;
 }
 
 impl SaddleDomain for Grid {
-    fn engine<'a>(
-        self,
-        problem: LawAndLoad<'a>,
-        method: Method,
-        r: f64,
-        pair: &'a mut Pair,
-    ) -> Box<dyn Engine<1> + 'a>
+    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
     where
         Self: 'a,
     {
-        Box::new(OnSquare::new(self, problem, method, r, pair))
+        Box::new(OnSquare::new(self, law, run))
     }
 }
 
 impl SaddleDomain for &Network {
-    fn engine<'a>(
-        self,
-        problem: LawAndLoad<'a>,
-        method: Method,
-        r: f64,
-        pair: &'a mut Pair,
-    ) -> Box<dyn Engine<1> + 'a>
+    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
     where
         Self: 'a,
     {
-        Box::new(OnNetwork::new(self, problem, method, r, pair))
+        Box::new(OnNetwork::new(self, law, run))
     }
 }
 
-/// Iterates on `pair` in place until the stopping rule is met or the limit on sweeps is reached.
+/// Iterates on `pair` until the stopping rule is met or the limit on sweeps is reached.
 ///
 /// Without a monitor the gradient is compared with the tolerance row by row, up to the first row that exceeds it; with
 /// a monitor all rows are evaluated. The iterates are the same.
@@ -221,10 +204,15 @@ pub fn solve(
     pair: &mut Pair,
     monitor: Option<OnIteration>,
 ) -> Outcome {
-    let mut engine = domain.engine(problem, params.method, params.r, pair);
-    let end = run_to_rule(&mut *engine, problem.load, params, monitor);
+    let LawAndLoad { law, load } = problem;
+    let start = RunStart { load, method: params.method, r: params.r, pair };
+    let mut engine = domain.engine(law, &start);
+    let state = RunState::new(&start, params.max_iterations);
+    let end = run_to_rule(&mut *engine, state, params, monitor);
     let gradient = gradient_extrema(&mut *engine);
+    let last = engine.pair(0).into_owned();
     drop(engine);
+    *pair = last;
     Outcome::judge(domain, problem, pair, &end, gradient)
 }
 
@@ -244,13 +232,12 @@ pub fn arrow_hurwicz(
 /// Iterates until the stopping rule is met.
 fn run_to_rule(
     engine: &mut dyn Engine<1>,
-    load: &[f64],
+    state: RunState,
     params: &Params,
     mut monitor: Option<OnIteration>,
 ) -> End {
     let goal = JobGoal::Rule(params.rule, params.tolerance);
-    let run = RunState::new(params.method, params.max_iterations, load);
-    run_alone(engine, run, &mut |engine, run| {
+    run_alone(engine, state, &mut |engine, run| {
         if let Some(monitor) = monitor.as_mut() {
             let [gradient_signed, gradient_abs] = gradient_extrema(engine);
             let RunState { iterations: number, delta_a, .. } = *run;

@@ -12,7 +12,7 @@ mod square;
 mod stopping;
 mod sweep;
 
-pub use engine::{End, Engine, Goals, RunState, run, run_alone};
+pub use engine::{End, Engine, Goals, RunStart, RunState, run, run_alone};
 pub use method::{
     Iteration, JobGoal, Method, OnIteration, Params, SaddleDomain, arrow_hurwicz, solve,
 };
@@ -27,7 +27,7 @@ use crate::discrete::norms::largest;
 use crate::problem::law::Law;
 
 /// The pair (y, a) of (7): values of v at the nodes, and of the multiplier at the boundary nodes where the law holds.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pair {
     /// Nodal vector.
     pub y: Vec<f64>,
@@ -39,20 +39,22 @@ pub struct Pair {
 impl Pair {
     /// Returns the zero pair of a grid or network, from which the paper starts on its coarsest grid.
     pub fn zero(domain: impl DiscreteDomain) -> Self {
-        Self { y: vec![0.0; domain.nodes()], a: vec![0.0; domain.contact_nodes().len()] }
+        let shape = domain.shape();
+        Self { y: vec![0.0; shape.nodes], a: vec![0.0; shape.contact.len()] }
     }
 
     /// Contact at the boundary nodes: where the multiplier is inside the interval of the law or v is zero, up to rounding
     /// errors. Under the paper's law both are zero in a corner without load between nodes in contact.
     pub fn in_contact(&self, domain: impl DiscreteDomain, law: Law) -> Vec<bool> {
-        let nodes = domain.contact_nodes();
+        let shape = domain.shape();
+        let nodes = || shape.contact.iter().zip(&self.a);
         let mut size = largest(&self.y);
-        for (contact, a) in nodes.iter().zip(&self.a) {
+        for (contact, a) in nodes() {
             size = size.max((contact.measure * a).abs());
         }
-        let zero = rounding(domain.width(), size);
-        let mut in_contact = Vec::with_capacity(nodes.len());
-        for (contact, a) in nodes.iter().zip(&self.a) {
+        let zero = rounding(shape.width(), size);
+        let mut in_contact = Vec::with_capacity(self.a.len());
+        for (contact, a) in nodes() {
             in_contact.push(
                 law.is_inside(*a, zero / contact.measure) || self.y[contact.node].abs() <= zero,
             );

@@ -1,13 +1,12 @@
 //! The engine on any network: the definition, with the proximal term of Uzawa's method.
 
 use super::Pair;
-use super::engine::Engine;
-use super::method::Method;
+use super::engine::{Engine, RunStart};
 use super::plain::Plain;
 use super::stopping::{GradientMeasure, GradientTerms, RoundingFloor, size};
-use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
+use crate::problem::law::Law;
 use std::borrow::Cow;
 
 /// One run on a network.
@@ -21,20 +20,18 @@ pub(super) struct OnNetwork<'a> {
     weight: f64,
     terms: GradientTerms,
     /// Iterates.
-    pair: &'a mut Pair,
+    pair: Pair,
 }
 
 impl<'a> OnNetwork<'a> {
-    /// Prepares the iteration, before its first step.
+    /// Prepares a run.
     ///
     /// # Panics
     /// If a vector has the wrong length for `network`, or r is not positive.
     pub(super) fn new(
         network: &'a Network,
-        LawAndLoad { law, load }: LawAndLoad<'a>,
-        method: Method,
-        r: f64,
-        pair: &'a mut Pair,
+        law: Law,
+        &RunStart { load, method, r, pair }: &RunStart<'a>,
     ) -> Self {
         assert!(r > 0.0, "the duality parameter r must be positive");
         assert!(load.len() == network.nodes() && pair.y.len() == load.len());
@@ -52,7 +49,8 @@ impl<'a> OnNetwork<'a> {
             least_measure: measures().fold(f64::INFINITY, f64::min),
         };
         let problem = Plain { network, law, load, r };
-        let mut engine = Self { problem, inner, target: load.into(), weight, terms, pair };
+        let (target, pair) = (load.into(), pair.clone());
+        let mut engine = Self { problem, inner, target, weight, terms, pair };
         engine.centre(0);
         engine
     }
@@ -65,9 +63,9 @@ impl<'a> OnNetwork<'a> {
     /// Measure at a node.
     fn measure(&self, measure: GradientMeasure, node: usize) -> f64 {
         match measure {
-            GradientMeasure::Inner => measure.of(self.inner().gradient(node, self.pair)),
+            GradientMeasure::Inner => measure.of(self.inner().gradient(node, &self.pair)),
             GradientMeasure::Kkt => self.problem.residual(node, &self.pair.y),
-            _ => measure.of(self.problem.gradient(node, self.pair)),
+            _ => measure.of(self.problem.gradient(node, &self.pair)),
         }
     }
 }
@@ -79,7 +77,7 @@ impl Engine<1> for OnNetwork<'_> {
     }
 
     fn dual_step(&mut self, _: [bool; 1]) -> [f64; 1] {
-        [self.problem.dual_step(self.pair)]
+        [self.problem.dual_step(&mut self.pair)]
     }
 
     fn centre(&mut self, _: usize) {
@@ -115,7 +113,7 @@ impl Engine<1> for OnNetwork<'_> {
     }
 
     fn pair(&self, _: usize) -> Cow<'_, Pair> {
-        Cow::Borrowed(self.pair)
+        Cow::Borrowed(&self.pair)
     }
 }
 

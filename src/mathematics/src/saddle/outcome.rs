@@ -53,13 +53,13 @@ impl Outcome {
         [gradient_signed, gradient_abs]: [f64; 2],
     ) -> Self {
         let Judgement { kkt, energy, work, .. } = judge(domain, law, &pair.y, load);
-        let sum_load = sum(load);
+        let (shape, sum_load) = (domain.shape(), sum(load));
         // Without contact nodes the least multiplier is infinite.
         let finite = [energy, gradient_abs, kkt.natural].iter().all(|value| value.is_finite())
             && kkt.min_lambda > f64::NEG_INFINITY;
         Self {
-            cells: domain.cells(),
-            nodes: domain.nodes(),
+            cells: shape.cells,
+            nodes: shape.nodes,
             iterations: end.iterations,
             sweeps: end.sweeps,
             stop: if finite { end.stop } else { Stop::Diverged },
@@ -70,7 +70,7 @@ impl Outcome {
             sum_load,
             kkt,
             work,
-            has_solution: domain.has_solution(law, sum_load),
+            has_solution: shape.has_solution(law, sum_load),
         }
     }
 

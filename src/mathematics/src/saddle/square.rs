@@ -1,14 +1,13 @@
 //! The engine on the square: the fast sweep, and the gradient (8) row by row.
 
 use super::Pair;
-use super::engine::Engine;
-use super::method::Method;
+use super::engine::{Engine, RunStart};
 use super::plain::Duality;
 use super::stopping::{GradientMeasure, GradientTerms, RoundingFloor, size};
 use super::sweep::GaussSeidel;
 use crate::discrete::grid::Grid;
-use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::stiffness::residual_row;
+use crate::problem::law::Law;
 use std::borrow::Cow;
 
 /// One run on the square.
@@ -26,20 +25,18 @@ pub(super) struct OnSquare<'a> {
     /// Gradient of the inner problem, with the proximal term.
     inner: Gradient,
     /// Iterates.
-    pair: &'a mut Pair,
+    pair: Pair,
 }
 
 impl<'a> OnSquare<'a> {
-    /// Prepares the iteration, before its first step.
+    /// Prepares a run.
     ///
     /// # Panics
     /// If a vector has the wrong length for `grid`, or r is not positive.
     pub(super) fn new(
         grid: Grid,
-        LawAndLoad { law, load }: LawAndLoad<'a>,
-        method: Method,
-        r: f64,
-        pair: &'a mut Pair,
+        law: Law,
+        &RunStart { load, method, r, pair }: &RunStart<'a>,
     ) -> Self {
         assert!(r > 0.0, "the duality parameter r must be positive");
         assert!(load.len() == grid.nodes() && pair.y.len() == load.len());
@@ -55,7 +52,7 @@ impl<'a> OnSquare<'a> {
             boundary: grid.boundary().collect(),
             gradient: Gradient::new(grid, duality, 0.0),
             inner: Gradient::new(grid, duality, shift),
-            pair,
+            pair: pair.clone(),
         };
         engine.centre(0);
         engine
@@ -78,7 +75,7 @@ impl Engine<1> for OnSquare<'_> {
     }
 
     fn dual_step(&mut self, _: [bool; 1]) -> [f64; 1] {
-        [self.duality.step(self.boundary.iter().copied(), self.pair)]
+        [self.duality.step(self.boundary.iter().copied(), &mut self.pair)]
     }
 
     fn centre(&mut self, _: usize) {
@@ -108,7 +105,7 @@ impl Engine<1> for OnSquare<'_> {
     }
 
     fn pair(&self, _: usize) -> Cow<'_, Pair> {
-        Cow::Borrowed(self.pair)
+        Cow::Borrowed(&self.pair)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::{Evaluator, Forced, Table};
 use crate::discrete::stop::Stop;
-use crate::saddle::batch::{LANES, LaneStart};
-use crate::saddle::{Engine, NestedGrids, Pair, run_nested, tolerance};
+use crate::saddle::batch::LANES;
+use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
 use rayon::prelude::*;
 use std::array::from_fn;
 use std::convert::Infallible;
@@ -33,74 +33,56 @@ impl Evaluator<'_> {
         let (rows, levels) = (self.target.r.len(), self.target.levels());
         let misfit_of_all = vec![vec![0.0; levels]; rows];
         let mut forced = Forced { misfit: misfit_of_all, delta_a: Vec::new(), total: 0.0 };
+        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
+        let (halt, grids) = (self.halt, self.grids.clone());
         let runs: Vec<_> = (0..rows).map(|row| (values, row)).collect();
-        let grids = self.grids.clone();
         let nested = NestedGrids { grids: &grids, prolongation: self.prolongation };
         let mut pairs = vec![Pair::zero(grids[0]); rows];
-        let ended = run_nested(&nested, &mut pairs, |level, pairs: &mut Vec<Pair>| {
+        let finished = run_nested(&nested, &mut pairs, |level, pairs: &mut Vec<Pair>| {
             self.entered[level] += 1;
             self.enter(geometry, level, &runs, pairs);
-            let budget = Budget { spent: forced.total, limit };
-            let ForcedOnGrid { misfit, delta_a, gave_up } =
-                self.forced_on_grid(level, budget, pairs);
-            for (of_row, misfit) in forced.misfit.iter_mut().zip(misfit) {
-                of_row[level] = misfit;
-            }
-            forced.total += misfit[..rows].iter().sum::<f64>();
-            gave_up.map_or(Ok(()), Err)?;
-            if level + 1 == levels {
-                forced.delta_a = delta_a[..rows].to_vec();
-            }
-            Ok(())
-        });
-        if ended == Err(GaveUp::Halted) {
-            forced.total = f64::INFINITY;
-        }
-        forced
-    }
-
-    /// Makes the published number of iterations on one grid, for all rows.
-    fn forced_on_grid(&mut self, level: usize, budget: Budget, pairs: &mut [Pair]) -> ForcedOnGrid {
-        let rows = self.target.r.len();
-        let last = from_fn(|row| (row < rows).then(|| self.last(row, level)));
-        let (tolerance, measure) = (tolerance(level + 1), self.variant.measure.in_lanes());
-        let (uncounted, halt) = (self.variant.uncounted, self.halt);
-        let mut misfit = [0.0; LANES];
-        let mut gave_up = None;
-        let ends = self.iterate(level, last, Some(pairs), |lanes, n, under_way| {
-            if is_set(halt) {
-                gave_up = Some(GaveUp::Halted);
-            } else if n > uncounted {
-                let ends: [bool; LANES] = from_fn(|k| under_way[k] && last[k] == Some(n));
-                // Before its last iteration a lane only has to be above the tolerance.
-                let bounds = from_fn(|k| (under_way[k] && !ends[k]).then_some(tolerance));
-                let early = lanes.within(measure, bounds);
-                let judged = |k: &usize| ends[*k] || early[*k];
-                if (0..LANES).any(|k| judged(&k)) {
-                    let worst = lanes.worst(measure);
+            let last = from_fn(|row| (row < rows).then(|| self.last(row, level)));
+            let tolerance = tolerance(level + 1);
+            let mut gave_up = false;
+            let ends = self.iterate(level, last, Some(pairs), |lanes, n, under_way| {
+                if is_set(halt) {
+                    (gave_up, forced.total) = (true, f64::INFINITY);
+                } else if n > uncounted {
+                    let ends: [bool; LANES] = from_fn(|k| under_way[k] && last[k] == Some(n));
+                    // Before its last iteration a lane only has to be above the tolerance.
+                    let bounds = from_fn(|k| (under_way[k] && !ends[k]).then_some(tolerance));
+                    let early = lanes.within(measure, bounds);
                     let mut failed = false;
-                    for k in (0..LANES).filter(judged) {
-                        let more = misfit_of(worst[k], tolerance, ends[k]);
-                        misfit[k] = (misfit[k] + more).min(CELL_CAP);
-                        failed |= more > 0.0;
+                    let judged: [bool; LANES] = from_fn(|k| ends[k] || early[k]);
+                    if judged.contains(&true) {
+                        let worst = lanes.worst(measure);
+                        for k in (0..rows).filter(|&k| judged[k]) {
+                            let more = misfit(worst[k], tolerance, ends[k]);
+                            failed |= more > 0.0;
+                            let cell = &mut forced.misfit[k][level];
+                            *cell = (*cell + more).min(CELL_CAP);
+                        }
                     }
-                    let so_far: f64 = misfit[..rows].iter().sum();
-                    if failed && budget.spent + so_far > budget.limit {
-                        gave_up = Some(GaveUp::Limit);
-                    }
+                    gave_up = failed && forced.total + forced.misfit_on(level) > limit;
+                }
+                [gave_up; LANES]
+            });
+            for (end, misfit) in ends.iter().flatten().zip(&mut forced.misfit) {
+                if end.stop == Stop::Diverged {
+                    misfit[level] = CELL_CAP;
                 }
             }
-            [gave_up.is_some(); LANES]
-        });
-        let mut delta_a = [0.0; LANES];
-        for (row, end) in ends.iter().enumerate() {
-            let Some(end) = end else { continue };
-            delta_a[row] = end.delta_a;
-            if end.stop == Stop::Diverged {
-                misfit[row] = CELL_CAP;
+            forced.total += forced.misfit_on(level);
+            if gave_up {
+                return Err(());
             }
+            forced.delta_a = ends.iter().flatten().map(|end| end.delta_a).collect();
+            Ok(())
+        });
+        if finished.is_err() {
+            forced.delta_a.clear();
         }
-        ForcedOnGrid { misfit, delta_a, gave_up }
+        forced
     }
 
     /// Puts runs, each of an f given by its values and of a row, into the lanes of a grid.
@@ -121,8 +103,8 @@ impl Evaluator<'_> {
                 load = self.load(geometry, level, values);
                 made_for = Some(values);
             }
-            let run = LaneStart { r: self.target.r[row], load: &load, weight: 0.0, start };
-            self.lanes[level].enter(lane, &run);
+            let (method, r) = (Method::ArrowHurwicz, self.target.r[row]);
+            self.lanes[level].enter(lane, &RunStart { load: &load, method, r, pair: start });
         }
     }
 
@@ -254,30 +236,6 @@ impl Evaluator<'_> {
     }
 }
 
-/// Sum of misfits at which a forced run is given up.
-#[derive(Clone, Copy)]
-struct Budget {
-    /// Sum on coarser grids.
-    spent: f64,
-    limit: f64,
-}
-
-/// Reason for which a forced run is given up.
-#[derive(Clone, Copy, PartialEq)]
-enum GaveUp {
-    /// The misfits pass the limit.
-    Limit,
-    /// The evaluator is halted.
-    Halted,
-}
-
-/// Forced run on one grid; a number per lane.
-struct ForcedOnGrid {
-    misfit: [f64; LANES],
-    delta_a: [f64; LANES],
-    gave_up: Option<GaveUp>,
-}
-
 fn is_set(halt: Option<&AtomicBool>) -> bool {
     halt.is_some_and(|halt| halt.load(Ordering::Relaxed))
 }
@@ -288,7 +246,7 @@ fn in_lanes<V: AsRef<[f64]>>(some: &[V]) -> [&[f64]; LANES] {
 }
 
 /// By how much a measure fails what its place in the run asks for.
-fn misfit_of(measure: f64, tolerance: f64, last: bool) -> f64 {
+fn misfit(measure: f64, tolerance: f64, last: bool) -> f64 {
     if measure.is_nan() {
         CELL_CAP
     } else if last {

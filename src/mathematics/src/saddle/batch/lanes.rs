@@ -4,14 +4,10 @@ use super::LANES;
 use super::arithmetic::V;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
-use crate::discrete::norms::worst;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
-use crate::machine::simd::vectorised;
 use crate::problem::law::Law;
-use crate::saddle::stopping::{GradientTerms, RoundingFloor};
-use crate::saddle::{Engine, GradientMeasure, Pair};
+use crate::saddle::RunStart;
 use std::array::from_fn;
-use std::borrow::Cow;
 
 /// Order in which a sweep visits the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -73,20 +69,7 @@ pub struct Lanes {
     pub(super) regularised: bool,
     /// In each lane, the node that last broke a bound, the likeliest to break the next: on a measure of the outer
     /// problem, and on that of the inner one.
-    witnesses: [[usize; LANES]; 2],
-}
-
-/// Run that enters a lane.
-#[derive(Clone, Copy)]
-pub struct LaneStart<'a> {
-    /// Duality parameter r > 0.
-    pub r: f64,
-    /// Load vector F.
-    pub load: &'a [f64],
-    /// Weight of the proximal term; zero for none.
-    pub weight: f64,
-    /// Pair from which the run starts.
-    pub start: &'a Pair,
+    pub(super) witnesses: [[usize; LANES]; 2],
 }
 
 /// No boundary node.
@@ -142,8 +125,9 @@ impl Lanes {
     ///
     /// # Panics
     /// If a vector has the wrong length for the grid, or r is not positive.
-    pub fn enter(&mut self, lane: usize, run: &LaneStart) {
-        let &LaneStart { r, load, weight, start } = run;
+    pub fn enter(&mut self, lane: usize, run: &RunStart<'_>) {
+        let &RunStart { r, load, method, pair: start } = run;
+        let weight = method.weight();
         assert!(load.len() == self.grid.nodes() && start.y.len() == self.grid.nodes());
         assert!(start.a.len() == self.a.len() && r > 0.0);
         self.y.iter_mut().zip(&start.y).for_each(|(y, start)| y.0[lane] = *start);
@@ -190,7 +174,7 @@ impl Lanes {
     }
 
     /// Sets the proximal term, if there is one, to pull towards y as it is now.
-    fn regularise(&mut self, lane: usize) {
+    pub(super) fn regularise(&mut self, lane: usize) {
         let (n, side, shift) = (self.grid.cells(), self.grid.side(), self.shift.0[lane]);
         if shift > 0.0 {
             let half = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
@@ -205,7 +189,7 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn sweep_inline(&mut self) {
+    pub(super) fn sweep_inline(&mut self) {
         let (n, all) = (self.grid.cells(), self.edges.len());
         match self.order {
             Order::Lexicographic => {
@@ -319,7 +303,7 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
+    pub(super) fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
         let steps = V(steps.map(|steps| f64::from(u8::from(steps))));
         let (mut changes, mut not_finite) = (V::all(0.0), V::all(0.0));
         for edge in &self.edges {
@@ -333,48 +317,5 @@ impl Lanes {
             *a = next;
         }
         (changes + not_finite).0
-    }
-}
-
-impl Engine<LANES> for Lanes {
-    fn sweep(&mut self) {
-        vectorised(
-            #[inline(always)]
-            || self.sweep_inline(),
-        );
-    }
-
-    fn dual_step(&mut self, lanes: [bool; LANES]) -> [f64; LANES] {
-        vectorised(
-            #[inline(always)]
-            || self.step_inline(lanes),
-        )
-    }
-
-    fn centre(&mut self, lane: usize) {
-        self.regularise(lane);
-    }
-
-    fn within(&mut self, measure: GradientMeasure, bounds: [Option<f64>; LANES]) -> [bool; LANES] {
-        let kind = usize::from(measure == GradientMeasure::Inner);
-        let mut witnesses = self.witnesses[kind];
-        let within = self.all_within(measure, bounds, &mut witnesses);
-        self.witnesses[kind] = witnesses;
-        within
-    }
-
-    fn worst(&mut self, measure: GradientMeasure) -> [f64; LANES] {
-        self.largest(measure)
-    }
-
-    fn floor(&self, lane: usize) -> RoundingFloor {
-        let target = if self.regularised { &self.target } else { &self.load };
-        let sizes = [target, &self.y, &self.a].map(|of| worst(of.iter().map(|v| v.0[lane])));
-        GradientTerms::on_square(self.grid, self.shift.0[lane], self.r.0[lane]).floor(sizes)
-    }
-
-    fn pair(&self, lane: usize) -> Cow<'_, Pair> {
-        let [y, a] = [&self.y, &self.a].map(|of| of.iter().map(|v| v.0[lane]).collect());
-        Cow::Owned(Pair { y, a })
     }
 }

@@ -1,25 +1,41 @@
-//! Measures of the iterates, node by node in all lanes at once, and the largest of it in a lane.
+//! The lanes as an engine: measures of the iterates, node by node in all lanes at once.
 
 use super::LANES;
 use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
+use crate::discrete::norms::worst;
 use crate::machine::simd::vectorised;
-use crate::saddle::GradientMeasure;
+use crate::saddle::stopping::{GradientTerms, RoundingFloor};
+use crate::saddle::{Engine, GradientMeasure, Pair};
 use std::array::from_fn;
+use std::borrow::Cow;
 
-impl Lanes {
-    /// True in each lane that has a bound and where a measure is at most this bound at every node.
-    ///
-    /// The nodes that broke the bounds last, the `witnesses`, are tried first.
-    pub(super) fn all_within(
-        &self,
-        measure: GradientMeasure,
-        bounds: [Option<f64>; LANES],
-        witnesses: &mut [usize; LANES],
-    ) -> [bool; LANES] {
+impl Engine<LANES> for Lanes {
+    fn sweep(&mut self) {
+        vectorised(
+            #[inline(always)]
+            || self.sweep_inline(),
+        );
+    }
+
+    fn dual_step(&mut self, lanes: [bool; LANES]) -> [f64; LANES] {
+        vectorised(
+            #[inline(always)]
+            || self.step_inline(lanes),
+        )
+    }
+
+    fn centre(&mut self, lane: usize) {
+        self.regularise(lane);
+    }
+
+    /// The nodes that broke the bounds last are tried first.
+    fn within(&mut self, measure: GradientMeasure, bounds: [Option<f64>; LANES]) -> [bool; LANES] {
+        let kind = usize::from(measure == GradientMeasure::Inner);
         vectorised(
             #[inline(always)]
             || {
+                let mut witnesses = self.witnesses[kind];
                 let mut open = from_fn(|l| {
                     let here = |bound| self.at_node(measure, witnesses[l]).0[l] <= bound;
                     bounds[l].is_some_and(here)
@@ -54,13 +70,13 @@ impl Lanes {
                         break;
                     }
                 }
+                self.witnesses[kind] = witnesses;
                 open
             },
         )
     }
 
-    /// The largest value of a measure over all nodes, in each lane; NaN if any is.
-    pub(super) fn largest(&self, measure: GradientMeasure) -> [f64; LANES] {
+    fn worst(&mut self, measure: GradientMeasure) -> [f64; LANES] {
         vectorised(
             #[inline(always)]
             || {
@@ -86,6 +102,19 @@ impl Lanes {
         )
     }
 
+    fn floor(&self, lane: usize) -> RoundingFloor {
+        let target = if self.regularised { &self.target } else { &self.load };
+        let sizes = [target, &self.y, &self.a].map(|of| worst(of.iter().map(|v| v.0[lane])));
+        GradientTerms::on_square(self.grid, self.shift.0[lane], self.r.0[lane]).floor(sizes)
+    }
+
+    fn pair(&self, lane: usize) -> Cow<'_, Pair> {
+        let [y, a] = [&self.y, &self.a].map(|of| of.iter().map(|v| v.0[lane]).collect());
+        Cow::Owned(Pair { y, a })
+    }
+}
+
+impl Lanes {
     /// Place at which the largest value of a measure in row `j` of a lane is, or one that is NaN.
     fn largest_in_row(&self, lane: usize, measure: GradientMeasure, j: usize) -> usize {
         let mut largest = (f64::NEG_INFINITY, 0);

@@ -10,15 +10,15 @@ mod lanes;
 mod measure;
 
 pub use arithmetic::V;
-pub use lanes::{LaneStart, Lanes, Order};
+pub use lanes::{Lanes, Order};
 
 use super::engine::{self, within};
 use super::method::gradient_extrema;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::saddle::{
-    End, Engine, Goals, JobGoal, Method, NestedGrids, Outcome, Pair, RunState, SaddleDomain,
-    StopRule, run_nested, tolerance,
+    End, Engine, Goals, JobGoal, Method, NestedGrids, Outcome, Pair, RunStart, RunState,
+    SaddleDomain, StopRule, run_nested, tolerance,
 };
 use std::array::from_fn;
 use std::convert::Infallible;
@@ -46,9 +46,13 @@ pub struct Job<'a> {
 impl Job<'_> {
     /// Judges the end of this run and its last pair.
     pub fn outcome(&self, grid: Grid, law: Law, end: &End, pair: &Pair) -> Outcome {
-        let (problem, mut copy) = (law.with_load(self.load), pair.clone());
-        let mut engine = grid.engine(problem, Method::ArrowHurwicz, self.r, &mut copy);
-        Outcome::judge(grid, problem, pair, end, gradient_extrema(&mut *engine))
+        let mut engine = grid.engine(law, &RunStart { pair, ..self.run() });
+        let gradient = gradient_extrema(&mut *engine);
+        Outcome::judge(grid, law.with_load(self.load), pair, end, gradient)
+    }
+
+    fn run(&self) -> RunStart<'_> {
+        RunStart { load: self.load, method: self.method, r: self.r, pair: self.start }
     }
 }
 
@@ -78,11 +82,11 @@ struct JobQueue<'a> {
 impl JobQueue<'_> {
     /// Puts the next job into a lane.
     fn enter(&mut self, lanes: &mut Lanes, lane: usize) -> Option<RunState> {
-        let &Job { load, start, method, r, cap, .. } = self.jobs.get(self.next)?;
+        let job = self.jobs.get(self.next)?;
         self.in_lanes[lane] = self.next;
         self.next += 1;
-        lanes.enter(lane, &LaneStart { r, load, weight: method.weight(), start });
-        Some(RunState::new(method, cap, load))
+        lanes.enter(lane, &job.run());
+        Some(RunState::new(&job.run(), job.cap))
     }
 }
 

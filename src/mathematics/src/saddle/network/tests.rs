@@ -4,7 +4,7 @@ use super::*;
 use crate::discrete::grid::Grid;
 use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
-use crate::saddle::{Params, StopRule, solve};
+use crate::saddle::{Method, Params, StopRule, solve};
 
 #[test]
 fn uzawa_ends_at_the_rounding_errors_of_huge_loads() {
