@@ -88,7 +88,8 @@ pub trait Goals<E: ?Sized, const K: usize> {
     /// Called after the sweeps over y, before the multiplier's step (12).
     fn before_step(&mut self, _engine: &mut E, _runs: &[Option<RunState>; K]) {}
 
-    /// True in each lane whose run has reached its goal; asked of the `runs` that have just taken the step (12).
+    /// True in each lane whose run has reached its goal; asked after each sweep of the `runs` that have then taken the step
+    /// (12).
     fn reached(&mut self, engine: &mut E, runs: [Option<&RunState>; K]) -> [bool; K];
 
     /// Takes the end of the run in a lane, and returns the run that enters this lane instead.
@@ -143,21 +144,11 @@ pub fn run<const K: usize, E: Engine<K> + ?Sized>(
         engine.sweep();
         let minimised = count_sweep(engine, &mut runs);
         goals.before_step(engine, &runs);
-        let stepped = minimised.contains(&true) && {
-            let changes = engine.dual_step(minimised);
-            take_step(engine, &mut runs, minimised, changes);
-            true
-        };
-        let mut reached = [false; K];
-        if stepped {
-            reached = goals.reached(
-                engine,
-                from_fn(|lane| {
-                    let run = runs[lane].as_ref()?;
-                    (minimised[lane] && !run.has_diverged()).then_some(run)
-                }),
-            );
-        }
+        take_step(engine, &mut runs, minimised);
+        let asked = from_fn(|lane| {
+            runs[lane].as_ref().filter(|run| minimised[lane] && !run.has_diverged())
+        });
+        let reached = goals.reached(engine, asked);
         for (lane, place) in runs.iter_mut().enumerate() {
             let Some(run) = place else { continue };
             let stop = if run.has_diverged() {
@@ -196,14 +187,16 @@ fn count_sweep<const K: usize>(
     from_fn(|lane| runs[lane].is_some() && (bounds[lane].is_none() || minimised[lane]))
 }
 
-/// Takes the changes of the multiplier into account, in the lanes where it has taken a step.
+/// Takes the step of the multiplier in some lanes, and relaxes the bounds of their inner problems if they are loose.
 fn take_step<const K: usize>(
     engine: &mut (impl Engine<K> + ?Sized),
     runs: &mut [Option<RunState>; K],
     lanes: [bool; K],
-    changes: [f64; K],
 ) {
-    let mut gradients = None;
+    if lanes == [false; K] {
+        return;
+    }
+    let (changes, mut gradients) = (engine.dual_step(lanes), None);
     for (lane, run) in runs.iter_mut().enumerate() {
         let Some(run) = run.as_mut().filter(|_| lanes[lane]) else { continue };
         run.iterations += 1;

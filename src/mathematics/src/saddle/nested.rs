@@ -1,6 +1,6 @@
 //! Runs over nested grids and networks: on each from the interpolated pair of the one before.
 
-use super::method::{Iteration, OnIteration, Params, SaddleDomain, solve};
+use super::solve::{Iteration, OnIteration, Params, SaddleDomain, solve};
 use super::{Outcome, Pair};
 use crate::discrete::grid::Grid;
 use crate::discrete::law_and_load::LawAndLoads;

@@ -116,6 +116,3 @@ impl Engine<1> for OnNetwork<'_> {
         Cow::Borrowed(&self.pair)
     }
 }
-
-#[cfg(test)]
-mod tests;

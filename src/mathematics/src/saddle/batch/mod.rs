@@ -13,7 +13,7 @@ pub use arithmetic::V;
 pub use lanes::{Lanes, Order};
 
 use super::engine::{self, within};
-use super::method::gradient_extrema;
+use super::solve::gradient_extrema;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::saddle::{
