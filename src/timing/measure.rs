@@ -24,7 +24,9 @@ use signorini_mathematics::multigrid::{Multigrid, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz, solve_nested};
+use signorini_mathematics::saddle::{
+    NestedGrids, Pair, Params, StopRule, arrow_hurwicz, solve_nested,
+};
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::spectral::{self, spectral};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -252,11 +254,11 @@ fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<Reached,
     let grids = nested(&cells).map_err(|e| e.to_string())?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::default())).collect();
     let problem = Law::SIGNORINI.with_loads(&loads);
+    let levels = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
     let params = Params { r: R, rule: StopRule::Signed, ..Params::default() };
-    let (_, Pair { y, .. }) =
-        solve_nested(&grids, problem, &params, Prolongation::default(), &mut ());
+    let (_, Pair { y, .. }) = solve_nested(&levels, problem, &params, &mut ());
     let MedianTime { seconds, spread } = time(plan.repeats, || {
-        solve_nested(&grids, problem, &params, Prolongation::default(), &mut ());
+        solve_nested(&levels, problem, &params, &mut ());
     });
     Ok(Reached {
         solver: Solver::ArrowHurwicz,

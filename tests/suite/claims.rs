@@ -7,7 +7,7 @@ use signorini_mathematics::experiments::claims::{
     ClaimMeasure, ClaimVerdict, Claims, ClaimsPlan, claims,
 };
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
+use signorini_mathematics::saddle::{NestedGrids, Params, StopRule, solve_nested};
 use std::sync::OnceLock;
 
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
@@ -62,10 +62,9 @@ fn the_lanes_count_what_the_solver_counts() {
         let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &scene.on_grids().grids,
+            &NestedGrids { grids: &scene.on_grids().grids, prolongation: scene.prolongation },
             Law::SIGNORINI.with_loads(&loads),
             &params,
-            scene.prolongation,
             &mut (),
         );
         let theirs: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();

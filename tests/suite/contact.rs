@@ -4,7 +4,6 @@ use crate::common::Dice;
 use crate::domains::{CubeMesh, run};
 use signorini_mathematics::discrete::contact::arcs;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini_mathematics::multigrid::active_set::active_set;
@@ -146,7 +145,7 @@ fn the_multiplier_of_the_cube_has_the_total_force() {
             continue;
         }
         let (y, _) = run(&cube, &load, Goal::RoundingFloor);
-        let judgement = judge_network(cube.network(), Law::SIGNORINI, &y, &load);
+        let judgement = judge(cube.network(), Law::SIGNORINI, &y, &load);
         let a = judgement.multiplier(&y);
         let forces = judgement.contact.iter().zip(&a).map(|(contact, a)| contact.measure * a);
         let force: f64 = forces.sum();

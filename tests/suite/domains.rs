@@ -3,7 +3,7 @@
 
 use crate::multigrid::{exact_loads, natural_residual};
 use crate::solvers::{assert_threads_do_not_matter, distance};
-use signorini_mathematics::discrete::judging::judge_network;
+use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::nested::NestedNetwork;
 use signorini_mathematics::discrete::network::Network;
@@ -120,7 +120,7 @@ impl Domain for CubeMesh {
     }
 
     fn natural_residual(&self, y: &[f64], load: &[f64]) -> f64 {
-        judge_network(self.network(), Law::SIGNORINI, y, load).kkt.natural
+        judge(self.network(), Law::SIGNORINI, y, load).kkt.natural
     }
 
     fn exact_loads(&self) -> Vec<Named> {

@@ -13,7 +13,7 @@ use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, solve_nested};
+use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve_nested};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -79,10 +79,9 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
         for (row, &r) in scene.r.iter().enumerate() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
             let (outcomes, _) = solve_nested(
-                &grids,
+                &NestedGrids { grids: &grids, prolongation: scene.prolongation },
                 Law::SIGNORINI.with_loads(&loads),
                 &params,
-                scene.prolongation,
                 &mut (),
             );
             let theirs: f64 = tables[k]["delta_a"][row].as_str().unwrap().parse().unwrap();
@@ -126,10 +125,9 @@ const answer = JSON.stringify(texts.map((f) => {
         let after = |grids: &[Grid], max_iterations| {
             let params = params(max_iterations);
             let (_, pair) = solve_nested(
-                grids,
+                &NestedGrids { grids, prolongation: Prolongation::default() },
                 Law::SIGNORINI.with_loads(&loads[..grids.len()]),
                 &params,
-                Prolongation::default(),
                 &mut (),
             );
             digits(&pair.in_contact(grids[grids.len() - 1], Law::SIGNORINI))

@@ -5,7 +5,7 @@ use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::identify::*;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
+use signorini_mathematics::saddle::{NestedGrids, Params, StopRule, solve_nested};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
@@ -55,10 +55,9 @@ fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
     for r in R {
         let params = Params { r, rule, max_iterations: 5000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &grids,
+            &NestedGrids { grids: &grids, prolongation: variant.prolongation },
             Law::SIGNORINI.with_loads(&loads),
             &params,
-            variant.prolongation,
             &mut (),
         );
         table.counts.push(outcomes.iter().map(|o| Some(o.iterations)).collect());

@@ -5,7 +5,7 @@ use crate::domains::CubeMesh;
 use signorini_mathematics::bounds::triangulation::bounds_on_mesh;
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::judging::judge_network;
+use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, mesh_load, refined};
@@ -283,7 +283,7 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
                 let network = &levels[times].network;
                 let made = mesh_load(&mesh, &f).unwrap();
                 let (y, _) = active_set_on(network, law, &made.load).unwrap();
-                let states = judge_network(network, law, &y, &made.load).states;
+                let states = judge(network, law, &y, &made.load).states;
                 let both = [BoundaryState::SlipsUp, BoundaryState::SlipsDown];
                 with_both_signs += usize::from(both.iter().all(|state| states.contains(state)));
                 for size in [0.0, 1e-6, 1e-2, 1.0] {

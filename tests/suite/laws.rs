@@ -3,7 +3,6 @@
 use crate::common::Dice;
 use crate::domains::CubeMesh;
 use signorini_mathematics::discrete::grid::{Grid, nested};
-use signorini_mathematics::discrete::judging::judge_network;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::load::{LoadRule, load};
@@ -20,7 +19,7 @@ use signorini_mathematics::multigrid::{
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, solve, solve_nested};
+use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve, solve_nested};
 
 /// Iterations of the paper's method for the problems with friction under the printed rule with r = 1e6 on 1/4 to 1/64, as a
 /// program written apart from this one counts them.
@@ -86,7 +85,7 @@ fn compare(
         let (y, outcome) = solve(law.with_load(&load)).unwrap();
         assert_eq!(outcome.stop, Stop::RoundingFloor, "{problem}: {law}");
         let (expected, _) = active_set_on(network, law, &load).unwrap();
-        let judged = judge_network(network, law, &y, &load);
+        let judged = judge(network, law, &y, &load);
         let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
         let far = y.iter().zip(&expected).any(|(a, b)| (a - b).abs() > 1e-8 * largest);
         assert!(!far && judged.kkt.relative < 1e-8, "{problem}: {law} {:?}", judged.kkt);
@@ -150,10 +149,9 @@ fn the_papers_method_with_friction_has_the_counts_of_another_program() {
             grids.iter().map(|&grid| load(grid, &f, LoadRule::LumpedAverage {})).collect();
         let params = Params { r: 1e6, rule: StopRule::Printed, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &grids,
+            &NestedGrids { grids: &grids, prolongation: Prolongation::default() },
             problem.law().with_loads(&loads),
             &params,
-            Prolongation::default(),
             &mut (),
         );
         let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
@@ -283,7 +281,7 @@ fn components_may_slip_in_opposite_directions() {
         }
     }
     assert!(left > 0.01, "{left}");
-    assert!(judge_network(network, law, &y, &load).kkt.relative < 1e-9);
+    assert!(judge(network, law, &y, &load).kkt.relative < 1e-9);
 }
 
 #[test]

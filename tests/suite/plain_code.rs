@@ -16,6 +16,9 @@ const ARGUMENTS: usize = 5;
 /// First words of documentation that hide the noun.
 const INDIRECT: [&str; 6] = ["What", "Whether", "Where", "How", "The same", "Its"];
 
+/// Most functions with a loop over the iterations of the saddle-point methods.
+const ITERATION_LOOPS: usize = 1;
+
 /// A source file: its path from the root of the repository, and its text.
 struct Source {
     path: String,
@@ -151,6 +154,28 @@ fn functions_take_few_arguments() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
+/// Names of the functions of a text, unit tests apart, that take the step (12) of the multiplier: each goes round in a loop
+/// over iterations, itself or with its callers. An engine's own `dual_step` may pass the call on.
+fn stepping_functions(text: &str) -> Vec<&str> {
+    let code = text.split("mod tests {").next().unwrap_or_default();
+    let functions = code.split("fn ").skip(1);
+    let stepping = functions.filter(|body| {
+        let lines = body.lines().filter(|line| !line.trim_start().starts_with("//"));
+        lines.into_iter().any(|line| line.contains(".dual_step("))
+    });
+    stepping.filter_map(name_of).filter(|name| *name != "dual_step").collect()
+}
+
+#[test]
+fn one_function_has_a_loop_over_the_iterations_of_the_paper() {
+    let mut found = Vec::new();
+    for source in sources().iter().filter(|source| !source.path.ends_with("tests.rs")) {
+        let names = stepping_functions(&source.text);
+        found.extend(names.into_iter().map(|name| format!("{}: {name}", source.path)));
+    }
+    assert!(!found.is_empty() && found.len() <= ITERATION_LOOPS, "{found:#?}");
+}
+
 #[test]
 fn the_counts_see_what_they_count() {
     let text = "let a = |x| x;\nlet mut b: F =\n    move |y| y;\nlet c = 1;\nlet d = f(|x| x);";
@@ -160,4 +185,7 @@ fn the_counts_see_what_they_count() {
     let text =
         "fn f<const N: usize>(a: [f64; 2], (b, c): (A<B, C>, D), d: impl Fn(u8, u8) -> u8) {}";
     assert_eq!(arguments(text), [("f", 3)]);
+    let text = "fn dual_step() { plain.dual_step(pair) }\nfn run() {\n    // e.dual_step()\n    e.dual_step(k);\n}\n\
+        fn other() {\n    // e.dual_step()\n}\nmod tests {\nfn of_test() { e.dual_step(k) }";
+    assert_eq!(stepping_functions(text), ["run"]);
 }

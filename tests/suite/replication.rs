@@ -15,8 +15,8 @@ use signorini_mathematics::mesh::{assemble, uniform_square};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::{
-    Monitor, Pair, Params, Plain, PlainEnd, StopRule, arrow_hurwicz, on_nested, solve_nested,
-    tolerance,
+    Monitor, NestedGrids, NestedLevels, Outcome, Pair, Params, StopRule, arrow_hurwicz, run_nested,
+    solve, solve_nested, tolerance,
 };
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
@@ -29,10 +29,9 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &scene.on_grids().grids,
+            &NestedGrids { grids: &scene.on_grids().grids, prolongation: scene.prolongation },
             Law::SIGNORINI.with_loads(&loads),
             &params,
-            scene.prolongation,
             &mut (),
         );
         Row {
@@ -73,31 +72,25 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let (grids, loads) =
             (&scene.on_grids().grids, scene.on_grids().grids.iter().map(load).collect::<Vec<_>>());
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
-        let (made, made_pair) = solve_nested(
-            grids,
-            Law::SIGNORINI.with_loads(&loads),
-            &params,
-            scene.prolongation,
-            &mut (),
-        );
-        let (defined, pair) =
-            on_nested(grids, &loads, scene.prolongation, |level, grid, load, pair| {
-                let definition =
-                    Plain { network: &Network::of_square(grid), law: Law::SIGNORINI, load, r };
-                (definition.iterate(rule, tolerance(level), CAP, pair), Stop::Converged)
-            });
-        let made: Vec<_> = made
-            .iter()
-            .map(|outcome| PlainEnd {
-                iterations: outcome.iterations,
-                met: outcome.stop == Stop::Converged,
-                delta_a: outcome.delta_a,
-            })
-            .collect();
-        assert_eq!(defined, made, "{name} {rule} r = {r}");
+        let levels = NestedGrids { grids, prolongation: scene.prolongation };
+        let problem = Law::SIGNORINI.with_loads(&loads);
+        let (made, made_pair) = solve_nested(&levels, problem, &params, &mut ());
+        let (mut pair, mut defined) = (vec![Pair::zero(grids[0])], Vec::new());
+        run_nested(&levels, &mut pair, |k, pair: &mut Vec<Pair>| {
+            let network = Network::of_square(grids[k]);
+            let params = Params { tolerance: tolerance(k + 1), ..params };
+            let problem = Law::SIGNORINI.with_load(&loads[k]);
+            defined.push(solve(&network, problem, &params, &mut pair[0], None));
+            Ok::<(), ()>(())
+        })
+        .unwrap();
+        let ends = |outcomes: &[Outcome]| -> Vec<_> {
+            outcomes.iter().map(|end| (end.iterations, end.stop, end.delta_a)).collect()
+        };
+        assert_eq!(ends(&defined), ends(&made), "{name} {rule} r = {r}");
         let bits =
             |pair: &Pair| pair.y.iter().chain(&pair.a).map(|v| v.to_bits()).collect::<Vec<_>>();
-        assert!(bits(&pair) == bits(&made_pair), "{name} {rule} r = {r}");
+        assert!(bits(&pair[0]) == bits(&made_pair), "{name} {rule} r = {r}");
     }
 }
 
@@ -119,11 +112,13 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
         let scene = project.scene(name).unwrap();
         let mut rows = Vec::new();
         for &r in &scene.r {
+            let (grids, prolongation) = (&scene.on_grids().grids[..], Prolongation::Bilinear);
+            let levels = NestedGrids { grids, prolongation };
             let (mut pair, mut counts, mut delta_a) =
                 (Pair::zero(scene.on_grids().grids[0]), vec![], 0.0);
             for (k, &grid) in scene.on_grids().grids.iter().enumerate() {
                 if k > 0 {
-                    pair = pair.prolonged(scene.on_grids().grids[k - 1], Prolongation::Bilinear);
+                    pair = levels.interpolated(k, &pair);
                 }
                 let mesh = uniform_square(grid);
                 let network = assemble(&mesh);
@@ -134,9 +129,9 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
                 let nodal = mesh.points().iter().zip(network.masses());
                 let load: Vec<f64> = nodal.map(|(point, mass)| f_at(point) * mass).collect();
                 let mut general = Pair { y: pair.y, a: reordered(grid, &network, &pair.a, true) };
-                let definition = Plain { network: &network, law: Law::SIGNORINI, load: &load, r };
-                let end =
-                    definition.iterate(StopRule::Signed, tolerance(k + 1), 100_000, &mut general);
+                let params = Params { r, tolerance: tolerance(k + 1), ..Params::default() };
+                let problem = Law::SIGNORINI.with_load(&load);
+                let end = solve(&network, problem, &params, &mut general, None);
                 counts.push(end.iterations);
                 delta_a = end.delta_a;
                 pair = Pair { a: reordered(grid, &network, &general.a, false), y: general.y };
@@ -184,11 +179,15 @@ fn counts_hold_each_value_of_f_within_a_few_thousandths() {
 }
 
 /// Keeps the greatest nodal error on each grid.
-struct Errors<F>(F, Vec<f64>);
+struct Errors<'a, F> {
+    exact: F,
+    grids: &'a [Grid],
+    errors: Vec<f64>,
+}
 
-impl<F: Fn(f64, f64) -> f64> Monitor for Errors<F> {
-    fn level(&mut self, grid: Grid, pair: &Pair) {
-        self.1.push(max_error(grid, &pair.y, &self.0));
+impl<F: Fn(f64, f64) -> f64> Monitor for Errors<'_, F> {
+    fn level(&mut self, level: usize, pair: &Pair) {
+        self.errors.push(max_error(self.grids[level - 1], &pair.y, &self.exact));
     }
 }
 
@@ -229,14 +228,14 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     let loads: Vec<_> =
         grids.iter().map(|&grid| load(grid, &scene.on_grids().f, scene.on_grids().load)).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
-    let mut errors = Errors(|x, y| exact.at(x, y).value, Vec::new());
+    let mut errors =
+        Errors { exact: |x, y| exact.at(x, y).value, grids: &grids, errors: Vec::new() };
     solve_nested(
-        &grids,
+        &NestedGrids { grids: &grids, prolongation: scene.prolongation },
         Law::SIGNORINI.with_loads(&loads),
         &params,
-        scene.prolongation,
         &mut errors,
     );
-    let order = (errors.1[3] / errors.1[4]).log2();
-    assert!(order < 1.7, "order {order} of {:?}", errors.1);
+    let order = (errors.errors[3] / errors.errors[4]).log2();
+    assert!(order < 1.7, "order {order} of {:?}", errors.errors);
 }

@@ -4,7 +4,7 @@ use crate::common::this_project as project;
 use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::load;
-use signorini_mathematics::saddle::{Pair, tolerance};
+use signorini_mathematics::saddle::{NestedGrids, Pair, run_nested, tolerance};
 
 /// Neighbours of a node in its row of the stiffness matrix (5).
 enum Row {
@@ -114,21 +114,23 @@ fn wide(values: &[f32]) -> Vec<f64> {
 
 /// Returns the counts for one r on all grids of a scene. From grid to grid the pair is prolonged in double precision.
 fn counts(scene: &Scene, r: f64, limit: usize) -> Vec<Option<usize>> {
-    let mut start = Pair::zero(scene.on_grids().grids[0]);
-    let mut counts = Vec::new();
-    for (k, &grid) in scene.on_grids().grids.iter().enumerate() {
+    let (grids, mut counts) = (&scene.on_grids().grids[..], Vec::new());
+    let levels = NestedGrids { grids, prolongation: scene.prolongation };
+    run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
+        let grid = grids[k];
         let mut single = Single {
             rows: (0..grid.nodes()).map(|node| Row::of(grid, node)).collect(),
             load: narrow(&load(grid, &scene.on_grids().f, scene.on_grids().load)),
             h: grid.h() as f32,
             r: r as f32,
-            y: narrow(&start.y),
-            a: narrow(&start.a),
+            y: narrow(&pair.y),
+            a: narrow(&pair.a),
         };
         counts.push(single.count(tolerance(k + 1) as f32, limit));
-        let end = Pair { y: wide(&single.y), a: wide(&single.a) };
-        start = end.prolonged(grid, scene.prolongation);
-    }
+        *pair = Pair { y: wide(&single.y), a: wide(&single.a) };
+        Ok::<(), ()>(())
+    })
+    .unwrap();
     counts
 }
 

@@ -8,7 +8,7 @@ use signorini_mathematics::multigrid::active_set::active_set_on;
 use signorini_mathematics::multigrid::{Goal, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, solve_network};
+use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini_mathematics::triangulated::MeshProblem;
 use std::f64::consts::PI;
 use std::fs;
@@ -129,8 +129,8 @@ fn the_papers_method_on_the_cube_ends_at_the_solution() {
     let (network, load) = (problem.network(), &problem.f.load);
     let params =
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
-    let mut pair = Pair::zero_on(network);
-    let run = solve_network(network, Law::SIGNORINI.with_load(load), &params, &mut pair);
+    let mut pair = Pair::zero(network);
+    let run = arrow_hurwicz(network, Law::SIGNORINI.with_load(load), &params, &mut pair);
     assert_eq!(run.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");

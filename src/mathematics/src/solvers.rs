@@ -10,7 +10,7 @@ use crate::levels::{Discrete, NodalVectors, Problem, Unsolvable};
 use crate::multigrid::active_set::{ActiveSetOutcome, MOST_CELLS, active_set, active_set_on};
 use crate::multigrid::{Goal, InputError, MultigridOutcome, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
-use crate::saddle::{self, Method, Pair, Params, on_nested, solve_networks, tolerance};
+use crate::saddle::{self, Method, NestedGrids, Outcome, Params};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
@@ -225,6 +225,23 @@ pub struct LevelEnd {
 }
 
 impl LevelEnd {
+    /// End of a saddle-point method on a level of this number.
+    fn of_outcome((level, outcome): (usize, &Outcome)) -> Self {
+        Self {
+            level,
+            cells: outcome.cells,
+            nodes: outcome.nodes,
+            iterations: outcome.iterations,
+            sweeps: Some(outcome.sweeps),
+            work_units: None,
+            stop: outcome.stop,
+            energy: outcome.energy,
+            sum_load: outcome.sum_load,
+            kkt: outcome.kkt,
+            verdict: outcome.verdict(),
+        }
+    }
+
     /// Name of the level in a table: `1/64`, or the number of nodes of a mesh.
     pub fn label(&self) -> String {
         self.cells.map_or_else(|| self.nodes.to_string(), |cells| format!("1/{cells}"))
@@ -343,46 +360,20 @@ fn solve_nested(
     discrete: Discrete<'_>,
 ) -> Result<Run, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
-    let (mut ends, mut last) = (Vec::new(), None);
-    let mut add = |level: usize, counts: [usize; 2], stop: Stop, pair: &Pair| {
-        let vectors = NodalVectors { y: &pair.y, load: &loads[level] };
-        let judgement = problem.judge_on(level, vectors);
-        let [iterations, sweeps] = counts;
-        let end = judged(problem, vectors, &judgement, level);
-        ends.push(LevelEnd { iterations, sweeps: Some(sweeps), stop, ..end });
-        last = Some(judgement);
-    };
-    let method = |tolerance: f64| {
-        settings.solver.method(0.1 * tolerance, false).expect("a saddle-point method")
-    };
-    let pair = match discrete {
+    let method = settings.solver.method(0.0, false).expect("a saddle-point method");
+    let params = Params { method, ..settings.params };
+    let loaded = problem.law().with_loads(&loads);
+    let (outcomes, pair) = match discrete {
         Discrete::Lattices(lattices) => {
-            let (_, pair) = on_nested(
-                lattices.grids(),
-                &loads,
-                settings.prolongation,
-                |k, grid, load, pair| {
-                    let tolerance = tolerance(k);
-                    let params = Params { method: method(tolerance), tolerance, ..settings.params };
-                    let run =
-                        saddle::solve(grid, problem.law().with_load(load), &params, pair, None);
-                    let stop = run.outcome.stop;
-                    add(k - 1, [run.outcome.iterations, run.sweeps], stop, pair);
-                    ((), stop)
-                },
-            );
-            pair
+            let (grids, prolongation) = (lattices.grids(), settings.prolongation);
+            saddle::solve_nested(&NestedGrids { grids, prolongation }, loaded, &params, &mut ())
         }
-        Discrete::Networks(networks) => {
-            let params = Params { method: method(0.0), ..settings.params };
-            let loaded = problem.law().with_loads(&loads);
-            solve_networks(networks, loaded, &params, &mut |k, run, pair| {
-                add(k, [run.iterations, run.sweeps], run.stop, pair);
-            })
-        }
+        Discrete::Networks(networks) => saddle::solve_nested(networks, loaded, &params, &mut ()),
     };
-    let judgement = last.expect("at least one level");
-    Ok(Run { y: pair.y, ends, judgement })
+    let ends: Vec<_> = outcomes.iter().enumerate().map(LevelEnd::of_outcome).collect();
+    let (level, y) = (ends.len() - 1, pair.y);
+    let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
+    Ok(Run { y, ends, judgement })
 }
 
 fn vectors(_: u64) -> u64 {

@@ -3,8 +3,7 @@
 use crate::bounds::triangulation::bounds_on_mesh;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::judging::judge_network;
-use crate::discrete::kkt::Judgement;
+use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{
@@ -133,7 +132,7 @@ impl MeshProblem {
 
     /// Judges a nodal vector of the finest mesh, apart from the solvers.
     pub fn judge(&self, y: &[f64]) -> Judgement {
-        judge_network(self.network(), self.law, y, &self.f.load)
+        judge(self.network(), self.law, y, &self.f.load)
     }
 
     /// Returns guaranteed bounds for a nodal vector of the finest mesh.

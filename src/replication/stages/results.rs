@@ -168,22 +168,7 @@ struct GridSolve<'a> {
     outcome: Outcome,
 }
 
-/// Size of a grid or mesh.
-struct GridSize {
-    /// Cells per side of a grid of the square.
-    cells: Option<i64>,
-    nodes: i64,
-}
-
 impl GridSolve<'_> {
-    fn size(&self) -> GridSize {
-        let size = self.outcome.cells as i64;
-        match self.scene.problem.square() {
-            Some(_) => GridSize { cells: Some(size), nodes: (size + 1) * (size + 1) },
-            None => GridSize { cells: None, nodes: size },
-        }
-    }
-
     /// Place in the published table of the scene, if the paper prints r: the table and the number of its row.
     fn published_row<'p>(&self, paper: &'p Paper) -> Option<(&'p PublishedTable, usize)> {
         let table = paper.published(self.scene.paper_table?).ok()?;
@@ -226,8 +211,8 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "problem" => column(solves, |solve| &*solve.scene.name),
         "rule" => column(solves, |solve| solve.rule.name()),
         "r" => column(solves, |solve| solve.r),
-        "cells" => column(solves, |solve| solve.size().cells),
-        "nodes" => column(solves, |solve| solve.size().nodes),
+        "cells" => column(solves, |solve| solve.outcome.cells.map(|cells| cells as i64)),
+        "nodes" => column(solves, |solve| solve.outcome.nodes as i64),
         "tolerance" => column(solves, |solve| tolerance(solve.level)),
         "iterations" => column(solves, |solve| solve.outcome.iterations as i64),
         "stop" => column(solves, |solve| solve.outcome.end()),

@@ -17,7 +17,7 @@ use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::levels::{Discrete, Problem};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::saddle::{
-    Iteration, Monitor, Outcome, Pair, Params, Plain, StopRule, solve_nested, solve_networks,
+    Iteration, Monitor, NestedGrids, Outcome, Pair, Params, Plain, StopRule, solve_nested,
 };
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use std::borrow::Cow;
@@ -97,7 +97,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let mut stops = Stops::default();
     run(&drawn(scene), &InputFiles::new(), &mut stops)?;
-    Ok(stops.0)
+    Ok(scene.on_grids().grids.iter().copied().zip(stops.0).collect())
 }
 
 /// Returns the cell of a scene that is drawn: its first rule, with the drawn r.
@@ -107,11 +107,11 @@ pub(super) fn drawn(scene: &Scene) -> Cell {
 
 /// Monitor that keeps the last pair on each grid.
 #[derive(Default)]
-struct Stops(Vec<(Grid, Pair)>);
+struct Stops(Vec<Pair>);
 
 impl Monitor for Stops {
-    fn level(&mut self, grid: Grid, pair: &Pair) {
-        self.0.push((grid, pair.clone()));
+    fn level(&mut self, _: usize, pair: &Pair) {
+        self.0.push(pair.clone());
     }
 }
 
@@ -136,17 +136,12 @@ fn task(scene: &Scene, cell: Cell) -> Task {
     Task { files, ..task }
 }
 
-/// End of the paper's method on all levels.
-struct CellRun {
-    problem: Problem,
-    /// Outcome on each level.
-    levels: Vec<Outcome>,
-    /// Last pair.
-    pair: Pair,
-}
-
-/// Runs the paper's method for a cell, its mesh read from these files.
-fn run(cell: &Cell, files: &InputFiles, monitor: &mut impl Monitor) -> Result<CellRun, Failure> {
+/// Runs the paper's method for a cell, its mesh read from these files. Returns the outcome on each level, and the last pair.
+fn run(
+    cell: &Cell,
+    files: &InputFiles,
+    monitor: &mut impl Monitor,
+) -> Result<(Vec<Outcome>, Pair), Failure> {
     let problem = cell.problem.problem(files)?;
     let loads: Vec<_> =
         problem.loads().map_err(|e| e.to_string())?.into_iter().map(Cow::into_owned).collect();
@@ -159,43 +154,50 @@ fn run(cell: &Cell, files: &InputFiles, monitor: &mut impl Monitor) -> Result<Ce
     };
     let (levels, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
-            solve_nested(lattices.grids(), loaded, &params, cell.prolongation, monitor)
+            let nested = NestedGrids { grids: lattices.grids(), prolongation: cell.prolongation };
+            solve_nested(&nested, loaded, &params, monitor)
         }
-        Discrete::Networks(networks) => {
-            let mut levels = Vec::new();
-            let pair = solve_networks(networks, loaded, &params, &mut |k, run, pair| {
-                let (network, load) = (&networks[k].network, &loads[k][..]);
-                let plain = Plain { network, law: problem.law(), load, r: cell.r };
-                levels.push(run.outcome(&plain, pair));
-            });
-            (levels, pair)
-        }
+        Discrete::Networks(networks) => solve_nested(networks, loaded, &params, monitor),
     };
-    Ok(CellRun { problem, levels, pair })
+    Ok((levels, pair))
 }
 
 fn solve(cell: &Cell, files: &InputFiles) -> Result<Artifacts, Failure> {
-    let exact = cell.problem.square().and_then(|square| square.f.exact());
-    let mut recorder = Recorder { keep_history: cell.keep_history, exact, ..Recorder::default() };
-    let CellRun { problem, levels, pair } = run(cell, files, &mut recorder)?;
-    if let Some(last) = levels.last().filter(|last| last.stop == Stop::Diverged) {
-        return Err(format!(
-            "diverged on {} after {} iterations at r = {}; choose a smaller r or scale f down",
-            problem.levels().name(levels.len() - 1),
-            last.iterations,
-            cell.r
-        )
-        .into());
-    }
+    let (exact, grids) = match cell.problem.square() {
+        Some(square) => (square.f.exact(), square.grids.clone()),
+        None => (None, Vec::new()),
+    };
+    let mut recorder =
+        Recorder { keep_history: cell.keep_history, exact, grids, ..Recorder::default() };
+    let (levels, pair) = run(cell, files, &mut recorder)?;
     let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: recorder.errors };
-    let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(&outcomes))]);
-    if cell.keep_pair {
-        artifacts.insert(PAIR.into(), pair_bytes(&pair));
-    }
+    let mut artifacts = outcomes.artifacts(cell.keep_pair.then_some(&pair))?;
     if cell.keep_history {
         artifacts.insert(HISTORY.into(), to_json(&recorder.history));
     }
     Ok(artifacts)
+}
+
+impl Outcomes {
+    /// Artifacts with these outcomes, and the last pair if it is drawn; fails if the iteration diverged.
+    fn artifacts(&self, drawn: Option<&Pair>) -> Result<Artifacts, Failure> {
+        if let Some(last) = self.levels.last().filter(|last| last.stop == Stop::Diverged) {
+            let place = match last.cells {
+                Some(cells) => format!("grid 1/{cells}"),
+                None => format!("the mesh of {} nodes", last.nodes),
+            };
+            return Err(format!(
+                "diverged on {place} after {} iterations at r = {}; choose a smaller r or scale f down",
+                last.iterations, self.r
+            )
+            .into());
+        }
+        let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(self))]);
+        if let Some(pair) = drawn {
+            artifacts.insert(PAIR.into(), pair_bytes(pair));
+        }
+        Ok(artifacts)
+    }
 }
 
 /// Monitor that records the errors against a known solution and, if asked, all iterations.
@@ -203,6 +205,7 @@ fn solve(cell: &Cell, files: &InputFiles) -> Result<Artifacts, Failure> {
 struct Recorder {
     keep_history: bool,
     exact: Option<Exact>,
+    grids: Vec<Grid>,
     history: Vec<Vec<Iteration>>,
     errors: Vec<f64>,
 }
@@ -217,8 +220,9 @@ impl Monitor for Recorder {
         self.history[level - 1].push(*iteration);
     }
 
-    fn level(&mut self, grid: Grid, pair: &Pair) {
+    fn level(&mut self, level: usize, pair: &Pair) {
         if let Some(exact) = self.exact {
+            let grid = self.grids[level - 1];
             self.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
         }
     }
@@ -260,7 +264,7 @@ pub(crate) fn without_solution(
         let Ok(Outcomes { levels, .. }) = serde_json::from_slice(&bytes) else { continue };
         solved &= levels.last().is_none_or(|level| level.end() == CONVERGED);
         for level in &levels {
-            grids.entry(level.end()).or_default().insert(level.cells);
+            grids.entry(level.end()).or_default().insert(level.nodes);
         }
     }
     if solved {

@@ -38,7 +38,7 @@ pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
 /// Names of the nested meshes of a solve: their numbers of nodes.
 fn meshes(inputs: &Inputs, task: &str) -> Result<Vec<String>, String> {
     let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
-    Ok(levels.iter().map(|level| format!("{} nodes", level.cells)).collect())
+    Ok(levels.iter().map(|level| format!("{} nodes", level.nodes)).collect())
 }
 
 /// The rows of a table, one from each of the tasks `solves`.

@@ -8,7 +8,7 @@ use signorini_mathematics::experiments::work::{OnGrid, R};
 use signorini_mathematics::multigrid::active_set::{MOST_CELLS, active_set};
 use signorini_mathematics::multigrid::{MultigridParams, solve_square};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Method, Pair};
+use signorini_mathematics::saddle::{Method, NestedGrids, Pair, run_nested};
 use signorini_mathematics::solvers::{Solver, SolverRun};
 
 /// Relative natural residuals at which saddle-point methods are stopped.
@@ -75,15 +75,16 @@ impl TimedGoal {
 
 /// Runs a saddle-point method from zero over the nested grids, on each until the target is met.
 fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>> {
-    let mut pair = Pair::zero(levels[0].grid);
-    for (k, OnGrid { grid, load, .. }) in levels.iter().enumerate() {
-        if k > 0 {
-            pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
-        }
+    let grids: Vec<_> = levels.iter().map(|level| level.grid).collect();
+    let nested = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
+    let mut pair = [Pair::zero(grids[0])];
+    let reached = run_nested(&nested, &mut pair, |k, [pair]: &mut [Pair; 1]| {
+        let OnGrid { grid, load, .. } = &levels[k];
         let run = CheckedRun { grid: *grid, load, method, r: R, checks: CHECKS };
-        run.sweeps_until(&mut pair, |_, pair| {
-            kkt(*grid, Law::SIGNORINI, &pair.y, load).relative <= target
-        })?;
-    }
-    Some(pair.y)
+        let is_reached =
+            &mut |pair: &Pair| kkt(*grid, Law::SIGNORINI, &pair.y, load).relative <= target;
+        run.sweeps_until(pair, is_reached).map(drop).ok_or(())
+    });
+    let [pair] = pair;
+    reached.is_ok().then_some(pair.y)
 }

@@ -1,6 +1,7 @@
 //! One measure for every solver: how far a nodal vector is from the Karush-Kuhn-Tucker conditions.
 
 use crate::discrete::grid::Grid;
+use crate::discrete::network::Network;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::extremes::{max_or_nan, min_or_nan};
 use crate::machine::simd::Largest;
@@ -89,37 +90,122 @@ pub fn rounding(cells: usize, largest: f64) -> f64 {
     cells as f64 * f64::EPSILON * largest
 }
 
+/// Grid of the square, or network: where a discrete problem is posed.
+pub trait DiscreteDomain: Copy {
+    /// Size and boundary.
+    fn shape(self) -> DomainShape;
+
+    /// Takes the energy, values, loads and residuals of a nodal vector into account, and returns `A y - F` at the
+    /// contact nodes.
+    fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64>;
+}
+
+/// Size and boundary of a grid or network.
+pub struct DomainShape {
+    /// Number of nodes, the length of a nodal vector.
+    pub nodes: usize,
+    /// Cells per side of a uniform grid; none on a mesh.
+    pub cells: Option<usize>,
+    /// Boundary nodes where the law holds, in the order of a boundary vector.
+    pub contact: Vec<ContactNode>,
+    /// Length or area of the boundary where the law holds.
+    pub perimeter: f64,
+    /// True if y = 0 at some nodes.
+    pub has_fixed_part: bool,
+}
+
+impl DomainShape {
+    /// Cells per side of the grid; on a mesh, as many as would give as many nodes on the square.
+    pub fn width(&self) -> usize {
+        self.cells.unwrap_or_else(|| (self.nodes as f64).sqrt() as usize)
+    }
+
+    /// True if the discrete problem with this sum of its load vector has a solution: y = 0 at some nodes, or the flux
+    /// through the boundary can balance the load.
+    pub fn has_solution(&self, law: Law, sum_load: f64) -> bool {
+        self.has_fixed_part || law.check_solvable(sum_load, self.perimeter).is_ok()
+    }
+}
+
+impl DiscreteDomain for Grid {
+    fn shape(self) -> DomainShape {
+        DomainShape {
+            nodes: self.nodes(),
+            cells: Some(self.cells()),
+            contact: self.contact_nodes(),
+            perimeter: Self::PERIMETER,
+            has_fixed_part: false,
+        }
+    }
+
+    fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64> {
+        let (n, side) = (self.cells(), self.side());
+        let (mut gradient, mut flux) = (vec![0.0; side], vec![0.0; self.boundary_nodes()]);
+        let rows = y.chunks_exact(side).zip(load.chunks_exact(side));
+        for (j, (y_row, load_row)) in rows.enumerate() {
+            residual_row(self, j, y, load, &mut gradient);
+            judge.see(y_row, &gradient, load_row, j % n > 0);
+            let step = if j % n > 0 { n } else { 1 };
+            for i in (0..side).step_by(step) {
+                flux[self.boundary_index(i, j)] = gradient[i];
+            }
+        }
+        flux
+    }
+}
+
+impl DiscreteDomain for &Network {
+    fn shape(self) -> DomainShape {
+        DomainShape {
+            nodes: self.nodes(),
+            cells: None,
+            contact: self.contact().to_vec(),
+            perimeter: self.perimeter(),
+            has_fixed_part: !self.fixed().is_empty(),
+        }
+    }
+
+    /// A value at a fixed node counts as a residual.
+    fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; y.len()];
+        self.gradient(y, load, &mut gradient);
+        judge.see_all(self.energy(y, load), y, load);
+        let mut flux = Vec::with_capacity(self.contact().len());
+        for contact in self.contact() {
+            flux.push(std::mem::take(&mut gradient[contact.node]));
+        }
+        for &node in self.fixed() {
+            gradient[node as usize] = y[node as usize];
+        }
+        judge.see_residuals(&gradient);
+        flux
+    }
+}
+
 /// Judges the nodal vector `y` for the load vector `load` under a law.
 ///
 /// # Panics
-/// If a slice is not of length `grid.nodes()`.
-pub fn judge(grid: Grid, law: Law, y: &[f64], load: &[f64]) -> Judgement {
-    assert!(y.len() == grid.nodes() && load.len() == y.len());
-    let (n, side) = (grid.cells(), grid.side());
+/// If a slice is not a nodal vector of the domain.
+pub fn judge(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> Judgement {
+    let shape = domain.shape();
+    assert!(y.len() == shape.nodes && load.len() == y.len());
     let mut judge = Judge::default();
-    let (mut gradient, mut flux) = (vec![0.0; side], vec![0.0; grid.boundary_nodes()]);
-    for (j, (y_row, load_row)) in y.chunks_exact(side).zip(load.chunks_exact(side)).enumerate() {
-        residual_row(grid, j, y, load, &mut gradient);
-        judge.see(y_row, &gradient, load_row, j % n > 0);
-        let step = if j % n > 0 { n } else { 1 };
-        for i in (0..side).step_by(step) {
-            flux[grid.boundary_index(i, j)] = gradient[i];
-        }
-    }
-    judge.judgement(JudgedValues { law, cells: n, y, contact: grid.contact_nodes(), flux })
+    let flux = domain.report_to(&mut judge, y, load);
+    let cells = shape.width();
+    judge.judgement(JudgedValues { law, cells, y, contact: shape.contact, flux })
 }
 
 /// Residuals of the conditions for `y`, as [`judge`] finds it.
 ///
 /// # Panics
-/// If a slice is not of length `grid.nodes()`.
-pub fn kkt(grid: Grid, law: Law, y: &[f64], load: &[f64]) -> Kkt {
-    judge(grid, law, y, load).kkt
+/// If a slice is not a nodal vector of the domain.
+pub fn kkt(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> Kkt {
+    judge(domain, law, y, load).kkt
 }
 
 /// A judgement that takes one row of nodes after the other into account.
 #[derive(Default)]
-pub(crate) struct Judge {
+pub struct Judge {
     energy: f64,
     stationarity: Largest,
     load: Largest,
@@ -153,12 +239,11 @@ impl Judge {
         }
     }
 
-    /// Judge of nodes that are not in rows, where the `energy` is known: takes loads and values into account.
-    pub(crate) fn with_energy(energy: f64, y: &[f64], load: &[f64]) -> Self {
-        let mut judge = Self { energy, ..Self::default() };
-        judge.load.see(1.0, load);
-        judge.value.see(1.0, y);
-        judge
+    /// Takes into account the loads and values of all nodes, which are not in rows, and their `energy`.
+    pub(crate) fn see_all(&mut self, energy: f64, y: &[f64], load: &[f64]) {
+        self.energy += energy;
+        self.load.see(1.0, load);
+        self.value.see(1.0, y);
     }
 
     /// Takes into account quantities that are zero at the solution.

@@ -4,7 +4,6 @@ pub(crate) mod adaptive;
 pub mod cells;
 pub mod contact;
 pub mod grid;
-pub mod judging;
 pub mod kkt;
 pub mod law_and_load;
 pub mod load;

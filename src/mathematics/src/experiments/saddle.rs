@@ -2,7 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
-use crate::saddle::{Duality, Method, Pair, Steps};
+use crate::saddle::{Method, Pair, RunStart, RunState, SaddleDomain, run_alone};
 
 /// Uzawa's algorithm, each inner minimisation to a tenth of the gradient, with a proximal term of this weight.
 pub const fn loose_uzawa(weight: f64) -> Method {
@@ -35,33 +35,38 @@ pub struct CheckedRun<'a> {
 }
 
 impl CheckedRun<'_> {
-    fn duality(&self) -> Duality {
-        Duality { law: Law::SIGNORINI, r: self.r }
-    }
-
-    /// Changes `pair` until `done`, which is given the number of sweeps so far; returns the number of sweeps.
+    /// Changes `pair` until `done`, which is called before the first sweep too; returns the number of sweeps.
     ///
-    /// `None` if the method diverged, or the limit of sweeps was reached. `done` is called before the first sweep too.
+    /// `None` if the method diverged, or the limit of sweeps was reached.
     ///
     /// # Panics
     /// If `load` or `pair` does not belong to `grid`, or r is not positive.
     pub fn sweeps_until(
         &self,
         pair: &mut Pair,
-        mut done: impl FnMut(usize, &Pair) -> bool,
+        done: &mut dyn FnMut(&Pair) -> bool,
     ) -> Option<usize> {
-        let mut steps = Steps::new(self.grid, self.load, self.method, self.duality());
-        while !done(steps.sweeps(), pair) {
-            let many = match self.method {
-                Method::ArrowHurwicz => (steps.sweeps() / self.checks.share).max(1),
-                Method::Uzawa { .. } => 1,
-            };
-            for _ in 0..many {
-                if steps.step(pair, self.checks.limit).is_break() {
-                    return None;
-                }
-            }
+        let &Self { grid, load, method, r, checks } = self;
+        if done(pair) {
+            return Some(0);
         }
-        Some(steps.sweeps())
+        let start = RunStart { load, method, r, pair };
+        let mut engine = grid.engine(Law::SIGNORINI, &start);
+        let (state, mut next) = (RunState::new(&start, checks.limit), 1);
+        let end = run_alone(&mut *engine, state, &mut |engine, run| {
+            if run.sweeps < next {
+                return false;
+            }
+            next = run.sweeps
+                + match method {
+                    Method::ArrowHurwicz => (run.sweeps / checks.share).max(1),
+                    Method::Uzawa { .. } => 1,
+                };
+            done(&engine.pair(0))
+        });
+        let last = engine.pair(0).into_owned();
+        drop(engine);
+        *pair = last;
+        end.count()
     }
 }

@@ -6,8 +6,8 @@ use crate::discrete::stop::Stop;
 use crate::machine::simd::Largest;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::law::Law;
-use crate::saddle::StopRule;
-use crate::saddle::batch::{End, Job, JobGoal, run};
+use crate::saddle::batch::{Job, run};
+use crate::saddle::{End, JobGoal, Pair, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// End of a run, and the judgement of [`judge`] on the vector that it returned.
@@ -99,11 +99,11 @@ fn finite(x: f64) -> Option<f64> {
 /// bound nothing.
 pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
     let ends = run(grid, Law::SIGNORINI, jobs);
-    jobs.iter().zip(ends).map(|(job, end)| saddle_trial(grid, job, &end)).collect()
+    jobs.iter().zip(ends).map(|(job, (end, pair))| saddle_trial(grid, job, &end, &pair)).collect()
 }
 
-fn saddle_trial(grid: Grid, job: &Job, end: &End) -> Trial {
-    let stop = end.outcome(grid, Law::SIGNORINI, job).stop;
+fn saddle_trial(grid: Grid, job: &Job, end: &End, pair: &Pair) -> Trial {
+    let stop = job.outcome(grid, Law::SIGNORINI, end, pair).stop;
     let claim = match job.goal {
         JobGoal::Rule(StopRule::PrintedDual, tolerance) if stop == Stop::Converged => {
             Some(Claim::AtMost(tolerance * (1.0 / job.r).max(1.0)))
@@ -111,7 +111,7 @@ fn saddle_trial(grid: Grid, job: &Job, end: &End) -> Trial {
         _ => None,
     };
     let report = Report {
-        y: &end.pair.y,
+        y: &pair.y,
         stop: stop.to_string(),
         steps: end.sweeps,
         work: end.sweeps as f64,

@@ -13,7 +13,7 @@ use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::saddle::{Method, Pair};
+use crate::saddle::{Method, NestedGrids, Pair, run_nested};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -98,12 +98,12 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
         sweeps: Vec::new(),
         exponent: None,
     });
-    let mut pair = Pair::zero(grids[0]);
-    for (k, &grid) in grids.iter().enumerate() {
-        pair = match nested && k > 0 {
-            true => pair.prolonged(grids[k - 1], Prolongation::default()),
-            false => Pair::zero(grid),
-        };
+    let levels = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
+    run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
+        let grid = grids[k];
+        if !nested {
+            *pair = Pair::zero(grid);
+        }
         let load = load(grid, &source, LoadRule::default());
         let run =
             CheckedRun { grid, load: &load, method: Method::ArrowHurwicz, r: R, checks: CHECKS };
@@ -111,13 +111,14 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
         for law in &mut laws {
             let target = law.target;
             total += run
-                .sweeps_until(&mut pair, |_, pair| {
+                .sweeps_until(pair, &mut |pair| {
                     kkt(grid, Law::SIGNORINI, &pair.y, &load).relative <= target
                 })
                 .ok_or_else(|| format!("{f} on grid 1/{}: {target:e} not reached", grid.cells()))?;
             law.sweeps.push((grid.cells(), total));
         }
-    }
+        Ok::<(), String>(())
+    })?;
     for law in &mut laws {
         let finest = &law.sweeps[law.sweeps.len().saturating_sub(3)..];
         let points: Vec<_> = finest.iter().map(|&(n, sweeps)| (n as f64, sweeps as f64)).collect();
@@ -246,24 +247,23 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<WorkRun, String> {
 fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<WorkRun, String> {
     let mut all = WorkRun { method: name.into(), reached: Vec::new() };
     let mut visits = 0.0;
-    let mut pair = Pair::zero(levels[0].grid);
-    for (k, level) in levels.iter().enumerate() {
-        if k > 0 {
-            pair = pair.prolonged(levels[k - 1].grid, Prolongation::default());
-        }
-        let (grid, load) = (level.grid, &level.load[..]);
+    let grids: Vec<_> = levels.iter().map(|level| level.grid).collect();
+    let nested = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
+    run_nested(&nested, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
+        let OnGrid { grid, load, .. } = &levels[k];
         let (cells, unknowns) = (grid.cells(), grid.nodes() as f64);
-        let run = CheckedRun { grid, load, method, r: R, checks: CHECKS };
+        let run = CheckedRun { grid: *grid, load, method, r: R, checks: CHECKS };
         let mut error = 0.0;
-        let sweeps = run.sweeps_until(&mut pair, |_, pair| {
-            error = level.error(&pair.y);
-            level.is_reached(error)
+        let sweeps = run.sweeps_until(pair, &mut |pair| {
+            error = levels[k].error(&pair.y);
+            levels[k].is_reached(error)
         });
         let sweeps = sweeps.ok_or_else(|| {
             format!("{name} does not reach the discretisation error on grid 1/{cells}")
         })?;
         visits += sweeps as f64 * unknowns;
         all.reached.push(ReachedWork { cells, visits, work_units: visits / unknowns, error });
-    }
+        Ok::<(), String>(())
+    })?;
     Ok(all)
 }

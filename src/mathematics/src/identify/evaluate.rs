@@ -9,11 +9,11 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::load;
 use crate::discrete::transfer::Prolongation;
 use crate::problem::law::Law;
-use crate::saddle::Pair;
-use crate::saddle::batch::{GradientMeasure, LANES, Lanes, V};
+use crate::saddle::batch::{LANES, Lanes, V};
+use crate::saddle::{End, Engine, Goals, Method, Pair, RunStart, RunState, run};
 use std::ops::{Add, Mul};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// Result of a forced run: misfit of each published count.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,11 @@ impl Forced {
     /// True if every count comes out.
     pub fn is_exact(&self) -> bool {
         self.total == 0.0 && !self.delta_a.is_empty()
+    }
+
+    /// Sum of the misfits on one grid.
+    fn misfit_on(&self, level: usize) -> f64 {
+        self.misfit.iter().map(|row| row[level]).sum()
     }
 }
 
@@ -54,18 +59,12 @@ pub struct Evaluator<'a> {
     prolongation: Prolongation,
     /// `basis[geometry][level][p]`: load vector of the indicator of piece p.
     basis: Arc<Vec<Vec<Vec<Vec<f64>>>>>,
-    levels: Vec<Level>,
+    grids: Vec<Grid>,
+    /// Iterates on each grid.
+    lanes: Vec<Lanes>,
     entered: Vec<u64>,
     /// When set, forced runs and screenings are given up.
     halt: Option<&'a AtomicBool>,
-}
-
-/// A grid with the iterates on it.
-struct Level {
-    grid: Grid,
-    lanes: Lanes,
-    /// In each lane, the node that last failed the comparison: the likeliest to fail next.
-    witness: [usize; LANES],
 }
 
 impl<'a> Evaluator<'a> {
@@ -103,14 +102,13 @@ impl<'a> Evaluator<'a> {
             Prolongation::FallingDiagonal if against_x != against_y => Prolongation::RisingDiagonal,
             rule => rule,
         };
-        let level = |level| {
-            let grid = grid(level);
-            let lanes = Lanes::new(grid, Law::SIGNORINI, variant.order, variant.corner_weight());
-            Level { grid, lanes, witness: [0; LANES] }
-        };
-        let levels = (0..target.levels()).map(level).collect();
+        let grids: Vec<_> = (0..target.levels()).map(grid).collect();
+        let mut lanes = Vec::with_capacity(grids.len());
+        for &grid in &grids {
+            lanes.push(Lanes::new(grid, Law::SIGNORINI, variant.order, variant.corner_weight()));
+        }
         let entered = vec![0; target.levels()];
-        Self { target, variant, prolongation, levels, basis, entered, halt: None }
+        Self { target, variant, prolongation, basis, grids, lanes, entered, halt: None }
     }
 
     /// Evaluator whose forced runs end as one that misses every count once `halt` is set.
@@ -123,63 +121,91 @@ impl<'a> Evaluator<'a> {
         self.target
     }
 
-    fn is_halted(&self) -> bool {
-        self.halt.is_some_and(|halt| halt.load(Ordering::Relaxed))
-    }
-
     /// Number of runs that have entered each grid so far.
     pub fn entered(&self) -> &[u64] {
         &self.entered
     }
 
-    /// Sweep and dual step; `judge` is called when the variant evaluates the gradient.
+    /// Iterates on a grid in the lanes that have a limit, up to it; returns the ends, and in `pairs`, if they are wanted,
+    /// the last pairs.
+    ///
+    /// `judge` is called in each iteration, when the variant evaluates the gradient, with the number of the iteration and
+    /// the lanes that are under way; it returns the lanes that end.
     fn iterate(
         &mut self,
         level: usize,
-        mut judge: impl FnMut(&mut Level, GradientMeasure),
-    ) -> [f64; LANES] {
-        let (at, measure) = (&mut self.levels[level], self.variant.measure.in_lanes());
-        at.lanes.sweep();
-        let early = self.variant.residual == ResidualTime::BeforeDual;
-        if early {
-            judge(at, measure);
-        }
-        let change = at.lanes.step([true; LANES]);
-        if !early {
-            judge(at, measure);
-        }
-        change
+        limits: [Option<usize>; LANES],
+        pairs: Option<&mut [Pair]>,
+        judge: impl FnMut(&mut Lanes, usize, [bool; LANES]) -> [bool; LANES],
+    ) -> [Option<End>; LANES] {
+        let time = self.variant.residual;
+        let start =
+            RunStart { load: &[], method: Method::ArrowHurwicz, r: 1.0, pair: &Pair::default() };
+        let runs = limits.map(|limit| Some(RunState::new(&start, limit?)));
+        let (over, ends) = ([false; LANES], [None; LANES]);
+        let mut judged = JudgedRuns { time, judge, number: 0, over, pairs, ends };
+        run(&mut self.lanes[level], runs, &mut judged);
+        judged.ends
     }
 
     /// The load vector of the f with these values.
     fn load(&self, geometry: usize, level: usize, values: &[f64]) -> Vec<f64> {
-        let mut load = vec![0.0; self.levels[level].grid.nodes()];
+        let mut load = vec![0.0; self.grids[level].nodes()];
         combine(&mut load, &self.basis[geometry][level], values);
         load
     }
 
     /// Prepares one row for an f in each lane, from zero or from what the grid before has come to.
     fn enter_all(&mut self, geometry: usize, level: usize, values: [&[f64]; LANES], row: usize) {
-        let (coarser, rest) = self.levels.split_at_mut(level);
-        let at = &mut rest[0];
+        let (coarser, rest) = self.lanes.split_at_mut(level);
+        let lanes = &mut rest[0];
         let of_piece = |p| V(values.map(|values| values[p]));
         let values: Vec<_> = (0..values[0].len()).map(of_piece).collect();
-        let loads = at.lanes.enter_all(self.target.r[row]);
+        let loads = lanes.enter_all(self.target.r[row]);
         combine(loads, &self.basis[geometry][level], &values);
         if let Some(coarser) = coarser.last() {
-            let multiplier = self.variant.prolong_multiplier;
-            at.lanes.prolong(&coarser.lanes, self.prolongation, multiplier);
+            lanes.prolong(coarser, self.prolongation, self.variant.prolong_multiplier);
+        }
+    }
+}
+
+/// Runs that are judged when a variant evaluates the gradient.
+struct JudgedRuns<'a, J> {
+    time: ResidualTime,
+    judge: J,
+    /// Number of the last iteration.
+    number: usize,
+    /// Lanes that end.
+    over: [bool; LANES],
+    /// Last pairs, if they are wanted.
+    pairs: Option<&'a mut [Pair]>,
+    ends: [Option<End>; LANES],
+}
+
+impl<J> Goals<Lanes, LANES> for JudgedRuns<'_, J>
+where
+    J: FnMut(&mut Lanes, usize, [bool; LANES]) -> [bool; LANES],
+{
+    fn before_step(&mut self, lanes: &mut Lanes, runs: &[Option<RunState>; LANES]) {
+        self.number += 1;
+        if self.time == ResidualTime::BeforeDual {
+            self.over = (self.judge)(lanes, self.number, runs.each_ref().map(Option::is_some));
         }
     }
 
-    /// Pair from which lane `k` starts on the next grid.
-    fn passed_on(&self, level: usize, k: usize) -> Pair {
-        let Level { grid, lanes, .. } = &self.levels[level];
-        let mut pair = lanes.pair(k).prolonged(*grid, self.prolongation);
-        if !self.variant.prolong_multiplier {
-            pair.a.fill(0.0);
+    fn reached(&mut self, lanes: &mut Lanes, runs: [Option<&RunState>; LANES]) -> [bool; LANES] {
+        if self.time == ResidualTime::AfterDual {
+            self.over = (self.judge)(lanes, self.number, runs.map(|run| run.is_some()));
         }
-        pair
+        self.over
+    }
+
+    fn ended(&mut self, lanes: &mut Lanes, lane: usize, end: End) -> Option<RunState> {
+        self.ends[lane] = Some(end);
+        if let Some(pairs) = &mut self.pairs {
+            pairs[lane] = lanes.pair(lane).into_owned();
+        }
+        None
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::discrete::load::{Diagonal, LoadRule};
 use crate::discrete::transfer::Prolongation;
 use crate::problem::source::Tie;
-use crate::saddle::batch;
+use crate::saddle::GradientMeasure;
 pub use crate::saddle::batch::Order;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -35,10 +35,10 @@ pub enum Measure {
 }
 
 impl Measure {
-    pub(super) fn in_lanes(self) -> batch::GradientMeasure {
+    pub(super) fn in_lanes(self) -> GradientMeasure {
         match self {
-            Self::Signed => batch::GradientMeasure::Signed,
-            Self::Printed => batch::GradientMeasure::Printed,
+            Self::Signed => GradientMeasure::Signed,
+            Self::Printed => GradientMeasure::Printed,
         }
     }
 }

@@ -5,8 +5,7 @@ use super::{Discrete, Integrals, KnownErrors, Levels, NodalVectors, Unsolvable};
 use crate::bounds::triangulation::bounds_on_mesh;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::judging::judge_network;
-use crate::discrete::kkt::Judgement;
+use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh,
@@ -177,12 +176,11 @@ where
         law: Law,
         NodalVectors { y, load }: NodalVectors<'_>,
     ) -> Judgement {
-        judge_network(&self.nested.networks[level].network, law, y, load)
+        judge(&self.nested.networks[level].network, law, y, load)
     }
 
     fn in_contact(&self, law: Law, pair: &Pair) -> Vec<bool> {
-        let at_nodes = pair.in_contact_on(self.network(), law);
-        self.network().contact().iter().map(|contact| at_nodes[contact.node]).collect()
+        pair.in_contact(self.network(), law)
     }
 
     fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>> {

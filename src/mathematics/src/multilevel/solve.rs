@@ -2,7 +2,7 @@
 
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
-use crate::discrete::judging::judge_network;
+use crate::discrete::kkt::judge;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::discrete::stop::Stop;
@@ -93,7 +93,7 @@ impl NestedProblem<'_> {
         let finest = self.finest();
         let (network, load) = (&self.levels[finest].network, &self.loads[finest]);
         let [with, without] = [self.law(limit, finest)?, Law::SIGNORINI]
-            .map(|law| judge_network(network, law, y, load).kkt.natural);
+            .map(|law| judge(network, law, y, load).kkt.natural);
         Ok(with > without)
     }
 
@@ -108,7 +108,7 @@ impl NestedProblem<'_> {
         let needed = components.needed(&loads[finest], limit);
         let law = self.law(limit, 0)?;
         let (mut y, direct) = active_set_on(coarsest, law, &loads[0])?;
-        let judged = judge_network(coarsest, law, &y, &loads[0]);
+        let judged = judge(coarsest, law, &y, &loads[0]);
         let mut progress = Progress {
             stop: direct.stop,
             cycles: 0,

@@ -1,21 +1,26 @@
-//! Outcome of a solve on one grid.
+//! Outcome of a solve on one grid or mesh.
 
 use super::Pair;
-use super::gradient::Extrema;
-use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, Kkt, judge};
+use super::engine::End;
+use crate::discrete::kkt::{DiscreteDomain, Judgement, Kkt, judge};
+use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::norms::sum;
 use crate::discrete::stop::Stop;
 use crate::discrete::verdict::Verdict;
-use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 
-/// Outcome of a solve on one grid: the end of the iteration and the quality of the last pair.
+/// Outcome of a solve on one grid or mesh: the end of the iteration and the quality of the last pair.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Cells per side of the grid; of a mesh, the number of nodes.
-    pub cells: usize,
+    /// Cells per side of a grid of the square; none on a mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cells: Option<usize>,
+    /// Number of nodes.
+    pub nodes: usize,
     /// Steps of the multiplier done: the iterations of the paper.
     pub iterations: usize,
+    /// Number of Gauss-Seidel sweeps.
+    pub sweeps: usize,
     /// Reason for the end. The stopping rules see the gradient of M alone; [`Outcome::kkt`] measures the solution.
     pub stop: Stop,
     /// `max_i dM/dy_i` at the end.
@@ -24,61 +29,54 @@ pub struct Outcome {
     pub gradient_abs: f64,
     /// Last change of the multiplier, the paper's Delta a.
     pub delta_a: f64,
-    /// `1/2 <A y, y> - <F, y>`.
+    /// `1/2 <A y, y> - <F, y>`, with the law's term.
     pub energy: f64,
-    /// Sum of the load vector; the discrete problem is solvable only if it is negative.
+    /// Sum of the load vector.
     pub sum_load: f64,
     /// Residual of the Karush-Kuhn-Tucker conditions, the measure common to all solvers.
     pub kkt: Kkt,
-    /// Sum over the boundary nodes of y times the gradient of the energy: zero at the solution.
+    /// Sum over the boundary nodes of y times the gradient of the energy, with the law's term: zero at the solution.
     pub work: f64,
-    /// True if the discrete problem has a solution: a part of the boundary is fixed, or the flux can balance the load.
-    /// None under the paper's law without fixed parts, where it has one if the sum of the load is negative.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub has_solution: Option<bool>,
-}
-
-/// State of an iteration after its last step.
-pub(super) struct LastStep {
-    /// Steps of the multiplier done.
-    pub(super) iterations: usize,
-    /// Last change of the multiplier.
-    pub(super) delta_a: f64,
-    /// Extrema of the gradient (8) at the last pair.
-    pub(super) gradient: Extrema,
-    /// Reason for the end.
-    pub(super) stop: Stop,
+    /// True if the discrete problem has a solution: a part of the boundary is fixed, or the flux can balance the load;
+    /// under the paper's law without fixed parts, if the sum of the load is negative.
+    pub has_solution: bool,
 }
 
 impl Outcome {
-    /// Judges `pair` after the last step of an iteration.
-    pub(super) fn judge(grid: Grid, law: Law, load: &[f64], pair: &Pair, last: &LastStep) -> Self {
-        let Judgement { kkt, energy, work, .. } = judge(grid, law, &pair.y, load);
-        let sum_load = load.iter().sum();
-        let reported = [energy, last.gradient.absolute, kkt.natural, kkt.min_lambda];
-        let finite = reported.iter().all(|value| value.is_finite());
+    /// Judges `pair` after the end of an iteration; `gradient` has the largest component of (8), and the largest absolute
+    /// value.
+    pub(super) fn judge(
+        domain: impl DiscreteDomain,
+        LawAndLoad { law, load }: LawAndLoad<'_>,
+        pair: &Pair,
+        end: &End,
+        [gradient_signed, gradient_abs]: [f64; 2],
+    ) -> Self {
+        let Judgement { kkt, energy, work, .. } = judge(domain, law, &pair.y, load);
+        let (shape, sum_load) = (domain.shape(), sum(load));
+        // Without contact nodes the least multiplier is infinite.
+        let finite = [energy, gradient_abs, kkt.natural].iter().all(|value| value.is_finite())
+            && kkt.min_lambda > f64::NEG_INFINITY;
         Self {
-            cells: grid.cells(),
-            iterations: last.iterations,
-            stop: if finite { last.stop } else { Stop::Diverged },
-            gradient_signed: last.gradient.signed,
-            gradient_abs: last.gradient.absolute,
-            delta_a: last.delta_a,
+            cells: shape.cells,
+            nodes: shape.nodes,
+            iterations: end.iterations,
+            sweeps: end.sweeps,
+            stop: if finite { end.stop } else { Stop::Diverged },
+            gradient_signed,
+            gradient_abs,
+            delta_a: end.delta_a,
             energy,
             sum_load,
             kkt,
             work,
-            has_solution: (!law.is_signorini())
-                .then(|| law.check_solvable(sum_load, Grid::PERIMETER).is_ok()),
+            has_solution: shape.has_solution(law, sum_load),
         }
     }
 
     /// Verdict on the vector where the iteration ended.
     pub fn verdict(&self) -> Verdict {
-        // A sum that is NaN is judged by the residual.
-        let has_solution =
-            self.has_solution.unwrap_or(self.sum_load < 0.0 || self.sum_load.is_nan());
-        Verdict::new(has_solution, &self.kkt, self.energy, self.work)
+        Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
     }
 
     /// Name of the end of the iteration: `stop`, unless the verdict is that there is no solution.

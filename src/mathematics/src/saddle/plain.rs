@@ -3,19 +3,21 @@
 //! It looks for the saddle point of the modified Lagrange functional (7)
 //! `M(y, a) = 1/2 <A y, y> - <F, y> + 1 / (2 r) sum_b measure_b (H(a_b - r y_b) - a_b^2)`,
 //! with y at all nodes and the multiplier a at the contact nodes b, whose parts of the boundary have these measures
-//! (on the square h, as in the paper): a Gauss-Seidel sweep (9)-(11) for y and a step (12) for a, until (13) holds. What
-//! else runs this method gives the same numbers to the last bit; the order of additions, that of
-//! [`Network`], is therefore part of the definition, and so is the numbering of the nodes.
+//! (on the square h, as in the paper): [a Gauss-Seidel sweep](Plain::sweep) (9)-(11) for y and
+//! [a step](Plain::dual_step) (12) for a, until (13) holds for [the gradient](Plain::gradient) (8). The loop is
+//! [`run`](super::engine::run). Every other engine of this loop gives the same numbers to the last bit; the order of
+//! additions, that of [`Network`], is therefore part of the definition, and so is the numbering of the nodes.
 //!
 //! H has the derivative 2 P, where P is the projection onto the interval of the [law](crate::problem::law). The paper's law
 //! has `[0, inf)`: there P is `( )^+` and H its square. For friction P cuts off at both ends, and H is twice Huber's
 //! function.
 
-use super::{Pair, StopRule};
+use super::Pair;
 use crate::discrete::network::{ContactRow, Network, NodeCondition};
 use crate::problem::law::{BoundaryRow, Law};
 
 /// The discrete problem with the duality parameter of (7).
+#[derive(Clone, Copy)]
 pub struct Plain<'a> {
     /// Stiffness matrix (5) and boundary.
     pub network: &'a Network,
@@ -27,37 +29,7 @@ pub struct Plain<'a> {
     pub r: f64,
 }
 
-/// End of [`Plain::iterate`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlainEnd {
-    /// Iterations done.
-    pub iterations: usize,
-    /// True if the stopping rule was met.
-    pub met: bool,
-    /// Last change of the multiplier, the paper's Delta a.
-    pub delta_a: f64,
-}
-
 impl Plain<'_> {
-    /// Iterates on `pair` until (13) holds or `max_iterations` are done.
-    pub fn iterate(
-        &self,
-        rule: StopRule,
-        tolerance: f64,
-        max_iterations: usize,
-        pair: &mut Pair,
-    ) -> PlainEnd {
-        let mut delta_a = 0.0;
-        for iteration in 1..=max_iterations {
-            self.sweep(pair);
-            delta_a = self.dual_step(pair);
-            if self.stops(rule, tolerance, delta_a, pair) {
-                return PlainEnd { iterations: iteration, met: true, delta_a };
-            }
-        }
-        PlainEnd { iterations: max_iterations, met: false, delta_a }
-    }
-
     /// Minimises M over one component of y after the other, in the order of the nodes: (9)-(11).
     pub fn sweep(&self, pair: &mut Pair) {
         let Pair { y, a } = pair;
@@ -68,38 +40,8 @@ impl Plain<'_> {
 
     /// Replaces `a` by `P(a - r y)` (12); returns the largest change of a component, the paper's Delta a.
     pub fn dual_step(&self, pair: &mut Pair) -> f64 {
-        let mut delta_a = 0.0f64;
-        for (a, contact) in pair.a.iter_mut().zip(self.network.contact()) {
-            let next = self.law.project(*a - self.r * pair.y[contact.node]);
-            delta_a = delta_a.max((next - *a).abs());
-            *a = next;
-        }
-        delta_a
-    }
-
-    /// True if the stopping rule holds: (13), with or without the absolute value, and the same bound for Delta a if the
-    /// rule asks for it.
-    pub(super) fn stops(&self, rule: StopRule, tolerance: f64, delta_a: f64, pair: &Pair) -> bool {
-        let dual_bound_holds = !rule.asks_dual() || delta_a <= tolerance;
-        dual_bound_holds
-            && (0..pair.y.len()).all(|node| {
-                let gradient = self.gradient(node, pair);
-                let measure = if rule.is_printed() { gradient.abs() } else { gradient };
-                measure <= tolerance
-            })
-    }
-
-    /// Largest absolute value of the derivative (8); infinite if a value is not finite.
-    pub(super) fn largest_gradient(&self, pair: &Pair) -> f64 {
-        let mut largest = 0.0;
-        for node in 0..pair.y.len() {
-            let size = self.gradient(node, pair).abs();
-            if size.is_nan() {
-                return f64::INFINITY;
-            }
-            largest = size.max(largest);
-        }
-        largest
+        let nodes = self.network.contact().iter().map(|contact| contact.node);
+        Duality { law: self.law, r: self.r }.step(nodes, pair)
     }
 
     /// Returns the derivative (8) of M with respect to y at a node; zero at a fixed node.
@@ -114,5 +56,44 @@ impl Plain<'_> {
                 gradient - measure * flux
             }
         }
+    }
+
+    /// Returns the residual of the conditions of the solution at a node: `|A y - F|` inside, `|y|` at a fixed node, the
+    /// law's natural residual at a contact node.
+    pub fn residual(&self, node: usize, y: &[f64]) -> f64 {
+        let gradient = self.network.gradient_at(node, y, self.load);
+        match self.network.condition(node) {
+            NodeCondition::Inner => gradient.abs(),
+            NodeCondition::Fixed => y[node].abs(),
+            NodeCondition::Contact(b) => {
+                self.law.residual(y[node], gradient, self.network.contact()[b].measure)
+            }
+        }
+    }
+}
+
+/// Parameters of the boundary term of (7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Duality {
+    /// Law on the boundary.
+    pub(super) law: Law,
+    /// Duality parameter r > 0.
+    pub(super) r: f64,
+}
+
+impl Duality {
+    /// Replaces `a` by `P(a - r y)` (12), where `nodes` are the contact nodes; returns the largest change, NaN if a value
+    /// is no longer finite.
+    pub(super) fn step(self, nodes: impl Iterator<Item = usize>, pair: &mut Pair) -> f64 {
+        let (mut delta_a, mut finite) = (0.0f64, true);
+        for (a, node) in pair.a.iter_mut().zip(nodes) {
+            let next = *a - self.r * pair.y[node];
+            // The projection would hide a NaN.
+            finite &= next.is_finite();
+            let next = self.law.project(next);
+            delta_a = delta_a.max((next - *a).abs());
+            *a = next;
+        }
+        if finite { delta_a } else { f64::NAN }
     }
 }

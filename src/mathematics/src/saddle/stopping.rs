@@ -1,7 +1,8 @@
-//! Stopping rules: criterion (13) as printed, without its absolute value as in the tables, and each with a dual bound.
+//! Stopping rules: criterion (13) as printed, without its absolute value as in the tables, and each with a dual bound;
+//! and the rounding errors below which no rule is met.
 
-use super::Pair;
-use crate::discrete::norms::largest;
+use crate::discrete::grid::Grid;
+use crate::discrete::norms::worst;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -34,10 +35,15 @@ impl StopRule {
         }
     }
 
-    pub(super) fn is_printed(self) -> bool {
-        matches!(self, Self::Printed | Self::PrintedDual)
+    /// Measure that a rule compares with the tolerance.
+    pub(super) fn measure(self) -> GradientMeasure {
+        match self {
+            Self::Signed | Self::SignedDual => GradientMeasure::Signed,
+            Self::Printed | Self::PrintedDual => GradientMeasure::Printed,
+        }
     }
 
+    /// True if the change of the multiplier is compared with the tolerance as well.
     pub(super) fn asks_dual(self) -> bool {
         matches!(self, Self::SignedDual | Self::PrintedDual)
     }
@@ -46,6 +52,30 @@ impl StopRule {
 impl fmt::Display for StopRule {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(self.name())
+    }
+}
+
+/// Measure at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GradientMeasure {
+    /// Component of the gradient (8).
+    Signed,
+    /// Absolute value of this component.
+    Printed,
+    /// Absolute value of the component of the inner problem's gradient, which has the proximal term.
+    Inner,
+    /// `|A y - F|` inside, the law's natural residual on the boundary.
+    Kkt,
+}
+
+impl GradientMeasure {
+    /// All measures.
+    pub(super) const ALL: [Self; 4] = [Self::Signed, Self::Printed, Self::Inner, Self::Kkt];
+
+    /// Measure of a component of the gradient.
+    #[inline(always)]
+    pub(super) fn of(self, component: f64) -> f64 {
+        if self == Self::Signed { component } else { component.abs() }
     }
 }
 
@@ -66,7 +96,7 @@ pub(super) struct GradientTerms {
 
 /// Bounds below which the measures of a stopping rule are rounding errors; zero until they are estimated.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RoundingFloor {
+pub struct RoundingFloor {
     /// Bound of the components of the gradient.
     pub(super) gradient: f64,
     /// Bound of the changes of the multiplier.
@@ -74,14 +104,25 @@ pub(super) struct RoundingFloor {
 }
 
 impl GradientTerms {
-    /// Rounding errors at a pair, for a load vector with entries up to `load`.
+    /// Terms on the square, for the proximal term's share of an interior node.
+    pub(super) fn on_square(grid: Grid, shift: f64, r: f64) -> Self {
+        let h = grid.h();
+        Self { matrix: 8.0 + shift + h * r, most_measure: h, least_measure: h }
+    }
+
+    /// Rounding errors where the entries of the load vector, of y and of a have these sizes.
     ///
     /// Sweeps do not end in a pair without gradient, but go round among pairs that differ in their last bits.
-    pub(super) fn floor(&self, load: f64, Pair { y, a }: &Pair) -> RoundingFloor {
+    pub(super) fn floor(&self, [load, y, a]: [f64; 3]) -> RoundingFloor {
         /// Roundings of an entry, each at most half of `EPSILON`.
         const ROUNDINGS: f64 = 4.0;
-        let terms = self.matrix * largest(y) + load + self.most_measure * largest(a);
+        let terms = self.matrix * y + load + self.most_measure * a;
         let gradient = ROUNDINGS * f64::EPSILON * terms;
         RoundingFloor { gradient, dual: gradient / self.least_measure }
     }
+}
+
+/// Largest absolute value of an entry, NaN if one is.
+pub(super) fn size(vector: &[f64]) -> f64 {
+    worst(vector.iter().copied())
 }

@@ -4,7 +4,7 @@
 //! one multiplication. A band of consecutive rows, each one column behind the row below, updates independent nodes at
 //! each step: this hides the latency and gives the same bits.
 
-use super::gradient::Duality;
+use super::plain::Duality;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use std::array::from_fn;

@@ -16,8 +16,7 @@ use crate::discrete::transfer::Prolongation;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{FRICTION, FrictionProblem, Problem};
 use crate::problem::law::LawParameter;
-use crate::saddle::batch::End;
-use crate::saddle::{Method, StopRule};
+use crate::saddle::{End, Method, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.

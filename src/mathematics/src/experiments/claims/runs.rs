@@ -8,8 +8,10 @@ use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::experiments::problems::{Discrete, Problem};
 use crate::problem::law::Law;
-use crate::saddle::batch::{End, Job, JobGoal, LANES, Nested, NestedGrids, run, run_nested};
-use crate::saddle::{Method, Pair, Params, StopRule, arrow_hurwicz};
+use crate::saddle::batch::{Job, LANES, NestedJob, run, run_all_nested};
+use crate::saddle::{
+    End, JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested,
+};
 use rayon::prelude::*;
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
@@ -127,21 +129,21 @@ impl<'a> ClaimCase<'a> {
         let Discrete { f, grids, loads: published } = problem.discrete()?;
         let law = problem.law()?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
-        let mut starts = vec![Pair::zero(grids[0])];
-        for (k, &grid) in grids[..grids.len() - 1].iter().enumerate() {
-            let params = Params {
-                r: 100.0,
-                tolerance: START,
-                rule: StopRule::PrintedDual,
-                ..Params::default()
-            };
-            let mut pair = starts[k].clone();
-            let outcome = arrow_hurwicz(grid, law.with_load(&solvable[k]), &params, &mut pair);
-            if outcome.stop != Stop::Converged {
-                return Err(format!("no solution on grid 1/{}: {}", grid.cells(), outcome.stop));
+        let params =
+            Params { r: 100.0, tolerance: START, rule: StopRule::PrintedDual, ..Params::default() };
+        let levels = NestedGrids { grids: &grids, prolongation: problem.prolongation };
+        let mut starts = Vec::new();
+        run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
+            starts.push(pair.clone());
+            if k + 1 == grids.len() {
+                return Ok(());
             }
-            starts.push(pair.prolonged(grid, problem.prolongation));
-        }
+            let outcome = arrow_hurwicz(grids[k], law.with_load(&solvable[k]), &params, pair);
+            match outcome.stop {
+                Stop::Converged => Ok(()),
+                stop => Err(format!("no solution on grid 1/{}: {stop}", grids[k].cells())),
+            }
+        })?;
         Ok(Self { problem, law, grids, published, solvable, starts })
     }
 
@@ -156,10 +158,10 @@ impl<'a> ClaimCase<'a> {
     /// Makes runs over all grids, as [`crate::saddle::solve_nested`] does for one r.
     fn run_nested(&self, rule: StopRule, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
         let loads = &self.published[..];
-        let runs: Vec<_> = batch.iter().map(|run| Nested { loads, r: run.r, rule }).collect();
+        let runs: Vec<_> = batch.iter().map(|run| NestedJob { loads, r: run.r, rule }).collect();
         let (limit, prolongation) = (self.problem.max_iterations, self.problem.prolongation);
         let grids = NestedGrids { grids: &self.grids, prolongation };
-        let ends = run_nested(grids, self.law, &runs, |_, _| limit);
+        let ends = run_all_nested(grids, self.law, &runs, |_, _| limit);
         let mut results = Vec::new();
         for ends in &ends {
             let on_grids = self.grids.iter().zip(loads).zip(ends);
@@ -194,11 +196,11 @@ impl<'a> ClaimCase<'a> {
     }
 
     /// Returns the result of a run on one grid.
-    fn result(&self, grid: Grid, load: &[f64], end: &End) -> RunResult {
+    fn result(&self, grid: Grid, load: &[f64], (end, pair): &(End, Pair)) -> RunResult {
         RunResult {
             count: Count::of(end),
             delta_a: end.delta_a,
-            kkt: kkt(grid, self.law, &end.pair.y, load).relative,
+            kkt: kkt(grid, self.law, &pair.y, load).relative,
         }
     }
 
@@ -216,7 +218,8 @@ impl<'a> ClaimCase<'a> {
             let goal = JobGoal::Kkt(target);
             jobs.push(Job { load, start, method, r: R_OF_WEIGHTS, goal, cap: plan.cap });
         }
-        let mut counts: Vec<_> = run(grid, self.law, &jobs).iter().map(Count::of).collect();
+        let ends = run(grid, self.law, &jobs);
+        let mut counts: Vec<_> = ends.iter().map(|(end, _)| Count::of(end)).collect();
         let arrow_hurwicz = counts.pop().expect("one run more than weights");
         WeightRow { problem: self.problem.number, cells: grid.cells(), counts, arrow_hurwicz }
     }

@@ -3,11 +3,10 @@
 use super::{DomainPlan, DomainsPlan, problem};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
-use crate::discrete::stop::Stop;
 use crate::experiments::numbers::RandomNumbers;
 use crate::mesh::AnyMesh;
 use crate::problem::law::ContactNode;
-use crate::saddle::{Pair, Params, StopRule, solve_network, solve_networks, tolerance};
+use crate::saddle::{NestedLevels, Pair, Params, StopRule, solve_nested};
 use crate::triangulated::MeshProblem;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -120,12 +119,9 @@ pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<Counted
         let run = |rule| {
             let params =
                 Params { r, rule, max_iterations: plan.max_iterations, ..Params::default() };
-            let (mut counts, mut delta_a) = (Vec::new(), 0.0);
-            solve_networks(levels, made.law.with_loads(loads), &params, &mut |_, run, _| {
-                counts.push(run.iterations);
-                delta_a = run.delta_a;
-            });
-            (counts, delta_a)
+            let (outcomes, _) = solve_nested(levels, made.law.with_loads(loads), &params, &mut ());
+            let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
+            (counts, outcomes[outcomes.len() - 1].delta_a)
         };
         let ((signed, delta_a), (printed, _)) = (run(StopRule::Signed), run(StopRule::Printed));
         CountsRow { r, signed, printed, delta_a }
@@ -150,9 +146,15 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
     for numbering in
         [Numbering::Refinement, Numbering::Reversed, Numbering::Rows, Numbering::Random]
     {
-        let orders = orders(&made, numbering)?;
+        let levels = RenumberedNetworks::new(&made.levels, orders(&made, numbering)?);
+        let loads: Vec<_> =
+            loads.iter().zip(&levels.orders).map(|(load, places)| moved(load, places)).collect();
         for &r in &plan.r {
-            let counts_of_r = renumbered_counts(&made, &loads, &orders, r, plan.max_iterations);
+            let max_iterations = plan.max_iterations;
+            let params = Params { r, rule: StopRule::Signed, max_iterations, ..Params::default() };
+            let (outcomes, _) =
+                solve_nested(&levels, made.law.with_loads(&loads), &params, &mut ());
+            let counts_of_r = outcomes.iter().map(|outcome| outcome.iterations).collect();
             counts.push(NumberingCounts { numbering, r, counts: counts_of_r });
         }
     }
@@ -189,36 +191,42 @@ fn orders(problem: &MeshProblem, numbering: Numbering) -> Result<Vec<Vec<u32>>, 
     Ok(problem.levels.iter().map(of_level).collect())
 }
 
-/// Counts on nested meshes whose nodes are renumbered, with interpolation between the nodes as they were.
-fn renumbered_counts(
-    problem: &MeshProblem,
-    loads: &[Vec<f64>],
-    orders: &[Vec<u32>],
-    r: f64,
-    max_iterations: usize,
-) -> Vec<usize> {
-    let mut counts = Vec::new();
-    let mut pair = Pair::zero_on(&problem.levels[0].network);
-    for (k, (level, places)) in problem.levels.iter().zip(orders).enumerate() {
-        if k > 0 {
-            let a = level.interpolate_boundary(&problem.levels[k - 1].network, &pair.a);
-            pair = Pair { y: level.interpolate(&pair.y), a };
-        }
-        let network = renumbered(&level.network, places);
-        let load = moved(&loads[k], places);
-        let mut other = Pair { y: moved(&pair.y, places), a: pair.a };
-        let tolerance = tolerance(k + 1);
-        let params =
-            Params { r, rule: StopRule::Signed, tolerance, max_iterations, ..Params::default() };
-        let run = solve_network(&network, problem.law.with_load(&load), &params, &mut other);
-        counts.push(run.iterations);
-        if run.stop == Stop::Diverged {
-            break;
-        }
-        let y = places.iter().map(|&place| other.y[place as usize]).collect();
-        pair = Pair { y, a: other.a };
+/// Nested networks whose nodes are renumbered, with interpolation between the nodes as they were.
+struct RenumberedNetworks<'a> {
+    levels: &'a [NestedNetwork],
+    /// Place of each node on each level.
+    orders: Vec<Vec<u32>>,
+    /// Networks with each node at its place.
+    networks: Vec<Network>,
+}
+
+impl<'a> RenumberedNetworks<'a> {
+    fn new(levels: &'a [NestedNetwork], orders: Vec<Vec<u32>>) -> Self {
+        let networks = levels.iter().zip(&orders);
+        let networks = networks.map(|(level, places)| renumbered(&level.network, places)).collect();
+        Self { levels, orders, networks }
     }
-    counts
+}
+
+impl NestedLevels for RenumberedNetworks<'_> {
+    type Domain<'a>
+        = &'a Network
+    where
+        Self: 'a;
+
+    fn count(&self) -> usize {
+        self.levels.len()
+    }
+
+    fn domain(&self, k: usize) -> &Network {
+        &self.networks[k]
+    }
+
+    fn interpolated(&self, k: usize, Pair { y, a }: &Pair) -> Pair {
+        let y = self.orders[k - 1].iter().map(|&place| y[place as usize]).collect();
+        let pair = self.levels.interpolated(k, &Pair { y, a: a.clone() });
+        Pair { y: moved(&pair.y, &self.orders[k]), ..pair }
+    }
 }
 
 /// Network with each node at its place; contact nodes stay in their order.

@@ -1,6 +1,6 @@
 //! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
 
-use crate::discrete::judging::judge_network;
+use crate::discrete::kkt::judge;
 use crate::mesh::{
     BuiltIn, ConstantPieces, Mesh, MeshPlace, OnCells, distance_squared, integrals, mesh_arcs,
     mesh_load, refined,
@@ -100,7 +100,7 @@ fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<D
     let (y, _) = solve_nested_networks(&levels, loaded, &MultigridParams::default())
         .map_err(|e| e.to_string())?;
     let network = &levels[times].network;
-    let judged = judge_network(network, Law::SIGNORINI, &y, &load);
+    let judged = judge(network, Law::SIGNORINI, &y, &load);
     let multiplier = judged.multiplier(&y);
     let (mut rim, mut square) = (0.0f64, 0.0);
     for (&ContactNode { node, measure }, l) in network.contact().iter().zip(&multiplier) {

@@ -5,8 +5,8 @@ use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{Discrete, Problem};
 use crate::problem::law::Law;
-use crate::saddle::StopRule;
-use crate::saddle::batch::{End, Nested, NestedGrids, run_nested};
+use crate::saddle::batch::{NestedJob, run_all_nested};
+use crate::saddle::{NestedGrids, StopRule};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -106,11 +106,12 @@ impl<'a> Undisturbed<'a> {
     ) -> Vec<Vec<Option<usize>>> {
         let mut nested = Vec::new();
         for Repeated { row, loads } in repeated {
-            nested.push(Nested { loads, r: self.problem.r[*row], rule: StopRule::Signed });
+            nested.push(NestedJob { loads, r: self.problem.r[*row], rule: StopRule::Signed });
         }
         let grids = NestedGrids { grids: &self.grids, prolongation: self.problem.prolongation };
-        let ends =
-            run_nested(grids, Law::SIGNORINI, &nested, |run, grid| limit(repeated[run].row, grid));
-        ends.iter().map(|ends| ends.iter().map(End::count).collect()).collect()
+        let all = run_all_nested(grids, Law::SIGNORINI, &nested, |run, grid| {
+            limit(repeated[run].row, grid)
+        });
+        all.iter().map(|ends| ends.iter().map(|(end, _)| end.count()).collect()).collect()
     }
 }

@@ -4,8 +4,8 @@ use super::{Series, StressCase};
 use crate::discrete::grid::Grid;
 use crate::experiments::trial::{Trial, multigrid_trial, saddle_trials};
 use crate::multigrid::Goal;
-use crate::saddle::batch::{Job, JobGoal, LANES};
-use crate::saddle::{Method, Pair};
+use crate::saddle::batch::{Job, LANES};
+use crate::saddle::{JobGoal, Method, Pair};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -11,8 +11,8 @@ use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{multigrid_trial, saddle_trials};
 use crate::multigrid::Goal;
 use crate::problem::source::Source;
-use crate::saddle::batch::{Job, JobGoal};
-use crate::saddle::{Method, Pair, StopRule};
+use crate::saddle::batch::Job;
+use crate::saddle::{JobGoal, Method, Pair, StopRule};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -1,10 +1,13 @@
 //! Forced and free runs, grid by grid.
 
-use super::{Evaluator, Forced, Level, Table, grid};
-use crate::saddle::batch::{LANES, LaneStart};
-use crate::saddle::{Pair, tolerance};
+use super::{Evaluator, Forced, Table};
+use crate::discrete::stop::Stop;
+use crate::saddle::batch::LANES;
+use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
 use rayon::prelude::*;
 use std::array::from_fn;
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Misfit of a stop that comes too early, beyond what the measure lacks.
 const EARLY: f64 = 0.02;
@@ -27,57 +30,82 @@ impl Evaluator<'_> {
     /// # Panics
     /// If there is no such geometry, or not one value per piece.
     pub fn forced(&mut self, geometry: usize, values: &[f64], limit: f64) -> Forced {
-        let (rows, grids) = (self.target.r.len(), self.target.levels());
-        let misfit_of_all = vec![vec![0.0; grids]; rows];
+        let (rows, levels) = (self.target.r.len(), self.target.levels());
+        let misfit_of_all = vec![vec![0.0; levels]; rows];
         let mut forced = Forced { misfit: misfit_of_all, delta_a: Vec::new(), total: 0.0 };
-        let mut pairs = vec![Pair::zero(grid(0)); rows];
-        for level in 0..grids {
+        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
+        let (halt, grids) = (self.halt, self.grids.clone());
+        let runs: Vec<_> = (0..rows).map(|row| (values, row)).collect();
+        let nested = NestedGrids { grids: &grids, prolongation: self.prolongation };
+        let mut pairs = vec![Pair::zero(grids[0]); rows];
+        let finished = run_nested(&nested, &mut pairs, |level, pairs: &mut Vec<Pair>| {
             self.entered[level] += 1;
-            let load = self.load(geometry, level, values);
-            for (row, (&r, start)) in self.target.r.iter().zip(&pairs).enumerate() {
-                let run = LaneStart { r, load: &load, weight: 0.0, start };
-                self.levels[level].lanes.enter(row, &run);
-            }
-            let mut delta_a = vec![0.0; rows];
-            let last = (0..rows).map(|row| self.last(row, level)).collect::<Vec<_>>();
+            self.enter(geometry, level, &runs, pairs);
+            let last = from_fn(|row| (row < rows).then(|| self.last(row, level)));
             let tolerance = tolerance(level + 1);
-            for n in 1..=last.iter().copied().max().unwrap_or(0) {
-                if self.is_halted() {
-                    return Forced { total: f64::INFINITY, ..forced };
-                }
-                let first = self.variant.uncounted + 1;
-                let running = |k: usize| (first..=last[k]).contains(&n);
-                let mut failed = false;
-                let change = self.iterate(level, |at, measure| {
-                    for k in (0..rows).filter(|&k| running(k)) {
-                        let ends = n == last[k];
-                        // Before its last iteration a lane only has to be above the tolerance.
-                        if ends || at.lanes.within(k, measure, tolerance, &mut at.witness[k]) {
-                            let misfit = misfit(at.lanes.worst(measure)[k], tolerance, ends);
+            let mut gave_up = false;
+            let ends = self.iterate(level, last, Some(pairs), |lanes, n, under_way| {
+                if is_set(halt) {
+                    (gave_up, forced.total) = (true, f64::INFINITY);
+                } else if n > uncounted {
+                    let ends: [bool; LANES] = from_fn(|k| under_way[k] && last[k] == Some(n));
+                    // Before its last iteration a lane only has to be above the tolerance.
+                    let bounds = from_fn(|k| (under_way[k] && !ends[k]).then_some(tolerance));
+                    let early = lanes.within(measure, bounds);
+                    let mut failed = false;
+                    let judged: [bool; LANES] = from_fn(|k| ends[k] || early[k]);
+                    if judged.contains(&true) {
+                        let worst = lanes.worst(measure);
+                        for k in (0..rows).filter(|&k| judged[k]) {
+                            let more = misfit(worst[k], tolerance, ends[k]);
+                            failed |= more > 0.0;
                             let cell = &mut forced.misfit[k][level];
-                            *cell = (*cell + misfit).min(CELL_CAP);
-                            failed |= misfit > 0.0;
+                            *cell = (*cell + more).min(CELL_CAP);
                         }
                     }
-                });
-                if failed {
-                    let so_far: f64 = forced.misfit.iter().map(|lane| lane[level]).sum();
-                    if forced.total + so_far > limit {
-                        forced.total += so_far;
-                        return forced;
-                    }
+                    gave_up = failed && forced.total + forced.misfit_on(level) > limit;
                 }
-                for k in (0..rows).filter(|&k| n == last[k]) {
-                    delta_a[k] = change[k];
-                    pairs[k] = self.passed_on(level, k);
+                [gave_up; LANES]
+            });
+            for (end, misfit) in ends.iter().flatten().zip(&mut forced.misfit) {
+                if end.stop == Stop::Diverged {
+                    misfit[level] = CELL_CAP;
                 }
             }
-            forced.total += forced.misfit.iter().map(|lane| lane[level]).sum::<f64>();
-            if level + 1 == grids {
-                forced.delta_a = delta_a;
+            forced.total += forced.misfit_on(level);
+            if gave_up {
+                return Err(());
             }
+            forced.delta_a = ends.iter().flatten().map(|end| end.delta_a).collect();
+            Ok(())
+        });
+        if finished.is_err() {
+            forced.delta_a.clear();
         }
         forced
+    }
+
+    /// Puts runs, each of an f given by its values and of a row, into the lanes of a grid.
+    fn enter(
+        &mut self,
+        geometry: usize,
+        level: usize,
+        runs: &[(&[f64], usize)],
+        pairs: &mut [Pair],
+    ) {
+        let (mut load, mut made_for) = (Vec::new(), None);
+        for (lane, (&(values, row), start)) in runs.iter().zip(pairs).enumerate() {
+            if !self.variant.prolong_multiplier {
+                start.a.fill(0.0);
+            }
+            // The rows of one f have the same load vector.
+            if made_for != Some(values) {
+                load = self.load(geometry, level, values);
+                made_for = Some(values);
+            }
+            let (method, r) = (Method::ArrowHurwicz, self.target.r[row]);
+            self.lanes[level].enter(lane, &RunStart { load: &load, method, r, pair: start });
+        }
     }
 
     /// For each of many f, given by their values, which counts come out in a free run: by row and grid.
@@ -110,24 +138,26 @@ impl Evaluator<'_> {
         row: usize,
         finest: usize,
     ) -> [bool; LANES] {
+        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
+        let halt = self.halt;
         let mut held = [true; LANES];
         for level in 0..=finest {
+            if held == [false; LANES] {
+                break;
+            }
             self.enter_all(geometry, level, values, row);
             let (last, tolerance) = (self.last(row, level), tolerance(level + 1));
-            for n in 1..=last {
-                if self.is_halted() || held == [false; LANES] {
-                    return [false; LANES];
+            let limits = held.map(|held| held.then_some(last));
+            self.iterate(level, limits, None, |lanes, n, _| {
+                if is_set(halt) {
+                    held = [false; LANES];
+                } else if n > uncounted {
+                    let bounds = held.map(|held| held.then_some(tolerance));
+                    let within = lanes.within(measure, bounds);
+                    held = from_fn(|k| held[k] && within[k] == (n == last));
                 }
-                let counted = n > self.variant.uncounted;
-                self.iterate(level, |at, measure| {
-                    if counted {
-                        let Level { lanes, witness, .. } = at;
-                        let bounds = held.map(|held| held.then_some(tolerance));
-                        let within = lanes.all_within(measure, bounds, witness);
-                        held = from_fn(|k| held[k] && within[k] == (n == last));
-                    }
-                });
-            }
+                held.map(|held| !held)
+            });
         }
         held
     }
@@ -182,44 +212,32 @@ impl Evaluator<'_> {
         runs: &[(&[f64], usize)],
     ) -> Vec<(Vec<Option<usize>>, f64)> {
         let mut ends = vec![(Vec::new(), 0.0); runs.len()];
-        let mut pairs = vec![Pair::zero(grid(0)); runs.len()];
-        for level in 0..self.target.levels() {
-            for (lane, (&(values, row), start)) in runs.iter().zip(&pairs).enumerate() {
-                let load = self.load(geometry, level, values);
-                let run = LaneStart { r: self.target.r[row], load: &load, weight: 0.0, start };
-                self.levels[level].lanes.enter(lane, &run);
-            }
+        let grids = self.grids.clone();
+        let nested = NestedGrids { grids: &grids, prolongation: self.prolongation };
+        let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
+        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
+        let on_level = |level: usize, pairs: &mut Vec<Pair>| {
+            self.enter(geometry, level, runs, pairs);
             let most = self.target.counts.iter().map(|row| row[level]).max().unwrap_or(0);
-            let tolerance = tolerance(level + 1);
-            let mut open: [bool; LANES] = from_fn(|k| k < runs.len());
-            let mut counts = [None; LANES];
-            for n in 1..=FREE_FACTOR * most + FREE_EXTRA {
-                let mut stops = [false; LANES];
-                let change = self.iterate(level, |at, measure| {
-                    let bounds = open.map(|open| open.then_some(tolerance));
-                    stops = at.lanes.all_within(measure, bounds, &mut at.witness);
-                });
-                (0..runs.len()).filter(|&k| open[k]).for_each(|k| ends[k].1 = change[k]);
-                let Some(counted) = n.checked_sub(self.variant.uncounted).filter(|&c| c > 0) else {
-                    continue;
-                };
-                for k in (0..runs.len()).filter(|&k| stops[k]) {
-                    (open[k], counts[k]) = (false, Some(counted));
-                    pairs[k] = self.passed_on(level, k);
-                }
-                if open == [false; LANES] {
-                    break;
-                }
+            let (limit, tolerance) = (FREE_FACTOR * most + FREE_EXTRA, tolerance(level + 1));
+            let limits = from_fn(|k| (k < runs.len()).then_some(limit));
+            let done = self.iterate(level, limits, Some(pairs), |lanes, n, open| {
+                let asked = n > uncounted;
+                lanes.within(measure, open.map(|open| (open && asked).then_some(tolerance)))
+            });
+            for ((counts, delta_a), end) in ends.iter_mut().zip(done.iter().flatten()) {
+                counts.push(end.count().map(|sweeps| sweeps - uncounted));
+                *delta_a = end.delta_a;
             }
-            for k in 0..runs.len() {
-                ends[k].0.push(counts[k]);
-                if open[k] {
-                    pairs[k] = self.passed_on(level, k);
-                }
-            }
-        }
+            Ok::<(), Infallible>(())
+        };
+        let Ok(()) = run_nested(&nested, &mut pairs, on_level);
         ends
     }
+}
+
+fn is_set(halt: Option<&AtomicBool>) -> bool {
+    halt.is_some_and(|halt| halt.load(Ordering::Relaxed))
 }
 
 /// Values of f in all lanes, the last ones as often as there are lanes left.

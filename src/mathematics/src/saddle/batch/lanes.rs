@@ -5,9 +5,8 @@ use super::arithmetic::V;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
-use crate::machine::simd::vectorised;
 use crate::problem::law::Law;
-use crate::saddle::Pair;
+use crate::saddle::RunStart;
 use std::array::from_fn;
 
 /// Order in which a sweep visits the nodes.
@@ -68,19 +67,9 @@ pub struct Lanes {
     /// Place in `edges` of the boundary node in column `i` and row `j`, by `j * side + i`.
     pub(super) edge_at: Vec<u32>,
     pub(super) regularised: bool,
-}
-
-/// Run that enters a lane.
-#[derive(Clone, Copy)]
-pub struct LaneStart<'a> {
-    /// Duality parameter r > 0.
-    pub r: f64,
-    /// Load vector F.
-    pub load: &'a [f64],
-    /// Weight of the proximal term; zero for none.
-    pub weight: f64,
-    /// Pair from which the run starts.
-    pub start: &'a Pair,
+    /// In each lane, the node that last broke a bound, the likeliest to break the next: on a measure of the outer
+    /// problem, and on that of the inner one.
+    pub(super) witnesses: [[usize; LANES]; 2],
 }
 
 /// No boundary node.
@@ -128,6 +117,7 @@ impl Lanes {
             edges,
             edge_at,
             regularised: false,
+            witnesses: [[0; LANES]; 2],
         }
     }
 
@@ -135,8 +125,9 @@ impl Lanes {
     ///
     /// # Panics
     /// If a vector has the wrong length for the grid, or r is not positive.
-    pub fn enter(&mut self, lane: usize, run: &LaneStart) {
-        let &LaneStart { r, load, weight, start } = run;
+    pub fn enter(&mut self, lane: usize, run: &RunStart<'_>) {
+        let &RunStart { r, load, method, pair: start } = run;
+        let weight = method.weight();
         assert!(load.len() == self.grid.nodes() && start.y.len() == self.grid.nodes());
         assert!(start.a.len() == self.a.len() && r > 0.0);
         self.y.iter_mut().zip(&start.y).for_each(|(y, start)| y.0[lane] = *start);
@@ -183,7 +174,7 @@ impl Lanes {
     }
 
     /// Sets the proximal term, if there is one, to pull towards y as it is now.
-    pub fn regularise(&mut self, lane: usize) {
+    pub(super) fn regularise(&mut self, lane: usize) {
         let (n, side, shift) = (self.grid.cells(), self.grid.side(), self.shift.0[lane]);
         if shift > 0.0 {
             let half = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
@@ -197,16 +188,8 @@ impl Lanes {
         }
     }
 
-    /// (9)-(11) in every lane.
-    pub fn sweep(&mut self) {
-        vectorised(
-            #[inline(always)]
-            || self.sweep_inline(),
-        );
-    }
-
     #[inline(always)]
-    fn sweep_inline(&mut self) {
+    pub(super) fn sweep_inline(&mut self) {
         let (n, all) = (self.grid.cells(), self.edges.len());
         match self.order {
             Order::Lexicographic => {
@@ -319,16 +302,8 @@ impl Lanes {
         }
     }
 
-    /// (12) in the lanes that step, and the largest change in each; NaN if a value is no longer finite.
-    pub fn step(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
-        vectorised(
-            #[inline(always)]
-            || self.step_inline(steps),
-        )
-    }
-
     #[inline(always)]
-    fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
+    pub(super) fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
         let steps = V(steps.map(|steps| f64::from(u8::from(steps))));
         let (mut changes, mut not_finite) = (V::all(0.0), V::all(0.0));
         for edge in &self.edges {
@@ -342,11 +317,5 @@ impl Lanes {
             *a = next;
         }
         (changes + not_finite).0
-    }
-
-    /// The iterates of a lane.
-    pub fn pair(&self, lane: usize) -> Pair {
-        let take = |from: &[V]| from.iter().map(|v| v.0[lane]).collect();
-        Pair { y: take(&self.y), a: take(&self.a) }
     }
 }

@@ -1,52 +1,41 @@
-//! Measures of the iterates, node by node in all lanes at once, and the largest of it in a lane.
+//! The lanes as an engine: measures of the iterates, node by node in all lanes at once.
 
 use super::LANES;
 use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
+use crate::discrete::norms::worst;
 use crate::machine::simd::vectorised;
+use crate::saddle::stopping::{GradientTerms, RoundingFloor};
+use crate::saddle::{Engine, GradientMeasure, Pair};
 use std::array::from_fn;
+use std::borrow::Cow;
 
-/// Measure at a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum GradientMeasure {
-    /// The gradient (8).
-    Signed,
-    /// Absolute value.
-    Printed,
-    /// Component of the gradient with the proximal term.
-    Inner,
-    /// `|A y - F|` inside, the law's natural residual on the boundary.
-    Kkt,
-}
-
-impl Lanes {
-    /// True if a measure is at most `bound` everywhere in a lane; NaN never is.
-    ///
-    /// The node `witness`, which broke the bound last, is tried first.
-    pub fn within(
-        &self,
-        lane: usize,
-        measure: GradientMeasure,
-        bound: f64,
-        witness: &mut usize,
-    ) -> bool {
-        let mut witnesses = [*witness; LANES];
-        let bounds = from_fn(|l| (l == lane).then_some(bound));
-        let within = self.all_within(measure, bounds, &mut witnesses);
-        *witness = witnesses[lane];
-        within[lane]
+impl Engine<LANES> for Lanes {
+    fn sweep(&mut self) {
+        vectorised(
+            #[inline(always)]
+            || self.sweep_inline(),
+        );
     }
 
-    /// True in each lane that has a bound, with a witness for each; the others are not.
-    pub fn all_within(
-        &self,
-        measure: GradientMeasure,
-        bounds: [Option<f64>; LANES],
-        witnesses: &mut [usize; LANES],
-    ) -> [bool; LANES] {
+    fn dual_step(&mut self, lanes: [bool; LANES]) -> [f64; LANES] {
+        vectorised(
+            #[inline(always)]
+            || self.step_inline(lanes),
+        )
+    }
+
+    fn centre(&mut self, lane: usize) {
+        self.regularise(lane);
+    }
+
+    /// The nodes that broke the bounds last are tried first.
+    fn within(&mut self, measure: GradientMeasure, bounds: [Option<f64>; LANES]) -> [bool; LANES] {
+        let kind = usize::from(measure == GradientMeasure::Inner);
         vectorised(
             #[inline(always)]
             || {
+                let mut witnesses = self.witnesses[kind];
                 let mut open = from_fn(|l| {
                     let here = |bound| self.at_node(measure, witnesses[l]).0[l] <= bound;
                     bounds[l].is_some_and(here)
@@ -81,13 +70,13 @@ impl Lanes {
                         break;
                     }
                 }
+                self.witnesses[kind] = witnesses;
                 open
             },
         )
     }
 
-    /// The largest value of a measure over all nodes, in each lane; NaN if any is.
-    pub fn worst(&self, measure: GradientMeasure) -> [f64; LANES] {
+    fn worst(&mut self, measure: GradientMeasure) -> [f64; LANES] {
         vectorised(
             #[inline(always)]
             || {
@@ -113,6 +102,19 @@ impl Lanes {
         )
     }
 
+    fn floor(&self, lane: usize) -> RoundingFloor {
+        let target = if self.regularised { &self.target } else { &self.load };
+        let sizes = [target, &self.y, &self.a].map(|of| worst(of.iter().map(|v| v.0[lane])));
+        GradientTerms::on_square(self.grid, self.shift.0[lane], self.r.0[lane]).floor(sizes)
+    }
+
+    fn pair(&self, lane: usize) -> Cow<'_, Pair> {
+        let [y, a] = [&self.y, &self.a].map(|of| of.iter().map(|v| v.0[lane]).collect());
+        Cow::Owned(Pair { y, a })
+    }
+}
+
+impl Lanes {
     /// Place at which the largest value of a measure in row `j` of a lane is, or one that is NaN.
     fn largest_in_row(&self, lane: usize, measure: GradientMeasure, j: usize) -> usize {
         let mut largest = (f64::NEG_INFINITY, 0);

@@ -3,37 +3,28 @@
 //! A sweep waits at each node for its western neighbour, and all runs wait alike: eight of them
 //! side by side cost less than three one after the other, and rows in pairs shorten the wait. A run's
 //! stopping rule is first tried at the node that broke it last; all nodes are tried only when that one no
-//! longer does. Iterates and counts are those of [`solve`](crate::saddle::solve) to the last bit, unless
-//! values of Uzawa's method are not finite: that run ends at its cap.
+//! longer does. Iterates and counts are those of [`solve`](crate::saddle::solve) to the last bit.
 
 mod arithmetic;
 mod lanes;
 mod measure;
 
 pub use arithmetic::V;
-pub use lanes::{LaneStart, Lanes, Order};
-pub use measure::GradientMeasure;
+pub use lanes::{Lanes, Order};
 
+use super::engine::{self, within};
+use super::solve::gradient_extrema;
 use crate::discrete::grid::Grid;
-use crate::discrete::stop::Stop;
-use crate::discrete::transfer::Prolongation;
 use crate::problem::law::Law;
-use crate::saddle::gradient::{Duality, Gradient};
-use crate::saddle::outcome::LastStep;
-use crate::saddle::{Method, Outcome, Pair, StopRule, tolerance};
+use crate::saddle::{
+    End, Engine, Goals, JobGoal, Method, NestedGrids, Outcome, Pair, RunStart, RunState,
+    SaddleDomain, StopRule, run_nested, tolerance,
+};
 use std::array::from_fn;
+use std::convert::Infallible;
 
 /// Runs side by side.
 pub const LANES: usize = 8;
-
-/// Condition that ends a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum JobGoal {
-    /// A stopping rule with its tolerance, tried after each step of the multiplier.
-    Rule(StopRule, f64),
-    /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
-    Kkt(f64),
-}
 
 /// A run to be done.
 #[derive(Clone, Copy, Debug)]
@@ -52,138 +43,68 @@ pub struct Job<'a> {
     pub cap: usize,
 }
 
-/// End of a run.
-#[derive(Clone, Debug)]
-pub struct End {
-    /// Sweeps done.
-    pub sweeps: usize,
-    /// Why it ended.
-    pub stop: Stop,
-    /// Change of the multiplier in its last step.
-    pub delta_a: f64,
-    /// The last pair.
-    pub pair: Pair,
-}
-
-impl End {
-    /// The sweeps, if the goal was reached.
-    pub fn count(&self) -> Option<usize> {
-        (self.stop == Stop::Converged).then_some(self.sweeps)
+impl Job<'_> {
+    /// Judges the end of this run and its last pair.
+    pub fn outcome(&self, grid: Grid, law: Law, end: &End, pair: &Pair) -> Outcome {
+        let mut engine = grid.engine(law, &RunStart { pair, ..self.run() });
+        let gradient = gradient_extrema(&mut *engine);
+        Outcome::judge(grid, law.with_load(self.load), pair, end, gradient)
     }
 
-    /// Converts to an [`Outcome`] that counts sweeps as iterations.
-    pub fn outcome(&self, grid: Grid, law: Law, job: &Job) -> Outcome {
-        let gradient =
-            Gradient::new(grid, Duality { law, r: job.r }, 0.0).extrema(job.load, &self.pair);
-        let last =
-            LastStep { iterations: self.sweeps, delta_a: self.delta_a, gradient, stop: self.stop };
-        Outcome::judge(grid, law, job.load, &self.pair, &last)
+    fn run(&self) -> RunStart<'_> {
+        RunStart { load: self.load, method: self.method, r: self.r, pair: self.start }
     }
 }
 
-/// Does all jobs under one law; the ends are in the order of the jobs.
+/// Does all jobs under one law; the ends and last pairs are in the order of the jobs.
 ///
 /// # Panics
 /// If a load vector or a start has the wrong length for `grid`.
-pub fn run(grid: Grid, law: Law, jobs: &[Job]) -> Vec<End> {
-    let mut ends: Vec<Option<End>> = vec![None; jobs.len()];
-    let mut waiting = jobs.iter().enumerate();
+pub fn run(grid: Grid, law: Law, jobs: &[Job]) -> Vec<(End, Pair)> {
     let mut lanes = Lanes::new(grid, law, Order::Lexicographic, 1.0);
-    let mut runs: [Option<LaneRun>; LANES] = [const { None }; LANES];
-    // Nodes that broke the bound on the inner gradient when last tried.
-    let mut inner_witnesses = [0; LANES];
-    loop {
-        for (lane, run) in runs.iter_mut().enumerate().filter(|(_, run)| run.is_none()) {
-            if let Some((number, job)) = waiting.next() {
-                let &Job { load, start, method, r, .. } = job;
-                lanes.enter(lane, &LaneStart { r, load, weight: method.weight(), start });
-                *run = Some(LaneRun::new(number, job));
-            }
-        }
-        if runs.iter().all(Option::is_none) {
-            return ends.into_iter().flatten().collect();
-        }
-        lanes.sweep();
-        let inner = from_fn(|lane| runs[lane].as_ref().and_then(|run| run.inner));
-        let within = lanes.all_within(GradientMeasure::Inner, inner, &mut inner_witnesses);
-        let steps = from_fn(|lane| runs[lane].is_some() && (inner[lane].is_none() || within[lane]));
-        let changes = lanes.step(steps);
-        let loose = |lane: usize| steps[lane] && runs[lane].as_ref().is_some_and(LaneRun::is_loose);
-        let gradients = (0..LANES).any(loose).then(|| lanes.worst(GradientMeasure::Printed));
-        for lane in 0..LANES {
-            let Some(run) = runs[lane].as_mut() else { continue };
-            run.sweeps += 1;
-            if steps[lane] {
-                run.delta_a = changes[lane];
-                if let Some(gradients) = gradients.filter(|_| run.is_loose()) {
-                    run.inner = run.job.method.inner_bound(gradients[lane]);
-                }
-                lanes.regularise(lane);
-            }
-            if let Some(stop) = run.stop(&lanes, lane, steps[lane]) {
-                let LaneRun { sweeps, delta_a, number, .. } = *run;
-                ends[number] = Some(End { sweeps, stop, delta_a, pair: lanes.pair(lane) });
-                runs[lane] = None;
-            }
-        }
+    let mut queue = JobQueue { jobs, next: 0, in_lanes: [0; LANES], ends: vec![None; jobs.len()] };
+    let first = from_fn(|lane| queue.enter(&mut lanes, lane));
+    engine::run(&mut lanes, first, &mut queue);
+    queue.ends.into_iter().flatten().collect()
+}
+
+/// Jobs of which the next one enters each lane that is free.
+struct JobQueue<'a> {
+    jobs: &'a [Job<'a>],
+    /// Number of the next job.
+    next: usize,
+    /// Number of the job in each lane.
+    in_lanes: [usize; LANES],
+    /// Ends so far.
+    ends: Vec<Option<(End, Pair)>>,
+}
+
+impl JobQueue<'_> {
+    /// Puts the next job into a lane.
+    fn enter(&mut self, lanes: &mut Lanes, lane: usize) -> Option<RunState> {
+        let job = self.jobs.get(self.next)?;
+        self.in_lanes[lane] = self.next;
+        self.next += 1;
+        lanes.enter(lane, &job.run());
+        Some(RunState::new(&job.run(), job.cap))
     }
 }
 
-/// A job in a lane.
-struct LaneRun<'a> {
-    number: usize,
-    job: &'a Job<'a>,
-    sweeps: usize,
-    delta_a: f64,
-    /// Bound on the inner gradient.
-    inner: Option<f64>,
-    /// The node that broke the goal when last tried.
-    witness: usize,
-    /// Largest component of F.
-    scale: f64,
-}
-
-impl<'a> LaneRun<'a> {
-    fn new(number: usize, job: &'a Job<'a>) -> Self {
-        let scale = job.load.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()));
-        let inner = job.method.inner_bound(scale);
-        Self { number, job, sweeps: 0, delta_a: 0.0, inner, witness: 0, scale }
+impl Goals<Lanes, LANES> for JobQueue<'_> {
+    fn reached(&mut self, lanes: &mut Lanes, runs: [Option<&RunState>; LANES]) -> [bool; LANES] {
+        let bounds = from_fn(|lane| self.jobs[self.in_lanes[lane]].goal.bound(runs[lane]?));
+        within(lanes, bounds)
     }
 
-    /// True if the inner bound follows the gradient.
-    fn is_loose(&self) -> bool {
-        matches!(self.job.method, Method::Uzawa { loose: true, .. })
-    }
-
-    /// Why the run ends after a sweep, if it does.
-    fn stop(&mut self, lanes: &Lanes, lane: usize, stepped: bool) -> Option<Stop> {
-        match stepped {
-            true if self.delta_a.is_nan() => Some(Stop::Diverged),
-            true if self.met(lanes, lane) => Some(Stop::Converged),
-            _ => (self.sweeps >= self.job.cap).then_some(Stop::IterationLimit),
-        }
-    }
-
-    /// True if the goal is reached, after a step of the multiplier.
-    fn met(&mut self, lanes: &Lanes, lane: usize) -> bool {
-        let (measure, bound, dual) = match self.job.goal {
-            JobGoal::Kkt(target) => (GradientMeasure::Kkt, target * self.scale, false),
-            JobGoal::Rule(rule, tolerance) => {
-                let measure = if rule.is_printed() {
-                    GradientMeasure::Printed
-                } else {
-                    GradientMeasure::Signed
-                };
-                (measure, tolerance, rule.asks_dual())
-            }
-        };
-        (!dual || self.delta_a <= bound) && lanes.within(lane, measure, bound, &mut self.witness)
+    fn ended(&mut self, lanes: &mut Lanes, lane: usize, end: End) -> Option<RunState> {
+        self.ends[self.in_lanes[lane]] = Some((end, lanes.pair(lane).into_owned()));
+        self.enter(lanes, lane)
     }
 }
 
 /// A run of the paper's method over nested grids.
 #[derive(Clone, Copy, Debug)]
-pub struct Nested<'a> {
+pub struct NestedJob<'a> {
     /// Load vectors, one per grid.
     pub loads: &'a [Vec<f64>],
     /// Duality parameter r > 0.
@@ -192,50 +113,39 @@ pub struct Nested<'a> {
     pub rule: StopRule,
 }
 
-/// Nested grids, and how their solutions are interpolated.
-#[derive(Clone, Copy, Debug)]
-pub struct NestedGrids<'a> {
-    /// Grids, coarsest first, as [`crate::discrete::grid::nested`] gives them.
-    pub grids: &'a [Grid],
-    /// Interpolation to the next grid.
-    pub prolongation: Prolongation,
-}
-
-/// Does all runs under one law, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends on all
-/// grids. `cap(run, k)` bounds the sweeps on the k-th grid; what it cuts off goes on to the next one.
+/// Does all runs under one law, from zero, as [`solve_nested`](crate::saddle::solve_nested) does; per run, the ends and
+/// pairs on all grids. `cap(run, k)` bounds the sweeps on the k-th grid; what it cuts off goes on to the next one.
 ///
 /// # Panics
 /// If the grids are not as [`crate::discrete::grid::nested`] gives them, or a load has the wrong length.
-pub fn run_nested(
-    NestedGrids { grids, prolongation }: NestedGrids<'_>,
+pub fn run_all_nested(
+    levels: NestedGrids<'_>,
     law: Law,
-    runs: &[Nested],
+    runs: &[NestedJob],
     cap: impl Fn(usize, usize) -> usize,
-) -> Vec<Vec<End>> {
-    let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
-    let mut done = vec![Vec::with_capacity(grids.len()); runs.len()];
-    for (k, &grid) in grids.iter().enumerate() {
-        let jobs: Vec<Job> = runs
-            .iter()
-            .zip(&pairs)
-            .enumerate()
-            .map(|(number, (nested, start))| Job {
-                load: &nested.loads[k],
+) -> Vec<Vec<(End, Pair)>> {
+    let mut pairs = vec![Pair::zero(levels.grids[0]); runs.len()];
+    let mut done = vec![Vec::with_capacity(levels.grids.len()); runs.len()];
+    let on_level = |k: usize, pairs: &mut Vec<Pair>| {
+        let mut jobs = Vec::with_capacity(runs.len());
+        for (number, (run, start)) in runs.iter().zip(&*pairs).enumerate() {
+            jobs.push(Job {
+                load: &run.loads[k],
                 start,
                 method: Method::ArrowHurwicz,
-                r: nested.r,
-                goal: JobGoal::Rule(nested.rule, tolerance(k + 1)),
+                r: run.r,
+                goal: JobGoal::Rule(run.rule, tolerance(k + 1)),
                 cap: cap(number, k),
-            })
-            .collect();
-        let ends = run(grid, law, &jobs);
-        for ((end, done), pair) in ends.into_iter().zip(&mut done).zip(&mut pairs) {
-            if k + 1 < grids.len() {
-                *pair = end.pair.prolonged(grid, prolongation);
-            }
-            done.push(end);
+            });
         }
-    }
+        let ends = self::run(levels.grids[k], law, &jobs);
+        for ((ended, done), pair) in ends.into_iter().zip(&mut done).zip(pairs) {
+            pair.clone_from(&ended.1);
+            done.push(ended);
+        }
+        Ok::<(), Infallible>(())
+    };
+    let Ok(()) = run_nested(&levels, &mut pairs, on_level);
     done
 }
 
@@ -243,6 +153,7 @@ pub fn run_nested(
 mod tests {
     use super::*;
     use crate::discrete::load::{LoadRule, load};
+    use crate::discrete::stop::Stop;
     use crate::saddle::{Params, arrow_hurwicz, solve};
 
     fn setting() -> (Grid, Vec<f64>, Pair) {
@@ -265,14 +176,14 @@ mod tests {
         };
         for law in laws() {
             let ends = run(grid, law, &all().map(job).collect::<Vec<_>>());
-            for ((r, rule), ours) in all().zip(ends) {
+            for ((r, rule), (ours, last)) in all().zip(ends) {
                 let params =
                     Params { r, rule, tolerance: 1e-4, max_iterations: 1000, ..Params::default() };
                 let mut pair = start.clone();
                 let theirs = arrow_hurwicz(grid, law.with_load(&load), &params, &mut pair);
                 assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
-                assert_eq!(ours.outcome(grid, law, &job((r, rule))), theirs);
-                assert_eq!(ours.pair, pair);
+                assert_eq!(job((r, rule)).outcome(grid, law, &ours, &last), theirs);
+                assert_eq!(last, pair);
             }
         }
     }
@@ -289,7 +200,7 @@ mod tests {
                 // One sweep leaves numbers before the node; a cap of none is one as well.
                 for cap in [0, 1] {
                     let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap };
-                    let end = &run(grid, Law::SIGNORINI, &[job])[0];
+                    let (end, _) = &run(grid, Law::SIGNORINI, &[job])[0];
                     assert!(end.stop != Stop::Converged, "node {node}, {goal:?}");
                     assert_eq!(end.sweeps, 1);
                 }
@@ -307,7 +218,7 @@ mod tests {
             Job { load: &load, start: &start, method, r, goal, cap: 100_000 }
         });
         for law in laws() {
-            for (job, ours) in jobs.iter().zip(run(grid, law, &jobs)) {
+            for (job, (ours, last)) in jobs.iter().zip(run(grid, law, &jobs)) {
                 let params = Params {
                     method: job.method,
                     r: job.r,
@@ -317,8 +228,8 @@ mod tests {
                 };
                 let mut pair = start.clone();
                 let run = solve(grid, law.with_load(&load), &params, &mut pair, None);
-                assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.outcome.delta_a));
-                assert_eq!((ours.stop, &ours.pair), (Stop::Converged, &pair));
+                assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.delta_a));
+                assert_eq!((ours.stop, &last), (Stop::Converged, &pair));
             }
         }
     }

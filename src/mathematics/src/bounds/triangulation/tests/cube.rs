@@ -2,7 +2,7 @@
 
 use crate::bounds::Bounds;
 use crate::bounds::triangulation::bounds_on_mesh;
-use crate::discrete::judging::judge_network;
+use crate::discrete::kkt::judge;
 use crate::mesh::{MeshLoad, mesh_load, refined, uniform_cube};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
@@ -25,7 +25,7 @@ fn solved(f: &Source<3>, times: usize) -> Solved {
     let problem = Law::SIGNORINI.with_load(&load);
     let (y, _) = solve_nested_networks(&levels, problem, &MultigridParams::default()).unwrap();
     let bounds = bounds_on_mesh(&mesh, network, &cells, Law::SIGNORINI, &y).unwrap();
-    let energy = judge_network(network, Law::SIGNORINI, &y, &load).energy;
+    let energy = judge(network, Law::SIGNORINI, &y, &load).energy;
     Solved { bounds, energy, is_sampled: unsettled.is_some() }
 }
 

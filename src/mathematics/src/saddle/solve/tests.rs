@@ -24,14 +24,14 @@ fn uzawa(weight: f64) -> Method {
 fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, usize, Pair); 2] {
     [0.0, weight].map(|weight| {
         let mut pair = Pair::zero(grid);
-        let SaddleRun { outcome: end, sweeps } = solve(
+        let end = solve(
             grid,
             Law::SIGNORINI.with_load(load),
             &Params { method: uzawa(weight), ..*params },
             &mut pair,
             None,
         );
-        (end, sweeps, pair)
+        (end, end.sweeps, pair)
     })
 }
 
@@ -66,7 +66,7 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load) = setting(PROBLEMS[0]);
     let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
     let mut ours = Pair::zero(grid);
-    let SaddleRun { outcome: end, sweeps } = solve(
+    let end = solve(
         grid,
         Law::SIGNORINI.with_load(&load),
         &Params { method: once, ..tight(3.0) },
@@ -75,7 +75,7 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     );
     let mut theirs = Pair::zero(grid);
     assert_eq!(end, arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(3.0), &mut theirs));
-    assert_eq!(sweeps, end.iterations);
+    assert_eq!(end.sweeps, end.iterations);
     assert_eq!(ours, theirs);
 }
 
@@ -142,9 +142,58 @@ fn the_monitor_sees_each_step() {
     let mut record = |iteration: &Iteration| seen.push(*iteration);
     let mut pair = Pair::zero(grid);
     let params = Params { method: uzawa(0.0), ..tight(1.0) };
-    let end =
-        solve(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair, Some(&mut record)).outcome;
+    let end = solve(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair, Some(&mut record));
     assert!(seen.iter().map(|iteration| iteration.number).eq(1..=end.iterations));
     let last = seen.last().unwrap();
     assert_eq!((last.gradient_abs, last.delta_a), (end.gradient_abs, end.delta_a));
+}
+
+#[test]
+fn uzawa_ends_at_the_rounding_errors_of_huge_loads() {
+    let grid = Grid::new(8).unwrap();
+    let network = Network::of_square(grid);
+    let load: Vec<_> =
+        (0..grid.nodes()).map(|k| 1e20 * ((k * 37 % 11) as f64 - 5.6) / 64.0).collect();
+    for (weight, rule) in [0.0, 1.0].into_iter().flat_map(|w| StopRule::ALL.map(|of| (w, of))) {
+        let method = Method::Uzawa { weight, inner: 1e-4, loose: false };
+        let params = Params { method, r: 4.0, tolerance: 1e-3, rule, ..Params::default() };
+        let problem = Law::SIGNORINI.with_load(&load);
+        let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero(&network));
+        let run = solve(grid, problem, &params, &mut on_grid, None);
+        assert_eq!(run.stop, Stop::Converged, "{weight} {rule}");
+        assert!(rule != StopRule::PrintedDual || run.kkt.relative < 1e-9, "{run:?}");
+        let run = solve(&network, problem, &params, &mut on_network, None);
+        assert_eq!(run.stop, Stop::Converged, "{weight} {rule}");
+    }
+}
+
+#[test]
+fn every_method_gives_the_bits_of_the_square() {
+    let grid = Grid::new(8).unwrap();
+    let network = Network::of_square(grid);
+    let load: Vec<_> = (0..grid.nodes()).map(|k| ((k * 37 % 11) as f64 - 5.6) / 64.0).collect();
+    let uzawa = |weight, loose| Method::Uzawa { weight, inner: 1e-4, loose };
+    let methods = [Method::ArrowHurwicz, uzawa(0.0, false), uzawa(0.0, true), uzawa(2.0, false)];
+    let laws = [Law::SIGNORINI, Law::friction(0.4).unwrap(), Law::limited(0.5).unwrap()];
+    for (method, law) in methods.into_iter().flat_map(|method| laws.map(|law| (method, law))) {
+        let params = Params {
+            method,
+            r: 4.0,
+            tolerance: 1e-3,
+            rule: StopRule::Printed,
+            ..Params::default()
+        };
+        let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero(&network));
+        let expected = solve(grid, law.with_load(&load), &params, &mut on_grid, None);
+        let run = solve(&network, law.with_load(&load), &params, &mut on_network, None);
+        assert_eq!(run.iterations, expected.iterations, "{method:?} {law}");
+        assert_eq!(run.sweeps, expected.sweeps, "{method:?} {law}");
+        if method.weight() == 0.0 {
+            assert_eq!(on_network, on_grid, "{method:?} {law}");
+        } else {
+            // The diagonal is divided by, not multiplied with its inverse.
+            let far = on_network.y.iter().zip(&on_grid.y).any(|(a, b)| (a - b).abs() > 1e-13);
+            assert!(!far, "{method:?} {law}");
+        }
+    }
 }

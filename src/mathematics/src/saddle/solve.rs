@@ -1,0 +1,180 @@
+//! One run of a method on one grid or network, until its stopping rule is met.
+
+use super::engine::{End, Engine, MeasureBound, RunStart, RunState, run_alone, within};
+use super::method::Method;
+use super::network::OnNetwork;
+use super::square::OnSquare;
+use super::stopping::{GradientMeasure, StopRule};
+use super::{Outcome, Pair};
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::DiscreteDomain;
+use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::network::Network;
+use crate::problem::law::Law;
+use serde::{Deserialize, Serialize};
+
+/// Parameters of the iteration, besides grid, law and load vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Params {
+    /// Method.
+    pub method: Method,
+    /// Duality parameter r > 0, the step of the multiplier.
+    pub r: f64,
+    /// Bound of the stopping rule, evaluated after each step of the multiplier; the paper takes 10^-N on grid N.
+    pub tolerance: f64,
+    /// Stopping rule. It uses the gradient (8), without the proximal term.
+    pub rule: StopRule,
+    /// Limit on the number of sweeps; an iteration of the paper is one sweep.
+    pub max_iterations: usize,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            method: Method::ArrowHurwicz,
+            r: 1.0,
+            tolerance: 1e-5,
+            rule: StopRule::Signed,
+            max_iterations: 1_000_000,
+        }
+    }
+}
+
+/// State after one iteration, as a monitor receives it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Iteration {
+    /// Iterations done on this grid.
+    pub number: usize,
+    /// `max_i dM/dy_i` at (y^(n), a^(n)).
+    pub gradient_signed: f64,
+    /// `max_i |dM/dy_i|` at the same pair.
+    pub gradient_abs: f64,
+    /// `max_i |a_i^(n) - a_i^(n-1)|`.
+    pub delta_a: f64,
+}
+
+/// Callback after each step of the multiplier.
+pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
+
+/// Condition that ends a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JobGoal {
+    /// A stopping rule with its tolerance, tried after each step of the multiplier.
+    Rule(StopRule, f64),
+    /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
+    Kkt(f64),
+}
+
+impl JobGoal {
+    /// Bound that ends a run if it holds after a step of the multiplier; none if this step was too long.
+    ///
+    /// Tolerances of a rule below the rounding errors of Uzawa's method count as those; the paper's method has no inner
+    /// bound, and ends where the rule holds.
+    pub(super) fn bound(self, run: &RunState) -> Option<MeasureBound> {
+        match self {
+            Self::Kkt(target) => {
+                Some(MeasureBound { measure: GradientMeasure::Kkt, bound: target * run.load })
+            }
+            Self::Rule(rule, tolerance) => {
+                let dual_bound_holds =
+                    !rule.asks_dual() || run.delta_a <= tolerance.max(run.floor.dual);
+                let bound = tolerance.max(run.floor.gradient);
+                dual_bound_holds.then_some(MeasureBound { measure: rule.measure(), bound })
+            }
+        }
+    }
+}
+
+/// Grid or network on which the methods run.
+pub trait SaddleDomain: DiscreteDomain {
+    /// Engine for one run.
+    ///
+    /// # Panics
+    /// If a vector has the wrong length for the domain, or r is not positive.
+    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
+    where
+        Self: 'a;
+}
+
+impl SaddleDomain for Grid {
+    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(OnSquare::new(self, law, run))
+    }
+}
+
+impl SaddleDomain for &Network {
+    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(OnNetwork::new(self, law, run))
+    }
+}
+
+/// Iterates on `pair` until the stopping rule is met or the limit on sweeps is reached.
+///
+/// Without a monitor the gradient is compared with the tolerance row by row, up to the first row that exceeds it; with
+/// a monitor all rows are evaluated. The iterates are the same.
+///
+/// # Panics
+/// If a vector has the wrong length for the domain, or `params.r` is not positive.
+pub fn solve(
+    domain: impl SaddleDomain,
+    problem: LawAndLoad<'_>,
+    params: &Params,
+    pair: &mut Pair,
+    monitor: Option<OnIteration>,
+) -> Outcome {
+    let LawAndLoad { law, load } = problem;
+    let start = RunStart { load, method: params.method, r: params.r, pair };
+    let mut engine = domain.engine(law, &start);
+    let state = RunState::new(&start, params.max_iterations);
+    let end = run_to_rule(&mut *engine, state, params, monitor);
+    let gradient = gradient_extrema(&mut *engine);
+    let last = engine.pair(0).into_owned();
+    drop(engine);
+    *pair = last;
+    Outcome::judge(domain, problem, pair, &end, gradient)
+}
+
+/// Solves by the paper's method whatever `params.method` says, without a monitor.
+///
+/// # Panics
+/// As [`solve`].
+pub fn arrow_hurwicz(
+    domain: impl SaddleDomain,
+    problem: LawAndLoad<'_>,
+    params: &Params,
+    pair: &mut Pair,
+) -> Outcome {
+    solve(domain, problem, &Params { method: Method::ArrowHurwicz, ..*params }, pair, None)
+}
+
+/// Iterates until the stopping rule is met.
+fn run_to_rule(
+    engine: &mut dyn Engine<1>,
+    state: RunState,
+    params: &Params,
+    mut monitor: Option<OnIteration>,
+) -> End {
+    let goal = JobGoal::Rule(params.rule, params.tolerance);
+    run_alone(engine, state, &mut |engine, run| {
+        if let Some(monitor) = monitor.as_mut() {
+            let [gradient_signed, gradient_abs] = gradient_extrema(engine);
+            let RunState { iterations: number, delta_a, .. } = *run;
+            monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a });
+        }
+        within(engine, [goal.bound(run)])[0]
+    })
+}
+
+/// Largest component of the gradient (8), and largest absolute value of a component; NaN if one is.
+pub(super) fn gradient_extrema(engine: &mut dyn Engine<1>) -> [f64; 2] {
+    [GradientMeasure::Signed, GradientMeasure::Printed].map(|measure| engine.worst(measure)[0])
+}
+
+#[cfg(test)]
+mod tests;
