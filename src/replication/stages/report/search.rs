@@ -16,13 +16,13 @@ pub(super) fn blind(findings: &Findings) -> Value {
     let best = search.found.first().map(|best| {
         json!({
             "f": best.f,
-            "exact": best.score.exact,
-            "cells": best.score.cells,
-            "delta_a_exact": best.score.delta_a_exact,
+            "exact": best.exact,
+            "cells": best.cells,
+            "delta_a_exact": best.delta_a_exact,
             "deltas": best.delta_a.len(),
         })
     });
-    json!({ "tried": search.tried, "entered": search.entered, "best": best })
+    json!({ "tried": search.tried, "entered": search.reached, "best": best })
 }
 
 /// Returns the range of f within which the counts of a table stay, and the counts that bound it.
@@ -77,8 +77,8 @@ fn greatest_move(map: &Identifiability, k: usize, level: usize) -> Option<f64> {
 /// Returns the largest number of values of Delta a to both digits among the alternatives that give every count.
 fn most_delta_a(findings: &Findings, chosen: bool) -> usize {
     let others = findings.alternatives.iter().filter(|other| other.chosen == chosen);
-    let scores = others.map(|other| &other.found.score).filter(|s| s.exact == s.cells);
-    scores.map(|score| score.delta_a_exact).max().unwrap_or(0)
+    let exact = others.map(|other| &other.found).filter(|found| found.exact == found.cells);
+    exact.map(|found| found.delta_a_exact).max().unwrap_or(0)
 }
 
 /// Returns the number of candidates searched, and the results of the model selection for the selected variant and for
