@@ -98,18 +98,7 @@ fn text(timings: &Timings) -> String {
         machine.cpu, machine.cores, machine.caches, machine.os, machine.rustc, machine.load
     );
     text += "noise: distance of the quartiles of a time over its median\n";
-    text += &format!(
-        "memory, one thread, arrays of {:.0} MB: triad {:.1} GB/s, in-place update {:.1} GB/s\n",
-        bandwidth.megabytes, bandwidth.triad, bandwidth.update
-    );
-    if let Some(sweep) = &timings.sweep {
-        text += &format!(
-            "one iteration of Arrow-Hurwicz at 1/{}: {:.2} ns per node, noise {}\n",
-            sweep.cells,
-            sweep.ns,
-            percent(sweep.spread)
-        );
-    }
+    text += &format!("memory, one thread: in-place update {bandwidth:.1} GB/s\n");
     if !timings.multigrid.is_empty() {
         text += &format!("\nmultigrid, {}\n{}", TIMED.name(), multigrid(timings));
     }
@@ -129,20 +118,17 @@ fn percent(share: f64) -> String {
 
 fn multigrid(timings: &Timings) -> String {
     let rows = timings.multigrid.iter().map(|line| {
-        let ns = line.ns();
         vec![
             format!("1/{}", line.cells),
             line.threads.to_string(),
             line.goal.in_words().to_owned(),
             format!("{:.1}", line.work_units),
-            format!("{ns:.1}"),
-            format!("{:.2}", ns / line.work_units),
+            format!("{:.1}", line.ns()),
             percent(line.spread),
-            format!("{:.1}", line.bytes),
-            format!("{:.1}", line.traffic / timings.bandwidth.update),
+            format!("{:.1}", line.traffic / timings.bandwidth),
         ]
     });
-    let head = ["grid", "threads", "goal", "WU", "ns", "ns/WU", "noise", "bytes", "stream"];
+    let head = ["grid", "threads", "goal", "WU", "ns", "noise", "stream"];
     columns(&head, &[2], rows.collect())
 }
 
@@ -250,6 +236,6 @@ mod tests {
     /// Presence of the tables of multigrid, of the solvers on grids, and of the spectral solver.
     fn heads(timings: &Timings) -> [bool; 3] {
         let text = text(timings);
-        ["ns/WU", "rel. KKT", "levels"].map(|head| text.contains(head))
+        ["WU", "rel. KKT", "levels"].map(|head| text.contains(head))
     }
 }
