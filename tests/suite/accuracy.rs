@@ -47,10 +47,11 @@ fn slopes_are_those_of_linear_elements() {
 #[test]
 fn multigrid_takes_few_work_units() {
     let ranges = &findings().ranges;
-    assert!(ranges.known[0][1] < TEXTBOOK, "{ranges:?}");
+    assert!(ranges.work[0].known.greatest < TEXTBOOK, "{ranges:?}");
     assert!(ranges.algebraic.iter().all(|ratio| *ratio <= ALGEBRAIC), "{ranges:?}");
-    for (k, (usual, hard)) in WORK_UNITS.into_iter().zip(HARD_WORK_UNITS).enumerate() {
-        assert!(ranges.known[k][1] < usual && ranges.others[k][1] < hard, "{ranges:?}");
+    for (work, (usual, hard)) in ranges.work.iter().zip(WORK_UNITS.into_iter().zip(HARD_WORK_UNITS))
+    {
+        assert!(work.known.greatest < usual && work.others.greatest < hard, "{ranges:?}");
     }
     for level in findings().problems.iter().flat_map(|problem| &problem.levels) {
         assert_eq!(level.cost.goals[2].stop, Stop::RoundingFloor);
@@ -64,10 +65,9 @@ fn sweeps_grow_like_the_inverse_square_of_the_width() {
         assert!((law.exponent.unwrap() - 2.0).abs() < 0.25, "{law:?}");
     }
     // On the finest grid multigrid takes far less, and each method has reached the error on each grid.
-    let runs = &findings().comparison.runs;
-    assert!(runs.iter().all(|run| run.reached.len() == 3));
-    let visits = |k: usize| runs[k].reached[2].visits;
-    assert!(visits(1) > 20.0 * visits(0) && visits(2) > 20.0 * visits(0));
+    let rows = &findings().comparison.rows;
+    assert_eq!(rows.len(), 3);
+    assert!(rows[2].arrow_hurwicz.min(rows[2].uzawa) > 20.0 * rows[2].multigrid, "{rows:?}");
 }
 
 #[test]

@@ -304,23 +304,31 @@ fn room_ends_where_a_count_changes() {
     let mut evaluator = evaluator(&target, &Variant::default());
     let map = identifiability(&evaluator, &values);
     assert_eq!((map.exact, map.directions.len()), (25, 5));
-    for breaks in &map.directions {
-        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+    for (piece, breaks) in map.directions.iter().enumerate() {
+        for (side, sign) in [(&breaks.down, -1.0), (&breaks.up, 1.0)] {
             let moved = |by: f64| -> Vec<f64> {
-                let shift = |(p, v): (usize, &f64)| match breaks.piece {
-                    Some(piece) if piece == p => v + sign * by,
+                let shift = |(p, v): (usize, &f64)| match &breaks.quadrant {
+                    Some(_) if piece == p => v + sign * by,
                     Some(_) => *v,
                     None => v * (1.0 + sign * by),
                 };
                 values.iter().enumerate().map(shift).collect()
             };
-            let range = breaks.range[side];
-            assert!(evaluator.forced(0, &moved(0.99 * range), 0.0).is_exact());
-            let (k, level) = breaks.first[side].unwrap();
-            let beyond = evaluator.forced(0, &moved(1.02 * range + 1e-5), f64::INFINITY);
-            assert!(beyond.misfit[k][level] > 0.0, "{:?} {side}", breaks.piece);
+            assert!(evaluator.forced(0, &moved(0.99 * side.range), 0.0).is_exact());
+            let first = side.first.unwrap();
+            let k = R.iter().position(|r| *r == first.r).unwrap();
+            let level = (first.cells / COARSEST).ilog2() as usize;
+            let beyond = evaluator.forced(0, &moved(1.02 * side.range + 1e-5), f64::INFINITY);
+            assert!(beyond.misfit[k][level] > 0.0, "{breaks:?}");
         }
     }
+    // No move is shorter than the shortest that changes any count.
+    let shortest = map.directions[..4].iter().flat_map(|breaks| [&breaks.down, &breaks.up]);
+    let shortest = shortest.map(|side| side.range).reduce(f64::min).unwrap();
+    let moves = map.holds.iter().flat_map(|row| &row.moves);
+    let least = moves.flatten().copied().reduce(f64::min).unwrap();
+    assert!(least <= shortest && 1.25 * least > shortest, "{least} {shortest}");
+    assert!(map.loose < 25 && map.percent == 0.06, "{map:?}");
     let plane = slice(&evaluator, &values, [0, 3], [0.1; 2], 5);
     assert_eq!(plane.exact[2][2], 25);
     assert!(plane.exact[0][0] < 25);

@@ -28,11 +28,6 @@ pub struct CubeFindings {
     pub problems: Vec<KnownLevels<CubeLevel>>,
     /// Greatest work units on the finest grid, goal by goal.
     pub most: [f64; 3],
-    /// Greatest distance of an observed order from 2 in L2 and at the nodes, and from 1 in H1, between
-    /// the two finest grids; none with a single grid.
-    pub off: Option<f64>,
-    /// Greatest bytes of the workspace per unknown on the finest grid.
-    pub bytes: f64,
 }
 
 /// A problem with known solution on one grid.
@@ -57,14 +52,9 @@ pub fn cube(plan: &CubePlan) -> Result<CubeFindings, String> {
         .collect();
     let problems = known?;
     let finest: Vec<_> = problems.iter().filter_map(|problem| problem.levels.last()).collect();
-    let orders: Option<Vec<_>> = finest.iter().map(|level| level.orders).collect();
     Ok(CubeFindings {
         most: [0, 1, 2]
             .map(|goal| worst(finest.iter().map(|level| level.cost.goals[goal].work_units))),
-        off: orders.map(|orders| {
-            worst(orders.into_iter().flat_map(|[l2, h1, max]| [l2 - 2.0, h1 - 1.0, max - 2.0]))
-        }),
-        bytes: worst(finest.iter().map(|level| level.cost.bytes)),
         problems,
     })
 }

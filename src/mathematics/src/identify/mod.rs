@@ -25,7 +25,9 @@ mod variant;
 pub use evaluate::{Evaluator, Forced, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
 pub use found::{Found, found};
-pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
+pub use identifiability::{
+    Break, Breaks, Holds, Identifiability, Slice, TableCell, identifiability, slice,
+};
 pub use search::{SearchReport, search};
 pub use space::{Geometry, Lattice};
 pub use variant::{DualWeight, Measure, Order, ResidualTime, Start, Variant};
