@@ -1,11 +1,12 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
 use super::interrupt::interrupted;
-use super::output::{OutputFile, columns, say, say_json, talk};
+use super::output::{OutputFile, say, say_json, talk};
 use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
+use crate::table::Table;
 use crate::timing::measure::{TIMED, TimingPlan, measure};
 use crate::timing::recorded::{self, Peer, Reached, Timings, to_discretisation};
 use clap::Args;
@@ -117,8 +118,10 @@ fn percent(share: f64) -> String {
 }
 
 fn multigrid(timings: &Timings) -> String {
-    let rows = timings.multigrid.iter().map(|line| {
-        vec![
+    let head = ["grid", "threads", "goal", "WU", "ns", "noise", "stream"];
+    let mut table = Table::new(head, &[2]);
+    for line in &timings.multigrid {
+        table.rows.push(vec![
             format!("1/{}", line.cells),
             line.threads.to_string(),
             line.goal.in_words().to_owned(),
@@ -126,19 +129,19 @@ fn multigrid(timings: &Timings) -> String {
             format!("{:.1}", line.ns()),
             percent(line.spread),
             format!("{:.1}", line.traffic / timings.bandwidth),
-        ]
-    });
-    let head = ["grid", "threads", "goal", "WU", "ns", "noise", "stream"];
-    columns(&head, &[2], rows.collect())
+        ]);
+    }
+    table.text()
 }
 
 /// Returns a table for each problem.
 fn solvers(timings: &Timings) -> String {
     let mut text = String::new();
     for problem in timings.problems() {
-        let mut rows = Vec::new();
+        let head = ["solver", "grid", "goal", "error", "rel. KKT", "seconds", "noise"];
+        let mut table = Table::new(head, &[0, 2]);
         for line in timings.solver.iter().filter(|line| line.problem == problem) {
-            rows.push(vec![
+            table.rows.push(vec![
                 line.solver.to_string(),
                 format!("1/{}", line.cells),
                 line.goal.clone(),
@@ -148,8 +151,7 @@ fn solvers(timings: &Timings) -> String {
                 percent(line.spread),
             ]);
         }
-        let head = ["solver", "grid", "goal", "error", "rel. KKT", "seconds", "noise"];
-        text += &format!("\n{problem}\n{}", columns(&head, &[0, 2], rows));
+        text += &format!("\n{problem}\n{}", table.text());
     }
     text
 }
@@ -194,18 +196,18 @@ fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec
 }
 
 fn spectral(timings: &Timings) -> String {
-    let rows = timings.spectral.iter().map(|line| {
-        vec![
+    let mut table = Table::new(["problem", "nodes", "levels", "error", "seconds", "noise"], &[0]);
+    for line in &timings.spectral {
+        table.rows.push(vec![
             line.problem.clone(),
             line.nodes.to_string(),
             line.levels.to_string(),
             format!("{:.1e}", line.error),
             format!("{:.6}", line.seconds),
             percent(line.spread),
-        ]
-    });
-    let head = ["problem", "nodes", "levels", "error", "seconds", "noise"];
-    columns(&head, &[0], rows.collect())
+        ]);
+    }
+    table.text()
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::output::{say, say_json};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
-use args::{Search, Table};
+use args::{Published, Search};
 use serde::Serialize;
 use signorini_mathematics::identify::{
     Evaluator, Found, Geometry, IdentifyError, SearchReport, Variant, found, search,
@@ -78,7 +78,7 @@ fn find(args: &IdentifyArgs, asked: &Search) -> Result<()> {
 }
 
 /// Runs the f that are on record for a table.
-fn verify(table: &Table) -> Result<Vec<Found>> {
+fn verify(table: &Published) -> Result<Vec<Found>> {
     let quadrants = [Geometry::quadrants()];
     let evaluator = Evaluator::new(&table.target, &Variant::default(), &quadrants);
     let mut evaluator = evaluator.map_err(refused)?;
@@ -88,7 +88,7 @@ fn verify(table: &Table) -> Result<Vec<Found>> {
 
 fn searched(
     asked: &Search,
-    table: &Table,
+    table: &Published,
     variant: &Variant,
     watch: &mut Watch,
 ) -> Result<SearchReport> {

@@ -29,9 +29,12 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("plain", |x: f64, _: Kwargs, _: &State| x.to_string());
     // Of rows, which have their values under dotted keys.
     tera.register_filter("where", rows_where);
-    tera.register_filter("column", |rows: Vec<Value>, kwargs: Kwargs, _: &State| {
-        column(&rows, kwargs.must_get::<&str>("key")?)
-    });
+    tera.register_filter(
+        "column",
+        |rows: Vec<Value>, kwargs: Kwargs, _: &State| -> TeraResult<_> {
+            Ok(column(&rows, kwargs.must_get::<&str>("key")?))
+        },
+    );
     tera.register_filter("also", |rows: Vec<Value>, kwargs: Kwargs, _: &State| -> TeraResult<_> {
         Ok([rows, kwargs.must_get::<Vec<Value>>("rows")?].concat())
     });
@@ -50,9 +53,9 @@ fn rows_where(rows: Vec<Value>, kwargs: Kwargs, _: &State) -> TeraResult<Vec<Val
 }
 
 /// Returns the values of the rows under this key, for rows that have one.
-fn column(rows: &[Value], key: &str) -> TeraResult<Vec<Value>> {
+fn column(rows: &[Value], key: &str) -> Vec<Value> {
     let values = rows.iter().filter_map(|row| row.get_from_path(key)).cloned();
-    Ok(values.filter(|value| !value.is_none()).collect())
+    values.filter(|value| !value.is_none()).collect()
 }
 
 /// Returns the least or the greatest of some numbers.

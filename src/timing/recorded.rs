@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Path of the record in the project.
 pub const PATH: &str = "pipeline/timings.toml";
 /// Version of the format.
-pub const SCHEMA: u8 = 2;
+pub const SCHEMA: u8 = 1;
 
 /// Measured times. Every time is a median; its `spread` is the distance of the quartiles over the median.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

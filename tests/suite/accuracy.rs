@@ -135,7 +135,7 @@ fn a_record_keeps_what_was_entered_by_hand() {
     record();
     let after = Timings::parse(read()).unwrap();
     assert_eq!((after.peer.len(), &after.peer[0].solver[..]), (1, "other"));
-    project.write(PATH, "schema = 2");
+    project.write(PATH, "schema = 1");
     let said = project.run(&["bench", "--record"]);
     assert_eq!(said.code, Some(2));
     assert!(said.err.contains("line 1"), "{said:?}");
@@ -146,7 +146,7 @@ const PEER: &str = "[[peer]]\nsolver = \"other\"\nf = \"else=-1\"\ncells = 8\nth
 
 #[test]
 fn a_spoilt_record_is_refused_with_line_and_remedy() {
-    let good = "schema = 2\nbandwidth = 20\n[machine]\ncpu = \"c\"\ncores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
+    let good = "schema = 1\nbandwidth = 20\n[machine]\ncpu = \"c\"\ncores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
         load = 0.1\nrepeats = 9\n";
     assert!(Timings::parse(good).is_ok());
     assert_eq!(Timings::parse(format!("{good}{PEER}")).unwrap().peer.len(), 1);
@@ -160,9 +160,9 @@ fn a_spoilt_record_is_refused_with_line_and_remedy() {
         assert!(message.starts_with(&format!("{PATH}: line {line}: ")), "{message}");
         assert!(message.contains(what) && message.contains("bench --record"), "{message}");
     }
-    let message = Timings::parse(good.replace("schema = 2", "schema = 3")).unwrap_err();
-    assert!(message.to_string().contains("schema 3"), "{message}");
-    let message = Timings::parse(b"schema = 2 # \xff").unwrap_err();
+    let message = Timings::parse(good.replace("schema = 1", "schema = 2")).unwrap_err();
+    assert!(message.to_string().contains("schema 2"), "{message}");
+    let message = Timings::parse(b"schema = 1 # \xff").unwrap_err();
     assert!(message.to_string().contains("save it as UTF-8"), "{message}");
 }
 

@@ -49,7 +49,7 @@ pub(in crate::cli) struct IdentifyArgs {
 }
 
 /// A published table, and the f that are on record for it.
-pub(super) struct Table {
+pub(super) struct Published {
     pub(super) number: u8,
     pub(super) target: Target,
     /// By their values on the quadrants.
@@ -59,7 +59,7 @@ pub(super) struct Table {
 /// The search that the options ask for.
 pub(super) struct Search {
     /// The tables to explain.
-    pub(super) tables: Vec<Table>,
+    pub(super) tables: Vec<Published>,
     pub(super) lattice: Lattice,
     /// Threads, if their number is given.
     pub(super) pool: Option<ThreadPool>,
@@ -75,7 +75,7 @@ impl Search {
     }
 }
 
-fn tables(args: &IdentifyArgs, project: &Project) -> Result<Vec<Table>> {
+fn tables(args: &IdentifyArgs, project: &Project) -> Result<Vec<Published>> {
     let numbers: Vec<u8> = match args.problem.parse() {
         Ok(number) => vec![number],
         Err(_) => project.paper.table.iter().map(|table| table.number).collect(),
@@ -93,7 +93,7 @@ fn tables(args: &IdentifyArgs, project: &Project) -> Result<Vec<Table>> {
     for number in numbers {
         let recorded = record.as_ref().map_or(&[][..], |record| record.alternatives(number));
         let target = project.paper.target(number)?;
-        tables.push(Table { number, target, recorded: recorded.to_vec() });
+        tables.push(Published { number, target, recorded: recorded.to_vec() });
     }
     Ok(tables)
 }

@@ -1,7 +1,8 @@
 //! Results of a search as tables to read.
 
 use super::{Answer, Reading};
-use crate::cli::output::{columns, styled};
+use crate::cli::output::styled;
+use crate::table::Table;
 use anstyle::AnsiColor;
 use signorini_mathematics::identify::{Found, SearchReport};
 
@@ -31,30 +32,28 @@ pub(super) fn found(answer: &Answer) -> String {
 }
 
 fn table(all: &[Found]) -> String {
-    let row = |found: &Found| {
-        vec![
-            format!("{}/{}", found.exact, found.cells),
-            format!("{}/{}", found.delta_a_exact, found.delta_a.len()),
+    let mut table = Table::new(["counts", "Delta a", "integral", "f"], &[3]);
+    for Found { f, integral, exact, cells, delta_a, delta_a_exact } in all {
+        table.rows.push(vec![
+            format!("{exact}/{cells}"),
+            format!("{delta_a_exact}/{}", delta_a.len()),
             // No negative zero, from rounding or not.
-            format!("{:.4}", if found.integral.abs() < 5e-5 { 0.0 } else { found.integral }),
-            found.f.clone(),
-        ]
-    };
-    let head = ["counts", "Delta a", "integral", "f"];
-    columns(&head, &[head.len() - 1], all.iter().map(row).collect())
+            format!("{:.4}", if integral.abs() < 5e-5 { 0.0 } else { *integral }),
+            f.clone(),
+        ]);
+    }
+    table.text()
 }
 
 /// Extent of the search under each reading of the method.
 pub(super) fn readings(all: &[Reading], numbers: &[u8]) -> String {
-    let row = |reading: &Reading| {
-        let mut row: Vec<String> = reading.searches.iter().map(extent).collect();
-        row.push(reading.description.clone());
-        row
-    };
-    let problems: Vec<String> = numbers.iter().map(|n| format!("problem {n}")).collect();
-    let mut head: Vec<&str> = problems.iter().map(String::as_str).collect();
-    head.push("reading of the method");
-    columns(&head, &[head.len() - 1], all.iter().map(row).collect())
+    let problems = numbers.iter().map(|n| format!("problem {n}"));
+    let head = problems.chain(["reading of the method".to_owned()]);
+    let mut table = Table::new(head, &[numbers.len()]);
+    for Reading { searches, description, .. } in all {
+        table.rows.push(searches.iter().map(extent).chain([description.clone()]).collect());
+    }
+    table.text()
         + "per problem: number of f with all counts on all grids, or else on the most grids\n"
 }
 

@@ -37,15 +37,15 @@ pub struct Breaks {
     pub quadrant: Option<String>,
     /// The value, or the factor 1.
     pub value: f64,
-    /// First break below the value.
-    pub down: Break,
-    /// First break above the value.
-    pub up: Break,
+    /// First change of a count below the value.
+    pub down: FirstChange,
+    /// First change of a count above the value.
+    pub up: FirstChange,
 }
 
 /// First change of a count when a value, or the factor of all, moves down or up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Break {
+pub struct FirstChange {
     /// Distance of the move up to which every count that came out still does. The set of such f need not be convex: this
     /// is the part around f.
     pub range: f64,
@@ -177,8 +177,10 @@ pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64; 4]) -> Identifi
         }
     }
     let cell = |(k, level): Place| TableCell { r: target.r[k], cells: COARSEST << level };
-    let first =
-        |side: &Side| Break { range: side.between[0] * side.unit, first: side.first.map(cell) };
+    let first = |side: &Side| FirstChange {
+        range: side.between[0] * side.unit,
+        first: side.first.map(cell),
+    };
     let breaks = |sides: &[Side]| Breaks {
         quadrant: sides[0].piece.map(|p| QUADRANTS[p].to_owned()),
         value: sides[0].piece.map_or(1.0, |p| values[p]),

@@ -26,7 +26,7 @@ pub use evaluate::{Evaluator, Forced, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
 pub use found::{Found, found};
 pub use identifiability::{
-    Break, Breaks, Holds, Identifiability, Slice, TableCell, identifiability, slice,
+    Breaks, FirstChange, Holds, Identifiability, Slice, TableCell, identifiability, slice,
 };
 pub use search::{SearchReport, search};
 pub use space::{Geometry, Lattice};
