@@ -9,6 +9,7 @@ pub mod replication;
 pub mod report;
 #[cfg(test)]
 mod sources;
+pub(crate) mod table;
 pub mod timing;
 
 /// The README's example of the library, compiled and run with the documentation.

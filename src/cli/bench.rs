@@ -1,11 +1,12 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
 use super::interrupt::interrupted;
-use super::output::{OutputFile, columns, say, say_json, talk};
+use super::output::{OutputFile, say, say_json, talk};
 use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
+use crate::table::Table;
 use crate::timing::measure::{TIMED, TimingPlan, measure};
 use crate::timing::recorded::{self, Peer, Reached, Timings, to_discretisation};
 use clap::Args;
@@ -98,18 +99,7 @@ fn text(timings: &Timings) -> String {
         machine.cpu, machine.cores, machine.caches, machine.os, machine.rustc, machine.load
     );
     text += "noise: distance of the quartiles of a time over its median\n";
-    text += &format!(
-        "memory, one thread, arrays of {:.0} MB: triad {:.1} GB/s, in-place update {:.1} GB/s\n",
-        bandwidth.megabytes, bandwidth.triad, bandwidth.update
-    );
-    if let Some(sweep) = &timings.sweep {
-        text += &format!(
-            "one iteration of Arrow-Hurwicz at 1/{}: {:.2} ns per node, noise {}\n",
-            sweep.cells,
-            sweep.ns,
-            percent(sweep.spread)
-        );
-    }
+    text += &format!("memory, one thread: in-place update {bandwidth:.1} GB/s\n");
     if !timings.multigrid.is_empty() {
         text += &format!("\nmultigrid, {}\n{}", TIMED.name(), multigrid(timings));
     }
@@ -128,31 +118,30 @@ fn percent(share: f64) -> String {
 }
 
 fn multigrid(timings: &Timings) -> String {
-    let rows = timings.multigrid.iter().map(|line| {
-        let ns = line.ns();
-        vec![
+    let head = ["grid", "threads", "goal", "WU", "ns", "noise", "stream"];
+    let mut table = Table::new(head, &[2]);
+    for line in &timings.multigrid {
+        table.rows.push(vec![
             format!("1/{}", line.cells),
             line.threads.to_string(),
             line.goal.in_words().to_owned(),
             format!("{:.1}", line.work_units),
-            format!("{ns:.1}"),
-            format!("{:.2}", ns / line.work_units),
+            format!("{:.1}", line.ns()),
             percent(line.spread),
-            format!("{:.1}", line.bytes),
-            format!("{:.1}", line.traffic / timings.bandwidth.update),
-        ]
-    });
-    let head = ["grid", "threads", "goal", "WU", "ns", "ns/WU", "noise", "bytes", "stream"];
-    columns(&head, &[2], rows.collect())
+            format!("{:.1}", line.traffic / timings.bandwidth),
+        ]);
+    }
+    table.text()
 }
 
 /// Returns a table for each problem.
 fn solvers(timings: &Timings) -> String {
     let mut text = String::new();
     for problem in timings.problems() {
-        let mut rows = Vec::new();
+        let head = ["solver", "grid", "goal", "error", "rel. KKT", "seconds", "noise"];
+        let mut table = Table::new(head, &[0, 2]);
         for line in timings.solver.iter().filter(|line| line.problem == problem) {
-            rows.push(vec![
+            table.rows.push(vec![
                 line.solver.to_string(),
                 format!("1/{}", line.cells),
                 line.goal.clone(),
@@ -162,8 +151,7 @@ fn solvers(timings: &Timings) -> String {
                 percent(line.spread),
             ]);
         }
-        let head = ["solver", "grid", "goal", "error", "rel. KKT", "seconds", "noise"];
-        text += &format!("\n{problem}\n{}", columns(&head, &[0, 2], rows));
+        text += &format!("\n{problem}\n{}", table.text());
     }
     text
 }
@@ -208,18 +196,18 @@ fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec
 }
 
 fn spectral(timings: &Timings) -> String {
-    let rows = timings.spectral.iter().map(|line| {
-        vec![
+    let mut table = Table::new(["problem", "nodes", "levels", "error", "seconds", "noise"], &[0]);
+    for line in &timings.spectral {
+        table.rows.push(vec![
             line.problem.clone(),
             line.nodes.to_string(),
             line.levels.to_string(),
             format!("{:.1e}", line.error),
             format!("{:.6}", line.seconds),
             percent(line.spread),
-        ]
-    });
-    let head = ["problem", "nodes", "levels", "error", "seconds", "noise"];
-    columns(&head, &[0], rows.collect())
+        ]);
+    }
+    table.text()
 }
 
 #[cfg(test)]
@@ -250,6 +238,6 @@ mod tests {
     /// Presence of the tables of multigrid, of the solvers on grids, and of the spectral solver.
     fn heads(timings: &Timings) -> [bool; 3] {
         let text = text(timings);
-        ["ns/WU", "rel. KKT", "levels"].map(|head| text.contains(head))
+        ["WU", "rel. KKT", "levels"].map(|head| text.contains(head))
     }
 }

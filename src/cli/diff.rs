@@ -1,13 +1,14 @@
 //! `diff`: comparison of our tables with the published ones.
 
 use super::CacheArgs;
-use super::output::{columns, say, say_json, styled};
+use super::output::{say, say_json, styled};
 use super::pipeline::Workplace;
 use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::comparison::{RowComparison, TableComparison};
 use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;
+use crate::table::Table;
 use anstyle::AnsiColor;
 use clap::Args;
 use serde::Serialize;
@@ -121,59 +122,52 @@ fn summary(table: &TableComparison) -> [String; 3] {
 }
 
 fn text(table: &TableComparison) -> String {
-    let levels = table.rows.first().map_or(0, |row| row.paper.len());
-    let grids: Vec<_> = (1..=levels).map(|level| format!("grid {level}")).collect();
-    let mut head = vec!["r"];
-    head.extend(grids.iter().map(String::as_str));
-    head.push("Delta a");
-    let mut rows = Vec::new();
+    let mut shown = Table::new(head(table, &["Delta a"]), &[]);
     for row in &table.rows {
         let mut cells = vec![row.r.to_string()];
-        for level in 0..levels {
-            let sign = Mark::of_count(row, level).sign();
-            cells.push(format!("{}{sign} {:>3}", row.ours[level], row.paper[level]));
+        for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
+            cells.push(format!("{ours}{} {paper:>3}", Mark::of_count(row, level).sign()));
         }
         let sign = Mark::of_delta_a(row).sign();
         cells.push(format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper));
-        rows.push(cells);
+        shown.rows.push(cells);
     }
     let title = styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan);
     let any_capped = table.rows.iter().any(|row| row.capped.contains(&true));
     let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
     format!(
         "{title}: ours, then the paper's\n{}{}\n= exact, ~ within tolerance, ! outside{capped}\n",
-        columns(&head, &[], rows),
+        shown.text(),
         summary(table).join("\n")
     )
 }
 
 fn markdown(table: &TableComparison) -> String {
-    let levels = table.rows.first().map_or(0, |row| row.paper.len());
-    let mut out = format!(
-        "**Table {}** ({}): {}\n\n| r |",
-        table.table,
-        table.scene,
-        summary(table).join("; ")
-    );
-    for level in 1..=levels {
-        out += &format!(" grid {level} |");
-    }
-    out += " Δa ours | Δa paper |\n|---:|";
-    out += &"---:|".repeat(levels + 2);
-    out.push('\n');
+    let mut shown = Table::new(head(table, &["Δa ours", "Δa paper"]), &[]);
     for row in &table.rows {
-        out += &format!("| {} |", row.r);
-        for level in 0..levels {
-            out += &match Mark::of_count(row, level) {
-                Mark::Exact => format!(" {} |", row.ours[level]),
-                mark => format!(" **{}** {} {} |", row.ours[level], mark.sign(), row.paper[level]),
-            };
+        let mut cells = vec![row.r.to_string()];
+        for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
+            cells.push(match Mark::of_count(row, level) {
+                Mark::Exact => ours.to_string(),
+                mark => format!("**{ours}** {} {paper}", mark.sign()),
+            });
         }
-        out += &match Mark::of_delta_a(row) {
-            Mark::Exact => format!(" {:.2e} |", row.delta_a_ours),
-            mark => format!(" **{:.2e}** {} |", row.delta_a_ours, mark.sign()),
-        };
-        out += &format!(" {:.1e} |\n", row.delta_a_paper);
+        cells.push(match Mark::of_delta_a(row) {
+            Mark::Exact => format!("{:.2e}", row.delta_a_ours),
+            mark => format!("**{:.2e}** {}", row.delta_a_ours, mark.sign()),
+        });
+        cells.push(format!("{:.1e}", row.delta_a_paper));
+        shown.rows.push(cells);
     }
-    out
+    let TableComparison { table: number, scene, .. } = table;
+    format!("**Table {number}** ({scene}): {}\n\n{}", summary(table).join("; "), shown.markdown())
+}
+
+/// Returns the names of the columns, `last` those after the counts.
+fn head(table: &TableComparison, last: &[&str]) -> Vec<String> {
+    let levels = table.rows.first().map_or(0, |row| row.paper.len());
+    let mut head = vec!["r".to_owned()];
+    head.extend((1..=levels).map(|level| format!("grid {level}")));
+    head.extend(last.iter().map(|name| (*name).to_owned()));
+    head
 }

@@ -9,47 +9,34 @@ use super::interrupt::interrupted;
 use super::output::{say, say_json};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
-use args::Search;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
+use args::{Published, Search};
 use serde::Serialize;
 use signorini_mathematics::identify::{
-    Found, IdentifyError, Request, SearchProgress, SearchReport, Target, Variant, search,
+    Evaluator, Found, Geometry, IdentifyError, SearchReport, Variant, found, search,
 };
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 use watch::Watch;
 
-/// Result of the search for one table, and its speed.
+/// Results for one table.
 #[derive(Debug, Serialize)]
 struct Answer {
     problem: u8,
-    #[serde(skip)]
-    target: Target,
+    /// The f on record, run again.
+    recorded: Vec<Found>,
     #[serde(flatten)]
     report: SearchReport,
     seconds: f64,
-    /// Runs per second that entered each grid.
-    rates: Vec<f64>,
 }
 
-/// Best candidate for each table under one reading of the method.
+/// Results of the search under one reading of the method.
 #[derive(Debug, Serialize)]
-struct Selection {
+struct Reading {
     variant: Variant,
     description: String,
-    /// In the order of the tables; `None` if the search was stopped before it had one.
-    best: Vec<Option<Found>>,
-    tried: u64,
-}
-
-impl Selection {
-    /// Sum of the objectives: one reading must explain all tables.
-    fn total(&self) -> f64 {
-        let mut total = 0.0;
-        for best in &self.best {
-            total += best.as_ref().map_or(f64::INFINITY, |found| found.score.total());
-        }
-        total
-    }
+    /// In the order of the tables.
+    searches: Vec<SearchReport>,
 }
 
 pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
@@ -68,20 +55,18 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     }
 }
 
-/// Searches for each table in turn, and shows what was found.
+/// Runs the f on record and searches, for each table in turn, and shows what was found.
 fn find(args: &IdentifyArgs, asked: &Search) -> Result<()> {
     let mut answers = Vec::new();
-    for (problem, target) in &asked.tables {
+    for table in &asked.tables {
         if interrupted().load(Ordering::Relaxed) {
             break;
         }
-        let mut watch = Watch::new(&format!("problem {problem}"));
-        let mut observe = |progress: &SearchProgress| watch.show(progress);
-        let report = search(&asked.request, target, interrupted(), &mut observe);
-        watch.end();
-        let report = report.map_err(|e| refused(&e))?;
-        let (seconds, rates) = watch.rates();
-        answers.push(Answer { problem: *problem, target: target.clone(), report, seconds, rates });
+        let recorded = verify(table)?;
+        let (began, name) = (Instant::now(), format!("problem {}", table.number));
+        let report = searched(asked, table, &Variant::default(), &mut Watch::new(&name))?;
+        let seconds = began.elapsed().as_secs_f64();
+        answers.push(Answer { problem: table.number, recorded, report, seconds });
     }
     if args.json {
         say_json(&serde_json::json!({ "schema": 1, "problems": answers }))?;
@@ -92,55 +77,53 @@ fn find(args: &IdentifyArgs, asked: &Search) -> Result<()> {
     Ok(())
 }
 
-/// Repeats the search under each reading of the method, and shows the best of each, the best reading first.
-fn compare(args: &IdentifyArgs, asked: &Search) -> Result<()> {
-    let variants = Variant::neighbours();
-    let mut watch = Watch::new("variants");
-    let mut all = Vec::new();
-    for (done, &variant) in variants.iter().enumerate() {
-        if interrupted().load(Ordering::Relaxed) {
-            break;
-        }
-        let selection = select(asked, variant)?;
-        let line = table::one_line(&selection);
-        watch.line(&format!("{}/{}: {line}", done + 1, variants.len()));
-        all.push(selection);
-    }
+/// Runs the f that are on record for a table.
+fn verify(table: &Published) -> Result<Vec<Found>> {
+    let quadrants = [Geometry::quadrants()];
+    let evaluator = Evaluator::new(&table.target, &Variant::default(), &quadrants);
+    let mut evaluator = evaluator.map_err(refused)?;
+    let recorded = table.recorded.iter();
+    Ok(recorded.map(|values| found(&mut evaluator, 0, &quadrants[0], values)).collect())
+}
+
+fn searched(
+    asked: &Search,
+    table: &Published,
+    variant: &Variant,
+    watch: &mut Watch,
+) -> Result<SearchReport> {
+    let mut observe = |share: f64, report: &SearchReport| watch.show(share, report);
+    let report = search(&asked.lattice, variant, &table.target, interrupted(), &mut observe);
     watch.end();
-    all.sort_by(|a, b| a.total().total_cmp(&b.total()));
-    let numbers: Vec<u8> = asked.tables.iter().map(|(number, _)| *number).collect();
+    report.map_err(refused)
+}
+
+/// Repeats the search under each reading of the method, and shows how far it comes in each.
+fn compare(args: &IdentifyArgs, asked: &Search) -> Result<()> {
+    let mut readings = Vec::new();
+    for variant in Variant::neighbours() {
+        let description = variant.to_string();
+        let mut searches = Vec::new();
+        for table in &asked.tables {
+            if interrupted().load(Ordering::Relaxed) {
+                break;
+            }
+            let mut watch = Watch::new(&format!("problem {}, {description}", table.number));
+            searches.push(searched(asked, table, &variant, &mut watch)?);
+        }
+        if searches.len() == asked.tables.len() {
+            readings.push(Reading { variant, description, searches });
+        }
+    }
+    let numbers: Vec<u8> = asked.tables.iter().map(|table| table.number).collect();
     if args.json {
-        say_json(&serde_json::json!({
-            "schema": 1, "problems": numbers, "request": asked.request, "selection": all,
-        }))?;
+        say_json(&serde_json::json!({ "schema": 1, "problems": numbers, "readings": readings }))?;
     } else {
-        say(&table::selection(&all, &numbers))?;
+        say(&table::readings(&readings, &numbers))?;
     }
     Ok(())
 }
 
-/// Searches for each table under one reading of the method.
-fn select(asked: &Search, variant: Variant) -> Result<Selection> {
-    let request = Request { variant, top: 1, ..asked.request.clone() };
-    let (mut best, mut tried) = (Vec::new(), 0);
-    for (_, target) in &asked.tables {
-        let report =
-            search(&request, target, interrupted(), &mut |_| ()).map_err(|e| refused(&e))?;
-        tried += report.tried;
-        best.push(report.found.into_iter().next());
-    }
-    Ok(Selection { variant, description: variant.to_string(), best, tried })
-}
-
-/// Error of a search, with the option that it is about.
-fn refused(error: &IdentifyError) -> Error {
-    let option = match error {
-        IdentifyError::EmptyLattice(_)
-        | IdentifyError::LargeLattice(_)
-        | IdentifyError::Values(_)
-        | IdentifyError::ValueCount { .. }
-        | IdentifyError::TooMany => "--values: ",
-        _ => "",
-    };
-    Error::input(format!("{option}{error}"))
+fn refused(error: IdentifyError) -> Error {
+    Error::input(error.to_string())
 }

@@ -1,10 +1,11 @@
 //! `list`: the scenes of the project, the solvers, the domains, and the problems with known solutions.
 
 use super::current_folder;
-use super::output::{columns, say, say_json, talk};
+use super::output::{say, say_json, talk};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 use crate::replication::scenes::SceneFolder;
+use crate::table::Table;
 use clap::Args;
 use serde::Serialize;
 use signorini_mathematics::mesh::BUILT_IN;
@@ -110,5 +111,5 @@ fn table(named: &[Named]) -> String {
         let short = description.split([':', ';']).next().unwrap_or_default();
         rows.push(vec![format!("  {name}"), short.to_owned()]);
     }
-    columns(&[], &[0, 1], rows)
+    Table::without_head(rows, &[0, 1]).text()
 }

@@ -3,6 +3,7 @@
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, link_target, write_atomically};
 pub(super) use crate::pipeline::talk;
+use crate::table::Table;
 use std::fmt::Display;
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -62,36 +63,9 @@ pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// Returns rows below a head, which may be empty, in columns as wide as their longest cell: columns in `left` are
-/// aligned on the left, all others on the right.
+/// Returns rows below a head, which may be empty, as [`Table::text`] does.
 pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> String {
-    let mut lines = Vec::new();
-    if !head.is_empty() {
-        lines.push(head.iter().map(|name| (*name).to_owned()).collect());
-    }
-    lines.extend(rows);
-    let mut widths: Vec<usize> = Vec::new();
-    for line in &lines {
-        widths.resize(widths.len().max(line.len()), 0);
-        for (width, cell) in widths.iter_mut().zip(line) {
-            *width = (*width).max(cell.width());
-        }
-    }
-    let mut text = String::new();
-    for line in &lines {
-        let mut padded = Vec::new();
-        for (k, (cell, &width)) in line.iter().zip(&widths).enumerate() {
-            // A format would count characters, of which some are two columns wide, and some have none.
-            let space = " ".repeat(width - cell.width());
-            padded.push(match left.contains(&k) {
-                true => format!("{cell}{space}"),
-                false => format!("{space}{cell}"),
-            });
-        }
-        text += padded.join("  ").trim_end();
-        text.push('\n');
-    }
-    text
+    Table { rows, ..Table::new(head.iter().copied(), left) }.text()
 }
 
 /// Cuts a text to this number of columns; dots mark the cut.
@@ -216,14 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn columns_are_counted_as_a_terminal_shows_them() {
-        let names = ["ab", "鍋", "e\u{301}t", "ひび割れ"];
-        let rows = names.map(|name| vec![name.to_owned(), "1".to_owned()]).to_vec();
-        let text = columns(&[], &[0], rows);
-        for line in text.lines() {
-            assert_eq!(line.width(), 8 + 2 + 1, "{line}");
-        }
-        assert_eq!(columns(&[], &[], vec![vec!["鍋".into()], vec!["abc".into()]]), " 鍋\nabc\n");
+    fn a_cut_is_counted_as_a_terminal_shows_it() {
         assert_eq!(cut("鍋鍋鍋鍋", 8), "鍋鍋鍋鍋");
         assert_eq!(cut("鍋鍋鍋鍋", 7), "鍋鍋...");
         assert_eq!(cut("e\u{301}te\u{301}te\u{301}", 4), "e\u{301}...");

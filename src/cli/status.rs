@@ -1,12 +1,13 @@
 //! `status` and `explain`: the stale tasks, and the reasons.
 
 use super::CacheArgs;
-use super::output::{columns, cut, say, say_json, styled};
+use super::output::{cut, say, say_json, styled};
 use super::pipeline::{Scope, Workplace};
 use super::run::exports;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Judged, Reason, Summary, Verdict, stage};
 use crate::replication::stages::Stage;
+use crate::table::Table;
 use anstyle::AnsiColor;
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
@@ -86,7 +87,9 @@ fn table(summary: &Summary, width: usize) -> String {
         rows.push(vec![stage.to_string(), state.to_owned(), count, task, reason]);
     }
     let mut text = String::new();
-    for (line, (state, styled)) in columns(&[], &[0, 1, 3, 4], rows).lines().zip(states) {
+    for (line, (state, styled)) in
+        Table::without_head(rows, &[0, 1, 3, 4]).text().lines().zip(states)
+    {
         // Coloured after the cut: the codes of colours take no columns.
         text += &(cut(line, width).replacen(state, &styled, 1) + "\n");
     }

@@ -4,15 +4,7 @@ use super::{
     Chart, ContactLine, ContactPanel, GradientPanel, HistoryPanel, HistoryRun,
     IdentifiabilityPanel, Stroke, Surface,
 };
-
-/// Quotes a cell of CSV if RFC 4180 asks for it.
-pub(crate) fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
+use crate::table::quoted;
 
 /// Returns the points of all curves but references.
 pub(super) fn of_charts(panels: &[&Chart]) -> String {

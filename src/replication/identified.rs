@@ -7,7 +7,7 @@ use signorini_mathematics::identify::Questions;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Record {
-    /// Commit whose program made the longer searches: this one makes exhaustive searches over two values only.
+    /// Commit whose program made the longer searches, by their commands: this one tries two values on quadrants only.
     pub program: String,
     /// Questions that the stage `identify` answers.
     pub questions: Questions,
@@ -25,8 +25,8 @@ pub(crate) struct Record {
 pub(crate) struct Alternatives {
     /// Number of the table.
     pub table: u8,
-    /// Four decimals each, separated by `;`.
-    pub alternatives: Vec<String>,
+    /// Values of each on the quadrants: lower left, lower right, upper left, upper right.
+    pub alternatives: Vec<[f64; 4]>,
 }
 
 /// Equal searches with several variants of the method.
@@ -85,7 +85,7 @@ pub(crate) struct RunRecord {
 
 impl Record {
     /// The f that are compared for this table.
-    pub(crate) fn alternatives(&self, table: u8) -> &[String] {
+    pub(crate) fn alternatives(&self, table: u8) -> &[[f64; 4]] {
         self.problem.iter().find(|p| p.table == table).map_or(&[], |p| &p.alternatives)
     }
 }

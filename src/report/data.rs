@@ -1,6 +1,6 @@
 //! Data of the tables on the pages: CSV with all digits, made from the values that a template shows.
 
-use crate::figures::table::quoted;
+use crate::table::quoted;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -9,7 +9,7 @@ mod median;
 
 use super::bandwidth;
 use crate::timing::recorded::{
-    Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Sweep, Timings,
+    Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Timings,
 };
 use goals::goals;
 use median::{MedianTime, time};
@@ -24,9 +24,7 @@ use signorini_mathematics::multigrid::{Multigrid, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{
-    NestedGrids, Pair, Params, StopRule, arrow_hurwicz, solve_nested,
-};
+use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve_nested};
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::spectral::{self, spectral};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,10 +57,9 @@ const RESOLUTIONS: [(usize, u32); 8] =
 /// Measures run times; `say` gets the name of the next measurement, once per solver, problem and grid.
 ///
 /// 1. Memory bandwidth.
-/// 2. One sweep of Arrow-Hurwicz.
-/// 3. Multigrid from grid to grid, with one thread and with two.
-/// 4. Every solver on grids, on every problem and grid, to each of its goals.
-/// 5. The spectral solver at every resolution.
+/// 2. Multigrid from grid to grid, with one thread and with two.
+/// 3. Every solver on grids, on every problem and grid, to each of its goals.
+/// 4. The spectral solver at every resolution.
 ///
 /// Easily broken: a time includes everything that its run does, so that allocation, loads and checks have to be on the
 /// side of the clock on which the field of [`Timings`] says that they are.
@@ -78,11 +75,6 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings, 
     }
     say("memory bandwidth");
     let bandwidth = bandwidth::bandwidth(if plan.quick { 1 << 20 } else { 1 << 25 }, 5);
-    let mut sweep = None;
-    if plan.has(Solver::ArrowHurwicz) {
-        say("sweep of Arrow-Hurwicz");
-        sweep = Some(time_sweep(plan));
-    }
     let mut multigrid = Vec::new();
     if plan.has(Solver::Multigrid) {
         multigrid = scaling(plan, &mut say)?;
@@ -105,7 +97,7 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings, 
         }
     }
     let peer = Vec::new();
-    Ok(Timings { schema: SCHEMA, machine, bandwidth, sweep, multigrid, solver, spectral, peer })
+    Ok(Timings { schema: SCHEMA, bandwidth, machine, multigrid, solver, spectral, peer })
 }
 
 impl TimingPlan {
@@ -117,24 +109,6 @@ impl TimingPlan {
     fn ended(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
     }
-}
-
-fn time_sweep(plan: &TimingPlan) -> Sweep {
-    const CELLS: usize = 64;
-    const ITERATIONS: usize = 2000;
-    let grid = Grid::new(CELLS).expect("fine enough");
-    let load = load(grid, &Source::from(Exact::FreeCorner), LoadRule::default());
-    // A tolerance out of reach, so that all iterations are made.
-    let params = Params {
-        tolerance: f64::MIN_POSITIVE,
-        rule: StopRule::Printed,
-        max_iterations: ITERATIONS,
-        ..Params::default()
-    };
-    let MedianTime { seconds, spread } = time(plan.repeats, || {
-        arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut Pair::zero(grid));
-    });
-    Sweep { cells: CELLS, ns: 1e9 * seconds / (ITERATIONS * grid.nodes()) as f64, spread }
 }
 
 /// Times multigrid on all grids from 1/32 on, with one thread and with two, to both goals.
@@ -162,10 +136,9 @@ fn scaling(plan: &TimingPlan, say: &mut impl FnMut(&str)) -> Result<Vec<Scaling>
                         workspace.write_solution(&mut y);
                     })
                 });
-                let bytes = workspace.bytes() as f64 / grid.nodes() as f64;
                 let (work_units, traffic) = (outcome.work_units, workspace.traffic());
                 let scaling =
-                    Scaling { cells, threads, goal, work_units, bytes, traffic, seconds, spread };
+                    Scaling { cells, threads, goal, work_units, traffic, seconds, spread };
                 measured.push(scaling);
             }
         }

@@ -18,12 +18,11 @@ pub const SCHEMA: u8 = 1;
 pub struct Timings {
     /// Version of the format, [`SCHEMA`].
     pub schema: u8,
+    /// Bandwidth of the memory in GB/s, one thread that updates in place; a store counts once, as in STREAM.
+    #[serde(deserialize_with = "positive")]
+    pub bandwidth: f64,
     /// Machine on which the times were measured.
     pub machine: Machine,
-    /// Bandwidth of the machine's memory.
-    pub bandwidth: Bandwidth,
-    /// The sweep of the paper's method.
-    pub sweep: Option<Sweep>,
     /// Multigrid on one problem, from grid to grid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub multigrid: Vec<Scaling>,
@@ -58,34 +57,6 @@ pub struct Machine {
     pub repeats: usize,
 }
 
-/// Memory bandwidth, one thread, in GB/s; a store counts once, as in STREAM.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Bandwidth {
-    /// Size of each array in MB.
-    #[serde(deserialize_with = "positive")]
-    pub megabytes: f64,
-    /// `a = b + s c`: 24 bytes per entry.
-    #[serde(deserialize_with = "positive")]
-    pub triad: f64,
-    /// `a = s a`: 16 bytes per entry.
-    #[serde(deserialize_with = "positive")]
-    pub update: f64,
-}
-
-/// Time of an iteration of Arrow-Hurwicz: sweep, step of the multiplier, stopping test.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sweep {
-    /// Cells per side.
-    pub cells: usize,
-    /// Nanoseconds per node.
-    #[serde(deserialize_with = "positive")]
-    pub ns: f64,
-    /// Noise.
-    pub spread: f64,
-}
-
 /// Multigrid on one grid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -99,9 +70,6 @@ pub struct Scaling {
     /// Cost in sweeps of the finest grid.
     #[serde(deserialize_with = "positive")]
     pub work_units: f64,
-    /// Bytes of the workspace per unknown.
-    #[serde(deserialize_with = "positive")]
-    pub bytes: f64,
     /// Bytes moved per unknown, each pass reading and writing each row once.
     #[serde(deserialize_with = "positive")]
     pub traffic: f64,

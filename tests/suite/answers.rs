@@ -395,7 +395,7 @@ fn searches_check_their_numbers_first() {
     let project = searched();
     for (args, remedy) in [
         (&["--values", "0:999999:0.000000001"][..], "too many"),
-        (&["--values", "999999999999999,0.000000001"], "cannot read the values"),
+        (&["--values", "-999999999:999999999999999:0.000000001"], "cannot read the values"),
         (&["--values", "-999999999999999:999999999999999:1"], "cannot read the values"),
         (&["--checkpoint", "c.json"], "unexpected argument"),
     ] {

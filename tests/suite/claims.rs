@@ -4,7 +4,7 @@ use crate::common::this_project as project;
 use crate::solvers::on_threads;
 use signorini::replication::scene::Scene;
 use signorini_mathematics::experiments::claims::{
-    ClaimMeasure, ClaimVerdict, Claims, ClaimsPlan, claims,
+    ClaimMeasure, ClaimVerdict, Claims, ClaimsPlan, KktTarget, claims,
 };
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{NestedGrids, Params, StopRule, solve_nested};
@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
 fn plan() -> ClaimsPlan {
-    let targets = vec![(1e-3, 32), (1e-6, 16)];
+    let targets = KktTarget::all([(1e-3, 32), (1e-6, 16)]);
     let problems = project().scenes.iter().filter_map(Scene::table_problem).collect();
     ClaimsPlan { per_decade: 2, targets, ..ClaimsPlan::new(problems) }
 }
@@ -112,8 +112,12 @@ fn threads_change_nothing() {
             problem.grids = vec![4, 8, 16];
             problem
         });
-        claims(&ClaimsPlan { problems: problems.collect(), targets: vec![(1e-3, 16)], ..plan })
-            .unwrap()
+        claims(&ClaimsPlan {
+            problems: problems.collect(),
+            targets: KktTarget::all([(1e-3, 16)]),
+            ..plan
+        })
+        .unwrap()
     };
     assert_eq!(on_threads(1, small), small());
 }

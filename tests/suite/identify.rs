@@ -78,25 +78,15 @@ fn evaluator<'a>(target: &'a Target, variant: &Variant) -> Evaluator<'a> {
     Evaluator::new(target, variant, &[Geometry::quadrants()]).unwrap()
 }
 
-fn request(values: &str) -> Request {
-    Request {
-        space: Space::OddQuadrant,
-        values: Lattice::parse_all(values).unwrap(),
-        variant: Variant::default(),
-        negative_integral: true,
-        exact_grids: 2,
-        top: 5,
-    }
-}
-
-fn run(request: &Request, target: &Target) -> SearchReport {
-    search(request, target, &AtomicBool::new(false), &mut |_| ()).unwrap()
+fn run(values: &str, target: &Target) -> SearchReport {
+    let (lattice, never) = (values.parse().unwrap(), AtomicBool::new(false));
+    search(&lattice, &Variant::default(), target, &never, &mut |_, _| ()).unwrap()
 }
 
 /// The report of a search on so many threads.
-fn run_on(threads: usize, request: &Request, target: &Target) -> SearchReport {
+fn run_on(threads: usize, values: &str, target: &Target) -> SearchReport {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| run(request, target))
+    pool.install(|| run(values, target))
 }
 
 proptest! {
@@ -188,27 +178,22 @@ fn table_1_also_comes_out_with_the_gradient_before_the_dual_step() {
 }
 
 #[test]
-fn enumeration_finds_the_values_of_problem_2() {
+fn all_f_with_all_counts_are_found_and_those_with_the_right_delta_a_come_first() {
     let target = published(2);
-    let report = run(&request("-7:-5:0.5; 1:3:0.5"), &target);
-    // The integral of -6, 2, 2, 2 vanishes, so that (2) excludes it.
-    assert!(report.complete && report.found.iter().all(|f| f.integral < 0.0));
-    let open = Request { negative_integral: false, ..report.request };
-    let best = &run(&open, &target).found[0];
-    assert_eq!((&*best.f, best.candidate.values()), ("quadrant(ll)=-6; else=2", vec![-6.0, 2.0]));
-    assert_eq!((best.score.exact, best.score.cells, best.score.delta_a_exact), (25, 25, 4));
-}
-
-#[test]
-fn the_first_found_does_not_depend_on_how_many_are_kept() {
-    let target = published(2);
-    let five = request("-6.02:-5.98:0.005; 1.985:2:0.005");
-    let all = run(&five, &target).found;
-    assert!(all.iter().any(|found| found.score.exact < 25), "one misses a count");
-    for top in 1..5 {
-        let found = run(&Request { top, ..five.clone() }, &target).found;
-        assert_eq!(found, all[..top], "{top}");
-        assert_eq!(found[0].score.exact, 25);
+    let report = run("-6.01:2:0.005", &target);
+    assert!(report.complete && report.exact as usize == report.found.len());
+    for found in &report.found {
+        assert_eq!((found.exact, found.cells), (25, 25));
+        assert!(
+            found.integral < 0.0,
+            "the integral of -6, 2, 2, 2 vanishes, so that (2) excludes it"
+        );
+    }
+    // As the record says of this step, with the shortest of those that have four values of Delta a first.
+    let all: Vec<_> = report.found.iter().map(|found| (&*found.f, found.delta_a_exact)).collect();
+    assert!(all.is_sorted_by_key(|(f, exact)| (std::cmp::Reverse(*exact), f.len())), "{all:?}");
+    for known in ["-6.005; else=2", "-5.98; else=1.99", "-5.975; else=1.99", "-5.99; else=1.995"] {
+        assert!(all.iter().any(|(f, _)| *f == format!("quadrant(ll)={known}")), "{known}: {all:?}");
     }
 }
 
@@ -218,24 +203,36 @@ fn a_planted_f_or_an_equivalent_one_is_recovered() {
     let on_quadrant = |[one, rest]: [f64; 2]| [rest, one, rest, rest];
     for planted in [[-4.0, 1.0], [2.5, -1.5], [-3.5, 0.5]] {
         let target = target_of(&literal(&on_quadrant(planted), Measure::Signed, 3));
-        let best = &run(&request("-4:4:0.5"), &target).found[0];
-        assert_eq!(best.score.exact, 15, "planted {planted:?}, found {}", best.f);
-        let f: signorini_mathematics::problem::source::Source = best.f.parse().unwrap();
-        let quadrants = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
-        let again = literal(&quadrants.map(|point| f.at(point)), Measure::Signed, 3);
-        assert_eq!(target_of(&again).counts, target.counts);
+        let report = run("-4:4:0.5", &target);
+        assert!(!report.found.is_empty(), "planted {planted:?}");
+        for best in report.found {
+            let f: signorini_mathematics::problem::source::Source = best.f.parse().unwrap();
+            let quadrants = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
+            let again = literal(&quadrants.map(|point| f.at(point)), Measure::Signed, 3);
+            assert_eq!(target_of(&again).counts, target.counts);
+        }
+    }
+}
+
+#[test]
+fn candidates_that_reach_a_grid_have_all_counts_on_the_coarser_ones() {
+    let all = run("-8:4:0.1", &published(2));
+    assert_eq!(all.reached[0], all.tried);
+    for grids in 1..5 {
+        let coarse = run("-8:4:0.1", &coarse(published(2), grids));
+        assert_eq!(coarse.reached, all.reached[..grids]);
+        assert_eq!(coarse.exact, all.reached[grids]);
     }
 }
 
 #[test]
 fn reports_do_not_depend_on_threads() {
-    let target = coarse(published(2), 3);
+    let target = coarse(published(2), 1);
     // Several batches of items.
     for values in ["-8:4:0.02", "-8:4:0.1"] {
-        let request = Request { exact_grids: 1, ..request(values) };
-        let once = run_on(1, &request, &target);
+        let once = run_on(1, values, &target);
         assert!(once.complete && !once.found.is_empty());
-        assert_eq!(once, run_on(3, &request, &target));
+        assert_eq!(once, run_on(3, values, &target));
     }
 }
 
@@ -244,30 +241,25 @@ fn searches_stop_in_the_midst_of_a_candidate() {
     // More iterations than anybody waits for: what ends must have looked at the flag between two.
     let mut target = coarse(published(2), 2);
     target.counts.iter_mut().for_each(|row| row[0] = 1_000_000_000_000);
-    let raised = AtomicBool::new(true);
-    let mut evaluator = evaluator(&target, &Variant::default()).halted_by(&raised);
-    assert!(!evaluator.forced(0, &[-6.0, 2.0, 2.0, 1.99], f64::INFINITY).is_exact());
-    for exact_grids in [0, 1] {
-        let stop = AtomicBool::new(false);
-        let request = Request { exact_grids, ..request("-6,2,1.99") };
-        std::thread::scope(|scope| {
-            let searching = scope.spawn(|| search(&request, &target, &stop, &mut |_| ()).unwrap());
-            stop.store(true, Ordering::Relaxed);
-            let report = searching.join().unwrap();
-            assert!(!report.complete && report.found.is_empty(), "{report:?}");
-        });
-    }
+    let stop = AtomicBool::new(false);
+    let (lattice, variant) = ("-6:2:1".parse().unwrap(), Variant::default());
+    std::thread::scope(|scope| {
+        let searching =
+            scope.spawn(|| search(&lattice, &variant, &target, &stop, &mut |_, _| ()).unwrap());
+        stop.store(true, Ordering::Relaxed);
+        let report = searching.join().unwrap();
+        assert!(!report.complete && report.found.is_empty(), "{report:?}");
+    });
 }
 
 #[test]
 fn a_raised_flag_keeps_what_was_found() {
-    let target = coarse(published(2), 3);
-    let request = request("-8:4:0.05");
-    let stop = AtomicBool::new(false);
-    let mut observe = |progress: &SearchProgress| {
-        stop.store(progress.best.is_some(), Ordering::Relaxed);
+    let target = coarse(published(2), 2);
+    let (lattice, stop) = ("-8:4:0.05".parse().unwrap(), AtomicBool::new(false));
+    let mut observe = |_: f64, report: &SearchReport| {
+        stop.store(report.exact > 0, Ordering::Relaxed);
     };
-    let report = search(&request, &target, &stop, &mut observe).unwrap();
+    let report = search(&lattice, &Variant::default(), &target, &stop, &mut observe).unwrap();
     assert!(!report.complete && !report.found.is_empty());
 }
 
@@ -311,23 +303,31 @@ fn room_ends_where_a_count_changes() {
     let mut evaluator = evaluator(&target, &Variant::default());
     let map = identifiability(&evaluator, &values);
     assert_eq!((map.exact, map.directions.len()), (25, 5));
-    for breaks in &map.directions {
-        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+    for (piece, breaks) in map.directions.iter().enumerate() {
+        for (side, sign) in [(&breaks.down, -1.0), (&breaks.up, 1.0)] {
             let moved = |by: f64| -> Vec<f64> {
-                let shift = |(p, v): (usize, &f64)| match breaks.piece {
-                    Some(piece) if piece == p => v + sign * by,
+                let shift = |(p, v): (usize, &f64)| match &breaks.quadrant {
+                    Some(_) if piece == p => v + sign * by,
                     Some(_) => *v,
                     None => v * (1.0 + sign * by),
                 };
                 values.iter().enumerate().map(shift).collect()
             };
-            let range = breaks.range[side];
-            assert!(evaluator.forced(0, &moved(0.99 * range), 0.0).is_exact());
-            let (k, level) = breaks.first[side].unwrap();
-            let beyond = evaluator.forced(0, &moved(1.02 * range + 1e-5), f64::INFINITY);
-            assert!(beyond.misfit[k][level] > 0.0, "{:?} {side}", breaks.piece);
+            assert!(evaluator.forced(0, &moved(0.99 * side.range), 0.0).is_exact());
+            let first = side.first.unwrap();
+            let k = R.iter().position(|r| *r == first.r).unwrap();
+            let level = (first.cells / COARSEST).ilog2() as usize;
+            let beyond = evaluator.forced(0, &moved(1.02 * side.range + 1e-5), f64::INFINITY);
+            assert!(beyond.misfit[k][level] > 0.0, "{breaks:?}");
         }
     }
+    // No move is shorter than the shortest that changes any count.
+    let shortest = map.directions[..4].iter().flat_map(|breaks| [&breaks.down, &breaks.up]);
+    let shortest = shortest.map(|side| side.range).reduce(f64::min).unwrap();
+    let moves = map.holds.iter().flat_map(|row| &row.moves);
+    let least = moves.flatten().copied().reduce(f64::min).unwrap();
+    assert!(least <= shortest && 1.25 * least > shortest, "{least} {shortest}");
+    assert!(map.loose < 25 && map.percent == 0.06, "{map:?}");
     let plane = slice(&evaluator, &values, [0, 3], [0.1; 2], 5);
     assert_eq!(plane.exact[2][2], 25);
     assert!(plane.exact[0][0] < 25);
@@ -346,7 +346,4 @@ fn tables_that_are_none_are_refused() {
     assert_eq!(bad(&|t| t.counts[2].truncate(4)), IdentifyError::Ragged);
     assert_eq!(bad(&|t| t.counts[2][0] = 0), IdentifyError::NotPositive(3));
     assert_eq!(bad(&|t| t.r.clear()), IdentifyError::Rows(0));
-    let three = request("1:2:1; 3; 4");
-    let refused = search(&three, &published(1), &AtomicBool::new(false), &mut |_| ());
-    assert!(refused.unwrap_err().to_string().contains("3 lists of values for the 2 values of f"));
 }

@@ -14,8 +14,8 @@ const SCENE: &str = "title = \"Two\"\npaper_table = 2\nf = \"quadrant(ll)=-6; el
     load = { rule = \"nodal\", tie = \"lower-left\", diagonal = \"rising\" }\n\
     outputs = [\"identify\"]\n";
 
-const RECORD: &str = "program = \"0123456\"\n\n[questions]\nspace = \"odd-quadrant\"\nvalues = \"-7:3:0.5\"\ntop = 2\n\
-    reach = [0.5, 0.5]\npoints = 5\n\n[[problem]]\ntable = 2\nalternatives = [\"-6; 2; 1.99; 2\"]\n\n\
+const RECORD: &str = "program = \"0123456\"\n\n[questions]\nvalues = \"-7:3:0.5\"\n\
+    reach = [0.5, 0.5]\npoints = 5\n\n[[problem]]\ntable = 2\nalternatives = [[-6, 2, 1.99, 2]]\n\n\
     [selection]\ncommands = []\ncandidates = 0\nvariant = []\n\n\
     [[run]]\nwhat = \"none\"\ncandidates = 0\noutcome = \"none\"\n";
 
@@ -27,9 +27,9 @@ fn project() -> Project {
 }
 
 #[test]
-fn json_has_every_field_and_the_table_the_same_ranking() {
+fn json_has_every_field_and_the_table_the_same_order() {
     let project = project();
-    let args = ["identify", "--problem", "2", "--values", "-7:3:0.5", "--top", "3"];
+    let args = ["identify", "--problem", "2", "--values", "-7:3:0.5"];
     let said = project.run(&[&args[..], &["--json"]].concat());
     assert_eq!(said.code, Some(0), "{said:?}");
     let json = said.json();
@@ -37,48 +37,49 @@ fn json_has_every_field_and_the_table_the_same_ranking() {
     let answer = &json["problems"][0];
     assert_eq!((&answer["problem"], &answer["complete"]), (&2.into(), &true.into()));
     assert!(answer["tried"].as_u64().unwrap() > 500, "{answer}");
-    assert_eq!(answer["entered"][0], answer["tried"]);
-    assert_eq!(answer["rates"].as_array().unwrap().len(), 2);
+    assert_eq!(answer["reached"][0], answer["tried"]);
     assert!(answer["seconds"].as_f64().unwrap() >= 0.0);
-    assert_eq!(answer["request"]["space"], "odd-quadrant");
+    let recorded = &answer["recorded"][0];
+    assert_eq!((&recorded["exact"], &recorded["cells"]), (&6.into(), &6.into()));
     let found = answer["found"].as_array().unwrap();
-    assert_eq!(found.len(), 3);
+    assert!(found.len() > 1 && answer["exact"].as_u64().unwrap() >= found.len() as u64, "{answer}");
     for one in found {
-        for part in ["exact", "cells", "misfit", "delta_a_exact", "delta_a_misfit", "complexity"] {
-            assert!(one["score"][part].is_number(), "{part}");
-        }
+        assert_eq!(one["exact"], 6);
+        assert!(one["delta_a_exact"].is_number() && one["delta_a"].is_array(), "{one}");
         assert!(one["integral"].as_f64().unwrap() < 0.0);
     }
-    assert_eq!(found[0]["score"]["exact"], 6);
     let table = project.run(&args);
     let lines = table.lines();
-    for (rank, one) in found.iter().enumerate() {
-        let line = lines.iter().find(|line| line.starts_with(&format!("{:>4} ", rank + 1)));
-        assert!(line.unwrap().ends_with(one["f"].as_str().unwrap()), "{table:?}");
-    }
-    assert!(table.out.contains("complexity  distinct values of f"), "{table:?}");
+    let shown = lines.iter().filter(|line| line.contains("6/6")).map(|line| {
+        let (_, f) = line.split_once(" quadrant").unwrap();
+        format!("quadrant{f}")
+    });
+    let all = std::iter::once(recorded).chain(found).map(|one| one["f"].as_str().unwrap());
+    assert!(shown.eq(all), "{table:?}");
     let single = project.run(&[&args[..], &["--json", "--threads", "1"]].concat()).json();
     assert_eq!(single["problems"][0]["found"], answer["found"], "whatever the threads");
 }
 
 #[test]
-fn readings_of_the_method_are_ranked() {
-    let said = project().run(&["identify", "--variants", "--values", "-6,2", "--json"]);
+fn the_search_is_repeated_under_each_reading_of_the_method() {
+    let args = ["identify", "--variants", "--values", "-6:2:2"];
+    let said = project().run(&[&args[..], &["--json"]].concat());
     assert_eq!(said.code, Some(0), "{said:?}");
     let json = said.json();
-    let all = json["selection"].as_array().unwrap();
-    assert!(all.len() > 10 && json["request"]["space"] == "odd-quadrant");
-    assert!(all.iter().any(|one| one["description"] == "as selected"), "{json}");
-    let said = project().run(&["identify", "--variants", "--values", "-6,2"]);
+    let all = json["readings"].as_array().unwrap();
+    assert_eq!((all.len(), &all[0]["description"]), (19, &"as selected".into()));
+    let said = project().run(&args);
     for (line, one) in said.lines()[1..=all.len()].iter().zip(all) {
         assert!(line.ends_with(one["description"].as_str().unwrap()), "{said:?}");
+        let exact = one["searches"][0]["exact"].as_u64().unwrap();
+        assert!(exact == 0 || line.trim_start().starts_with(&format!("{exact} on all grids")));
     }
 }
 
 #[test]
 fn an_interrupted_search_shows_what_it_has_found() {
     let project = project();
-    let args = ["identify", "--values", "-8:8:0.0005", "--exact-grids", "0", "--json"];
+    let args = ["identify", "--values", "-8:8:0.0005", "--json"];
     let mut child = project.command(&args);
     let mut child = child.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     wait_for_handler(&child);
@@ -98,19 +99,13 @@ fn wrong_input_is_refused_in_one_line() {
     let project = project();
     for (args, remedy) in [
         (&["--problem", "1"][..], "has no table 1; it has 2"),
-        (&["--values", "1:2"], "write a range such as"),
+        (&["--values", "1:2"], "write MIN:MAX:STEP with MIN <= MAX"),
         (&["--values", "2:1:0.1"], "write MIN:MAX:STEP with MIN <= MAX"),
         (&["--threads", "0"], "leave it out"),
-        (&["--exact-grids", "9"], "the table has 2"),
-        (&["--values", "1,2;3;4"], "--values: 3 lists of values for the 2 values of f"),
-        (&["--top", "0"], "--top must be at least 1"),
-        (&["--space", "rectangles", "--values", "-999.9:1000:0.0002"], "use fewer values"),
     ] {
         let said = project.run(&[&["identify"], args].concat());
         assert!(said.refusal().contains(remedy), "{remedy}: {said:?}");
     }
-    let said = project.run(&["identify", "--space", "discs"]);
-    assert!(said.code == Some(2) && said.err.contains("possible values: odd-quadrant"), "{said:?}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "machine",
     "problem",
     "discrete",
@@ -23,6 +23,7 @@ const ROOMS: [&str; 20] = [
     "solvers",
     "identify",
     "experiments",
+    "table",
     "pipeline",
     "timing",
     "figures",

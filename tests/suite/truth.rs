@@ -2,7 +2,9 @@
 
 use crate::reference::REFERENCES;
 use signorini_mathematics::experiments::problems::PAPER;
-use signorini_mathematics::experiments::truth::{Numbers, ReferenceValue, Truth, TruthPlan, truth};
+use signorini_mathematics::experiments::truth::{
+    ElementsOrders, Numbers, ReferenceValue, Truth, TruthPlan, truth,
+};
 use std::sync::OnceLock;
 
 fn found() -> &'static Truth {
@@ -86,7 +88,7 @@ fn bounds_hold_and_are_sharp() {
         let [below, above] = one.levels[2].bilinear;
         assert!((0.98..=1.0 + 1e-9).contains(&below), "{}: {:?}", one.name, one.levels[2]);
         assert!((1.0 - 1e-9..1.01).contains(&above), "{}: {:?}", one.name, one.levels[2]);
-        let [error, energy, _] = one.orders;
+        let ElementsOrders { error, energy, .. } = one.orders;
         assert!((error.unwrap() - 1.0).abs() < 0.1, "{}: {:?}", one.name, one.orders);
         assert!(energy.is_none_or(|order| (order - 2.0).abs() < 0.1), "{:?}", one.orders);
     }

@@ -2,8 +2,6 @@
 
 mod chapters;
 mod digits;
-mod experiments;
-mod search;
 mod times;
 
 use super::solutions::Solutions;

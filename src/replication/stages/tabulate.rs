@@ -1,12 +1,11 @@
 //! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table.
 
 use super::from_json;
-use super::results::csv;
 use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
-use polars::prelude::{Column, DataFrame, PolarsResult};
+use crate::table::Table;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::saddle::{Outcome, StopRule};
 
@@ -30,7 +29,7 @@ pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
         };
         Ok(Artifacts::from([(
             TABLE.into(),
-            csv(table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names)?)?,
+            table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names).csv().into_bytes(),
         )]))
     })
 }
@@ -72,28 +71,37 @@ fn ends(inputs: &Inputs, solves: &[String]) -> Result<Vec<Vec<&'static str>>, St
 ///
 /// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
 /// ended without a solution of the discrete problem, a column `stop 1/4` holds the `ends`.
-fn table(rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> PolarsResult<DataFrame> {
-    let mut columns: Vec<Column> =
-        vec![Column::new("r".into(), rows.iter().map(|row| row.r).collect::<Vec<_>>())];
-    for (level, grid) in grids.iter().enumerate() {
-        let counts: Vec<u64> = rows.iter().map(|row| row.counts[level] as u64).collect();
-        columns.push(Column::new(grid.into(), counts));
-    }
-    let delta_a: Vec<f64> = rows.iter().map(|row| row.delta_a).collect();
-    columns.push(Column::new("delta_a".into(), delta_a));
-    for (level, grid) in grids.iter().enumerate() {
-        let capped: Vec<bool> = rows.iter().map(|row| row.capped[level]).collect();
-        if capped.contains(&true) {
-            columns.push(Column::new(format!("capped {grid}").into(), capped));
+fn table(rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> Table {
+    let (mut capped, mut stopped) = (Vec::new(), Vec::new());
+    for level in 0..grids.len() {
+        if rows.iter().any(|row| row.capped[level]) {
+            capped.push(level);
+        }
+        if ends.iter().any(|ends| ["no-solution", "not-solved"].contains(&ends[level])) {
+            stopped.push(level);
         }
     }
-    for (level, grid) in grids.iter().enumerate() {
-        let ends: Vec<&str> = ends.iter().map(|ends| ends[level]).collect();
-        if ends.iter().any(|end| ["no-solution", "not-solved"].contains(end)) {
-            columns.push(Column::new(format!("stop {grid}").into(), ends));
-        }
+    let named = |name: &str, levels: &[usize]| -> Vec<String> {
+        levels.iter().map(|&level| format!("{name} {}", grids[level])).collect()
+    };
+    let counts_and_change = [&["r".to_owned()][..], grids, &["delta_a".to_owned()]].concat();
+    let marks = [named("capped", &capped), named("stop", &stopped)].concat();
+    let mut table = Table::new(counts_and_change.into_iter().chain(marks), &[]);
+    for (row, ends) in rows.iter().zip(ends) {
+        let mut cells = vec![decimal(row.r)];
+        cells.extend(row.counts.iter().map(usize::to_string));
+        cells.push(decimal(row.delta_a));
+        cells.extend(capped.iter().map(|&level| row.capped[level].to_string()));
+        cells.extend(stopped.iter().map(|&level| ends[level].to_owned()));
+        table.rows.push(cells);
     }
-    DataFrame::new(rows.len(), columns)
+    table
+}
+
+/// Returns a number with all digits, and with a point.
+fn decimal(x: f64) -> String {
+    let text = x.to_string();
+    if x.is_finite() && !text.contains('.') { text + ".0" } else { text }
 }
 
 #[cfg(test)]
@@ -112,11 +120,16 @@ mod tests {
             1000000.0,1,149,0.000033333333333333335,false,no-solution
             0.5,3,55,0.000353,true,converged
         "]]
-        .assert_eq(
-            std::str::from_utf8(
-                &csv(table(&rows, &ends, &["1/4".into(), "1/8".into()]).unwrap()).unwrap(),
-            )
-            .unwrap(),
-        );
+        .assert_eq(&table(&rows, &ends, &["1/4".into(), "1/8".into()]).csv());
+    }
+
+    #[test]
+    fn numbers_are_written_as_in_the_table_of_results() {
+        use crate::replication::stages::results::csv;
+        use polars::prelude::df;
+        let numbers = [1e6, 0.5, 0.0, -2.0, 1e-4 / 3.0, 1e15, 1e-12, f64::NAN, f64::INFINITY];
+        let frame = df!("x" => numbers.to_vec()).unwrap();
+        let written = String::from_utf8(csv(frame).unwrap()).unwrap();
+        assert!(written.lines().skip(1).eq(numbers.map(decimal)), "{written}");
     }
 }

@@ -3,11 +3,10 @@
 use super::Range;
 use super::known::{KnownSolution, SAMPLED, SolutionErrors};
 use super::problems::{CONTACT, paper_loads, stress_loads};
-use super::work::{self, Comparison, CostLaw};
+use super::work::{self, Comparison, CostLaw, nodal_values};
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::{lumped, worst};
 use crate::discrete::stiffness::energy;
-use crate::discrete::stop::Stop;
 use crate::multigrid::{Goal, InputError, Multigrid, MultigridOutcome, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
@@ -53,6 +52,8 @@ pub struct AccuracyFindings {
     pub problems: Vec<KnownLevels<AccuracyLevel>>,
     /// Cells per side of the grid at whose nodes solutions without a formula are compared.
     pub sampled: usize,
+    /// Values of the solution of [`Exact::FreeCorner`], which is lifted least, at the nodes of this grid.
+    pub free_corner: Range,
     /// Cost on the paper's problems and the stress loads, grid by grid.
     pub others: Vec<Cost>,
     /// Cost laws of the paper's method.
@@ -97,20 +98,7 @@ pub struct Cost {
     pub bytes: f64,
     /// Cost of each of the [`GOALS`]: the discretisation error, a natural residual of [`TOLERANCE`], the rounding
     /// floor.
-    pub goals: [Spent; 3],
-}
-
-/// Cost of reaching a goal.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Spent {
-    /// Sweeps of the finest grid.
-    pub work_units: f64,
-    /// Cycles on the finest grid.
-    pub cycles: usize,
-    /// Natural residual, not relative: in the units of the load, f h^2.
-    pub kkt: f64,
-    /// End of the solve.
-    pub stop: Stop,
+    pub goals: [MultigridOutcome; 3],
 }
 
 /// Ranges over problems and grids.
@@ -121,24 +109,42 @@ pub struct Ranges {
     /// Cells per side of the coarsest grid that the ranges below include: from there on orders and work units are close
     /// to their limits.
     pub from: usize,
-    /// Least and greatest observed orders of the problems whose solutions have a formula.
-    pub orders: [SolutionErrors; 2],
-    /// Least and greatest observed orders of the problems that test contact, whose f jumps.
-    pub contact: [SolutionErrors; 2],
+    /// Observed orders of the problems whose solutions have a formula.
+    pub smooth: OrderRange,
+    /// Observed orders of the problems that test contact, whose f jumps.
+    pub jumps: OrderRange,
     /// Greatest algebraic over discretisation error, in L2 and H1.
     pub algebraic: [f64; 2],
-    /// Least and greatest work units for each goal: problems with known solution.
-    pub known: [[f64; 2]; 3],
-    /// Least and greatest work units for each goal on the finest grid alone: problems with known solution.
-    pub finest: [[f64; 2]; 3],
-    /// Least and greatest work units for each goal: the paper's problems and the stress loads.
-    pub others: [[f64; 2]; 3],
+    /// Work units, goal by goal.
+    pub work: [WorkRange; 3],
+}
+
+/// Least and greatest observed orders.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct OrderRange {
+    /// Least; zero without orders.
+    pub least: SolutionErrors,
+    /// Greatest; zero without orders.
+    pub greatest: SolutionErrors,
+}
+
+/// Work units to a goal.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct WorkRange {
+    /// Goal in words.
+    pub goal: String,
+    /// Range over problems with known solution.
+    pub known: Range,
+    /// Range over the paper's problems and the stress loads.
+    pub others: Range,
 }
 
 /// Natural residual that the second goal asks for, not relative: in the units of the load, f h^2.
 pub const TOLERANCE: f64 = 1e-10;
 /// Goals, in the order of [`Cost::goals`].
 pub const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(TOLERANCE), Goal::RoundingFloor];
+/// The same in words.
+const GOALS_IN_WORDS: [&str; 3] = ["discretisation error", "residual", "rounding floor"];
 /// Cells per side of the coarsest grid on which orders and work units are close to their limits.
 const ASYMPTOTIC: usize = 64;
 
@@ -169,10 +175,12 @@ pub fn accuracy(plan: &AccuracyPlan) -> Result<AccuracyFindings, String> {
         },
     );
     let (problems, others) = (problems?, others?);
+    let sampled = Grid::new(SAMPLED).map_err(|e| e.to_string())?;
     Ok(AccuracyFindings {
         ranges: Ranges::of(&problems, &others),
         problems,
         sampled: SAMPLED,
+        free_corner: Range::of(nodal_values(Exact::FreeCorner, sampled)).unwrap_or_default(),
         others,
         laws: laws?,
         comparison: comparison?,
@@ -247,18 +255,11 @@ pub(super) fn cost(
             .map_err(|e| format!("{name} on grid 1/{n}: {e}"))?;
         *solution = vec![0.0; load.len()];
         workspace.write_solution(solution);
-        goals.push(Spent::of(&outcome));
+        goals.push(outcome);
     }
     let goals = goals.try_into().expect("one for each goal");
     let bytes = workspace.bytes() as f64 / load.len() as f64;
     Ok(Costed { cost: Cost { name: name.into(), cells: n, bytes, goals }, solutions })
-}
-
-impl Spent {
-    fn of(outcome: &MultigridOutcome) -> Self {
-        let MultigridOutcome { stop, cycles, kkt, work_units, .. } = *outcome;
-        Self { work_units, cycles, kkt, stop }
-    }
 }
 
 /// Applies `f` to each pair of errors in the same norm.
@@ -281,38 +282,37 @@ impl Ranges {
         let finest = levels.iter().map(|level| level.cost.cells).max().unwrap_or(0);
         // A plan of coarse grids only has ranges as well.
         let from = ASYMPTOTIC.min(finest);
-        let (mut fine, mut last) = (levels.clone(), levels);
+        let mut fine = levels;
         fine.retain(|level| level.cost.cells >= from);
-        last.retain(|level| level.cost.cells == finest);
         let (with_formula, contact): (Vec<_>, Vec<_>) =
             fine.iter().copied().partition(|level| level.errors.l2.is_some());
         Self {
             tolerance: TOLERANCE,
             from,
-            orders: extreme_orders(&with_formula),
-            contact: extreme_orders(&contact),
+            smooth: OrderRange::of(&with_formula),
+            jumps: OrderRange::of(&contact),
             algebraic: [0, 1].map(|k| worst(fine.iter().filter_map(|level| level.algebraic[k]))),
-            known: work_units(fine.iter().map(|level| &level.cost)),
-            finest: work_units(last.iter().map(|level| &level.cost)),
-            others: work_units(others.iter()),
+            work: [0, 1, 2].map(|goal| WorkRange {
+                goal: GOALS_IN_WORDS[goal].into(),
+                known: work_units(goal, fine.iter().map(|level| &level.cost)),
+                others: work_units(goal, others),
+            }),
         }
     }
 }
 
-/// Least and greatest observed orders; zero without orders.
-fn extreme_orders(levels: &[&AccuracyLevel]) -> [SolutionErrors; 2] {
-    let observed: Vec<_> = levels.iter().filter_map(|level| level.orders).collect();
-    [f64::min, f64::max].map(|extreme| {
-        let all = observed.iter().copied();
-        all.reduce(|a, b| map2(&a, &b, extreme)).unwrap_or_default()
-    })
+impl OrderRange {
+    fn of(levels: &[&AccuracyLevel]) -> Self {
+        let observed: Vec<_> = levels.iter().filter_map(|level| level.orders).collect();
+        let [least, greatest] = [f64::min, f64::max].map(|extreme| {
+            let all = observed.iter().copied();
+            all.reduce(|a, b| map2(&a, &b, extreme)).unwrap_or_default()
+        });
+        Self { least, greatest }
+    }
 }
 
-/// Least and greatest work units for each goal; zero without costs.
-fn work_units<'a>(costs: impl Iterator<Item = &'a Cost> + Clone) -> [[f64; 2]; 3] {
-    [0, 1, 2].map(|goal| {
-        let units = costs.clone().map(|cost| cost.goals[goal].work_units);
-        let Range { least, greatest } = Range::of(units).unwrap_or_default();
-        [least, greatest]
-    })
+/// Least and greatest work units to a goal; zero without costs.
+fn work_units<'a>(goal: usize, costs: impl IntoIterator<Item = &'a Cost>) -> Range {
+    Range::of(costs.into_iter().map(|cost| cost.goals[goal].work_units)).unwrap_or_default()
 }

@@ -88,6 +88,15 @@ pub(super) struct Discrete {
 }
 
 impl Problem {
+    /// Returns the name for a table: of a problem with another law than the paper's, f and the law.
+    pub fn name(&self) -> String {
+        match self.law {
+            None => format!("problem {}", self.number),
+            Some(LawParameter::Friction(g)) => format!("`{}`, g = {g}", self.f),
+            Some(LawParameter::Limit(limit)) => format!("`{}`, limit = {limit}", self.f),
+        }
+    }
+
     /// Returns the law on the boundary.
     ///
     /// # Errors

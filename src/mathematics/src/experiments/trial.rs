@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 /// End of a run, and the judgement of [`judge`] on the vector that it returned.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
-    /// Reason that the solver gives for its end; `refused` if it did not begin.
-    pub stop: String,
+    /// Reason that the solver gives for its end; none if it refused to begin.
+    pub stop: Option<Stop>,
     /// Iterations, or cycles on the finest grid.
     pub steps: usize,
     /// Work in units of one sweep of the finest grid.
@@ -23,10 +23,6 @@ pub struct Trial {
     pub kkt: Option<f64>,
     /// Natural residual over `EPSILON * max |y|`: about 1 to 10 if only rounding errors are left.
     pub floor: Option<f64>,
-    /// `max |y|`; none if it is not finite.
-    pub size: Option<f64>,
-    /// Boundary nodes in contact: there the flux is no less than y.
-    pub contact: usize,
     /// True if the natural residual is within the bound that the solver claims; none if it claims no bound.
     pub holds: Option<bool>,
 }
@@ -34,12 +30,12 @@ pub struct Trial {
 impl Trial {
     /// True if the solver reports that it reached its goal.
     pub fn converged(&self) -> bool {
-        self.stop == "converged"
+        self.stop == Some(Stop::Converged)
     }
 
     /// True if the solver reports that there is no result.
     pub fn says_that_it_failed(&self) -> bool {
-        ["diverged", "refused"].contains(&self.stop.as_str())
+        matches!(self.stop, None | Some(Stop::Diverged))
     }
 }
 
@@ -51,38 +47,24 @@ enum Claim {
     RoundingFloor,
 }
 
-/// A finished run, as its solver reports it.
-struct Report<'a> {
-    y: &'a [f64],
-    stop: String,
-    steps: usize,
-    work: f64,
-    /// Bound of the natural residual, if the solver claims one.
-    claim: Option<Claim>,
-}
-
-impl Report<'_> {
-    fn judged(self, grid: Grid, load: &[f64]) -> Trial {
-        let judgement = judge(grid, Law::SIGNORINI, self.y, load);
+impl Trial {
+    /// Adds the judgement on the vector `y` that the solver returned, and on its claim, if there is one.
+    fn judged(self, grid: Grid, load: &[f64], y: &[f64], claim: Option<Claim>) -> Self {
+        let judgement = judge(grid, Law::SIGNORINI, y, load);
         let kkt = judgement.kkt;
         let mut largest = Largest::default();
-        largest.see(1.0, self.y);
+        largest.see(1.0, y);
         let size = largest.value();
         let slack = SLACK * f64::EPSILON * size;
-        let bound = self.claim.map(|claim| match claim {
+        let bound = claim.map(|claim| match claim {
             Claim::AtMost(bound) => bound,
             Claim::RoundingFloor => multigrid::ROUNDING_FLOOR * f64::EPSILON * size,
         });
-        let contact = judgement.in_contact();
-        Trial {
-            stop: self.stop,
-            steps: self.steps,
-            work: self.work,
+        Self {
             kkt: finite(kkt.relative),
             floor: finite(kkt.natural / (f64::EPSILON * size)),
-            size: finite(size),
-            contact: contact.into_iter().filter(|&in_contact| in_contact).count(),
             holds: bound.map(|bound| kkt.natural.is_finite() && kkt.natural <= bound + slack),
+            ..self
         }
     }
 }
@@ -110,14 +92,9 @@ fn saddle_trial(grid: Grid, job: &Job, end: &End, pair: &Pair) -> Trial {
         }
         _ => None,
     };
-    let report = Report {
-        y: &pair.y,
-        stop: stop.to_string(),
-        steps: end.sweeps,
-        work: end.sweeps as f64,
-        claim,
-    };
-    report.judged(grid, job.load)
+    let trial =
+        Trial { stop: Some(stop), steps: end.sweeps, work: end.sweeps as f64, ..Trial::default() };
+    trial.judged(grid, job.load, &pair.y, claim)
 }
 
 /// Runs multigrid, by nested iteration or from `start`.
@@ -125,21 +102,20 @@ pub fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let problem = Law::SIGNORINI.with_load(load);
     let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), problem, start, &params) else {
-        return Trial { stop: "refused".into(), ..Trial::default() };
+        return Trial::default();
     };
     let claim = match (outcome.stop, goal) {
         (Stop::Converged, Goal::Kkt(tolerance)) => Some(Claim::AtMost(tolerance)),
         (Stop::RoundingFloor, _) => Some(Claim::RoundingFloor),
         _ => None,
     };
-    let report = Report {
-        y: &y,
-        stop: outcome.stop.name().into(),
+    let trial = Trial {
+        stop: Some(outcome.stop),
         steps: outcome.cycles,
         work: outcome.work_units,
-        claim,
+        ..Trial::default()
     };
-    report.judged(grid, load)
+    trial.judged(grid, load, &y, claim)
 }
 
 /// Largest difference, in units of `EPSILON * max |y|`, between two ways to compute a residual that add in another

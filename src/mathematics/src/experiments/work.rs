@@ -37,34 +37,24 @@ pub struct CostLaw {
 pub struct Comparison {
     /// Name of the problem.
     pub name: String,
-    /// Cells per side of the finest grid.
-    pub cells: usize,
-    /// Error of the discrete solution on the finest grid, in the discrete L2 norm.
-    pub discretisation: f64,
-    /// Runs of all methods.
-    pub runs: Vec<WorkRun>,
+    /// Grid by grid.
+    pub rows: Vec<ComparedWork>,
+    /// Number of grids on which Uzawa's method with loose inner minimisation takes less work than Arrow-Hurwicz.
+    pub uzawa_ahead: usize,
 }
 
-/// One method in a [`Comparison`].
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct WorkRun {
-    /// Name of the method in words.
-    pub method: String,
-    /// First iterate that reached the discretisation error, grid by grid.
-    pub reached: Vec<ReachedWork>,
-}
-
-/// First iterate on a grid whose error is at most [`REACHED`] times the discretisation error.
+/// Work of each method to an error of at most [`REACHED`] times the discretisation error: visits of unknowns so far, on
+/// all grids, over the number of unknowns of this one.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct ReachedWork {
+pub struct ComparedWork {
     /// Cells per side.
     pub cells: usize,
-    /// Unknowns visited so far, on all grids.
-    pub visits: f64,
-    /// Number of visits over the number of unknowns of this grid: work in sweeps of this grid.
-    pub work_units: f64,
-    /// Error in the discrete L2 norm.
-    pub error: f64,
+    /// Work units of multigrid.
+    pub multigrid: f64,
+    /// Work units of Arrow-Hurwicz.
+    pub arrow_hurwicz: f64,
+    /// Work units of Uzawa's method with loose inner minimisation.
+    pub uzawa: f64,
 }
 
 /// Duality parameter: above about 10 it makes no difference to these counts.
@@ -138,13 +128,20 @@ pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
     for grid in grids {
         levels.push(OnGrid::new(&known, grid)?);
     }
-    let finest = &levels[levels.len() - 1];
-    let mut runs = vec![with_multigrid(&levels)?];
-    for (name, method) in [("Arrow-Hurwicz", Method::ArrowHurwicz), ("Uzawa", loose_uzawa(0.0))] {
-        runs.push(with_saddle(name, method, &levels)?);
+    let multigrid = with_multigrid(&levels)?;
+    let arrow_hurwicz = with_saddle("Arrow-Hurwicz", Method::ArrowHurwicz, &levels)?;
+    let uzawa = with_saddle("Uzawa", loose_uzawa(0.0), &levels)?;
+    let mut rows = Vec::new();
+    for (k, level) in levels.iter().enumerate() {
+        rows.push(ComparedWork {
+            cells: level.grid.cells(),
+            multigrid: multigrid[k],
+            arrow_hurwicz: arrow_hurwicz[k],
+            uzawa: uzawa[k],
+        });
     }
-    let (cells, discretisation) = (finest.grid.cells(), finest.discretisation);
-    Ok(Comparison { name: known.name().into(), cells, discretisation, runs })
+    let uzawa_ahead = rows.iter().filter(|row| row.uzawa < row.arrow_hurwicz).count();
+    Ok(Comparison { name: known.name().into(), rows, uzawa_ahead })
 }
 
 /// A problem with known solution on one grid.
@@ -212,7 +209,7 @@ impl OnGrid {
 }
 
 /// Values of the true solution at the nodes, row by row.
-fn nodal_values(exact: Exact, grid: Grid) -> Vec<f64> {
+pub(super) fn nodal_values(exact: Exact, grid: Grid) -> Vec<f64> {
     let mut values = Vec::with_capacity(grid.nodes());
     for j in 0..grid.side() {
         for i in 0..grid.side() {
@@ -222,48 +219,38 @@ fn nodal_values(exact: Exact, grid: Grid) -> Vec<f64> {
     values
 }
 
-/// Runs multigrid on each grid to the discretisation error.
-fn with_multigrid(levels: &[OnGrid]) -> Result<WorkRun, String> {
-    let mut run = WorkRun { method: "multigrid".into(), reached: Vec::new() };
-    for level in levels {
-        let OnGrid { grid, load, .. } = level;
+/// Work units of multigrid to the discretisation error, grid by grid.
+fn with_multigrid(levels: &[OnGrid]) -> Result<Vec<f64>, String> {
+    let mut work = Vec::new();
+    for OnGrid { grid, load, .. } in levels {
         let params =
             MultigridParams { goal: Goal::DiscretisationError, ..MultigridParams::default() };
-        let (y, outcome) =
+        let (_, outcome) =
             multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), None, &params)
                 .map_err(|e| e.to_string())?;
-        run.reached.push(ReachedWork {
-            cells: grid.cells(),
-            visits: outcome.work_units * grid.nodes() as f64,
-            work_units: outcome.work_units,
-            error: level.error(&y),
-        });
+        work.push(outcome.work_units);
     }
-    Ok(run)
+    Ok(work)
 }
 
-/// Runs a saddle-point method over nested grids, each of which is left as soon as its discretisation error is reached:
-/// no stopping rule could know that.
-fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<WorkRun, String> {
-    let mut all = WorkRun { method: name.into(), reached: Vec::new() };
-    let mut visits = 0.0;
+/// Work units of a saddle-point method over nested grids, each of which is left as soon as its discretisation error is
+/// reached: no stopping rule could know that.
+fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Vec<f64>, String> {
+    let (mut work, mut visits) = (Vec::new(), 0.0);
     let grids: Vec<_> = levels.iter().map(|level| level.grid).collect();
     let nested = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
     run_nested(&nested, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
-        let OnGrid { grid, load, .. } = &levels[k];
+        let level = &levels[k];
+        let (grid, load) = (level.grid, &level.load[..]);
         let (cells, unknowns) = (grid.cells(), grid.nodes() as f64);
-        let run = CheckedRun { grid: *grid, load, method, r: R, checks: CHECKS };
-        let mut error = 0.0;
-        let sweeps = run.sweeps_until(pair, &mut |pair| {
-            error = levels[k].error(&pair.y);
-            levels[k].is_reached(error)
-        });
+        let run = CheckedRun { grid, load, method, r: R, checks: CHECKS };
+        let sweeps = run.sweeps_until(pair, &mut |pair| level.is_reached(level.error(&pair.y)));
         let sweeps = sweeps.ok_or_else(|| {
             format!("{name} does not reach the discretisation error on grid 1/{cells}")
         })?;
         visits += sweeps as f64 * unknowns;
-        all.reached.push(ReachedWork { cells, visits, work_units: visits / unknowns, error });
+        work.push(visits / unknowns);
         Ok::<(), String>(())
     })?;
-    Ok(all)
+    Ok(work)
 }

@@ -1,5 +1,6 @@
 //! Sharpness with which a table fixes f: how far each value moves before a count changes, and which one does.
 
+use super::COARSEST;
 use super::evaluate::Evaluator;
 use crate::discrete::norms::largest;
 use serde::{Deserialize, Serialize};
@@ -14,22 +15,52 @@ const RATIO: f64 = 1.25;
 /// Halvings that refine the first break of a direction.
 const HALVINGS: usize = 10;
 
-/// A count of the table: row and grid, both counted from 0.
-pub(super) type Cell = (usize, usize);
+/// A count of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TableCell {
+    /// Duality parameter of the row.
+    pub r: f64,
+    /// Cells per side of the grid.
+    pub cells: usize,
+}
+
+/// Row and grid of a count, both counted from 0.
+type Place = (usize, usize);
+
+/// Names of the quadrants, in the order of their values.
+const QUADRANTS: [&str; 4] = ["lower left", "lower right", "upper left", "upper right"];
 
 /// Changes of counts along one direction in the space of values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Breaks {
-    /// Piece whose value moves; `None` if all are multiplied by one factor.
-    pub piece: Option<usize>,
-    /// Distance by which the value, or the factor from 1, may move down and up with every count that came
-    /// out still coming out. The set of such f need not be convex: this is the part around f.
-    pub range: [f64; 2],
-    /// Count that changes first, down and up; `None` if none did within reach.
-    pub first: [Option<Cell>; 2],
-    /// `cells[k][level]`: the largest of the moves tried, down and up, up to which this count comes out; the next
-    /// one is 1.25 times as large. `None` if it comes out after every move within reach.
-    pub cells: Vec<Vec<[Option<f64>; 2]>>,
+    /// Name of the quadrant whose value moves; `None` if all are multiplied by one factor.
+    pub quadrant: Option<String>,
+    /// The value, or the factor 1.
+    pub value: f64,
+    /// First change of a count below the value.
+    pub down: FirstChange,
+    /// First change of a count above the value.
+    pub up: FirstChange,
+}
+
+/// First change of a count when a value, or the factor of all, moves down or up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FirstChange {
+    /// Distance of the move up to which every count that came out still does. The set of such f need not be convex: this
+    /// is the part around f.
+    pub range: f64,
+    /// Count that changes first; `None` if none did within reach.
+    pub first: Option<TableCell>,
+}
+
+/// Moves under which the counts of a row stay.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Holds {
+    /// Duality parameter of the row.
+    pub r: f64,
+    /// Per grid, the largest of the moves tried of any single value, either way, up to which the count comes out; the
+    /// next one is 1.25 times as large. `None` if it comes out after every move within reach, or does not at f itself.
+    pub moves: Vec<Option<f64>>,
 }
 
 /// The neighbourhood of f in which its table stays as it is.
@@ -39,8 +70,14 @@ pub struct Identifiability {
     pub values: Vec<f64>,
     /// Counts that come out at f; the others constrain nothing.
     pub exact: usize,
-    /// One direction per piece, and last the common factor.
+    /// One direction per quadrant, and last the common factor.
     pub directions: Vec<Breaks>,
+    /// Moves of single values under which the counts stay, row by row.
+    pub holds: Vec<Holds>,
+    /// Hundredth of the largest value of f.
+    pub percent: f64,
+    /// Number of counts that no move of a single value by up to [`Self::percent`] changes.
+    pub loose: usize,
 }
 
 /// Number of counts that come out in free runs, on a lattice in the plane of two values.
@@ -68,7 +105,7 @@ struct Side<'a> {
     /// tried where none changes any.
     between: [f64; 2],
     /// As in [`Breaks`].
-    first: Option<Cell>,
+    first: Option<Place>,
     /// Largest move under which each count that comes out at f still does.
     cells: Vec<Option<f64>>,
 }
@@ -85,7 +122,7 @@ impl Side<'_> {
     }
 
     /// Writes down which of the counts `kept` these moves change, from the counts that come out after each.
-    fn scan(&mut self, kept: &[Cell], steps: &[f64], found: &[Held]) {
+    fn scan(&mut self, kept: &[Place], steps: &[f64], found: &[Held]) {
         let mut before = 0.0;
         for (now, &step) in found.iter().zip(steps) {
             for (&(k, level), range) in kept.iter().zip(&mut self.cells) {
@@ -101,14 +138,16 @@ impl Side<'_> {
     }
 }
 
-/// Maps the neighbourhood of the f with these `values` on the pieces of the evaluator's first geometry.
+/// Maps the neighbourhood of the f with these `values` on the quadrants, which are the pieces of the evaluator's first
+/// geometry.
 ///
 /// # Panics
-/// If there is not one value per piece.
-pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64]) -> Identifiability {
+/// If the evaluator has another geometry.
+pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64; 4]) -> Identifiability {
     let here = evaluator.held(0, &[values.to_vec()]).remove(0);
+    let target = evaluator.target();
     let cells = (0..here.len()).flat_map(|k| (0..here[k].len()).map(move |level| (k, level)));
-    let kept: Vec<Cell> = cells.filter(|&(k, level)| here[k][level]).collect();
+    let kept: Vec<Place> = cells.filter(|&(k, level)| here[k][level]).collect();
     let size = largest(values);
     let side = |piece: Option<usize>, sign: f64| {
         let unit = if piece.is_some() { size } else { 1.0 };
@@ -137,17 +176,33 @@ pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64]) -> Identifiabi
             side.first = broken.or(side.first);
         }
     }
-    let breaks = |sides: &[Side]| {
-        let [down, up] = sides else { unreachable!("two sides of each direction") };
-        let mut cells: Vec<_> = here.iter().map(|row| vec![[None; 2]; row.len()]).collect();
-        for (&(k, level), range) in kept.iter().zip(down.cells.iter().zip(&up.cells)) {
-            cells[k][level] = [*range.0, *range.1];
-        }
-        let range = [down, up].map(|side| side.between[0] * side.unit);
-        Breaks { piece: down.piece, range, first: [down.first, up.first], cells }
+    let cell = |(k, level): Place| TableCell { r: target.r[k], cells: COARSEST << level };
+    let first = |side: &Side| FirstChange {
+        range: side.between[0] * side.unit,
+        first: side.first.map(cell),
+    };
+    let breaks = |sides: &[Side]| Breaks {
+        quadrant: sides[0].piece.map(|p| QUADRANTS[p].to_owned()),
+        value: sides[0].piece.map_or(1.0, |p| values[p]),
+        down: first(&sides[0]),
+        up: first(&sides[1]),
     };
     let directions = sides.chunks(2).map(breaks).collect();
-    Identifiability { values: values.to_vec(), exact: kept.len(), directions }
+    let mut holds: Vec<Holds> = Vec::new();
+    for &r in &target.r {
+        holds.push(Holds { r, moves: vec![None; target.levels()] });
+    }
+    for side in sides.iter().filter(|side| side.piece.is_some()) {
+        for (&(k, level), range) in kept.iter().zip(&side.cells) {
+            let least = &mut holds[k].moves[level];
+            *least = least.iter().chain(range).copied().reduce(f64::min);
+        }
+    }
+    let percent = 0.01 * size;
+    let moves = holds.iter().flat_map(|row| &row.moves);
+    let loose = moves.filter(|greatest| greatest.is_none_or(|it| it > percent)).count();
+    let (values, exact) = (values.to_vec(), kept.len());
+    Identifiability { values, exact, directions, holds, percent, loose }
 }
 
 /// Counts that come out when the values of two pieces of the evaluator's first geometry vary by up to `reach`,

@@ -10,23 +10,26 @@
 //! nearly everything.
 //!
 //! # Parts
-//! [`Variant`] is a reading of the method, [`Space`] a family of f with two values, [`Evaluator`] runs one candidate,
-//! [`search`] tries every candidate of a space, [`identifiability`] tells how sharply the tables fix what was found.
+//! [`Variant`] is a reading of the method, [`Evaluator`] runs one f, [`search`] tries every f with one value on a
+//! quadrant and another elsewhere, [`identifiability`] tells how sharply the tables fix what was found.
 
 mod evaluate;
 mod findings;
+mod found;
 mod identifiability;
-mod rank;
+
 mod search;
 mod space;
 mod variant;
 
 pub use evaluate::{Evaluator, Forced, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
-pub use identifiability::{Breaks, Identifiability, Slice, identifiability, slice};
-pub use rank::{Found, Score};
-pub use search::{Request, SearchProgress, SearchReport, search};
-pub use space::{Candidate, Geometry, Lattice, Space};
+pub use found::{Found, found};
+pub use identifiability::{
+    Breaks, FirstChange, Holds, Identifiability, Slice, TableCell, identifiability, slice,
+};
+pub use search::{SearchReport, search};
+pub use space::{Geometry, Lattice};
 pub use variant::{DualWeight, Measure, Order, ResidualTime, Start, Variant};
 
 use crate::saddle::batch::LANES;
@@ -60,31 +63,17 @@ pub enum IdentifyError {
     /// A count of zero, or a parameter or Delta a that is not positive and finite.
     #[error("counts, r and Delta a must be positive; row {0} (counted from 1) is not")]
     NotPositive(usize),
-    /// A lattice without points.
-    #[error(
-        "the values {0} hold no decimal; write MIN:MAX:STEP with MIN <= MAX and STEP > 0, e.g. -4:4:0.5"
-    )]
-    EmptyLattice(String),
     /// A range of more values than a search can try.
     #[error("the values {0} are too many; take a larger step or a smaller range")]
     LargeLattice(String),
-    /// A text that is neither a list nor a range of decimals.
+    /// A text that is no range of decimals.
     #[error(
-        "cannot read the values `{0}`; write a range such as -4:4:0.5 or a list such as -6,2,1.99"
+        "cannot read the values `{0}`; write MIN:MAX:STEP with MIN <= MAX and STEP > 0, such as -4:4:0.5"
     )]
     Values(String),
-    /// A number of lists of values that is neither one nor two.
-    #[error("{lists} lists of values for the 2 values of f; give one for both, or one for each")]
-    ValueCount {
-        /// Number of lists given.
-        lists: usize,
-    },
     /// An f that is not made of quadrants.
     #[error("f = {0} is not made of quadrants")]
     Pieces(String),
-    /// More candidates than can be numbered.
-    #[error("the space has more than 2^53 candidates; use fewer values")]
-    TooMany,
 }
 
 /// True if ours agrees with a published value to the two digits that the paper prints.

@@ -1,57 +1,15 @@
-//! Families of candidate f: geometries of constant pieces, and decimals as their values.
+//! Candidates: f with constant values on quadrants, and decimals as these values.
 
 use super::IdentifyError;
-use crate::discrete::load::integral;
 use crate::problem::shape::{QUADRANTS, Shape};
 use crate::problem::source::Source;
-use serde::{Deserialize, Serialize};
-
-/// A family of right-hand sides with two values, one on a region and one on the rest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Space {
-    /// The region is a quadrant, any of the four.
-    OddQuadrant,
-    /// The region is a rectangle with corners on the lines of the grid 1/4.
-    Rectangles,
-}
-
-/// Lines of the grid 1/4.
-const LINES: [f64; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
-
-impl Space {
-    /// The geometries of the family.
-    pub fn geometries(self) -> Vec<Geometry> {
-        match self {
-            Self::OddQuadrant => QUADRANTS
-                .map(|(_, sides)| Geometry { regions: vec![Shape::Box(sides)], rest: true })
-                .into(),
-            Self::Rectangles => rectangles(),
-        }
-    }
-}
-
-/// Every rectangle with corners on [`LINES`] but the whole square.
-fn rectangles() -> Vec<Geometry> {
-    let mut spans = Vec::new();
-    for (k, &from) in LINES.iter().enumerate() {
-        spans.extend(LINES[k + 1..].iter().map(|&to| [from, to]));
-    }
-    let whole = [LINES[0], LINES[LINES.len() - 1]];
-    let mut all = Vec::new();
-    for &x in &spans {
-        for &y in spans.iter().filter(|&&y| [x, y] != [whole; 2]) {
-            all.push(Geometry { regions: vec![Shape::Box([x, y])], rest: true });
-        }
-    }
-    all
-}
+use std::str::FromStr;
 
 /// Disjoint pieces of the square on each of which f is constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     regions: Vec<Shape<2>>,
-    /// Whether what the regions leave is a piece as well; it is the last one.
+    /// True if what the regions leave is a piece as well; it is the last one.
     rest: bool,
 }
 
@@ -59,6 +17,11 @@ impl Geometry {
     /// The four quadrants: lower left, lower right, upper left, upper right.
     pub fn quadrants() -> Self {
         Self { regions: QUADRANTS.map(|(_, sides)| Shape::Box(sides)).into(), rest: false }
+    }
+
+    /// Two pieces, a quadrant and the rest, for each of the quadrants.
+    pub fn odd_quadrants() -> [Self; 4] {
+        QUADRANTS.map(|(_, sides)| Self { regions: vec![Shape::Box(sides)], rest: true })
     }
 
     /// The pieces of an f made of quadrants, with a background if they leave any, and its values on them; `None` for
@@ -99,17 +62,16 @@ impl Geometry {
         values[p] = 1.0;
         self.source(&values)
     }
-
-    /// Areas of the pieces.
-    pub fn areas(&self) -> Vec<f64> {
-        (0..self.pieces()).map(|p| integral(&self.indicator(p))).collect()
-    }
 }
 
-/// Decimals with a fixed number of places that a value of f may take, in increasing order.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Decimals that a value of f may take: from the first in equal steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lattice {
-    ticks: Vec<i64>,
+    /// First value, in units of `10^-places`.
+    first: i64,
+    /// Step, in the same units.
+    step: i64,
+    points: u64,
     places: u32,
 }
 
@@ -118,62 +80,48 @@ const MAX_PLACES: u32 = 9;
 /// Largest value of a point.
 const LARGEST: i64 = 1_000_000_000;
 /// Points beyond which a lattice is refused: no search could go through them.
-const MAX_POINTS: i64 = 10_000_000;
+const MAX_POINTS: u64 = 10_000_000;
 
 impl Lattice {
-    /// Reads `MIN:MAX:STEP` or a comma-separated list of decimals.
-    fn parse(text: &str) -> Result<Self, IdentifyError> {
+    /// Number of values.
+    pub fn points(&self) -> u64 {
+        self.points
+    }
+
+    /// Values of f on a quadrant and elsewhere, by their numbers: the doubles nearest to the decimals. `None` if the
+    /// integral of f is not negative, against (2).
+    pub(super) fn values(&self, numbers: [u64; 2]) -> Option<[f64; 2]> {
+        let [on_quadrant, elsewhere] = numbers.map(|number| self.first + number as i64 * self.step);
+        // Powers of ten up to 10^22 are exact: the quotient is rounded once.
+        let unit = 10f64.powi(self.places as i32);
+        let negative = on_quadrant + 3 * elsewhere < 0;
+        negative.then(|| [on_quadrant as f64 / unit, elsewhere as f64 / unit])
+    }
+}
+
+/// Reads `MIN:MAX:STEP`.
+impl FromStr for Lattice {
+    type Err = IdentifyError;
+
+    fn from_str(text: &str) -> Result<Self, IdentifyError> {
         let wrong = || IdentifyError::Values(text.into());
-        let decimals = |parts: std::str::Split<'_, char>| -> Result<Vec<(i64, u32)>, _> {
-            parts.map(|part| decimal(part.trim()).ok_or_else(wrong)).collect()
-        };
-        let range = text.contains(':');
-        let parsed = decimals(text.split(if range { ':' } else { ',' }))?;
+        let parsed: Option<Vec<_>> = text.split(':').map(|part| decimal(part.trim())).collect();
+        let parsed = parsed.ok_or_else(wrong)?;
         let places = parsed.iter().map(|&(_, places)| places).max().unwrap_or(0);
-        // Small enough for any number of places in 64 bits, and for the difference of two.
+        // Small enough for any number of places in 64 bits, and for the sum of four.
         let most = LARGEST * 10i64.pow(places);
         let scaled =
             |&(t, p): &(i64, u32)| t.checked_mul(10i64.pow(places - p)).filter(|t| t.abs() <= most);
-        let mut ticks: Vec<i64> =
-            parsed.iter().map(scaled).collect::<Option<_>>().ok_or_else(wrong)?;
-        if range {
-            let [min, max, step] = ticks[..] else { return Err(wrong()) };
-            if step <= 0 || min > max {
-                return Err(IdentifyError::EmptyLattice(text.into()));
-            }
-            let steps = (max - min) / step;
-            if steps >= MAX_POINTS {
-                return Err(IdentifyError::LargeLattice(text.into()));
-            }
-            ticks = (0..=steps).map(|k| min + k * step).collect();
+        let ticks: Option<Vec<i64>> = parsed.iter().map(scaled).collect();
+        let [first, last, step] = ticks.ok_or_else(wrong)?[..] else { return Err(wrong()) };
+        if step <= 0 || first > last {
+            return Err(wrong());
         }
-        ticks.sort_unstable();
-        ticks.dedup();
-        Ok(Self { ticks, places })
-    }
-
-    /// Reads one lattice for all values, or several separated by `;`, one per value.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Values`] or [`IdentifyError::EmptyLattice`] quoting the faulty part.
-    pub fn parse_all(text: &str) -> Result<Vec<Self>, IdentifyError> {
-        text.split(';').map(|part| Self::parse(part.trim())).collect()
-    }
-
-    /// This lattice with its points written to `places` decimal places, not fewer than now.
-    pub(super) fn refined(&self, places: u32) -> Self {
-        let factor = 10i64.pow(places - self.places);
-        Self { ticks: self.ticks.iter().map(|t| t * factor).collect(), places }
-    }
-
-    /// Decimal places of the points.
-    pub fn places(&self) -> u32 {
-        self.places
-    }
-
-    /// The points, in units of `10^-places`.
-    pub fn ticks(&self) -> &[i64] {
-        &self.ticks
+        let points = ((last - first) / step) as u64 + 1;
+        match points > MAX_POINTS {
+            true => Err(IdentifyError::LargeLattice(text.into())),
+            false => Ok(Self { first, step, points, places }),
+        }
     }
 }
 
@@ -194,56 +142,10 @@ fn decimal(text: &str) -> Option<(i64, u32)> {
     Some((sign * if all.is_empty() { 0 } else { all.parse::<i64>().ok()? }, places))
 }
 
-/// One right-hand side: a geometry of its space, and exact decimals as values.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Candidate {
-    /// Index into the geometries of the evaluator, such as [`Space::geometries`].
-    pub geometry: usize,
-    /// The values, in units of `10^-places`, one per piece.
-    pub ticks: Vec<i64>,
-    /// Decimal places of `ticks`.
-    pub places: u32,
-}
-
-/// The doubles nearest to decimals, given in units of `10^-places`.
-pub(super) fn decimals(ticks: &[i64], places: u32) -> impl Iterator<Item = f64> {
-    // Powers of ten up to 10^22 are exact: the quotient is rounded once.
-    let unit = 10f64.powi(places as i32);
-    ticks.iter().map(move |&tick| tick as f64 / unit)
-}
-
-impl Candidate {
-    /// The values of f, one per piece: the doubles nearest to the decimals.
-    pub fn values(&self) -> Vec<f64> {
-        decimals(&self.ticks, self.places).collect()
-    }
-
-    /// Complexity of f: number of distinct values, and their decimal places.
-    pub fn complexity(&self) -> u32 {
-        let mut ticks = self.ticks.clone();
-        ticks.sort_unstable();
-        ticks.dedup();
-        let places = |t: i64| {
-            let zeros = (0..self.places).take_while(|&k| t % 10i64.pow(k + 1) == 0).count();
-            self.places - zeros as u32
-        };
-        ticks.iter().map(|&t| 1 + places(t)).sum()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn pieces_of_every_geometry_fill_the_square() {
-        let families = [Space::OddQuadrant, Space::Rectangles].map(Space::geometries);
-        for geometry in families.into_iter().flatten().chain([Geometry::quadrants()]) {
-            let whole: f64 = geometry.areas().iter().sum();
-            assert!((whole - 1.0).abs() < 1e-12, "{geometry:?}: {whole}");
-        }
-        assert_eq!(Space::Rectangles.geometries().len(), 99);
-    }
+    use crate::discrete::load::integral;
 
     #[test]
     fn the_pieces_of_quadrants_are_those_with_an_area() {
@@ -263,34 +165,22 @@ mod tests {
             let found = Geometry::of_quadrants(&text.parse().unwrap());
             assert_eq!(found.as_ref().map(|(_, values)| values.clone()), known, "{text}");
             if let Some((geometry, values)) = found {
-                let areas = geometry.areas();
-                assert!(
-                    areas.len() == values.len() && areas.iter().all(|&area| area > 0.2),
-                    "{text}"
-                );
+                assert_eq!(geometry.pieces(), values.len(), "{text}");
+                for piece in 0..values.len() {
+                    assert!(integral(&geometry.indicator(piece)) > 0.2, "{text}");
+                }
             }
         }
     }
 
     #[test]
     fn lattices_are_exact_decimals() {
-        let range = Lattice::parse_all("-1:1:0.25").unwrap();
-        assert_eq!(range[0].ticks(), [-100, -75, -50, -25, 0, 25, 50, 75, 100]);
-        let list = Lattice::parse_all("-6, 2,1.990; 3").unwrap();
-        assert_eq!((list[0].ticks(), list[0].places()), (&[-600, 199, 200][..], 2));
-        assert_eq!((list[1].ticks(), list[1].places()), (&[3][..], 0));
-        for bad in ["", "1:2", "one", "1e3", "2:1:1", "0:1:0", ".", "1.0000000001"] {
-            assert!(Lattice::parse_all(bad).is_err(), "{bad}");
+        let lattice: Lattice = "-1:1:0.25".parse().unwrap();
+        assert_eq!(lattice.points(), 9);
+        assert_eq!(lattice.values([8, 1]), Some([1.0, -0.75]));
+        assert_eq!(lattice.values([7, 3]), None, "0.75 and -0.25: the integral vanishes");
+        for bad in ["", "1:2", "one", "1e3", "2:1:1", "0:1:0", ".", "1", "0:1:0.0000000001"] {
+            assert!(bad.parse::<Lattice>().is_err(), "{bad}");
         }
-    }
-
-    #[test]
-    fn short_decimals_and_few_values_are_simple() {
-        let f = |ticks: &[i64]| {
-            Candidate { geometry: 0, ticks: ticks.to_vec(), places: 2 }.complexity()
-        };
-        assert_eq!(f(&[-600, 200, 200, 200]), 2);
-        assert_eq!(f(&[-600, 200, 199, 200]), 5);
-        assert_eq!(f(&[315, -85, -105, -110]), 11);
     }
 }

@@ -91,6 +91,7 @@ pub(crate) use stopping::ROUNDING_FLOOR;
 pub use workspace::{Multigrid, solve_square};
 
 use crate::discrete::stop::Stop;
+use serde::{Deserialize, Serialize};
 
 /// Goal at which multigrid stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +123,7 @@ impl Default for MultigridParams {
 }
 
 /// Result of multigrid without the solution itself.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MultigridOutcome {
     /// Reason for which the iteration ended.
     pub stop: Stop,

@@ -4,13 +4,13 @@ use crate::figures::Stroke::{Line, Marked};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::replication::paper::Paper;
 use signorini_mathematics::experiments::claims::{
-    ClaimMeasure, Claims, Count, UzawaCell, VARIANTS,
+    ClaimMeasure, Claims, Count, KktTarget, UzawaCell, VARIANTS,
 };
 use signorini_mathematics::saddle::StopRule;
 
 /// Draws iterations against r: a row of panels per measure, a column per problem, a curve per grid.
 pub(super) fn sweep(claims: &Claims) -> Picture {
-    let (target, _) = claims.targets[0];
+    let target = claims.targets[0].kkt;
     let shown = [
         (ClaimMeasure::Rule(StopRule::Signed), "signed rule".to_owned()),
         (ClaimMeasure::Rule(StopRule::Printed), "printed rule".to_owned()),
@@ -60,7 +60,7 @@ pub(super) fn rules(claims: &Claims, paper: &Paper) -> Picture {
 /// Draws sweeps against r to equal KKT residual: a row per residual, on the finest grid for which it was asked.
 pub(super) fn uzawa(claims: &Claims) -> Picture {
     let mut panels = Vec::new();
-    for &(target, cells) in &claims.targets {
+    for &KktTarget { kkt: target, cells } in &claims.targets {
         for problem in &claims.problems {
             let shown: Vec<&UzawaCell> = problem
                 .cells

@@ -1,8 +1,6 @@
 //! Data for the templates of the chapters: computed numbers, not formatted.
 
 use super::digits::compared;
-use super::experiments;
-use super::search::{self, fixed, searched};
 use super::times::times;
 use crate::pipeline::Inputs;
 use crate::pipeline::error::{Failure, from_record};
@@ -17,11 +15,9 @@ use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
 use crate::replication::stated::{OnMesh, OnSquare, Place};
 use serde_json::{Value, json};
-use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::integral;
-use signorini_mathematics::discrete::norms::worst;
 use signorini_mathematics::experiments::Range;
-use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Truth};
+use signorini_mathematics::experiments::truth::{Elements, Truth};
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
@@ -58,9 +54,6 @@ pub(super) fn context(
         context.insert(format!("problem{}", table.table), &problem);
         shown.push(problem);
     }
-    for (name, list) in search::LISTS {
-        context.insert(name, &search::numbered(&shown, list));
-    }
     context.insert("problems", &shown);
     let others = others.iter().map(|scene| other(inputs, scene));
     context.insert("scenes", &others.collect::<Result<Vec<_>, _>>()?);
@@ -68,21 +61,16 @@ pub(super) fn context(
     context.insert("finest", &grids.last());
     context.insert("tolerance", &tolerance(grids.len()));
     context.insert("grids", &grids);
-    context.insert("free_corner", &heights_of_free_corner(problems[0].finest()));
-    context.insert("searched", &searched(&record));
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
-    experiments::insert(&mut context, inputs)?;
     let text = inputs.file(TRUTH)?.ok_or("no true solutions")?;
     context.insert("digits", &compared(&mut references, text)?);
-    context.insert("references", &experiments::references(&references));
-    context.insert("elements", &experiments::elements(&elements));
+    context.insert("references", &references);
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs)?);
     let timings = bench::times(inputs)?;
     context.insert("cost", &times(&timings, &bench::result(inputs, "accuracy")?));
     context.insert("timings", &timings);
-    context.insert("effectivity", &effectivity(&elements));
     Ok(context)
 }
 
@@ -92,31 +80,6 @@ fn error(elements: &[Elements], scene: &Scene, number: u8) -> Option<f64> {
     let known = elements.iter().find(|one| one.name == format!("problem {number}"))?;
     let mut levels = known.levels.iter();
     levels.find(|level| level.cells == scene.finest().cells()).map(|level| level.error)
-}
-
-/// Returns the least and the greatest value, at the nodes of a grid, of the known solution that is lifted least.
-fn heights_of_free_corner(grid: Grid) -> Option<Range> {
-    let mut heights = Vec::new();
-    for k in 0..grid.nodes() {
-        let (x, y) = (grid.coordinate(k % grid.side()), grid.coordinate(k / grid.side()));
-        heights.push(Exact::FreeCorner.at(x, y).value);
-    }
-    Range::of(heights)
-}
-
-/// Cells per side from which the guaranteed bound of the error is close to the error.
-const EFFECTIVE_FROM: usize = 64;
-
-/// Returns the greatest guaranteed bound over the error from [`EFFECTIVE_FROM`] on, for the default load and for
-/// `bilinear`.
-fn effectivity(elements: &[Elements]) -> Value {
-    let mut levels: Vec<&ElementsLevel> = elements.iter().flat_map(|one| &one.levels).collect();
-    levels.retain(|level| level.cells >= EFFECTIVE_FROM);
-    json!({
-        "from": EFFECTIVE_FROM,
-        "exact": worst(levels.iter().map(|level| level.effectivity[1])),
-        "bilinear": worst(levels.iter().map(|level| level.bilinear[1])),
-    })
 }
 
 /// Returns the fields of a scene, and `more`.
@@ -152,7 +115,8 @@ fn problem(
     let stopped = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
     let delta_a = table.rows.iter().map(|row| row.delta_a_paper).fold(0.0, f64::max);
     let gap = delta_a * scene.finest().h();
-    let findings: Findings = from_json(inputs, &identify::id(scene), FINDINGS)?;
+    let Findings { alternatives, search, identifiability, .. } =
+        from_json(inputs, &identify::id(scene), FINDINGS)?;
     let more = json!({
         "number": table.table,
         "integral_f": integral(&scene.on_grids().f),
@@ -161,9 +125,13 @@ fn problem(
         "boundary_nodes": stopped.a.len(),
         "stopped": shape(&stopped, scene),
         "solution": shape(&solve::solution(scene)?, scene),
-        "search": search::blind(&findings),
-        "fixed": fixed(&findings),
-        "findings": findings,
+        // What the stage `identify` found.
+        "alternatives": alternatives,
+        "search": search,
+        "directions": identifiability.directions,
+        "holds": identifiability.holds,
+        "loose": identifiability.loose,
+        "percent": identifiability.percent,
         "agreement": results.of_problem(&scene.name)?.agreement(std::slice::from_ref(table))?,
         // Of the load vector on each grid.
         "sums": signed[0].levels.iter().map(|outcome| outcome.sum_load).collect::<Vec<_>>(),

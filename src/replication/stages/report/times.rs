@@ -60,7 +60,6 @@ fn grid(timings: &Timings, cells: usize) -> Option<Value> {
     Some(json!({
         "cells": cells,
         "unknowns": near.unknowns(),
-        "bytes": floor.bytes,
         "discretisation": times_to_goal(timings, near),
         "floor": times_to_goal(timings, floor),
     }))
@@ -72,9 +71,8 @@ fn times_to_goal(timings: &Timings, one_thread: &Scaling) -> Value {
     json!({
         "one_thread": one_thread.ns(),
         "two_threads": two_threads.map(Scaling::ns),
-        "per_unit": one_thread.ns() / one_thread.work_units,
         // Nanoseconds per unknown in which the memory could have moved the bytes, one thread.
-        "stream": one_thread.traffic / timings.bandwidth.update,
+        "stream": one_thread.traffic / timings.bandwidth,
     })
 }
 
@@ -87,7 +85,6 @@ struct Fit {
     /// Unknowns on the coarsest and the finest grid of the fit.
     from: usize,
     to: usize,
-    ns: Range,
 }
 
 fn fits(timings: &Timings) -> Vec<Fit> {
@@ -108,8 +105,7 @@ fn fit(timings: &Timings, goal: Goal, threads: usize) -> Option<Fit> {
     let points: Vec<_> = lines.iter().map(|l| (l.unknowns() as f64, l.seconds)).collect();
     let exponent = exponent(&points)?;
     let (from, to) = (lines.first()?.unknowns(), lines.last()?.unknowns());
-    let ns = Range::of(lines.iter().map(|line| line.ns()))?;
-    Some(Fit { goal: goal.in_words(), threads, exponent, from, to, ns })
+    Some(Fit { goal: goal.in_words(), threads, exponent, from, to })
 }
 
 /// Compares the times of all solvers to the discretisation error of one problem, grid by grid.
@@ -129,11 +125,10 @@ fn comparison(problem: &str, lines: &[Reached]) -> Value {
 
 /// Returns the largest distance of the quartiles of a recorded time, over its median.
 fn noise(timings: &Timings) -> f64 {
-    let sweep = timings.sweep.iter().map(|line| line.spread);
     let multigrid = timings.multigrid.iter().map(|line| line.spread);
     let solvers = timings.solver.iter().map(|line| line.spread);
     let spectral = timings.spectral.iter().map(|line| line.spread);
-    sweep.chain(multigrid).chain(solvers).chain(spectral).fold(0.0, f64::max)
+    multigrid.chain(solvers).chain(spectral).fold(0.0, f64::max)
 }
 
 /// Returns, for each f and grid on which other solvers were timed from f to the solution, the fastest of them.

@@ -2,8 +2,8 @@
 
 use super::runs::{ClaimCase, ClaimRun, RunResult, SWEPT, Until, run_all};
 use super::{
-    BestParameter, ClaimLine, ClaimMeasure, ClaimTable, ClaimsPlan, Count, CountRow, Measured,
-    UzawaCell, WeightRow,
+    BestParameter, ClaimLine, ClaimMeasure, ClaimTable, ClaimsPlan, Count, CountRow, KktTarget,
+    Measured, UzawaCell, WeightRow,
 };
 use crate::saddle::{StopRule, tolerance};
 use rayon::prelude::*;
@@ -37,6 +37,8 @@ impl Gathered<'_> {
         let ClaimCase { problem, published, solvable, .. } = self.problem;
         Measured {
             number: problem.number,
+            f: problem.f.clone(),
+            law: problem.law,
             sums: [published, solvable].map(|loads| loads[loads.len() - 1].iter().sum()),
             rows: self.rows(),
             tables: StopRule::ALL.map(|rule| self.table(rule)).into(),
@@ -76,7 +78,7 @@ impl Gathered<'_> {
                 rows.push(CountRow::new(ClaimMeasure::Rule(rule), cells, &swept, counts));
             }
         }
-        for &(target, finest) in &self.plan.targets {
+        for &KktTarget { kkt: target, cells: finest } in &self.plan.targets {
             for (level, cells) in self.grids(0..=finest) {
                 let counts = swept.iter().map(|&r| self.on_grid(level, target, None, r)).collect();
                 rows.push(CountRow::new(ClaimMeasure::Kkt(target), cells, &swept, counts));
@@ -112,7 +114,7 @@ impl Gathered<'_> {
 
     fn cells(&self) -> Vec<UzawaCell> {
         let mut all = Vec::new();
-        for &(target, finest) in &self.plan.targets {
+        for &KktTarget { kkt: target, cells: finest } in &self.plan.targets {
             for (level, cells) in self.grids(self.plan.compared_from..=finest) {
                 for &r in &self.plan.compared_r {
                     all.push(UzawaCell {

@@ -8,7 +8,7 @@ mod verdict;
 
 pub use ratios::Ratios;
 pub use tally::{ClaimTally, ClaimVerdict};
-pub use verdict::{Spread, Verdicts};
+pub use verdict::{DualFactors, GainsAt, Spread, Verdicts};
 
 use crate::discrete::load::LoadRule;
 use crate::discrete::stop::Stop;
@@ -30,7 +30,7 @@ pub struct ClaimsPlan {
     pub per_decade: i32,
     /// KKT residuals to reach, over the largest component of F, each with the finest grid for which
     /// there is time, in cells per side.
-    pub targets: Vec<(f64, usize)>,
+    pub targets: Vec<KktTarget>,
     /// Sweeps on a grid after which a run towards a KKT residual has failed.
     pub cap: usize,
     /// Values of r at which methods are compared; all belong to the sweep over r.
@@ -43,6 +43,22 @@ pub struct ClaimsPlan {
     pub weights: Vec<f64>,
 }
 
+/// KKT residual to reach.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KktTarget {
+    /// Residual over the largest component of F.
+    pub kkt: f64,
+    /// Cells per side of the finest grid for which there is time.
+    pub cells: usize,
+}
+
+impl KktTarget {
+    /// Residuals, each with its finest grid.
+    pub fn all<const N: usize>(targets: [(f64, usize); N]) -> Vec<Self> {
+        targets.map(|(kkt, cells)| Self { kkt, cells }).into()
+    }
+}
+
 impl ClaimsPlan {
     /// Plan of the book for these problems.
     pub fn new(mut problems: Vec<Problem>) -> Self {
@@ -51,7 +67,7 @@ impl ClaimsPlan {
             problems,
             decades: (-1, 6),
             per_decade: 4,
-            targets: vec![(1e-3, 64), (1e-6, 32)],
+            targets: KktTarget::all([(1e-3, 64), (1e-6, 32)]),
             cap: 50_000,
             compared_r: vec![1.0, 10.0, 100.0, 1e4, 1e6],
             compared_from: 16,
@@ -77,7 +93,7 @@ impl ClaimsPlan {
         }
         Self {
             per_decade: 1,
-            targets: vec![(1e-3, 32), (1e-6, 16)],
+            targets: KktTarget::all([(1e-3, 32), (1e-6, 16)]),
             compared_r: vec![1.0, 10.0, 100.0, 1e6],
             ..Self::new(problems)
         }
@@ -105,7 +121,7 @@ pub struct Claims {
     /// Values of r of the sweep over r, ascending.
     pub r: Vec<f64>,
     /// KKT residuals to reach, each with the finest grid on which it was asked for.
-    pub targets: Vec<(f64, usize)>,
+    pub targets: Vec<KktTarget>,
     /// Sweeps on a grid after which a run towards a KKT residual has failed.
     pub cap: usize,
     /// Counts of each problem.
@@ -121,14 +137,18 @@ pub struct Claims {
 /// Sweeps of the proximal method to a KKT residual on one grid, one count per weight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WeightRow {
-    /// Number of the problem.
-    pub problem: u8,
+    /// Name of the problem.
+    pub name: String,
     /// Cells per side.
     pub cells: usize,
     /// One count per weight.
     pub counts: Vec<Count>,
     /// Sweeps of Arrow-Hurwicz.
     pub arrow_hurwicz: Count,
+    /// Largest relative change of the count by a weight of at most 1, against the weight 0.
+    pub change: f64,
+    /// True if the method takes no more sweeps than Arrow-Hurwicz with some weight.
+    pub ahead: bool,
 }
 
 /// Counts of a problem.
@@ -136,6 +156,10 @@ pub struct WeightRow {
 pub struct Measured {
     /// Number of the problem.
     pub number: u8,
+    /// f in the notation of scenes.
+    pub f: String,
+    /// Law on the boundary; none for the paper's.
+    pub law: Option<LawParameter>,
     /// Sum of the load on the finest grid, under the paper's stopping rules and towards a KKT residual.
     pub sums: [f64; 2],
     /// Sweep over r: a row per measure and grid.

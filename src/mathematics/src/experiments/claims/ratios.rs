@@ -36,9 +36,6 @@ pub(super) enum Rival {
 
 /// Uzawa's algorithm with exact inner minimisation and without proximal term.
 pub(super) const EXACT_INSIDE: Rival = Rival::Variant(0);
-/// Methods whose gains are reported per r, and with each method at its own best r.
-pub(super) const REPORTED: [Rival; 2] = [EXACT_INSIDE, Rival::Best];
-
 impl Rival {
     pub(super) fn all() -> impl Iterator<Item = Self> {
         (0..VARIANTS.len()).map(Self::Variant).chain([Self::Best])
@@ -112,19 +109,6 @@ pub(super) fn compared(problems: &[Measured]) -> Vec<f64> {
 /// Groups of cells that differ in r only.
 fn rows(problem: &Measured) -> impl Iterator<Item = &[UzawaCell]> {
     problem.cells.chunk_by(|a, b| a.cells == b.cells && a.target == b.target)
-}
-
-/// Range of the sweeps of a rival over those of Arrow-Hurwicz, each method at its own best r.
-pub(super) fn gains_at_best(problems: &[Measured], rival: Rival) -> Option<Range> {
-    let mut ratios = Vec::new();
-    for cells in problems.iter().flat_map(rows) {
-        let ours = cells.iter().filter_map(|cell| cell.arrow_hurwicz.reached()).min();
-        let theirs = cells.iter().map(|cell| cell.count(rival).iterations).min();
-        if let (Some(ours), Some(theirs)) = (ours, theirs) {
-            ratios.push(theirs as f64 / ours as f64);
-        }
-    }
-    Range::of(ratios)
 }
 
 /// True, per grid and target, if the gain over exact inner minimisation varies with r.

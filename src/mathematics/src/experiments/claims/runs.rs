@@ -1,10 +1,10 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
-use super::{ClaimsPlan, Count, VARIANTS, WeightRow};
+use super::{ClaimsPlan, Count, KktTarget, VARIANTS, WeightRow};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
-use crate::discrete::norms::largest;
+use crate::discrete::norms::{largest, worst};
 use crate::discrete::stop::Stop;
 use crate::experiments::problems::{Discrete, Problem};
 use crate::problem::law::Law;
@@ -91,7 +91,7 @@ fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimRun>> {
         // The finest grids first: they take longest.
         for (level, grid) in problem.grids.iter().enumerate().rev() {
             let mut runs = Vec::new();
-            for &(target, finest) in plan.targets.iter().rev() {
+            for &KktTarget { kkt: target, cells: finest } in plan.targets.iter().rev() {
                 if grid.cells() > finest {
                     continue;
                 }
@@ -207,7 +207,7 @@ impl<'a> ClaimCase<'a> {
     /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for which
     /// there is time, one count per weight of the proximal term.
     pub(super) fn weights(&self, plan: &ClaimsPlan) -> WeightRow {
-        let (target, finest) = plan.targets[0];
+        let KktTarget { kkt: target, cells: finest } = plan.targets[0];
         let fits = |grid: &Grid| grid.cells() <= finest.min(MOST_FOR_WEIGHTS);
         let level = self.grids.iter().rposition(fits).unwrap_or(0);
         let (grid, load, start) = (self.grids[level], &self.solvable[level], &self.starts[level]);
@@ -221,6 +221,15 @@ impl<'a> ClaimCase<'a> {
         let ends = run(grid, self.law, &jobs);
         let mut counts: Vec<_> = ends.iter().map(|(end, _)| Count::of(end)).collect();
         let arrow_hurwicz = counts.pop().expect("one run more than weights");
-        WeightRow { problem: self.problem.number, cells: grid.cells(), counts, arrow_hurwicz }
+        let without = counts.first().map_or(1.0, |count| count.iterations as f64);
+        let small = plan.weights.iter().zip(&counts).filter(|(weight, _)| **weight <= 1.0);
+        WeightRow {
+            name: self.problem.name(),
+            cells: grid.cells(),
+            change: worst(small.map(|(_, count)| count.iterations as f64 / without - 1.0)),
+            ahead: counts.iter().any(|count| count.iterations <= arrow_hurwicz.iterations),
+            counts,
+            arrow_hurwicz,
+        }
     }
 }

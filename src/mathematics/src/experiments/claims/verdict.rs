@@ -1,10 +1,9 @@
 //! Verdicts on the claims: each is split into cases that hold or do not, by a bound stated here.
 
-use super::ratios::{
-    EXACT_INSIDE, REPORTED, Ratios, Rival, compared, gain_depends_on_r, gains_at_best,
-};
+use super::ratios::{EXACT_INSIDE, Ratios, Rival, compared, gain_depends_on_r};
 use super::tally::{ClaimTally, EQUAL};
-use super::{ClaimLine, ClaimMeasure, Count, CountRow, Measured};
+use super::{BestParameter, ClaimLine, ClaimMeasure, Count, CountRow, Measured};
+use crate::discrete::norms::worst;
 use crate::experiments::Range;
 use crate::saddle::StopRule;
 use serde::{Deserialize, Serialize};
@@ -34,7 +33,9 @@ pub struct Verdicts {
     /// Claim "the dual criterion at least doubles the iterations of the printed rule on the finest grid".
     pub dual_costs_printed: ClaimTally,
     /// Factors by which the dual criterion multiplies the iterations of the signed and of the printed rule.
-    pub dual_factors: [Option<Range>; 2],
+    pub dual_factors: DualFactors,
+    /// Greatest last change of the multiplier under the printed rule, in units of the tolerance.
+    pub printed_excess: f64,
     /// Claim "Arrow-Hurwicz is cheaper than Uzawa's algorithm with exact inner minimisation".
     pub cheaper: ClaimTally,
     /// Claim "Arrow-Hurwicz is cheaper than every variant of Uzawa's algorithm".
@@ -42,14 +43,30 @@ pub struct Verdicts {
     /// Sweeps of each variant of Uzawa's algorithm over those of Arrow-Hurwicz, then of the best of all
     /// variants in each cell, per target.
     pub gains: Vec<Ratios>,
-    /// Sweeps of Uzawa's algorithm over those of Arrow-Hurwicz per r, over all problems, grids and targets: exact
-    /// inner minimisation, and the best variant.
-    pub gains_at: Vec<[Ratios; 2]>,
-    /// Sweeps of Uzawa's algorithm over those of Arrow-Hurwicz with each method at its own best r, per problem, grid
-    /// and target: exact inner minimisation, and the best variant.
-    pub gains_at_best: [Option<Range>; 2],
+    /// Sweeps of Uzawa's algorithm over those of Arrow-Hurwicz per r, over all problems, grids and targets.
+    pub gains_at: Vec<GainsAt>,
     /// Claim "the gain over exact inner minimisation depends on r", per problem, grid and target.
     pub gain_depends_on_r: ClaimTally,
+}
+
+/// Factors by which the dual criterion multiplies the iterations of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DualFactors {
+    /// Range under the signed rule.
+    pub signed: Option<Range>,
+    /// Range under the printed rule.
+    pub printed: Option<Range>,
+}
+
+/// Sweeps of Uzawa's algorithm over those of Arrow-Hurwicz for one r.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GainsAt {
+    /// Duality parameter.
+    pub r: f64,
+    /// Ratios of the method with exact inner minimisation.
+    pub exact: Ratios,
+    /// Ratios of the best variant.
+    pub best: Ratios,
 }
 
 /// Spread of the counts of a row: the greatest over the least.
@@ -65,8 +82,8 @@ pub struct Spread {
     pub paper: Option<f64>,
     /// Spread over the values of r from 10 up, if there are any.
     pub large: Option<f64>,
-    /// True if some run in the paper's range reached the limit of sweeps, so that the spread is only a lower bound.
-    pub capped: bool,
+    /// Best r, if a run reached its end.
+    pub best: Option<BestParameter>,
 }
 
 impl Verdicts {
@@ -84,7 +101,9 @@ impl Verdicts {
         }
         let mut gains_at = Vec::new();
         for r in compared(problems) {
-            gains_at.push(REPORTED.map(|rival| Ratios::of(rival, problems, None, Some(r))));
+            let [exact, best] =
+                [EXACT_INSIDE, Rival::Best].map(|rival| Ratios::of(rival, problems, None, Some(r)));
+            gains_at.push(GainsAt { r, exact, best });
         }
         Self {
             depends_on_r: ClaimTally::of(spreads.iter().map(|spread| spread.paper > Some(EQUAL))),
@@ -95,20 +114,20 @@ impl Verdicts {
                 ends.map(|(first, last)| differ(first, last)).unwrap_or_default(),
             ),
             still_moves: ClaimTally::of(
-                problems.iter().flat_map(excesses).map(|excess| excess > CONSIDERABLE),
+                excesses(problems, StopRule::Signed).map(|excess| excess > CONSIDERABLE),
             ),
             more_in_last: ClaimTally::of(
                 ends.map(|(first, last)| moves_more(last, first)).unwrap_or_default(),
             ),
             dual_costs: ClaimTally::of(signed.iter().map(|factor| *factor > MANY)),
             dual_costs_printed: ClaimTally::of(printed.iter().map(|factor| *factor > MANY)),
-            dual_factors: [Range::of(signed), Range::of(printed)],
+            dual_factors: DualFactors { signed: Range::of(signed), printed: Range::of(printed) },
+            printed_excess: worst(excesses(problems, StopRule::Printed)),
             cheaper: Ratios::of(EXACT_INSIDE, problems, None, None).cheaper,
             cheapest: Ratios::of(Rival::Best, problems, None, None).cheaper,
             gain_depends_on_r: ClaimTally::of(problems.iter().flat_map(gain_depends_on_r)),
             gains,
             gains_at,
-            gains_at_best: REPORTED.map(|rival| gains_at_best(problems, rival)),
             spreads,
         }
     }
@@ -124,14 +143,15 @@ fn factors(problems: &[Measured], rule: StopRule) -> Vec<f64> {
     problems.iter().flat_map(|problem| lines(problem, rule)).map(|line| line.factor).collect()
 }
 
-/// Last changes of the multiplier under the signed rule, in units of the tolerance.
-fn excesses(problem: &Measured) -> impl Iterator<Item = f64> {
-    lines(problem, StopRule::Signed).map(|line| line.excess)
+/// Last changes of the multiplier under a stopping rule, in units of the tolerance.
+fn excesses(problems: &[Measured], rule: StopRule) -> impl Iterator<Item = f64> {
+    problems.iter().flat_map(move |problem| lines(problem, rule)).map(|line| line.excess)
 }
 
 /// True, per r, if the multiplier moves more at the signed stop of problem `a` than of problem `b`.
 fn moves_more(a: &Measured, b: &Measured) -> Vec<bool> {
-    excesses(a).zip(excesses(b)).map(|(a, b)| a > b).collect()
+    let [a, b] = [a, b].map(|problem| lines(problem, StopRule::Signed));
+    a.zip(b).map(|(a, b)| a.excess > b.excess).collect()
 }
 
 /// Rows on the finest grid of each measure.
@@ -146,14 +166,13 @@ fn spreads(r: &[f64], problem: &Measured) -> Vec<Spread> {
     let large = Range { least: 10.0, greatest: f64::INFINITY };
     let mut all = Vec::new();
     for row in finest(problem) {
-        let in_paper = row.counts_within(r, paper);
         all.push(Spread {
             problem: problem.number,
             cells: row.cells,
             measure: row.measure,
-            paper: spread(&in_paper),
+            paper: spread(&row.counts_within(r, paper)),
             large: spread(&row.counts_within(r, large)),
-            capped: in_paper.iter().any(|count| count.reached().is_none()),
+            best: row.best,
         });
     }
     all
@@ -214,7 +233,8 @@ mod tests {
 
     fn measured(number: u8, cells: Vec<UzawaCell>) -> Measured {
         let tables = vec![ClaimTable { rule: StopRule::Signed, lines: Vec::new() }];
-        Measured { number, sums: [0.0; 2], rows: Vec::new(), tables, cells }
+        let (f, law) = (String::new(), None);
+        Measured { number, f, law, sums: [0.0; 2], rows: Vec::new(), tables, cells }
     }
 
     fn cell(r: f64, arrow_hurwicz: Count, uzawa: [Count; 4]) -> UzawaCell {
@@ -254,22 +274,20 @@ mod tests {
     }
 
     #[test]
-    fn gains_are_per_target_per_r_and_at_the_best_r_of_each_method() {
+    fn gains_are_per_target_and_per_r() {
         let verdicts = Verdicts::of(&[], &made_up());
         let gains = verdicts.gains.iter().map(|gain| (gain.target, gain.r, gain.median.unwrap()));
         let medians = [3.0, 2.0, 5.0, 2.5, 1.5];
         assert_eq!(gains.collect::<Vec<_>>(), medians.map(|median| (Some(1e-3), None, median)));
-        let at = verdicts.gains_at.iter().map(|pair| {
-            pair.each_ref()
-                .map(|of| (of.target, of.r.unwrap(), of.cheaper.cases, of.median.unwrap()))
+        let at = verdicts.gains_at.iter().map(|GainsAt { exact, best, .. }| {
+            [exact, best]
+                .map(|one| (one.target, one.r.unwrap(), one.cheaper.cases, one.median.unwrap()))
         });
         let expected = [
             [(None, 1.0, 1, 3.0), (None, 1.0, 1, 1.5)],
             [(None, 10.0, 2, 4.5), (None, 10.0, 2, 4.25)],
         ];
         assert_eq!(at.collect::<Vec<_>>(), expected);
-        let best = verdicts.gains_at_best.map(Option::unwrap);
-        assert_eq!(best.map(|range| [range.least, range.greatest]), [[2.0, 6.0], [1.0, 4.5]]);
         let ClaimTally { holds, cases, .. } = verdicts.gain_depends_on_r;
         assert_eq!((holds, cases), (1, 2));
         assert_eq!((verdicts.cheaper.holds, verdicts.cheapest.holds), (2, 2));

@@ -1,6 +1,7 @@
 //! Many random problems.
 
 use crate::discrete::grid::Grid;
+use crate::discrete::stop::Stop;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{Trial, multigrid_trial};
@@ -44,7 +45,7 @@ impl RandomProblems {
             finest: COARSEST[1] << DOUBLINGS,
             mean: cycles.iter().sum::<usize>() as f64 / problems as f64,
             most: cycles.iter().copied().max().unwrap_or(0),
-            unsolved: trials.iter().filter(|trial| trial.stop != "rounding-floor").count(),
+            unsolved: trials.iter().filter(|trial| trial.stop != Some(Stop::RoundingFloor)).count(),
             wrong: trials.iter().filter(|trial| trial.holds == Some(false)).count(),
         }
     }

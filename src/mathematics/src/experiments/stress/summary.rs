@@ -1,6 +1,7 @@
 //! Numbers that the book mentions: least and greatest values over the runs, and the cases in which a solver gave up.
 
 use super::{Range, Stress, StressCase};
+use crate::discrete::stop::Stop;
 use crate::experiments::trial::Trial;
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +76,7 @@ impl Plateau {
 
 /// True if multigrid reached its tolerance or the rounding floor.
 fn is_solved(trial: &Trial) -> bool {
-    trial.converged() || trial.stop == "rounding-floor"
+    matches!(trial.stop, Some(Stop::Converged | Stop::RoundingFloor))
 }
 
 /// Least and greatest exponent of f with which the paper's method converges with the count of f itself.
@@ -141,8 +142,8 @@ mod tests {
     use crate::discrete::transfer::Prolongation;
     use crate::experiments::problems::Problem;
 
-    fn trial(stop: &str, steps: usize, kkt: f64) -> Trial {
-        Trial { stop: stop.into(), steps, kkt: Some(kkt), ..Trial::default() }
+    fn trial(stop: Stop, steps: usize, kkt: f64) -> Trial {
+        Trial { stop: Some(stop), steps, kkt: Some(kkt), ..Trial::default() }
     }
 
     fn case<X>(x: X, trials: &[(&str, Trial)]) -> StressCase<X> {
@@ -151,7 +152,7 @@ mod tests {
     }
 
     /// Runs over r: the value of r, how the signed rule and the strict rule ended, and the residual under the former.
-    fn duality(runs: [(f64, &str, &str, f64); 3]) -> Series<f64> {
+    fn duality(runs: [(f64, Stop, Stop, f64); 3]) -> Series<f64> {
         let of = |(r, signed, strict, kkt)| {
             case(r, &[("signed", trial(signed, 1, kkt)), ("strict", trial(strict, 1, 0.0))])
         };
@@ -159,17 +160,17 @@ mod tests {
     }
 
     /// Run with a factor on f: its exponent, and how and after what it ended.
-    fn scaling(exponent: i32, stop: &str, steps: usize) -> StressCase<i32> {
+    fn scaling(exponent: i32, stop: Stop, steps: usize) -> StressCase<i32> {
         case(exponent, &[("scaled", trial(stop, steps, 0.0))])
     }
 
-    fn deficit(x: f64, steps: usize, stop: &str, work: f64, kkt: f64) -> StressCase<f64> {
+    fn deficit(x: f64, steps: usize, stop: Stop, work: f64, kkt: f64) -> StressCase<f64> {
         let multigrid = Trial { work, ..trial(stop, 1, kkt) };
-        case(x, &[("strict", trial("converged", steps, 0.0)), ("multigrid", multigrid)])
+        case(x, &[("strict", trial(Stop::Converged, steps, 0.0)), ("multigrid", multigrid)])
     }
 
-    fn tolerance(x: f64, steps: usize, multigrid: &str) -> StressCase<f64> {
-        let signed = trial("converged", steps, 1.0 / steps as f64);
+    fn tolerance(x: f64, steps: usize, multigrid: Stop) -> StressCase<f64> {
+        let signed = trial(Stop::Converged, steps, 1.0 / steps as f64);
         case(x, &[("signed", signed), ("multigrid", trial(multigrid, 1, 0.0))])
     }
 
@@ -185,12 +186,12 @@ mod tests {
             r: Vec::new(),
             max_iterations: 1,
         };
-        let with_floor = |name, floor| (name, Trial { floor, ..trial("converged", 1, 0.0) });
+        let with_floor = |name, floor| (name, Trial { floor, ..trial(Stop::Converged, 1, 0.0) });
         let of_load = |work, kkt| {
-            let trial = Trial { work, ..trial("rounding-floor", 1, kkt) };
+            let trial = Trial { work, ..trial(Stop::RoundingFloor, 1, kkt) };
             vec![case(1.0, &[("multigrid", trial)])]
         };
-        let (met, cap, floor) = ("converged", "iteration-limit", "rounding-floor");
+        let (met, cap, floor) = (Stop::Converged, Stop::IterationLimit, Stop::RoundingFloor);
         Stress {
             plan: StressPlan::new([1, 2].map(problem).into()),
             duality: vec![
@@ -198,7 +199,7 @@ mod tests {
                 duality([(0.1, met, met, 0.25), (1.0, met, cap, 0.4), (10.0, met, met, 3.0)]),
             ],
             scaling: vec![
-                scaling(-3, "diverged", 7),
+                scaling(-3, Stop::Diverged, 7),
                 scaling(-2, met, 7),
                 scaling(0, met, 7),
                 scaling(3, met, 7),
@@ -207,11 +208,11 @@ mod tests {
             deficits: [
                 vec![
                     deficit(1e-1, 10, floor, 20.0, 0.0),
-                    deficit(1e-13, 30, "iteration-limit", 99.0, 1e-3),
+                    deficit(1e-13, 30, Stop::IterationLimit, 99.0, 1e-3),
                 ],
                 vec![
                     deficit(1e-2, 5, floor, 12.0, 0.0),
-                    deficit(1e-14, 300, "iteration-limit", 88.0, 2e-3),
+                    deficit(1e-14, 300, Stop::IterationLimit, 88.0, 2e-3),
                 ],
             ],
             tolerances: vec![
@@ -231,8 +232,8 @@ mod tests {
             starts: vec![case(
                 "nowhere".into(),
                 &[
-                    ("strict", Trial { stop: "diverged".into(), ..Trial::default() }),
-                    ("multigrid", Trial { stop: met.into(), ..Trial::default() }),
+                    ("strict", Trial { stop: Some(Stop::Diverged), ..Trial::default() }),
+                    ("multigrid", Trial { stop: Some(met), ..Trial::default() }),
                 ],
             )],
             jumps: of_load(30.0, 1e-9),

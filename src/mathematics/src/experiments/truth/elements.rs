@@ -20,9 +20,19 @@ pub struct Elements {
     pub f: String,
     /// Grid by grid.
     pub levels: Vec<ElementsLevel>,
-    /// Exponents of h in the errors: in the energy norm and of the energy, fitted to the three finest grids, and of the
-    /// ends of contact, fitted to all grids since these errors jump from grid to grid.
-    pub orders: [Option<f64>; 3],
+    /// Exponents of h in the errors.
+    pub orders: ElementsOrders,
+}
+
+/// Exponents of h in the errors of finite elements.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct ElementsOrders {
+    /// Exponent for the error in the energy norm, fitted to the three finest grids.
+    pub error: Option<f64>,
+    /// Exponent for the energy, fitted likewise.
+    pub energy: Option<f64>,
+    /// Exponent for the ends of contact, fitted to all grids since these errors jump from grid to grid.
+    pub ends: Option<f64>,
 }
 
 /// One problem on one grid.
@@ -56,11 +66,11 @@ impl Elements {
             levels.push(level.map_err(|e| format!("{}, h = 1/{cells}: {e}", known.name()))?);
         }
         let finest = &levels[levels.len().saturating_sub(3)..];
-        let orders = [
-            order(finest, |level| Some(level.error)),
-            order(finest, |level| level.energy),
-            order(&levels, |level| level.ends),
-        ];
+        let orders = ElementsOrders {
+            error: order(finest, |level| Some(level.error)),
+            energy: order(finest, |level| level.energy),
+            ends: order(&levels, |level| level.ends),
+        };
         Ok(Self { name: known.name().into(), f: known.f().to_string(), levels, orders })
     }
 }

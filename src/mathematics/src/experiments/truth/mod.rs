@@ -3,7 +3,7 @@
 mod elements;
 mod reference;
 
-pub use elements::{Elements, ElementsLevel};
+pub use elements::{Elements, ElementsLevel, ElementsOrders};
 pub use reference::{Numbers, Reference, ReferenceArc, ReferenceValue};
 
 use super::known::KnownSolution;
@@ -77,6 +77,34 @@ pub struct TruthSummary {
     pub brackets: usize,
     /// Number of brackets that hold the true energy.
     pub held: usize,
+    /// Greatest guaranteed bounds over the error.
+    pub effectivity: EffectivitySummary,
+}
+
+/// Greatest guaranteed bounds of the error over the error.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct EffectivitySummary {
+    /// Cells per side of the coarsest grid that counts.
+    pub from: usize,
+    /// Greatest with the default load.
+    pub exact: f64,
+    /// Greatest with the load against bilinear hats.
+    pub bilinear: f64,
+}
+
+/// Cells per side from which the guaranteed bound of the error is close to the error.
+const EFFECTIVE_FROM: usize = 64;
+
+impl EffectivitySummary {
+    fn of(elements: &[Elements]) -> Self {
+        let levels = elements.iter().flat_map(|elements| &elements.levels);
+        let fine = || levels.clone().filter(|level| level.cells >= EFFECTIVE_FROM);
+        Self {
+            from: EFFECTIVE_FROM,
+            exact: worst(fine().map(|level| level.effectivity[1])),
+            bilinear: worst(fine().map(|level| level.bilinear[1])),
+        }
+    }
 }
 
 impl TruthSummary {
@@ -88,6 +116,7 @@ impl TruthSummary {
             rellich: worst(references.iter().map(|reference| reference.rellich)),
             brackets: holds.len(),
             held: holds.iter().filter(|holds| **holds).count(),
+            effectivity: EffectivitySummary::of(elements),
         }
     }
 }

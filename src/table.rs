@@ -1,0 +1,115 @@
+//! Table of text: in columns for a terminal, in Markdown, and in CSV.
+
+use unicode_width::UnicodeWidthStr;
+
+/// Rows of text below a head.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Table {
+    /// Names of the columns; empty for a table without a head.
+    pub(crate) head: Vec<String>,
+    /// Rows, each with a cell per column.
+    pub(crate) rows: Vec<Vec<String>>,
+    /// Columns that are aligned on the left, counted from 0; all others are aligned on the right.
+    pub(crate) left: Vec<usize>,
+}
+
+impl Table {
+    /// Table without rows, with this head.
+    pub(crate) fn new<T: Into<String>>(head: impl IntoIterator<Item = T>, left: &[usize]) -> Self {
+        let head = head.into_iter().map(Into::into).collect();
+        Self { head, rows: Vec::new(), left: left.into() }
+    }
+
+    /// Table with these rows and without a head.
+    pub(crate) fn without_head(rows: Vec<Vec<String>>, left: &[usize]) -> Self {
+        Self { head: Vec::new(), rows, left: left.into() }
+    }
+
+    /// Returns lines with columns as wide as their longest cell.
+    pub(crate) fn text(&self) -> String {
+        let mut widths: Vec<usize> = Vec::new();
+        for line in self.lines() {
+            widths.resize(widths.len().max(line.len()), 0);
+            for (width, cell) in widths.iter_mut().zip(line) {
+                *width = (*width).max(cell.width());
+            }
+        }
+        let mut text = String::new();
+        for line in self.lines() {
+            let mut padded = Vec::new();
+            for (k, (cell, &width)) in line.iter().zip(&widths).enumerate() {
+                // A format would count characters, of which some are two columns wide, and some have none.
+                let space = " ".repeat(width - cell.width());
+                padded.push(match self.left.contains(&k) {
+                    true => format!("{cell}{space}"),
+                    false => format!("{space}{cell}"),
+                });
+            }
+            text += padded.join("  ").trim_end();
+            text.push('\n');
+        }
+        text
+    }
+
+    /// Returns the table in Markdown.
+    pub(crate) fn markdown(&self) -> String {
+        let mut text = format!("| {} |\n|", self.head.join(" | "));
+        for k in 0..self.head.len() {
+            text += if self.left.contains(&k) { "---|" } else { "---:|" };
+        }
+        text.push('\n');
+        for row in &self.rows {
+            text += &format!("| {} |\n", row.join(" | "));
+        }
+        text
+    }
+
+    /// Returns the table in CSV with a header line.
+    pub(crate) fn csv(&self) -> String {
+        let mut text = String::new();
+        for line in self.lines() {
+            let cells: Vec<String> = line.iter().map(|cell| quoted(cell)).collect();
+            text += &(cells.join(",") + "\n");
+        }
+        text
+    }
+
+    /// Iterates over the head, if there is one, and the rows.
+    fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
+        Some(&self.head).filter(|head| !head.is_empty()).into_iter().chain(&self.rows)
+    }
+}
+
+/// Quotes a cell of CSV if RFC 4180 asks for it.
+pub(crate) fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_counted_as_a_terminal_shows_them() {
+        let names = ["ab", "鍋", "e\u{301}t", "ひび割れ"];
+        let rows = names.map(|name| vec![name.to_owned(), "1".to_owned()]).to_vec();
+        for line in Table::without_head(rows, &[0]).text().lines() {
+            assert_eq!(line.width(), 8 + 2 + 1, "{line}");
+        }
+        let rows = vec![vec!["鍋".into()], vec!["abc".into()]];
+        assert_eq!(Table::without_head(rows, &[]).text(), " 鍋\nabc\n");
+    }
+
+    #[test]
+    fn one_table_is_text_markdown_and_csv() {
+        let mut table = Table::new(["f", "n"], &[0]);
+        table.rows = vec![vec!["a,b".into(), "10".into()], vec!["c".into(), "2".into()]];
+        assert_eq!(table.text(), "f     n\na,b  10\nc     2\n");
+        assert_eq!(table.markdown(), "| f | n |\n|---|---:|\n| a,b | 10 |\n| c | 2 |\n");
+        assert_eq!(table.csv(), "f,n\n\"a,b\",10\nc,2\n");
+    }
+}
