@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::experiments::problems::Problem;
+use signorini_mathematics::experiments::problems::TableProblem;
 use signorini_mathematics::identify::COARSEST;
 use signorini_mathematics::mesh::Touching;
 use signorini_mathematics::problem::law::{Law, LawParameter};
@@ -332,9 +332,9 @@ impl Scene {
     }
 
     /// Returns the problem in the form that experiments take, if it belongs to a published table.
-    pub fn table_problem(&self) -> Option<Problem> {
+    pub fn table_problem(&self) -> Option<TableProblem> {
         let square = self.problem.square()?;
-        Some(Problem {
+        Some(TableProblem {
             number: self.paper_table?,
             f: square.f.to_string(),
             law: self.problem.law,

@@ -8,12 +8,12 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::mesh::{
     AnyMesh, BuiltIn, Mesh, MeshData, PlaneMesh, gmsh, mesh_load, uniform_cube, uniform_square,
 };
-use signorini_mathematics::multigrid::MultigridParams;
-use signorini_mathematics::multilevel::solve_nested_networks;
+
+use signorini_mathematics::levels::Problem;
 
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::triangulated::MeshProblem;
+use signorini_mathematics::solvers::{Settings, Solver, solve};
 use std::f64::consts::PI;
 use std::fs;
 
@@ -161,8 +161,8 @@ fn integrals_have_no_scale() {
             AnyMesh::Plane(mesh) => AnyMesh::Plane(scaled(&mesh, scale)),
             AnyMesh::Space(mesh) => AnyMesh::Space(scaled(&mesh, scale)),
         };
-        let made = MeshProblem::new(&mesh, 1, &f, Law::friction(1e60).unwrap()).unwrap();
-        made.f.integral / scale.powi(mesh.dimension().into())
+        let made = Problem::on_mesh(&mesh, 1, &f, Law::friction(1e60).unwrap()).unwrap();
+        made.levels().integrals().of_f / scale.powi(mesh.dimension().into())
     };
     for name in ["lshape", "ball"] {
         let one = integral(name, 1.0);
@@ -181,11 +181,9 @@ fn scaled<const D: usize, const V: usize>(mesh: &Mesh<D, V>, scale: f64) -> Mesh
 }
 
 /// Energy of the discrete solution, with the bracket of the true energy.
-fn energies(problem: &MeshProblem) -> (f64, [f64; 2]) {
-    let loaded = problem.law.with_load(&problem.f.load);
-    let (y, _) =
-        solve_nested_networks(&problem.levels, loaded, &MultigridParams::default()).unwrap();
-    (problem.judge(&y).energy, problem.bounds(&y).unwrap().energy)
+fn energies(problem: &Problem) -> (f64, [f64; 2]) {
+    let run = solve(problem, &Settings::of(Solver::Multigrid)).unwrap();
+    (run.judgement.energy, problem.bounds(&run.y).unwrap().energy)
 }
 
 #[test]
@@ -202,10 +200,10 @@ fn brackets_hold_the_energy_of_a_solution_four_refinements_finer() {
         let f =
             format!("{}else=-{}", random_shapes(&mut dice, 1 + case % 4), dice.between(0.1, 5.0));
         let times = if mesh.nodes() < 20 { case % 2 } else { 0 };
-        let Ok(problem) = MeshProblem::new(&mesh, times, &f, law) else { continue };
-        assert_eq!(problem.f.unsettled, None);
+        let Ok(problem) = Problem::on_mesh(&mesh, times, &f, law) else { continue };
+        assert!(!problem.levels().integrals().by_quadrature);
         let (_, [low, high]) = energies(&problem);
-        let (fine, finer) = energies(&MeshProblem::new(&mesh, times + 4, &f, law).unwrap());
+        let (fine, finer) = energies(&Problem::on_mesh(&mesh, times + 4, &f, law).unwrap());
         let slack = 1e-10 * low.abs();
         assert!(low - slack <= fine && fine <= high + slack, "{f} {law}: {fine} {low} {high}");
         assert!(finer[1] - finer[0] < high - low, "{f} {law}: {finer:?} {low} {high}");
@@ -324,7 +322,8 @@ fn peaks_that_a_grid_misses_get_a_warning() {
 fn loads_on_a_mesh_do_not_depend_on_the_refinements_that_follow() {
     let f = "disc(-0.3,-0.3,0.4)=-6; else=0.6";
     let [short, long] = [2, 3].map(|times| {
-        MeshProblem::new(&mesh("disc"), times, f, Law::SIGNORINI).unwrap().loads().unwrap()
+        let problem = Problem::on_mesh(&mesh("disc"), times, f, Law::SIGNORINI).unwrap();
+        problem.loads().unwrap().into_iter().map(|load| load.into_owned()).collect::<Vec<_>>()
     });
     assert_eq!(short[..], long[..3]);
     let sums = [2, 3].map(|level: usize| long[level].iter().sum::<f64>());

@@ -8,17 +8,17 @@ use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::Range;
-use signorini_mathematics::experiments::problems::Problem;
+use signorini_mathematics::experiments::problems::TableProblem;
 use signorini_mathematics::experiments::stress::{self, Stress, stress};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use std::sync::OnceLock;
 
-fn tables(grids: &[usize]) -> Vec<Problem> {
+fn tables(grids: &[usize]) -> Vec<TableProblem> {
     ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"]
         .iter()
         .zip(1..)
-        .map(|(f, number)| Problem {
+        .map(|(f, number)| TableProblem {
             law: None,
             number,
             f: (*f).into(),

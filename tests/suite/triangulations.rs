@@ -3,13 +3,11 @@
 use crate::common::{Dice, Project, TABLE};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::domains::{DomainsPlan, domains};
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
-use signorini_mathematics::multigrid::active_set::active_set_on;
-use signorini_mathematics::multigrid::{Goal, MultigridParams};
-use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
-use signorini_mathematics::triangulated::MeshProblem;
+use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
 use std::f64::consts::PI;
 use std::fs;
 
@@ -21,11 +19,8 @@ fn mesh(name: &str) -> AnyMesh {
     })
 }
 
-fn solve(problem: &MeshProblem, goal: Goal) -> (Vec<f64>, Stop) {
-    let params = MultigridParams { goal, ..MultigridParams::default() };
-    let load = problem.law.with_load(&problem.f.load);
-    let (y, outcome) = solve_nested_networks(&problem.levels, load, &params).unwrap();
-    (y, outcome.stop)
+fn solved(problem: &Problem, solver: Solver) -> Run {
+    solve(problem, &Settings::of(solver)).unwrap()
 }
 
 #[test]
@@ -53,9 +48,8 @@ fn on_the_disc_all_errors_have_their_order() {
 fn the_ball_in_full_contact_has_its_energy() {
     let energy = -2.0 * PI / 45.0;
     let error = |times| {
-        let problem = MeshProblem::new(&mesh("ball"), times, "else=-1", Law::SIGNORINI).unwrap();
-        let (y, _) = solve(&problem, Goal::RoundingFloor);
-        problem.judge(&y).energy - energy
+        let problem = Problem::on_mesh(&mesh("ball"), times, "else=-1", Law::SIGNORINI).unwrap();
+        solved(&problem, Solver::Multigrid).judgement.energy - energy
     };
     let order = (error(3) / error(4)).log2();
     assert!((order - 2.0).abs() < 0.1, "{order}");
@@ -99,15 +93,14 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
         random_conditions(&mut dice, &mut mesh);
         let f = random_f(&mut dice, mesh.dimension());
         let times = if mesh.nodes() < 100 { 2 } else { 1 };
-        let Ok(problem) = MeshProblem::new(&mesh, times, &f, Law::SIGNORINI) else { continue };
-        let (y, stop) = solve(&problem, Goal::RoundingFloor);
+        let Ok(problem) = Problem::on_mesh(&mesh, times, &f, Law::SIGNORINI) else { continue };
+        let run = solved(&problem, Solver::Multigrid);
         let name = format!("case {case}: {f}");
-        assert_eq!(stop, Stop::RoundingFloor, "{name}");
-        let judged = problem.judge(&y);
+        assert_eq!(run.last().stop, Stop::RoundingFloor, "{name}");
+        let (y, judged) = (run.y, run.judgement);
         assert!(judged.kkt.relative < 1e-9, "{name}: {:?}", judged.kkt);
         if case % 4 == 0 {
-            let (direct, _) =
-                active_set_on(problem.network(), Law::SIGNORINI, &problem.f.load).unwrap();
+            let direct = solved(&problem, Solver::ActiveSet).y;
             let largest = y.iter().fold(1.0f64, |most, y| most.max(y.abs()));
             let apart = y.iter().zip(&direct).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
             assert!(apart < 1e-9 * largest, "{name}: {apart:e}");
@@ -124,13 +117,13 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
 #[test]
 fn the_papers_method_on_the_cube_ends_at_the_solution() {
     let f = "box(-0.5,0,-0.5,0,-0.5,0)=3; else=-1";
-    let problem = MeshProblem::new(&mesh("cube"), 3, f, Law::SIGNORINI).unwrap();
-    let (y, _) = solve(&problem, Goal::RoundingFloor);
-    let (network, load) = (problem.network(), &problem.f.load);
+    let problem = Problem::on_mesh(&mesh("cube"), 3, f, Law::SIGNORINI).unwrap();
+    let y = solved(&problem, Solver::Multigrid).y;
+    let network = &problem.networks().unwrap()[problem.finest()].network;
     let params =
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
     let mut pair = Pair::zero(network);
-    let run = arrow_hurwicz(network, Law::SIGNORINI.with_load(load), &params, &mut pair);
+    let run = arrow_hurwicz(network, problem.law_and_load(), &params, &mut pair);
     assert_eq!(run.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");

@@ -94,4 +94,3 @@ pub mod problem;
 pub mod saddle;
 pub mod solvers;
 pub mod spectral;
-pub mod triangulated;

@@ -16,7 +16,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::claims::ClaimsPlan;
-use signorini_mathematics::experiments::problems::Problem;
+use signorini_mathematics::experiments::problems::TableProblem;
 use signorini_mathematics::experiments::{self, accuracy, stress, truth};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
@@ -26,7 +26,7 @@ const RESULT: &str = "result.json";
 
 /// The tasks of the experiments; they need the whole project, as the book does.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
-    let problems: Vec<Problem> =
+    let problems: Vec<TableProblem> =
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
     let named = problems.iter().map(|problem| {
         let name = format!("problem {}", problem.number);

@@ -59,7 +59,7 @@ impl FrictionProblem {
 
 /// One of the paper's problems, on the grids and with the parameters of its table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Problem {
+pub struct TableProblem {
     /// Number of its table.
     pub number: u8,
     /// f in the notation of scenes.
@@ -79,15 +79,15 @@ pub struct Problem {
     pub max_iterations: usize,
 }
 
-/// A [`Problem`] on its grids.
-pub(super) struct Discrete {
+/// A [`TableProblem`] on its grids.
+pub(super) struct ProblemOnGrids {
     pub(super) f: Source,
     pub(super) grids: Vec<Grid>,
     /// One load vector per grid.
     pub(super) loads: Vec<Vec<f64>>,
 }
 
-impl Problem {
+impl TableProblem {
     /// Returns the name for a table: of a problem with another law than the paper's, f and the law.
     pub fn name(&self) -> String {
         match self.law {
@@ -109,11 +109,11 @@ impl Problem {
     ///
     /// # Errors
     /// A sentence if f cannot be read, or the grids do not nest.
-    pub(super) fn discrete(&self) -> Result<Discrete, String> {
+    pub(super) fn discrete(&self) -> Result<ProblemOnGrids, String> {
         let f: Source = self.f.parse().map_err(|e| format!("{}: {e}", self.f))?;
         let grids = nested(&self.grids).map_err(|e| e.to_string())?;
         let loads = grids.iter().map(|&grid| load(grid, &f, self.load)).collect();
-        Ok(Discrete { f, grids, loads })
+        Ok(ProblemOnGrids { f, grids, loads })
     }
 }
 

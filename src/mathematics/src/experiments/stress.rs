@@ -11,7 +11,7 @@ pub use random::RandomProblems;
 pub use summary::{Plateau, StressSummary};
 
 use super::Range;
-use super::problems::{CONTACT, Problem};
+use super::problems::{CONTACT, TableProblem};
 use super::trial::Trial;
 use runs::Runs;
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub struct StressPlan {
     ///
     /// If a solution is needed, f is averaged on its jumps: with the paper's choice of side on the jumps, the load
     /// of problem 1 has a positive sum, and there is nothing to converge to.
-    pub problems: Vec<Problem>,
+    pub problems: Vec<TableProblem>,
     /// Name and f of another problem, whose lift and multiplier are of order one.
     pub contact: (String, String),
     /// Cells per side on which the paper's iteration runs.
@@ -47,7 +47,7 @@ pub struct StressPlan {
 
 impl StressPlan {
     /// Plan of the book.
-    pub fn new(problems: Vec<Problem>) -> Self {
+    pub fn new(problems: Vec<TableProblem>) -> Self {
         let (name, f) = CONTACT[0];
         Self {
             problems,

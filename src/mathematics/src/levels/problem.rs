@@ -7,6 +7,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load::LoadRule;
+use crate::discrete::nested::NestedNetwork;
 use crate::discrete::verdict::Verdict;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
@@ -146,6 +147,14 @@ impl Problem {
             nodal[contact.node] = *value;
         }
         nodal
+    }
+
+    /// Nested networks of a mesh; none on the square, whose grids have no matrix in memory.
+    pub fn networks(&self) -> Option<&[NestedNetwork]> {
+        match self.levels.discrete() {
+            Discrete::Lattices(_) => None,
+            Discrete::Networks(networks) => Some(networks),
+        }
     }
 
     /// Judges a nodal vector of the finest level, apart from the solvers.

@@ -14,7 +14,7 @@ use crate::discrete::load::LoadRule;
 use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::power_of_ten;
-use crate::experiments::problems::{FRICTION, FrictionProblem, Problem};
+use crate::experiments::problems::{FRICTION, FrictionProblem, TableProblem};
 use crate::problem::law::LawParameter;
 use crate::saddle::{End, Method, StopRule};
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClaimsPlan {
     /// Problems of the paper.
-    pub problems: Vec<Problem>,
+    pub problems: Vec<TableProblem>,
     /// Least and greatest r of the sweep over r, as powers of ten.
     pub decades: (i32, i32),
     /// Values of r in each decade.
@@ -61,7 +61,7 @@ impl KktTarget {
 
 impl ClaimsPlan {
     /// Plan of the book for these problems.
-    pub fn new(mut problems: Vec<Problem>) -> Self {
+    pub fn new(mut problems: Vec<TableProblem>) -> Self {
         problems.sort_by_key(|problem| problem.number);
         Self {
             problems,
@@ -80,7 +80,7 @@ impl ClaimsPlan {
     pub fn friction() -> Self {
         let mut problems = Vec::new();
         for (number, FrictionProblem { f, g }) in (1..).zip(FRICTION) {
-            problems.push(Problem {
+            problems.push(TableProblem {
                 number,
                 f: f.into(),
                 law: Some(LawParameter::Friction(g)),

@@ -6,7 +6,7 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::{largest, worst};
 use crate::discrete::stop::Stop;
-use crate::experiments::problems::{Discrete, Problem};
+use crate::experiments::problems::{ProblemOnGrids, TableProblem};
 use crate::problem::law::Law;
 use crate::saddle::batch::{Job, LANES, NestedJob, run, run_all_nested};
 use crate::saddle::{
@@ -31,7 +31,7 @@ const RUNS: usize = 12 * LANES;
 
 /// A problem on all its grids.
 pub(super) struct ClaimCase<'a> {
-    pub(super) problem: &'a Problem,
+    pub(super) problem: &'a TableProblem,
     pub(super) law: Law,
     pub(super) grids: Vec<Grid>,
     /// Load vectors under the published rule.
@@ -125,8 +125,8 @@ fn runs_over(r: &[f64], problem: usize, end: Until) -> Vec<ClaimRun> {
 }
 
 impl<'a> ClaimCase<'a> {
-    pub(super) fn new(problem: &'a Problem) -> Result<Self, String> {
-        let Discrete { f, grids, loads: published } = problem.discrete()?;
+    pub(super) fn new(problem: &'a TableProblem) -> Result<Self, String> {
+        let ProblemOnGrids { f, grids, loads: published } = problem.discrete()?;
         let law = problem.law()?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
         let params =

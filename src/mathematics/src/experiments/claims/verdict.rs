@@ -72,7 +72,7 @@ pub struct GainsAt {
 /// Spread of the counts of a row: the greatest over the least.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// Problem.
+    /// TableProblem.
     pub problem: u8,
     /// Cells per side.
     pub cells: usize,

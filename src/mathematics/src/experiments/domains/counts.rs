@@ -4,12 +4,13 @@ use super::{DomainPlan, DomainsPlan, problem};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
 use crate::experiments::numbers::RandomNumbers;
+use crate::levels::Problem;
 use crate::mesh::AnyMesh;
 use crate::problem::law::ContactNode;
 use crate::saddle::{NestedLevels, Pair, Params, StopRule, solve_nested};
-use crate::triangulated::MeshProblem;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Counts on one domain.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -113,13 +114,14 @@ fn ratio<'a>(counts: impl Iterator<Item = &'a usize>) -> f64 {
 /// Counts iterations on one domain.
 pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<CountedDomain, String> {
     let made = problem(domain, domain.first + plan.levels - 1)?;
-    let loads = made.loads().map_err(|e| e.to_string())?;
-    let (levels, loads) = (&made.levels[domain.first..], &loads[domain.first..]);
+    let Nested { networks, loads } = nested(&made)?;
+    let (levels, loads) = (&networks[domain.first..], &loads[domain.first..]);
     let row = |&r: &f64| {
         let run = |rule| {
             let params =
                 Params { r, rule, max_iterations: plan.max_iterations, ..Params::default() };
-            let (outcomes, _) = solve_nested(levels, made.law.with_loads(loads), &params, &mut ());
+            let (outcomes, _) =
+                solve_nested(levels, made.law().with_loads(loads), &params, &mut ());
             let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
             (counts, outcomes[outcomes.len() - 1].delta_a)
         };
@@ -128,8 +130,8 @@ pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<Counted
     };
     Ok(CountedDomain {
         name: domain.name.clone(),
-        f: made.text.clone(),
-        dimension: made.mesh.dimension(),
+        f: made.levels().f(),
+        dimension: made.levels().dimension(),
         nodes: levels.iter().map(|level| level.network.nodes()).collect(),
         rows: plan.r.par_iter().map(row).collect(),
     })
@@ -141,19 +143,19 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
         return Ok(Vec::new());
     };
     let made = problem(disc, disc.first + plan.levels - 1)?;
-    let loads = made.loads().map_err(|e| e.to_string())?;
+    let Nested { networks, loads } = nested(&made)?;
     let mut counts = Vec::new();
     for numbering in
         [Numbering::Refinement, Numbering::Reversed, Numbering::Rows, Numbering::Random]
     {
-        let levels = RenumberedNetworks::new(&made.levels, orders(&made, numbering)?);
+        let levels = RenumberedNetworks::new(networks, orders(&made, numbering)?);
         let loads: Vec<_> =
             loads.iter().zip(&levels.orders).map(|(load, places)| moved(load, places)).collect();
         for &r in &plan.r {
             let max_iterations = plan.max_iterations;
             let params = Params { r, rule: StopRule::Signed, max_iterations, ..Params::default() };
             let (outcomes, _) =
-                solve_nested(&levels, made.law.with_loads(&loads), &params, &mut ());
+                solve_nested(&levels, made.law().with_loads(&loads), &params, &mut ());
             let counts_of_r = outcomes.iter().map(|outcome| outcome.iterations).collect();
             counts.push(NumberingCounts { numbering, r, counts: counts_of_r });
         }
@@ -161,9 +163,21 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
     Ok(counts)
 }
 
+/// Nested discrete problems of a mesh, with their load vectors.
+struct Nested<'a> {
+    networks: &'a [NestedNetwork],
+    loads: Vec<Vec<f64>>,
+}
+
+fn nested(problem: &Problem) -> Result<Nested<'_>, String> {
+    let loads = problem.loads().map_err(|e| e.to_string())?;
+    let networks = problem.networks().ok_or("the experiment is for meshes")?;
+    Ok(Nested { networks, loads: loads.into_iter().map(Cow::into_owned).collect() })
+}
+
 /// Place of each node on each level.
-fn orders(problem: &MeshProblem, numbering: Numbering) -> Result<Vec<Vec<u32>>, String> {
-    let AnyMesh::Plane(mesh) = &problem.mesh else {
+fn orders(problem: &Problem, numbering: Numbering) -> Result<Vec<Vec<u32>>, String> {
+    let AnyMesh::Plane(mesh) = problem.levels().mesh(problem.finest()) else {
         return Err("the disc lies in the plane".into());
     };
     let of_level = |level: &NestedNetwork| {
@@ -188,7 +202,7 @@ fn orders(problem: &MeshProblem, numbering: Numbering) -> Result<Vec<Vec<u32>>, 
         order.iter().enumerate().for_each(|(place, &node)| places[node as usize] = place as u32);
         places
     };
-    Ok(problem.levels.iter().map(of_level).collect())
+    Ok(problem.networks().unwrap_or_default().iter().map(of_level).collect())
 }
 
 /// Nested networks whose nodes are renumbered, with interpolation between the nodes as they were.

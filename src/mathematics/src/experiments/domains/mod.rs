@@ -6,11 +6,11 @@ mod cube;
 mod disc;
 
 use super::accuracy::KnownLevels;
+use crate::levels::{Problem, Reserve};
 use crate::mesh::AnyMesh;
-use crate::multigrid::{Goal, MultigridParams};
-use crate::multilevel::solve_nested_networks;
+use crate::multigrid::Goal;
 use crate::problem::law::Law;
-use crate::triangulated::MeshProblem;
+use crate::solvers::{Run, Settings, Solver, solve};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -152,57 +152,40 @@ fn coarsest(name: &str) -> Result<AnyMesh, String> {
 }
 
 /// Problem on a domain with some refinements.
-fn problem(domain: &DomainPlan, refinements: usize) -> Result<MeshProblem, String> {
-    MeshProblem::new(&coarsest(&domain.name)?, refinements, &domain.f, Law::SIGNORINI)
+fn problem(domain: &DomainPlan, refinements: usize) -> Result<Problem, String> {
+    Problem::on_mesh(&coarsest(&domain.name)?, refinements, &domain.f, Law::SIGNORINI)
         .map_err(|e| format!("{}: {e}", domain.name))
 }
 
-/// Energy and work of a solution.
-struct Solved {
-    y: Vec<f64>,
-    energy: f64,
-    relative: f64,
-    steps: usize,
-    work_units: f64,
-}
-
-fn solved(problem: &MeshProblem, goal: Goal) -> Result<Solved, String> {
-    let params = MultigridParams { goal, ..MultigridParams::default() };
-    let load = problem.law.with_load(&problem.f.load);
-    let (y, outcome) =
-        solve_nested_networks(&problem.levels, load, &params).map_err(|e| e.to_string())?;
-    let judged = problem.judge(&y);
-    Ok(Solved {
-        y,
-        energy: judged.energy,
-        relative: judged.kkt.relative,
-        steps: outcome.cycles,
-        work_units: outcome.work_units,
-    })
+/// Solves by multigrid to a goal.
+fn solved(problem: &Problem, goal: Goal) -> Result<Run, String> {
+    let settings = Settings { goal, ..Settings::of(Solver::Multigrid) };
+    solve(problem, &settings).map_err(|e| e.to_string())
 }
 
 fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
     let before = |less: usize| -> Result<f64, String> {
         let problem = problem(domain, domain.refinements - less)?;
-        Ok(solved(&problem, Goal::RoundingFloor)?.energy)
+        Ok(solved(&problem, Goal::RoundingFloor)?.last().energy)
     };
     let coarser = [before(2)?, before(1)?];
     let problem = problem(domain, domain.refinements)?;
     let [rough, exact] =
         [solved(&problem, Goal::DiscretisationError)?, solved(&problem, Goal::RoundingFloor)?];
     // Aitken's extrapolation: the errors of the energy are taken for a geometric sequence.
-    let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.energy];
+    let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.last().energy];
     let remaining = second * second / (first - second);
-    let is_polygon = !problem.mesh.is_curved();
+    let is_polygon = !problem.reserves().contains(&Reserve::Polygon);
     let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
     Ok(DomainCost {
         name: domain.name.clone(),
         f: domain.f.clone(),
         nodes: exact.y.len(),
-        work_units: [rough.work_units, exact.work_units],
-        steps: [rough.steps, exact.steps],
-        algebraic: (2.0 * (rough.energy - exact.energy).max(0.0)).sqrt() / bounds.error[1],
-        relative: exact.relative,
+        work_units: [&rough, &exact].map(|run| run.last().work_units.unwrap_or(f64::NAN)),
+        steps: [&rough, &exact].map(|run| run.last().iterations),
+        algebraic: (2.0 * (rough.last().energy - exact.last().energy).max(0.0)).sqrt()
+            / bounds.error[1],
+        relative: exact.last().kkt.relative,
         effectivity: is_polygon.then(|| bounds.error[1] / (2.0 * remaining).sqrt()),
     })
 }

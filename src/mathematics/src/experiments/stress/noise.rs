@@ -3,7 +3,7 @@
 use crate::discrete::grid::Grid;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::power_of_ten;
-use crate::experiments::problems::{Discrete, Problem};
+use crate::experiments::problems::{ProblemOnGrids, TableProblem};
 use crate::problem::law::Law;
 use crate::saddle::batch::{NestedJob, run_all_nested};
 use crate::saddle::{NestedGrids, StopRule};
@@ -29,7 +29,7 @@ pub struct LoadNoise {
 impl LoadNoise {
     /// Repeats the runs of each table with random errors in the entries of all load vectors, of greater and greater size,
     /// until a count changes.
-    pub(super) fn of(tables: &[Problem]) -> Result<Self, String> {
+    pub(super) fn of(tables: &[TableProblem]) -> Result<Self, String> {
         let tables: Vec<Undisturbed> =
             tables.iter().map(Undisturbed::new).collect::<Result<_, _>>()?;
         let mut sizes = EXPONENTS.map(power_of_ten);
@@ -41,7 +41,7 @@ impl LoadNoise {
 
 /// Undisturbed of counts without errors.
 struct Undisturbed<'a> {
-    problem: &'a Problem,
+    problem: &'a TableProblem,
     grids: Vec<Grid>,
     loads: Vec<Vec<f64>>,
     /// Counts, per r and grid.
@@ -56,8 +56,8 @@ struct Repeated {
 }
 
 impl<'a> Undisturbed<'a> {
-    fn new(problem: &'a Problem) -> Result<Self, String> {
-        let Discrete { grids, loads, .. } = problem.discrete()?;
+    fn new(problem: &'a TableProblem) -> Result<Self, String> {
+        let ProblemOnGrids { grids, loads, .. } = problem.discrete()?;
         let mut table = Self { problem, grids, loads, counts: Vec::new() };
         let rows = 0..problem.r.len();
         let undisturbed: Vec<_> =

@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use crate::discrete::load::LoadRule;
     use crate::discrete::transfer::Prolongation;
-    use crate::experiments::problems::Problem;
+    use crate::experiments::problems::TableProblem;
 
     fn trial(stop: Stop, steps: usize, kkt: f64) -> Trial {
         Trial { stop: Some(stop), steps, kkt: Some(kkt), ..Trial::default() }
@@ -176,7 +176,7 @@ mod tests {
 
     /// Runs that nobody made, each different from the others of its kind.
     fn made_up() -> Stress {
-        let problem = |number| Problem {
+        let problem = |number| TableProblem {
             law: None,
             number,
             f: String::new(),
