@@ -98,10 +98,12 @@ fn table(rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> Table {
     table
 }
 
-/// Returns a number with all digits, and with a point.
+/// Returns a number with all digits, in the form that the table of results has.
 fn decimal(x: f64) -> String {
-    let text = x.to_string();
-    if x.is_finite() && !text.contains('.') { text + ".0" } else { text }
+    match x.is_finite() {
+        true => serde_json::json!(x).to_string(),
+        false => x.to_string(),
+    }
 }
 
 #[cfg(test)]
