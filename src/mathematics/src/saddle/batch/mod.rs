@@ -153,8 +153,9 @@ pub fn run_all_nested(
 mod tests {
     use super::*;
     use crate::discrete::load::{LoadRule, load};
+    use crate::discrete::network::Network;
     use crate::discrete::stop::Stop;
-    use crate::saddle::{Params, arrow_hurwicz, solve};
+    use crate::saddle::{GradientMeasure, Params, arrow_hurwicz, solve};
 
     fn setting() -> (Grid, Vec<f64>, Pair) {
         let grid = Grid::new(16).unwrap();
@@ -185,6 +186,37 @@ mod tests {
                 assert_eq!(job((r, rule)).outcome(grid, law, &ours, &last), theirs);
                 assert_eq!(last, pair);
             }
+        }
+    }
+
+    #[test]
+    fn all_engines_have_the_same_pairs_and_measures_to_the_last_bit() {
+        let (grid, load, start) = setting();
+        let network = Network::of_square(grid);
+        for law in laws() {
+            let run = RunStart { load: &load, method: Method::ArrowHurwicz, r: 3.0, pair: &start };
+            let (mut square, mut definition) =
+                (grid.engine(law, &run), (&network).engine(law, &run));
+            let mut lanes = Lanes::new(grid, law, Order::Lexicographic, 1.0);
+            lanes.enter(5, &run);
+            for _ in 0..20 {
+                square.sweep();
+                definition.sweep();
+                lanes.sweep();
+                let change = square.dual_step([true])[0];
+                assert_eq!(definition.dual_step([true]), [change]);
+                assert_eq!(lanes.dual_step([true; LANES])[5], change);
+                for measure in GradientMeasure::ALL {
+                    let worst = square.worst(measure)[0];
+                    assert_eq!(definition.worst(measure), [worst], "{measure:?}");
+                    assert_eq!(lanes.worst(measure)[5], worst, "{measure:?}");
+                    assert_eq!(square.within(measure, [Some(worst)]), [true]);
+                    assert_eq!(definition.within(measure, [Some(worst)]), [true]);
+                    assert!(lanes.within(measure, [Some(worst); LANES])[5]);
+                }
+            }
+            assert_eq!(square.pair(0), definition.pair(0));
+            assert_eq!(square.pair(0), lanes.pair(5));
         }
     }
 
