@@ -219,7 +219,7 @@ fn optimal_and_direct_solvers_agree_to_rounding() {
     for n in [4, 6, 16, 40, 64] {
         agree_to_rounding(&SquareGrid(n), n);
     }
-    for (coarsest, times) in [(1, 1), (1, 2), (3, 1), (1, 3)] {
+    for (coarsest, times) in [(1, 2), (3, 1), (1, 3)] {
         agree_to_rounding(&CubeMesh::new(coarsest, times), coarsest << times);
     }
 }
