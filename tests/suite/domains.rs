@@ -224,6 +224,12 @@ fn optimal_and_direct_solvers_agree_to_rounding() {
     }
 }
 
+#[test]
+#[ignore = "the load `chess 1e-5` ends at the limit of cycles on this mesh of 27 nodes"]
+fn solvers_agree_on_the_smallest_cube() {
+    agree_to_rounding(&CubeMesh::new(1, 1), 2);
+}
+
 fn claimed_tolerances_hold(domain: &impl Domain) {
     for (name, load) in domain.stress_loads() {
         for exponent in 2..20 {
