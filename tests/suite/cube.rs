@@ -124,8 +124,8 @@ proptest! {
     }
 }
 
-/// The seven-point matrix on the nodes of a cube with `n` cells per side, x fastest, times h: neighbours are coupled by h
-/// times the part of the square between their cells that lies in the cube.
+/// The seven-point matrix on the nodes of a cube with `n` cells per side, x fastest: neighbours are coupled by h inside, by
+/// h / 2 on a face and, since two or one of the six tetrahedra of a cell have an edge of the cube, by h / 3 or h / 6 there.
 struct SevenPoints {
     n: usize,
     /// Neighbours of each node, with their couplings.
@@ -137,7 +137,12 @@ struct SevenPoints {
 impl SevenPoints {
     fn new(n: usize) -> Self {
         let (side, h) = (n + 1, 1.0 / n as f64);
-        let half = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
+        let share = |one: usize, two: usize| match [one, two].map(|i| i % n == 0) {
+            [false, false] => 1.0,
+            [true, true] if one == two => 1.0 / 3.0,
+            [true, true] => 1.0 / 6.0,
+            _ => 0.5,
+        };
         let steps = [1, side, side * side];
         let mut rows = vec![Vec::new(); side.pow(3)];
         let mut areas = vec![0.0; side.pow(3)];
@@ -146,7 +151,7 @@ impl SevenPoints {
             for axis in 0..3 {
                 let [one, two] = [(axis + 1) % 3, (axis + 2) % 3];
                 if at[axis] < n {
-                    let (other, weight) = (node + steps[axis], h * half(at[one]) * half(at[two]));
+                    let (other, weight) = (node + steps[axis], h * share(at[one], at[two]));
                     rows[node].push((other, weight));
                     rows[other].push((node, weight));
                 }

@@ -203,10 +203,11 @@ impl Chooser {
             "0.3",
         ];
         self.maybe(&mut args, 100, "--h", &widths);
-        let solvers =
+        let cubes = ["multigrid", "active-set", "|", "spectral"];
+        let squares =
             ["arrow-hurwicz", "uzawa", "uzawa-proximal", "multigrid", "active-set", "|", "magic"];
-        self.maybe(&mut args, 80, "--solver", &solvers);
-        let on_one_grid = |arg: &String| ["multigrid", "active-set"].contains(&&**arg);
+        self.maybe(&mut args, 80, "--solver", if cube { &cubes } else { &squares });
+        let on_one_grid = |arg: &String| ["cube", "multigrid", "active-set"].contains(&&**arg);
         if args[1] != "--domain" {
             self.maybe(&mut args, 30, "--load", &["nodal", "exact", "bilinear", "|", "x"]);
         }

@@ -126,8 +126,8 @@ fn the_record_of_a_run_is_that_of_its_copy() {
 fn inputs_are_said_to_be_what_they_are() {
     let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
     let gear = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/gear.msh");
-    // Any name will do for a mesh.
-    for name in ["gear.msh", "gear", "gear.toml"] {
+    // Any ending will do for a mesh.
+    for name in ["gear.msh", "gear.geometry", "gear.toml"] {
         fs::copy(gear, project.path(&format!("pipeline/{name}"))).unwrap();
         let scene = "title = \"Gear\"\nf = \"region(gear)=-1\"\nr = [10]\nstop = [\"printed-dual\"]\n\
             outputs = [\"table\"]\n";
@@ -141,7 +141,7 @@ fn inputs_are_said_to_be_what_they_are() {
         let entity = &entities[&format!("inputs/pipeline/{name}")];
         ["description", "encodingFormat"].map(|key| entity[key].as_str().unwrap())
     };
-    for name in ["gear.msh", "gear", "gear.toml"] {
+    for name in ["gear.msh", "gear.geometry", "gear.toml"] {
         assert_eq!(described(name), ["a mesh", "model/mesh"], "{name}");
     }
     assert_eq!(described("paper.toml"), ["the published tables", "application/toml"]);

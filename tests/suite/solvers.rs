@@ -9,7 +9,7 @@ pub(crate) const WORK_UNITS: [f64; 3] = [12.0, 28.0, 55.0];
 /// The same for loads with scattered or vanishing contact.
 pub(crate) const HARD_WORK_UNITS: [f64; 3] = [24.0, 52.0, 110.0];
 /// The same for all loads on the mesh of the cube.
-pub(crate) const NETWORK_WORK_UNITS: [f64; 3] = [24.0, 120.0, 160.0];
+pub(crate) const NETWORK_WORK_UNITS: [f64; 3] = [24.0, 120.0, 200.0];
 /// Work units to the discretisation error that Brandt calls textbook multigrid efficiency.
 pub(crate) const TEXTBOOK: f64 = 10.0;
 /// Algebraic over discretisation error at the first goal.
