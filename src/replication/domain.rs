@@ -70,24 +70,30 @@ impl DomainSettings {
 
     /// True if the domain is read from a file.
     pub(crate) fn is_file(&self) -> bool {
-        BuiltIn::named(&self.name).is_none() && self.name.contains(['.', '/', '\\'])
+        BuiltIn::named(&self.name).is_none()
     }
 
-    /// Returns the coarsest mesh, from the contents of the Gmsh file if there is one. `dashes` stand before the names of
-    /// settings in messages: those of options, or none.
+    /// Returns the coarsest mesh, from the contents of the Gmsh file unless the domain is built in. `dashes` stand before
+    /// the names of settings in messages: those of options, or none.
     pub(crate) fn coarsest(&self, file: Option<&[u8]>, dashes: &str) -> Result<AnyMesh> {
         let name = &self.name;
         let mesh = match (file, self.cells) {
-            (Some(bytes), _) => gmsh::read(bytes).map_err(|e| Error::input(format!("{name}: {e}")))?,
+            (Some(bytes), _) => {
+                gmsh::read(bytes).map_err(|e| Error::input(format!("{name}: {e}")))?
+            }
             (None, Some(cells)) => uniform_cube(cells).into(),
-            (None, None) => AnyMesh::built_in(name).ok_or_else(|| {
-                let names = AnyMesh::built_in_names().join(", ");
-                Error::input(format!(
-                    "{dashes}domain {name}: no such domain; choose one of {names}, or name a file such as gear.msh"
-                ))
-            })?,
+            (None, None) => AnyMesh::built_in(name).ok_or_else(|| self.unknown(dashes))?,
         };
         self.with_conditions(mesh, dashes)
+    }
+
+    /// Returns the error that there is neither a built-in domain nor a file of this name.
+    pub(crate) fn unknown(&self, dashes: &str) -> Error {
+        let names = AnyMesh::built_in_names().join(", ");
+        Error::input(format!(
+            "{dashes}domain {}: no such domain, and no such file; choose one of {names}, or name a Gmsh file",
+            self.name
+        ))
     }
 
     /// Returns a mesh with the conditions and curves of its parts set.

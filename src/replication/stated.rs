@@ -172,8 +172,12 @@ impl OnMesh {
         }
         let file = match known.get(&path) {
             Some(file) => file.clone(),
-            None => InputFile::if_there(&root.join(&path))?
-                .ok_or_else(|| Error::input(format!("there is no {path}; put the mesh there")))?,
+            None => InputFile::if_there(&root.join(&path))?.ok_or_else(|| {
+                let names = AnyMesh::built_in_names().join(", ");
+                Error::input(format!(
+                    "there is no {path}; put the mesh there, or name one of the domains {names}"
+                ))
+            })?,
         };
         known.insert(path.clone(), file.clone());
         self.files.insert(path, file);

@@ -135,7 +135,7 @@ impl Answer {
             "solver": request.settings.solver,
             "settings": request.settings().into_iter().collect::<BTreeMap<_, _>>(),
             "not_as_in_scene": request.overridden,
-            "h": levels.width(),
+            "h": request.width(),
             "unknowns": self.pair.y.len(),
             "iterations": last.iterations,
             "iterations_per_grid": ends.iter().map(|end| end.iterations).collect::<Vec<_>>(),

@@ -23,6 +23,7 @@ use signorini_mathematics::multigrid::{Goal, InputError};
 use signorini_mathematics::problem::law::LawError;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
 use signorini_mathematics::solvers::{self, Refusal, Run, Settings, Solver};
+use std::io::ErrorKind;
 
 /// Cells per side of the finest grid, if neither the user nor a scene gives a number.
 const DEFAULT_CELLS: usize = 64;
@@ -81,7 +82,7 @@ impl Request {
                     "--solver {solver}: {name} has every solver but this one"
                 )));
             }
-            Place::Mesh(place) => on_mesh(&name, &stated, place)?,
+            Place::Mesh(place) => on_mesh(&name, &stated, place, solver)?,
         };
         let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
         let settings = Settings {
@@ -149,6 +150,16 @@ impl Request {
     pub(super) fn lattices(&self, option: &str) -> Result<&Lattices> {
         let on_mesh = || Error::input(format!("{option} is for the square; leave it out"));
         self.problem.lattices().ok_or_else(on_mesh)
+    }
+
+    /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
+    pub(super) fn width(&self) -> f64 {
+        match &self.stated.place {
+            Place::Mesh(OnMesh { domain: DomainSettings { cells: Some(cells), .. }, .. }) => {
+                1.0 / (cells << self.problem.finest()) as f64
+            }
+            Place::Mesh(_) | Place::Square(_) => self.problem.levels().width(),
+        }
     }
 
     /// Returns advice for a smaller residual; each option in it goes with those that are given.
@@ -342,15 +353,14 @@ fn with_options(mut domain: DomainSettings, args: &SolveArgs) -> Result<DomainSe
                 domain.name
             )));
         }
-        let cells = cells(h)?;
-        let times = cells.trailing_zeros();
-        (domain.cells, domain.refine) = (Some(cells >> times), Some(times as u8));
+        let [coarsest, times] = cube(cells(h)?)?;
+        (domain.cells, domain.refine) = (Some(coarsest), Some(times as u8));
     }
     Ok(domain)
 }
 
 /// Returns the problem on a mesh that is read from its file, if it is not built in.
-fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh) -> Result<Problem> {
+fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh, solver: Solver) -> Result<Problem> {
     let in_domain = |e: Error| match e {
         Error::Input(text) => Error::input(format!("{name}: {text}")),
         other => other,
@@ -360,28 +370,66 @@ fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh) -> Result<Problem
         true => {
             let path = &place.domain.name;
             let file = place.domain.is_file().then(|| std::fs::read(path)).transpose();
-            let file = file.map_err(|e| Error::input(format!("{path}: {e}")))?;
+            let file = file.map_err(|e| match e.kind() {
+                ErrorKind::NotFound => place.domain.unknown("--"),
+                _ => Error::input(format!("{path}: {e}")),
+            })?;
             place.domain.coarsest(file.as_deref(), "--")?
         }
     };
-    check_memory(&coarsest, place.domain.refinements(&coarsest))?;
+    check_size(&coarsest, place, solver)?;
     stated.on_coarsest(place, &coarsest).map_err(in_domain)
 }
 
-/// Refuses refinements that take more memory than there is.
-fn check_memory(mesh: &AnyMesh, times: usize) -> Result<()> {
+/// Refuses refinements that take more memory than there is, or more nodes than the solver can do with.
+fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
     // Of mesh, network, solver and bounds: measured, rounded up.
     let per_node = if mesh.dimension() == 2 { 600.0 } else { 1500.0 };
     let left = machine::available_memory().unwrap_or(u64::MAX) as f64;
-    let taken = |times: usize| per_node * nodes_after(mesh, times);
-    if taken(times) <= left {
+    let most = solver.entry().most_nodes[usize::from(mesh.dimension() - 2)];
+    let most = most.map_or(f64::INFINITY, |most| most as f64);
+    let fits = |times: &usize| {
+        let nodes = nodes_after(mesh, *times);
+        nodes <= most && per_node * nodes <= left
+    };
+    let times = place.domain.refinements(mesh);
+    if fits(&times) {
         return Ok(());
     }
-    let fits = (0..times).rev().find(|&times| taken(times) <= left).unwrap_or(0);
+    // The option by which the levels of the domain are chosen.
+    let option = |times: usize| match place.domain.cells {
+        Some(cells) => format!("--h 1/{}", cells << times),
+        None => format!("--refine {times}"),
+    };
+    let nodes = nodes_after(mesh, times);
+    let reason = match nodes > most {
+        true => format!("makes about {nodes:.0} nodes, where {solver} can do with {most}"),
+        false => format!(
+            "takes about {:.0} MB of memory, where {:.0} MB are left",
+            per_node * nodes / 1e6,
+            left / 1e6
+        ),
+    };
+    let remedy = match (0..times).rev().find(fits) {
+        Some(times) => format!("{} would fit", option(times)),
+        None => "choose another solver, or a coarser mesh".into(),
+    };
+    Err(Error::input(format!("{} {reason}; {remedy}", option(times))))
+}
+
+/// Returns the cells per side of the coarsest mesh of the cube, and the number of refinements to as many as are asked for.
+fn cube(cells: usize) -> Result<[usize; 2]> {
+    /// Largest number of cells per side, a power of two aside, of a coarsest mesh that is solved directly.
+    const MOST_ODD: usize = 7;
+    let odd = |cells: usize| cells >> cells.trailing_zeros();
+    if odd(cells) <= MOST_ODD {
+        return Ok([odd(cells), cells.trailing_zeros() as usize]);
+    }
+    let can = |n: &usize| odd(*n) <= MOST_ODD;
+    let below = (1..cells).rev().find(can).expect("one cell per side");
+    let above = (cells..=2 * cells).find(can).expect("the next power of two");
     Err(Error::input(format!(
-        "--refine {times} takes about {:.0} MB of memory, where {:.0} MB are left; {fits} would fit",
-        taken(times) / 1e6,
-        left / 1e6
+        "--h 1/{cells}: on the cube N is a power of two times 1, 3, 5 or 7; the nearest: 1/{below} and 1/{above}"
     )))
 }
 

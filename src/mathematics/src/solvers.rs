@@ -7,7 +7,10 @@ use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::discrete::verdict::Verdict;
 use crate::levels::{Discrete, NodalVectors, Problem, Unsolvable};
-use crate::multigrid::active_set::{ActiveSetOutcome, MOST_CELLS, active_set, active_set_on};
+use crate::multigrid::active_set::{
+    ActiveSetOutcome, MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set,
+    active_set_on,
+};
 use crate::multigrid::{Goal, InputError, MultigridOutcome, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::saddle::{self, Method, NestedGrids, Outcome, Params};
@@ -49,6 +52,8 @@ pub struct SolverEntry {
     pub most_on_square: Option<usize>,
     /// True if it solves on meshes as well.
     pub on_meshes: bool,
+    /// Most nodes of a mesh in the plane and in space; none if memory is the only limit.
+    pub most_nodes: [Option<usize>; 2],
     /// Bytes per node of all vectors and factors on the square, for the cells per side: measured, rounded up.
     pub bytes_per_node: fn(u64) -> u64,
 }
@@ -79,6 +84,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         run: SolverRun::Nested { weight: None },
         most_on_square: None,
         on_meshes: true,
+        most_nodes: [None; 2],
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -89,6 +95,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         run: SolverRun::Nested { weight: Some(0.0) },
         most_on_square: None,
         on_meshes: true,
+        most_nodes: [None; 2],
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -99,6 +106,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         run: SolverRun::Nested { weight: Some(1.0) },
         most_on_square: None,
         on_meshes: true,
+        most_nodes: [None; 2],
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -110,6 +118,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         run: SolverRun::ActiveSet,
         most_on_square: Some(MOST_CELLS),
         on_meshes: true,
+        most_nodes: [Some(MOST_NODES_IN_PLANE), Some(MOST_NODES_IN_SPACE)],
         bytes_per_node: banded_factors,
     },
     SolverEntry {
@@ -120,6 +129,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         run: SolverRun::Multigrid,
         most_on_square: None,
         on_meshes: true,
+        most_nodes: [None; 2],
         bytes_per_node: vectors,
     },
     SolverEntry {
@@ -130,6 +140,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         run: SolverRun::Spectral,
         most_on_square: None,
         on_meshes: false,
+        most_nodes: [None; 2],
         bytes_per_node: vectors,
     },
 ];

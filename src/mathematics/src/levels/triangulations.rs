@@ -130,7 +130,8 @@ where
     }
 
     fn outside(&self) -> Vec<String> {
-        Vec::new()
+        // Shapes know whether they reach into the unit box, and no other domain.
+        if self.finest().is_unit_box() { self.f.outside() } else { Vec::new() }
     }
 
     fn integrals(&self) -> &Integrals {

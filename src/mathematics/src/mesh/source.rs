@@ -89,6 +89,11 @@ impl<const D: usize> MeshSource<D> {
         }
     }
 
+    /// The pieces that lie outside the unit square or cube.
+    pub fn outside(&self) -> Vec<String> {
+        self.rest.outside()
+    }
+
     /// f on the cells of a region.
     fn on(&self, region: u16) -> &Source<D> {
         self.regions[region as usize].as_ref().unwrap_or(&self.rest)

@@ -32,6 +32,11 @@ use std::cmp::Ordering;
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
 pub const MOST_CELLS: usize = 256;
 
+/// Most nodes of a mesh in the plane whose matrix and factors are worth their time: as many as on the square.
+pub const MOST_NODES_IN_PLANE: usize = (MOST_CELLS + 1) * (MOST_CELLS + 1);
+/// Most nodes of a mesh in space whose matrix and factors are worth their time: those of the cube with 24 cells per side.
+pub const MOST_NODES_IN_SPACE: usize = 25 * 25 * 25;
+
 /// Limit on the number of times that relaxation ends a return to earlier states.
 const MAX_RESTARTS: usize = 10;
 /// Number of Gauss-Seidel sweeps of the first relaxation.
