@@ -52,6 +52,9 @@ pub(super) struct Iterate<'a> {
     image: Vec<f64>,
     /// Product of the residual and its correction in the last step; zero if the held nodes have changed.
     product: f64,
+    /// True if no step may raise the energy: always where values have both signs, under the paper's law from when the
+    /// residual has ceased to fall.
+    pub(super) is_guarded: bool,
     /// Visits of unknowns.
     pub(super) work: f64,
 }
@@ -71,6 +74,7 @@ impl<'a> Iterate<'a> {
             direction: zeros(),
             image: zeros(),
             product: 0.0,
+            is_guarded: problem.law.hi().is_finite(),
             work: 0.0,
         };
         iterate.relax();
@@ -228,7 +232,7 @@ impl<'a> Iterate<'a> {
             return 0.0;
         }
         let length = product / curvature;
-        let before = self.problem.law.hi().is_finite().then(|| (self.energy(), self.y.clone()));
+        let before = self.is_guarded.then(|| (self.energy(), self.y.clone()));
         for (y, direction) in self.y.iter_mut().zip(&self.direction) {
             *y += length * direction;
         }

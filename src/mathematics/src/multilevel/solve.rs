@@ -17,6 +17,8 @@ use crate::problem::law::Law;
 const LAST_STEP: f64 = 0.1;
 /// Multiple of the rounding floor up to which a residual that no longer falls is one of rounding errors.
 const NEAR_FLOOR: f64 = 1e3;
+/// Steps in which the residual has to halve; if it does not, no further step may raise the energy.
+const PATIENCE: usize = 10;
 /// Reduction of the residual in the time of a restart from which on it no longer falls.
 const STAGNATION: f64 = 0.5;
 
@@ -204,6 +206,7 @@ impl Progress {
         let FinestTarget { level, scale, params } = *target;
         let mut renewed = f64::INFINITY;
         self.residual = iterate.natural_residual();
+        let (mut halved, mut since) = (self.residual, 0);
         self.stop = loop {
             if self.cycles == params.max_cycles {
                 break Stop::IterationLimit;
@@ -214,6 +217,12 @@ impl Progress {
             if !self.residual.is_finite() {
                 break Stop::Diverged;
             }
+            since += 1;
+            if self.residual <= 0.5 * halved {
+                (halved, since) = (self.residual, 0);
+            }
+            // Sets of held nodes may follow each other in a circle; where the energy falls, none returns.
+            iterate.is_guarded |= since >= PATIENCE;
             match params.goal {
                 Goal::DiscretisationError => {
                     // The energy's error falls by four from one network to the next. On a curved boundary the domain
