@@ -179,15 +179,15 @@ fn counts_hold_each_value_of_f_within_a_few_thousandths() {
 }
 
 /// Keeps the greatest nodal error on each grid.
-struct Errors<'a, F> {
+struct ErrorsOnGrids<'a, F> {
     exact: F,
     grids: &'a [Grid],
-    errors: Vec<f64>,
+    largest: Vec<f64>,
 }
 
-impl<F: Fn(f64, f64) -> f64> Monitor for Errors<'_, F> {
+impl<F: Fn(f64, f64) -> f64> Monitor for ErrorsOnGrids<'_, F> {
     fn level(&mut self, level: usize, pair: &Pair) {
-        self.errors.push(max_error(self.grids[level - 1], &pair.y, &self.exact));
+        self.largest.push(max_error(self.grids[level - 1], &pair.y, &self.exact));
     }
 }
 
@@ -229,13 +229,13 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
         grids.iter().map(|&grid| load(grid, &scene.on_grids().f, scene.on_grids().load)).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
     let mut errors =
-        Errors { exact: |x, y| exact.at(x, y).value, grids: &grids, errors: Vec::new() };
+        ErrorsOnGrids { exact: |x, y| exact.at(x, y).value, grids: &grids, largest: Vec::new() };
     solve_nested(
         &NestedGrids { grids: &grids, prolongation: scene.prolongation },
         Law::SIGNORINI.with_loads(&loads),
         &params,
         &mut errors,
     );
-    let order = (errors.errors[3] / errors.errors[4]).log2();
-    assert!(order < 1.7, "order {order} of {:?}", errors.errors);
+    let order = (errors.largest[3] / errors.largest[4]).log2();
+    assert!(order < 1.7, "order {order} of {:?}", errors.largest);
 }

@@ -201,6 +201,9 @@ fn take_step<const K: usize>(
         let Some(run) = run.as_mut().filter(|_| lanes[lane]) else { continue };
         run.iterations += 1;
         run.delta_a = changes[lane];
+        if run.inner.is_none() {
+            continue;
+        }
         if matches!(run.method(), Method::Uzawa { loose: true, .. }) {
             let gradients = gradients.get_or_insert_with(|| engine.worst(GradientMeasure::Printed));
             run.inner = run.method().inner_bound(gradients[lane]);
