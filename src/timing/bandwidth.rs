@@ -4,8 +4,8 @@ use signorini_mathematics::machine::streams;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Measures the bandwidth in GB/s with which one thread updates an array of `entries` doubles in place: the best of some
-/// runs, because other programs can only make a run slower.
+/// Measures the bandwidth in GB/s with which one thread updates an array of `entries` doubles in place: the best of
+/// some runs, because other programs can only make a run slower.
 pub(crate) fn bandwidth(entries: usize, runs: usize) -> f64 {
     let (mut a, mut fastest) = (vec![0.0; entries], f64::INFINITY);
     for _ in 0..runs {

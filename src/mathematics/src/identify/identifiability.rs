@@ -46,8 +46,8 @@ pub struct Breaks {
 /// First change of a count when a value, or the factor of all, moves down or up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FirstChange {
-    /// Distance of the move up to which every count that came out still does. The set of such f need not be convex: this
-    /// is the part around f.
+    /// Distance of the move up to which every count that came out still does. The set of such f need not be convex:
+    /// this is the part around f.
     pub range: f64,
     /// Count that changes first; `None` if none did within reach.
     pub first: Option<TableCell>,
