@@ -129,8 +129,7 @@ impl RunArgs {
         if !self.quiet {
             project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
             for scene in project.select(&self.scenes)? {
-                let outside = scene.problem.square().map(|square| square.f.outside());
-                warn_of_outside(Some(&scene.name), &outside.unwrap_or_default());
+                warn_of_outside(Some(&scene.name), &scene.problem.outside());
             }
         }
         Ok(())

@@ -23,6 +23,7 @@ use signorini_mathematics::bounds::recovery;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
+use signorini_mathematics::levels::{Lattices, Levels};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Tie;
@@ -134,7 +135,7 @@ impl SolveArgs {
         let name = request.scene.as_deref().unwrap_or("solution");
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        format.check(&request.problem)?;
+        format.check(request.problem.levels())?;
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
@@ -153,17 +154,15 @@ impl SolveArgs {
         }
     }
 
-    /// Writes the file, if there is one, with a solution: its grid on the square, if that is not the finest one, and the
-    /// pair.
+    /// Writes the file, if there is one, with a solution on the finest of some levels.
     fn write(
         &self,
         request: &Request,
         file: Option<(OutputFile, Format)>,
-        solution: impl FnOnce() -> Result<(Option<Grid>, Pair)>,
+        (levels, pair): (&dyn Levels, &Pair),
     ) -> Result<u8> {
         let Some((file, format)) = file else { return Ok(0) };
-        let (grid, pair) = solution()?;
-        file.write(&request.file(format, grid, &pair)?)?;
+        file.write(&request.file(format, levels, pair)?)?;
         if !self.json {
             say(&format!("wrote {}\n", file.path().display()))?;
         }
@@ -228,8 +227,11 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if request.settings.solver == Solver::Spectral {
         let lattices = request.lattices("--solver spectral")?;
         let solution = spectral::solve(args, &request, lattices)?;
-        let (grid, law) = (lattices.finest(), request.problem.law());
-        return args.write(&request, file, || Ok((None, spectral::on_grid(&solution, grid, law))));
+        if file.is_none() {
+            return Ok(0);
+        }
+        let pair = spectral::on_grid(&solution, lattices.finest(), request.problem.law());
+        return args.write(&request, file, (lattices, &pair));
     }
     let answer = match request.accuracy {
         Some(accuracy) => answer_to(&mut request, accuracy)?,
@@ -240,10 +242,12 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     } else {
         say(&answer.text(&request))?;
     }
-    args.write(&request, file, || match args.recover {
-        true => recovered(&request, &answer.pair),
-        false => Ok((None, answer.pair)),
-    })?;
+    if args.recover {
+        let (lattices, pair) = recovered(&request, &answer.pair)?;
+        args.write(&request, file, (&lattices, &pair))?;
+    } else {
+        args.write(&request, file, (request.problem.levels(), &answer.pair))?;
+    }
     answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
 }
 
@@ -281,12 +285,13 @@ fn answer_to(request: &mut Request, accuracy: Accuracy) -> Result<Answer> {
 }
 
 /// Returns the recovered solution, on the grid of half the width.
-fn recovered(request: &Request, pair: &Pair) -> Result<(Option<Grid>, Pair)> {
+fn recovered(request: &Request, pair: &Pair) -> Result<(Lattices, Pair)> {
     let (lattices, law) = (request.lattices("--recover")?, request.problem.law());
     let (y, _) = recovery(lattices.finest(), lattices.source(), law, &pair.y)
         .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
     let grid = Grid::new(2 * lattices.finest().cells()).map_err(|e| Error::input(e.to_string()))?;
-    Ok((Some(grid), Pair { y, a: prolong_boundary(&pair.a) }))
+    let finer = Lattices::new(vec![grid], lattices.source().clone(), lattices.rule());
+    Ok((finer, Pair { y, a: prolong_boundary(&pair.a) }))
 }
 
 /// Reads the cells per side from `1/N`, `N`, or a decimal that is one over an integer.

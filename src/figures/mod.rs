@@ -28,7 +28,7 @@ mod text;
 
 pub(crate) use chart::charts;
 pub(crate) use contact::contact;
-pub(crate) use drawn::{DrawnSolution, drawn_level};
+pub(crate) use drawn::{DrawnSolution, MOST_CELLS};
 pub(crate) use gradient::gradients;
 pub(crate) use history::histories;
 pub(crate) use identifiability::identifiability;
@@ -38,6 +38,7 @@ pub(crate) use picture::Picture;
 pub(crate) use plan::mesh_picture;
 pub(crate) use square::{grid, membrane};
 pub(crate) use surface::surfaces;
+pub(crate) use table::of_surfaces as table_of_surfaces;
 
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Slice;

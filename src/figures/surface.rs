@@ -6,7 +6,6 @@ use super::camera::{Vector, View, between, cross, dot};
 use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
 use super::picture::Picture;
-use super::table::of_surfaces;
 use signorini_mathematics::mesh::{Condition, centroid};
 use std::collections::BTreeSet;
 
@@ -16,14 +15,12 @@ use std::collections::BTreeSet;
 /// contact, are marked on the surface. All triangles are drawn: a fine mesh makes a large file, see [`DrawnMesh`].
 pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     let boxes: Vec<_> = panels.iter().map(boxed).collect();
-    let mut picture = in_boxes(columns, &boxes, |picture, inside| {
+    in_boxes(columns, &boxes, |picture, inside| {
         let floor = &boxes[inside.panel].floor;
         let surface = PaintedMesh::new(&panels[inside.panel], floor, inside);
         let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
         picture.group(&lines, |picture| surface.paint(picture));
-    });
-    picture.table = Some(of_surfaces(panels));
-    picture
+    })
 }
 
 fn boxed<'a>(&Surface { title, mesh, azimuth, range, y, .. }: &Surface<'a>) -> Boxed<'a> {

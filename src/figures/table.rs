@@ -74,7 +74,7 @@ pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
 }
 
 /// Returns the values at the nodes of meshes, to four digits, which is more than a picture shows.
-pub(super) fn of_surfaces(panels: &[Surface]) -> String {
+pub(crate) fn of_surfaces(panels: &[Surface]) -> String {
     let mut csv = "panel,x,y,v\n".to_owned();
     for Surface { title, mesh, y, .. } in panels {
         let title = quoted(title);

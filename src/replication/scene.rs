@@ -4,7 +4,7 @@ use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::domain::{DomainSettings, name_or_table};
-use crate::replication::stated::{CheckedMesh, OnMesh, OnSquare, Place, StatedProblem};
+use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
@@ -52,7 +52,7 @@ pub struct Scene {
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
-    /// What is solved.
+    /// Problem as its file states it.
     #[serde(flatten)]
     pub problem: StatedProblem,
     /// Interpolation to the next grid of the square.
@@ -111,15 +111,15 @@ impl<F> SceneFile<F> {
         keys.into_iter().find(|(_, given)| *given).map(|(key, _)| key)
     }
 
-    /// Returns the scene with this name, on this domain with f.
-    fn scene(self, name: &str, place: Place) -> Scene {
-        let Self { title, paper_table, law, r, stop, max_iterations, outputs, .. } = self;
+    /// Returns the scene with this name and problem.
+    fn scene(self, name: &str, problem: StatedProblem) -> Scene {
+        let Self { title, paper_table, r, stop, max_iterations, outputs, .. } = self;
         let draw_r = self.draw_r.unwrap_or(r.get(r.len() / 2).copied().unwrap_or(f64::NAN));
         Scene {
             name: name.into(),
             title,
             paper_table,
-            problem: StatedProblem { place, law },
+            problem,
             prolongation: self.prolongation.unwrap_or_default(),
             r,
             stop,
@@ -182,12 +182,13 @@ impl Scene {
                 "`{key}` is for meshes; the square has `grids`, and is in contact everywhere"
             )));
         }
-        let place = Place::Square(OnSquare {
+        let square = OnSquare {
             f: file.f.clone(),
             load: file.load.unwrap_or_default(),
             grids: file.grids.clone().unwrap_or_else(paper_grids),
-        });
-        Ok(file.scene(name, place))
+        };
+        let problem = StatedProblem::on_square(square, file.law);
+        Ok(file.scene(name, problem))
     }
 
     fn on_mesh(name: &str, mut file: SceneFile<String>) -> Result<Self> {
@@ -198,7 +199,8 @@ impl Scene {
         }
         let domain = file.domain.take().expect("a scene on a mesh names its domain");
         let f = file.f.split_whitespace().collect::<Vec<_>>().join(" ");
-        Ok(file.scene(name, Place::Mesh(OnMesh { domain, f, files: InputFiles::new() })))
+        let problem = StatedProblem::on_mesh(domain, f, file.law);
+        Ok(file.scene(name, problem))
     }
 
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
@@ -207,9 +209,8 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] and [`Error::Io`]: no mesh, or a domain that does not fit the scene.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
-        let Place::Mesh(place) = &mut self.problem.place else { return Ok(()) };
-        place.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))?;
-        if place.files.is_empty() {
+        let found = self.problem.find_mesh(root, known);
+        if found.map_err(|e| in_scene(&self.name, e))? {
             self.check_mesh()?;
         }
         Ok(())
@@ -270,14 +271,6 @@ impl Scene {
         if self.wants(Output::Identify) && self.paper_table.is_none() {
             return Err("`identify` explains a published table; add `paper_table`, or drop it from `outputs`".into());
         }
-        // As many counts on other grids would be compared without an error.
-        let coarsest = self.problem.square().map(|square| square.grids[0].cells());
-        if self.paper_table.is_some() && coarsest != Some(COARSEST) {
-            return Err(format!(
-                "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave out `paper_table`"
-            )
-            .into());
-        }
         if self.title.contains(['\n', '\r']) {
             return Err("`title` must be a single line".into());
         }
@@ -287,7 +280,7 @@ impl Scene {
 
     /// Makes the checks that concern the square or, on another domain, do not need the mesh.
     fn check_on_domain(&self) -> std::result::Result<(), Failure> {
-        let Place::Square(square) = &self.problem.place else {
+        let Some(square) = self.problem.square() else {
             let mut refused = NOT_ON_DOMAINS.iter();
             return match refused.find(|(output, _)| self.outputs.contains(output)) {
                 None => Ok(()),
@@ -300,6 +293,13 @@ impl Scene {
         // A known solution is proof enough, and its integral takes milliseconds on every command.
         if square.f.exact().is_none() || self.problem.law.is_some() {
             self.problem.problem(&InputFiles::new())?;
+        }
+        // As many counts on other grids would be compared without an error.
+        if self.paper_table.is_some() && square.grids[0].cells() != COARSEST {
+            return Err(format!(
+                "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave out `paper_table`"
+            )
+            .into());
         }
         let finest = square.finest().cells();
         if finest > MAX_CELLS {
@@ -333,9 +333,9 @@ impl Scene {
 
     /// Returns the problem in the form that experiments take, if it belongs to a published table.
     pub fn table_problem(&self) -> Option<TableProblem> {
-        let square = self.problem.square()?;
+        let (number, square) = (self.paper_table?, self.on_grids());
         Some(TableProblem {
-            number: self.paper_table?,
+            number,
             f: square.f.to_string(),
             law: self.problem.law,
             load: square.load,

@@ -82,6 +82,16 @@ const MOST_NODES: f64 = 1e7;
 const FOLDER: &str = "pipeline";
 
 impl StatedProblem {
+    /// Problem on the square.
+    pub(crate) fn on_square(square: OnSquare, law: Option<LawParameter>) -> Self {
+        Self { place: Place::Square(square), law }
+    }
+
+    /// Problem on a domain with f as text; its mesh has not been looked for.
+    pub(crate) fn on_mesh(domain: DomainSettings, f: String, law: Option<LawParameter>) -> Self {
+        Self { place: Place::Mesh(OnMesh { domain, f, files: InputFiles::new() }), law }
+    }
+
     /// Returns the law on the boundary.
     ///
     /// # Errors
@@ -126,6 +136,34 @@ impl StatedProblem {
         Ok(Some(CheckedMesh { dimension, touching }))
     }
 
+    /// Finds the mesh in the project in `root`, as [`OnMesh::find_mesh`] does; true if a mesh is built in, and can be checked
+    /// at once.
+    pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<bool> {
+        let Place::Mesh(place) = &mut self.place else { return Ok(false) };
+        place.find_mesh(root, known)?;
+        Ok(place.files.is_empty())
+    }
+
+    /// Puts a problem on the square on one grid.
+    pub(crate) fn set_grid(&mut self, grid: Grid) {
+        if let Place::Square(square) = &mut self.place {
+            square.grids = vec![grid];
+        }
+    }
+
+    /// Cells along each side of the coarsest mesh of the cube, if that is the domain and they were given.
+    pub(crate) fn cells_of_coarsest_cube(&self) -> Option<usize> {
+        match &self.place {
+            Place::Square(_) => None,
+            Place::Mesh(place) => place.domain.cells,
+        }
+    }
+
+    /// Pieces of f that are certain to lie outside the domain, as far as that is known without the mesh.
+    pub(crate) fn outside(&self) -> Vec<String> {
+        self.square().map(|square| square.f.outside()).unwrap_or_default()
+    }
+
     /// f and grids on the square; none on a mesh.
     pub(crate) fn square(&self) -> Option<&OnSquare> {
         match &self.place {
@@ -134,17 +172,12 @@ impl StatedProblem {
         }
     }
 
-    /// f and the domain on a mesh; none on the square.
-    pub(crate) fn mesh(&self) -> Option<&OnMesh> {
-        match &self.place {
-            Place::Square(_) => None,
-            Place::Mesh(mesh) => Some(mesh),
-        }
-    }
-
     /// Files on which the problem depends, by path.
     pub(crate) fn files(&self) -> InputFiles {
-        self.mesh().map(|mesh| mesh.files.clone()).unwrap_or_default()
+        match &self.place {
+            Place::Square(_) => InputFiles::new(),
+            Place::Mesh(place) => place.files.clone(),
+        }
     }
 }
 

@@ -213,7 +213,11 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
         ("refine = 3", "curve = { rim = [0, 0] }", "curve rim: "),
         ("name = \"disc\"", "name = \"x.msh\"", "there is no pipeline/x.msh"),
         ("name = \"disc\", ", "", "missing field `name`"),
-        ("name = \"disc\"", "name = \"gear\"", "domain gear: no such domain"),
+        (
+            "name = \"disc\"",
+            "name = \"gear\"",
+            "there is no pipeline/gear; put the mesh there, or name one of the domains square, cube",
+        ),
         ("name = \"disc\"", "name = \"../x.msh\"", "name a file below pipeline/"),
         ("name = \"disc\"", "name = \"./scenes/a.toml\"", "by its shortest path"),
         ("name = \"disc\"", "name = \"scenes//a.toml\"", "by its shortest path"),

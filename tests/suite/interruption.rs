@@ -19,7 +19,7 @@ fn interrupted_measurements_are_printed_and_not_recorded() {
     interrupt(&child);
     let said = Said::from(child.wait_with_output().unwrap());
     assert_eq!(said.code, Some(130), "{said:?}");
-    assert!(said.json()["bandwidth"]["triad"].as_f64().unwrap() > 0.0, "{said:?}");
+    assert_eq!(said.json()["schema"], 1, "{said:?}");
     assert!(said.err.contains("measured until then; nothing was recorded"), "{said:?}");
     assert!(!project.path("pipeline/timings.toml").exists());
 }

@@ -8,6 +8,7 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::mesh::{
     AnyMesh, BuiltIn, Mesh, MeshData, PlaneMesh, gmsh, mesh_load, uniform_cube, uniform_square,
 };
+use std::borrow::Cow;
 
 use signorini_mathematics::levels::Problem;
 
@@ -275,7 +276,7 @@ fn sources_between_the_points_of_a_quadrature_are_seen() {
     for (args, words) in [
         (
             ["--domain", "disc", "--refine", "2", "--f", "disc(0.31,0.27,0.02)=2000; else=-0.5"],
-            "the integral of f is 9.6",
+            "the integral of f is 0.9610, but",
         ),
         (["--domain", "lshape", "--refine", "2", "--f", peak], "the integral of f is 4.04"),
         (
@@ -323,7 +324,7 @@ fn loads_on_a_mesh_do_not_depend_on_the_refinements_that_follow() {
     let f = "disc(-0.3,-0.3,0.4)=-6; else=0.6";
     let [short, long] = [2, 3].map(|times| {
         let problem = Problem::on_mesh(&mesh("disc"), times, f, Law::SIGNORINI).unwrap();
-        problem.loads().unwrap().into_iter().map(|load| load.into_owned()).collect::<Vec<_>>()
+        problem.loads().unwrap().into_iter().map(Cow::into_owned).collect::<Vec<_>>()
     });
     assert_eq!(short[..], long[..3]);
     let sums = [2, 3].map(|level: usize| long[level].iter().sum::<f64>());

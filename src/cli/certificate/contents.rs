@@ -189,8 +189,7 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
 pub(super) fn inputs(project: &Project) -> Result<Vec<File>> {
     let mut files = Vec::new();
     for (path, file) in &project.files {
-        let mut meshes = project.scenes.iter().filter_map(|scene| scene.problem.mesh());
-        let is_mesh = meshes.any(|mesh| mesh.files.contains_key(path));
+        let is_mesh = project.scenes.iter().any(|scene| scene.problem.files().contains_key(path));
         let comment = match path.as_str() {
             PAPER => "the published tables",
             IDENTIFIED => "the record of the searches for f",

@@ -41,11 +41,7 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<St
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;
     if !(low - explained <= energy && energy <= high + explained) {
-        // The square alone has --load.
-        let remedy = match request.problem.lattices() {
-            Some(_) => "try --load exact",
-            None => "refine the grid",
-        };
+        let remedy = request.remedies.load;
         warnings.push(format!(
             "the energy is further from the true one than the error explains: the load vector is not that of f; {remedy}"
         ));

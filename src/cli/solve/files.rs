@@ -3,9 +3,8 @@
 use crate::figures::{DrawnSolution, surfaces};
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
-use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::formats::{Fields, MeshFields};
-use signorini_mathematics::levels::{Lattices, Problem};
+use signorini_mathematics::levels::Levels;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 use std::path::Path;
 
@@ -22,14 +21,14 @@ pub(super) enum Format {
 
 /// Solution to be written.
 pub(super) struct Solution<'a> {
-    /// Problem that it solves.
-    pub problem: &'a Problem,
+    /// Levels of whose finest one this is the solution.
+    pub levels: &'a dyn Levels,
     /// Name of the problem.
     pub name: &'a str,
+    /// Law on the boundary.
+    pub law: Law,
     /// Nodal values and multipliers.
     pub pair: &'a Pair,
-    /// Grid of the pair on the square, if that is not the finest one of the problem.
-    pub grid: Option<Grid>,
 }
 
 /// Panels of a row for which a picture has room.
@@ -47,70 +46,50 @@ impl Format {
         })
     }
 
-    /// Refuses a format in which the domain of a problem has no files.
-    pub(super) fn check(self, problem: &Problem) -> Result<()> {
-        let on_grid = problem.lattices().is_some();
+    /// Refuses a format in which a solution has no files.
+    pub(super) fn check(self, levels: &dyn Levels) -> Result<()> {
+        let vtk = levels.vtk_ending();
         let reason = match self {
-            Self::Svg if problem.levels().dimension() == 3 => {
-                "a solution in space has no picture; use .vtu and open it in ParaView, or .npz"
+            Self::Svg if levels.dimension() == 3 => format!(
+                "a solution in space has no picture; use .{vtk} and open it in ParaView, or .npz"
+            ),
+            Self::Vti | Self::Vtu if self.ending() != vtk => {
+                format!("this solution is written as .{vtk}, .npz or .npy")
             }
-            Self::Vti if !on_grid => "a solution on a mesh is written as .vtu, .npz or .npy",
-            Self::Vtu if on_grid => "a solution on a grid is written as .vti, .npz or .npy",
             Self::Vti | Self::Vtu | Self::Npy | Self::Npz | Self::Svg => return Ok(()),
         };
         Err(Error::input(format!("--out: {reason}")))
+    }
+
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Vti => "vti",
+            Self::Vtu => "vtu",
+            Self::Npy => "npy",
+            Self::Npz => "npz",
+            Self::Svg => "svg",
+        }
     }
 }
 
 impl Solution<'_> {
     /// Returns the bytes of a file.
     pub(super) fn file(&self, format: Format) -> Result<Vec<u8>> {
-        let bytes = match self.problem.lattices() {
-            Some(lattices) => self.on_grid(lattices, format)?,
-            None => self.on_mesh(format)?,
-        };
-        bytes.ok_or_else(|| {
-            let other = if self.problem.lattices().is_some() { ".vti" } else { ".vtu" };
-            Error::input(format!("--out: an .npz file holds at most 4 GB; use .npy or {other}"))
-        })
-    }
-
-    fn on_grid(&self, lattices: &Lattices, format: Format) -> Result<Option<Vec<u8>>> {
-        let grid = self.grid.unwrap_or(lattices.finest());
-        let fields = Fields::new(grid, lattices.source(), self.pair);
-        Ok(match format {
-            Format::Npy => Some(fields.npy()),
-            Format::Npz => fields.npz(),
-            Format::Vti | Format::Vtu => Some(fields.vti(self.name)),
+        let Self { levels, name, law, pair } = *self;
+        match format {
+            Format::Npy => Ok(levels.npy(pair)),
+            Format::Npz => levels.npz(pair).ok_or_else(|| {
+                let vtk = levels.vtk_ending();
+                Error::input(format!("--out: an .npz file holds at most 4 GB; use .npy or .{vtk}"))
+            }),
+            Format::Vti | Format::Vtu => Ok(levels.vtk(name, pair)),
             Format::Svg => {
-                let (title, law) = (self.name.to_owned(), self.problem.law());
-                let drawn = DrawnSolution::on_grid(title, (grid, law), self.pair, COLUMNS);
-                Some(self.svg(&surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]))?)
+                let drawn = DrawnSolution::on_levels(name.into(), (levels, law), pair, COLUMNS);
+                let drawn = drawn.map_err(Error::input)?;
+                let picture = surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]);
+                let svg = picture.svg(name, "Made by `signorini solve`.");
+                svg.map(String::into_bytes).map_err(Error::input)
             }
-        })
-    }
-
-    fn on_mesh(&self, format: Format) -> Result<Option<Vec<u8>>> {
-        let Self { problem, name, pair, .. } = self;
-        if format == Format::Svg {
-            let drawn = DrawnSolution::of((*name).to_owned(), problem, pair, COLUMNS);
-            let drawn = drawn.map_err(Error::input)?;
-            let picture = surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]);
-            return Ok(Some(self.svg(&picture)?));
         }
-        let level = problem.finest();
-        let (mesh, multiplier) = (problem.levels().mesh(level), problem.at_nodes(&pair.a, 0.0));
-        let f = problem.levels().means(level).map_err(|e| Error::input(e.to_string()))?;
-        let fields = MeshFields { mesh: &mesh, v: &pair.y, multiplier: &multiplier, f: &f };
-        Ok(match format {
-            Format::Npy => Some(fields.npy()),
-            Format::Npz => fields.npz(),
-            _ => Some(fields.vtu(name)),
-        })
-    }
-
-    fn svg(&self, picture: &crate::figures::Picture) -> Result<Vec<u8>> {
-        let drawn = picture.svg(self.name, "Made by `signorini solve`.");
-        drawn.map(String::into_bytes).map_err(Error::input)
     }
 }

@@ -132,14 +132,10 @@ impl Answer {
                 "the load vector sums to {sum_load:+.3e} on {grid}, the integral of f is {integral:+.3e}: {reason}"
             ));
         } else if let Some(missed) = levels.missed().filter(|&missed| missed > MISSED) {
-            self.warnings.push(match request.problem.lattices() {
-                Some(_) => format!(
-                    "the quadrature of f on {grid} misses {missed:.1e} of the integral of |f|; choose a smaller --h"
-                ),
-                None => format!(
-                    "the quadrature of f did not settle and may miss {missed:.1e} of the integral of |f|; write jumps of f as shapes, or refine the mesh"
-                ),
-            });
+            let remedy = request.remedies.quadrature;
+            self.warnings.push(format!(
+                "the quadrature of f on {grid} misses {missed:.1e} of the integral of |f|; {remedy}"
+            ));
         }
     }
 
@@ -170,9 +166,8 @@ fn slack(problem: &Problem) -> f64 {
 }
 
 /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; none for known
-/// solutions, and on meshes, where the integral is the sum of the load vector.
+/// solutions.
 fn load_slack(problem: &Problem) -> Option<f64> {
-    let is_known = problem.lattices()?.source().exact().is_some();
     let integrals = problem.levels().integrals();
     // Values at the nodes of a smooth f are off by some multiple of h^2, the others by less.
     let slack = if integrals.by_quadrature {
@@ -180,7 +175,7 @@ fn load_slack(problem: &Problem) -> Option<f64> {
     } else {
         slack(problem)
     };
-    (!is_known).then_some(slack)
+    (!integrals.is_known).then_some(slack)
 }
 
 /// Returns the names of the levels of the ends with a property, if there are any.

@@ -17,7 +17,7 @@ use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::levels::{Lattices, Problem};
+use signorini_mathematics::levels::{Lattices, Levels, Problem};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::multigrid::{Goal, InputError};
 use signorini_mathematics::problem::law::LawError;
@@ -34,9 +34,13 @@ pub(super) struct Request {
     pub name: String,
     /// Name of the scene, if f is that of a scene.
     pub scene: Option<String>,
-    /// What is solved, as it was stated.
+    /// Quadrature of the load vector; none on meshes, which have one alone.
+    load: Option<LoadRule>,
+    /// Remedies in the words of the options that the domain has.
+    pub remedies: Remedies,
+    /// Problem as it was stated.
     stated: StatedProblem,
-    /// What is solved.
+    /// Problem with its levels.
     pub problem: Problem,
     pub settings: Settings,
     /// Tolerance of multigrid, relative to the load; `None` for the rounding floor.
@@ -51,6 +55,36 @@ pub(super) struct Request {
     bytes_to_write: u64,
 }
 
+/// Remedies in the words of the options that a domain has.
+pub(super) struct Remedies {
+    /// For a load vector that no discrete solution balances, under the paper's law and under others.
+    unbalanced: [&'static str; 2],
+    /// For a multigrid that has reached its limit; none where a choice of solver is the remedy.
+    limit: Option<&'static str>,
+    /// For an energy beyond the bounds.
+    pub load: &'static str,
+    /// For a quadrature that misses some of f.
+    pub quadrature: &'static str,
+}
+
+impl Remedies {
+    const ON_THE_SQUARE: Self = Self {
+        unbalanced: [
+            "use --load exact, another --h, or a lower f",
+            "use --load exact, another --h, or a wider law",
+        ],
+        limit: Some("choose another --h"),
+        load: "try --load exact",
+        quadrature: "choose a smaller --h",
+    };
+    const ON_MESHES: Self = Self {
+        unbalanced: ["lower f somewhere", "change f, or widen the law"],
+        limit: None,
+        load: "refine the grid",
+        quadrature: "write jumps of f as shapes, or refine the mesh",
+    };
+}
+
 impl Request {
     /// Reads and checks the arguments.
     pub(super) fn read(args: &SolveArgs) -> Result<Self> {
@@ -63,27 +97,24 @@ impl Request {
             None => of_options(args)?,
         };
         check_solver_options(args, solver)?;
-        check_domain_options(args, &stated.place)?;
-        let name = match (&args.scene, &stated.place) {
-            (Some(name), _) => name.clone(),
-            (None, Place::Square(_)) => "custom".into(),
-            (None, Place::Mesh(place)) => place.domain.name.clone(),
-        };
         // Measured: a file's fields, and the recovered solution on four times as many nodes.
         let bytes_to_write = if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) };
         let memory = Memory { solver, bytes_to_write, accuracy: args.accuracy() };
-        let problem = match &stated.place {
+        let (domain, load, problem, remedies) = match &stated.place {
             Place::Square(square) => {
+                check_domain_options(args, None)?;
                 memory.check(square.finest().cells())?;
-                stated.problem(&InputFiles::new())?
+                let problem = stated.problem(&InputFiles::new())?;
+                ("custom", Some(square.load), problem, Remedies::ON_THE_SQUARE)
             }
-            Place::Mesh(_) if !solver.entry().on_meshes => {
-                return Err(Error::input(format!(
-                    "--solver {solver}: {name} has every solver but this one"
-                )));
+            Place::Mesh(place) => {
+                check_domain_options(args, Some(place))?;
+                let name = args.scene.as_deref().unwrap_or(&place.domain.name);
+                let problem = on_mesh(name, &stated, place, solver)?;
+                (&*place.domain.name, None, problem, Remedies::ON_MESHES)
             }
-            Place::Mesh(place) => on_mesh(&name, &stated, place, solver)?,
         };
+        let name = args.scene.as_deref().unwrap_or(domain).to_owned();
         let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
         let settings = Settings {
             params: params(args, scene, &mut overridden)?,
@@ -93,6 +124,8 @@ impl Request {
         Ok(Self {
             name,
             scene: args.scene.clone(),
+            load,
+            remedies,
             stated,
             problem,
             settings,
@@ -131,19 +164,16 @@ impl Request {
 
     /// Puts the problem on the square on one grid with as many cells per side.
     pub(super) fn set_grid(&mut self, cells: usize) -> Result<()> {
-        let Place::Square(square) = &mut self.stated.place else {
-            unreachable!("an accuracy is for the square")
-        };
         let (solver, accuracy) = (self.settings.solver, self.accuracy);
         Memory { solver, bytes_to_write: self.bytes_to_write, accuracy }.check(cells)?;
-        square.grids = vec![grid(cells)?];
+        self.stated.set_grid(grid(cells)?);
         self.problem = self.stated.problem(&InputFiles::new())?;
         Ok(())
     }
 
-    /// Returns the bytes of a file with a solution, on this grid if it is another than the finest of the square.
-    pub(super) fn file(&self, format: Format, grid: Option<Grid>, pair: &Pair) -> Result<Vec<u8>> {
-        Solution { problem: &self.problem, name: &self.name, pair, grid }.file(format)
+    /// Returns the bytes of a file with a solution on the finest of these levels.
+    pub(super) fn file(&self, format: Format, levels: &dyn Levels, pair: &Pair) -> Result<Vec<u8>> {
+        Solution { levels, name: &self.name, law: self.problem.law(), pair }.file(format)
     }
 
     /// Grids and f on the square; refuses meshes, for an option that only the square has.
@@ -154,12 +184,9 @@ impl Request {
 
     /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
     pub(super) fn width(&self) -> f64 {
-        match &self.stated.place {
-            Place::Mesh(OnMesh { domain: DomainSettings { cells: Some(cells), .. }, .. }) => {
-                1.0 / (cells << self.problem.finest()) as f64
-            }
-            Place::Mesh(_) | Place::Square(_) => self.problem.levels().width(),
-        }
+        let coarsest = self.stated.cells_of_coarsest_cube();
+        let width = |cells: usize| 1.0 / (cells << self.problem.finest()) as f64;
+        coarsest.map_or(self.problem.levels().width(), width)
     }
 
     /// Returns advice for a smaller residual; each option in it goes with those that are given.
@@ -179,24 +206,24 @@ impl Request {
         if self.settings.solver.is_nested() {
             return "raise --max-iterations, or use --solver multigrid";
         }
-        if self.problem.lattices().is_some() { "choose another --h" } else { self.closer() }
+        self.remedies.limit.unwrap_or_else(|| self.closer())
     }
 
     /// Returns the settings, by name, on which the answer depends besides f, the solver and the levels.
     pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
         let mut settings = Vec::new();
-        let (law, lattices) = (self.problem.law(), self.problem.lattices());
+        let law = self.problem.law();
         if !law.is_signorini() {
             settings.push(("law", law.to_string().into()));
         }
-        settings.extend(lattices.map(|lattices| ("load", rule_name(&lattices.rule()).into())));
+        settings.extend(self.load.map(|rule| ("load", rule_name(&rule).into())));
         if self.settings.solver.is_nested() {
             let Params { r, rule, max_iterations, .. } = self.settings.params;
             settings.push(("r", r.into()));
             settings.push(("stop", rule.name().into()));
             settings.push(("max_iterations", max_iterations.into()));
             let prolongation = json!(self.settings.prolongation);
-            settings.extend(lattices.map(|_| ("prolongation", prolongation)));
+            settings.extend(self.load.map(|_| ("prolongation", prolongation)));
         }
         settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
         settings.extend(self.accuracy.map(|of| (of.option(), of.wanted().into())));
@@ -205,13 +232,8 @@ impl Request {
 
     /// Returns the message that no nodal vector solves the discrete problem for a load vector with this sum.
     pub(super) fn without_solution(&self, sum_load: f64) -> String {
-        let (law, is_square) = (self.problem.law(), self.problem.lattices().is_some());
-        let remedy = match (is_square, law.is_signorini()) {
-            (true, true) => "use --load exact, another --h, or a lower f",
-            (true, false) => "use --load exact, another --h, or a wider law",
-            (false, true) => "lower f somewhere",
-            (false, false) => "change f, or widen the law",
-        };
+        let [papers, others] = self.remedies.unbalanced;
+        let remedy = if self.problem.law().is_signorini() { papers } else { others };
         let (name, grid) = (&self.name, self.problem.levels().name(self.problem.finest()));
         let sum_load = sum_load + 0.0;
         format!(
@@ -316,21 +338,17 @@ fn of_scene(
 fn of_options(args: &SolveArgs) -> Result<StatedProblem> {
     let f = args.f.as_deref().ok_or_else(|| Error::input("give a scene or --f"))?;
     let domain = args.domain.as_deref().map(DomainSettings::named);
-    let place = match domain.filter(|domain| !domain.is_square()) {
-        Some(domain) => {
-            let domain = with_options(domain, args)?;
-            Place::Mesh(OnMesh { domain, f: f.into(), files: InputFiles::new() })
-        }
-        None => Place::Square(OnSquare {
-            f: f.parse().map_err(|e| Error::input(format!("--f: {e}")))?,
-            load: load_rule(args).unwrap_or(LoadRule::Bilinear {}),
-            grids: {
-                let finest = args.h.as_deref().map(cells).transpose()?;
-                hierarchy(finest.unwrap_or(DEFAULT_CELLS), None)?
-            },
-        }),
+    let law = args.law()?;
+    if let Some(domain) = domain.filter(|domain| !domain.is_square()) {
+        return Ok(StatedProblem::on_mesh(with_options(domain, args)?, f.into(), law));
+    }
+    let finest = args.h.as_deref().map(cells).transpose()?;
+    let square = OnSquare {
+        f: f.parse().map_err(|e| Error::input(format!("--f: {e}")))?,
+        load: load_rule(args).unwrap_or(LoadRule::Bilinear {}),
+        grids: hierarchy(finest.unwrap_or(DEFAULT_CELLS), None)?,
     };
-    Ok(StatedProblem { place, law: args.law()? })
+    Ok(StatedProblem::on_square(square, law))
 }
 
 /// Returns a domain with the options about its mesh.
@@ -361,6 +379,11 @@ fn with_options(mut domain: DomainSettings, args: &SolveArgs) -> Result<DomainSe
 
 /// Returns the problem on a mesh that is read from its file, if it is not built in.
 fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh, solver: Solver) -> Result<Problem> {
+    if !solver.entry().on_meshes {
+        return Err(Error::input(format!(
+            "--solver {solver}: {name} has every solver but this one"
+        )));
+    }
     let in_domain = |e: Error| match e {
         Error::Input(text) => Error::input(format!("{name}: {text}")),
         other => other,
@@ -478,7 +501,7 @@ fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
 }
 
 /// Refuses an option about a mesh where there is none, or one about the square on another domain.
-fn check_domain_options(args: &SolveArgs, place: &Place) -> Result<()> {
+fn check_domain_options(args: &SolveArgs, on_mesh: Option<&OnMesh>) -> Result<()> {
     let parts = [
         ("--free", !args.free.is_empty()),
         ("--fixed", !args.fixed.is_empty()),
@@ -492,16 +515,16 @@ fn check_domain_options(args: &SolveArgs, place: &Place) -> Result<()> {
         ("--accuracy-energy", args.accuracy_energy.is_some()),
         ("--recover", args.recover),
     ];
-    let (refused, remedy) = match (place, args.scene.is_some()) {
+    let (refused, remedy) = match (on_mesh, args.scene.is_some()) {
         // Where the mesh is made, the width has been refused for all domains but the cube.
-        (Place::Mesh(_), false) => {
+        (Some(_), false) => {
             (of_the_square.to_vec(), "is for the square; leave it out, or leave out --domain")
         }
-        (Place::Mesh(_), true) => (
+        (Some(_), true) => (
             [&parts[..], &[width], &of_the_square].concat(),
             "does not go with the domain of a scene; leave it out, or change the scene",
         ),
-        (Place::Square(_), _) => (
+        (None, _) => (
             [&parts[..], &[refine]].concat(),
             "is about a mesh; add --domain NAME or --domain FILE, or leave it out",
         ),

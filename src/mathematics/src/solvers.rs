@@ -6,14 +6,12 @@ use crate::discrete::kkt::{Judgement, Kkt};
 use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::discrete::verdict::Verdict;
-use crate::levels::{Discrete, NodalVectors, Problem, Unsolvable};
+use crate::levels::{NodalVectors, Problem, SaddleRun, Unsolvable};
 use crate::multigrid::active_set::{
-    ActiveSetOutcome, MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set,
-    active_set_on,
+    ActiveSetOutcome, MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE,
 };
-use crate::multigrid::{Goal, InputError, MultigridOutcome, MultigridParams, solve_square};
-use crate::multilevel::solve_nested_networks;
-use crate::saddle::{self, Method, NestedGrids, Outcome, Params};
+use crate::multigrid::{Goal, InputError, MultigridOutcome, MultigridParams};
+use crate::saddle::{Method, Outcome, Params};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
@@ -308,31 +306,20 @@ struct FinestEnd {
 /// [`Refusal`]. A limit that was reached, and values that are not finite, are ends of a run.
 pub fn solve(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
     let Settings { solver, goal, .. } = *settings;
-    let load = problem.law_and_load();
-    let (y, end) = match (solver.entry().run, problem.levels().discrete()) {
-        (SolverRun::Nested { .. }, discrete) => return solve_nested(problem, settings, discrete),
-        (SolverRun::ActiveSet, discrete) => {
-            let (y, ActiveSetOutcome { stop, steps, .. }) = match discrete {
-                Discrete::Lattices(lattices) => {
-                    active_set(lattices.finest().cells(), load.law, load.load)?
-                }
-                Discrete::Networks(networks) => {
-                    active_set_on(&networks[problem.finest()].network, load.law, load.load)?
-                }
-            };
+    let (levels, law) = (problem.levels(), problem.law());
+    let (y, end) = match solver.entry().run {
+        SolverRun::Nested { .. } => return solve_nested(problem, settings),
+        SolverRun::ActiveSet => {
+            let (y, ActiveSetOutcome { stop, steps, .. }) = levels.active_set(law)?;
             (y, FinestEnd { iterations: steps, stop, work_units: None })
         }
-        (SolverRun::Multigrid, discrete) => {
+        SolverRun::Multigrid => {
             let params = MultigridParams { goal, ..MultigridParams::default() };
-            let (y, MultigridOutcome { stop, cycles, work_units, .. }) = match discrete {
-                Discrete::Lattices(lattices) => {
-                    solve_square(lattices.finest().cells(), load, None, &params)?
-                }
-                Discrete::Networks(networks) => solve_nested_networks(networks, load, &params)?,
-            };
+            let (y, MultigridOutcome { stop, cycles, work_units, .. }) =
+                levels.multigrid(law, &params)?;
             (y, FinestEnd { iterations: cycles, stop, work_units: Some(work_units) })
         }
-        (SolverRun::Spectral, _) => return Err(Refusal::NotOnMeshes(solver)),
+        SolverRun::Spectral => return Err(Refusal::NotOnMeshes(solver)),
     };
     let judgement = problem.judge(&y);
     let FinestEnd { iterations, stop, work_units } = end;
@@ -365,22 +352,12 @@ fn judged(
 }
 
 /// Runs a saddle-point method over all levels.
-fn solve_nested(
-    problem: &Problem,
-    settings: &Settings,
-    discrete: Discrete<'_>,
-) -> Result<Run, Refusal> {
+fn solve_nested(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
     let method = settings.solver.method(0.0, false).expect("a saddle-point method");
-    let params = Params { method, ..settings.params };
-    let loaded = problem.law().with_loads(&loads);
-    let (outcomes, pair) = match discrete {
-        Discrete::Lattices(lattices) => {
-            let (grids, prolongation) = (lattices.grids(), settings.prolongation);
-            saddle::solve_nested(&NestedGrids { grids, prolongation }, loaded, &params, &mut ())
-        }
-        Discrete::Networks(networks) => saddle::solve_nested(networks, loaded, &params, &mut ()),
-    };
+    let params = &Params { method, ..settings.params };
+    let run = SaddleRun { params, prolongation: settings.prolongation, monitor: &mut () };
+    let (outcomes, pair) = problem.levels().saddle(problem.law().with_loads(&loads), run);
     let ends: Vec<_> = outcomes.iter().enumerate().map(LevelEnd::of_outcome).collect();
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });

@@ -6,8 +6,8 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
-    ContactPanel, DrawnSolution, HistoryPanel, HistoryRun, IdentifiabilityPanel, Picture, contact,
-    drawn_level, histories, identifiability, maps_of_f, mesh_map, surfaces,
+    ContactPanel, DrawnSolution, HistoryPanel, HistoryRun, IdentifiabilityPanel, MOST_CELLS,
+    Picture, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -15,7 +15,6 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use serde_json::json;
 use signorini_mathematics::identify::Findings;
-use signorini_mathematics::mesh::AnyMesh;
 use std::collections::BTreeMap;
 
 /// Kind of figure.
@@ -159,20 +158,18 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
 
 /// Draws f: on the square by the borders of its pieces, on a mesh by its means over the triangles.
 fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
-    if let [scene] = scenes
-        && scene.problem.mesh().is_some()
-    {
-        let problem = scene.problem.problem(inputs.files)?;
-        let levels = problem.levels();
-        let level = drawn_level(levels);
-        let f = levels.means(level).map_err(|e| e.to_string())?;
-        let AnyMesh::Plane(mesh) = levels.mesh(level) else {
-            return Err("a domain in space has no picture".into());
-        };
-        return Ok(mesh_map(&scene.title, &mesh, &f));
+    let maps: Option<Vec<_>> =
+        scenes.iter().map(|scene| Some((&*scene.title, &scene.problem.square()?.f))).collect();
+    match (maps, scenes) {
+        (Some(maps), _) => Ok(maps_of_f(&maps)),
+        (None, [scene]) => {
+            let problem = scene.problem.problem(inputs.files)?;
+            let map = problem.levels().map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
+            let (drawing, f) = map.ok_or("a domain in space has no picture")?;
+            Ok(mesh_map(&scene.title, &drawing.mesh, &f))
+        }
+        (None, _) => Err("scenes on meshes have a picture each".into()),
     }
-    let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, &scene.on_grids().f)).collect();
-    Ok(maps_of_f(&maps))
 }
 
 fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {

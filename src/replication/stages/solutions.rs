@@ -5,7 +5,7 @@ use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs};
 use crate::replication::scene::{Output, Scene};
 use serde_json::{Value, json};
-use signorini_mathematics::formats::{Fields, MeshFields};
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::Pair;
 
 /// Solutions that the book offers for download.
@@ -27,47 +27,44 @@ impl Solutions {
     ) -> Result<Self, Failure> {
         let mut solutions = Self::default();
         for scene in problems {
+            let problem = scene.problem.problem(inputs.files)?;
             let stop = format!("where the published rule stops, r = {}", scene.drawn_r());
-            solutions.add(
-                scene,
-                "-stop",
-                &stop,
-                &solve::pair_on_grid(inputs, scene, scene.stop[0])?,
-            );
-            solutions.add(scene, "-solution", "the solution", &solve::solution(scene)?);
+            let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
+            solutions.add(scene, &problem, State { ending: "-stop", words: &stop, pair: &pair });
+            let pair = solve::solution(scene)?;
+            let words = "the solution";
+            solutions.add(scene, &problem, State { ending: "-solution", words, pair: &pair });
         }
         for scene in others.iter().filter(|scene| scene.wants(Output::Surface)) {
+            let problem = scene.problem.problem(inputs.files)?;
             let stop = format!("where the rule {} stops, r = {}", scene.stop[0], scene.drawn_r());
-            if scene.problem.mesh().is_some() {
-                solutions.add_on_mesh(inputs, scene, &stop)?;
-                continue;
-            }
-            let pair = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
-            solutions.add(scene, "", &stop, &pair);
+            let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
+            solutions.add(scene, &problem, State { ending: "", words: &stop, pair: &pair });
         }
         Ok(solutions)
     }
 
-    /// Adds the pair of a scene, whose name gets the `ending` and whose title the `state`.
-    fn add(&mut self, scene: &Scene, ending: &str, state: &str, pair: &Pair) {
-        let name = format!("{}{ending}", scene.name);
-        let what = format!("{}, {state}", scene.title);
-        let fields = Fields::new(scene.finest(), &scene.on_grids().f, pair);
-        self.files.extend(fields.npz().map(|bytes| (format!("{name}.npz"), bytes)));
-        self.listed.push(json!({ "name": name, "what": what, "cells": scene.finest().cells() }));
+    /// Adds a pair of a scene.
+    fn add(&mut self, scene: &Scene, problem: &Problem, state: State<'_>) {
+        let State { ending, words, pair } = state;
+        let (name, what) = (format!("{}{ending}", scene.name), format!("{}, {words}", scene.title));
+        let levels = problem.levels();
+        self.files.extend(levels.npz(pair).map(|bytes| (format!("{name}.npz"), bytes)));
+        let (cells, nodes) = (levels.cells(problem.finest()), levels.nodes(problem.finest()));
+        let mut listed = json!({ "name": name, "what": what });
+        match cells {
+            Some(cells) => listed["cells"] = cells.into(),
+            None => listed["nodes"] = nodes.into(),
+        }
+        self.listed.push(listed);
     }
+}
 
-    /// Adds the pair where the first rule of a scene on a mesh stops.
-    fn add_on_mesh(&mut self, inputs: &Inputs, scene: &Scene, state: &str) -> Result<(), Failure> {
-        let problem = scene.problem.problem(inputs.files)?;
-        let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
-        let level = problem.finest();
-        let (mesh, multiplier) = (problem.levels().mesh(level), problem.at_nodes(&pair.a, 0.0));
-        let f = problem.levels().means(level).map_err(|e| e.to_string())?;
-        let fields = MeshFields { mesh: &mesh, v: &pair.y, multiplier: &multiplier, f: &f };
-        self.files.extend(fields.npz().map(|bytes| (format!("{}.npz", scene.name), bytes)));
-        let what = format!("{}, {state}", scene.title);
-        self.listed.push(json!({ "name": scene.name, "what": what, "nodes": mesh.nodes() }));
-        Ok(())
-    }
+/// Pair of a scene that the book offers.
+struct State<'a> {
+    /// Ending of the name of its file.
+    ending: &'a str,
+    /// Words for the title.
+    words: &'a str,
+    pair: &'a Pair,
 }

@@ -6,7 +6,7 @@ use super::{artifact, from_json, to_json};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task, parameters};
 use crate::replication::scene::{Output, Scene};
-use crate::replication::stated::{OnSquare, Place, StatedProblem};
+use crate::replication::stated::{OnSquare, StatedProblem};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
@@ -14,11 +14,9 @@ use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::levels::{Discrete, Problem};
+use signorini_mathematics::levels::{Problem, SaddleRun};
 use signorini_mathematics::problem::exact::Exact;
-use signorini_mathematics::saddle::{
-    Iteration, Monitor, NestedGrids, Outcome, Pair, Params, Plain, StopRule, solve_nested,
-};
+use signorini_mathematics::saddle::{Iteration, Monitor, Outcome, Pair, Params, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -84,7 +82,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
         grids: vec![scene.finest()],
         ..scene.on_grids().clone()
     };
-    let stated = StatedProblem { place: Place::Square(square), ..scene.problem.clone() };
+    let stated = StatedProblem::on_square(square, scene.problem.law);
     let problem = stated.problem(&InputFiles::new())?;
     let run = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
@@ -140,7 +138,7 @@ fn task(scene: &Scene, cell: Cell) -> Task {
 fn run(
     cell: &Cell,
     files: &InputFiles,
-    monitor: &mut impl Monitor,
+    monitor: &mut dyn Monitor,
 ) -> Result<(Vec<Outcome>, Pair), Failure> {
     let problem = cell.problem.problem(files)?;
     let loads: Vec<_> =
@@ -152,14 +150,8 @@ fn run(
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
-    let (levels, pair) = match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => {
-            let nested = NestedGrids { grids: lattices.grids(), prolongation: cell.prolongation };
-            solve_nested(&nested, loaded, &params, monitor)
-        }
-        Discrete::Networks(networks) => solve_nested(networks, loaded, &params, monitor),
-    };
-    Ok((levels, pair))
+    let run = SaddleRun { params: &params, prolongation: cell.prolongation, monitor };
+    Ok(problem.levels().saddle(loaded, run))
 }
 
 fn solve(cell: &Cell, files: &InputFiles) -> Result<Artifacts, Failure> {

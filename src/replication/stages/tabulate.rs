@@ -18,15 +18,9 @@ pub(crate) fn id(scene: &Scene, stop: StopRule) -> String {
 
 pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
     let needs: Vec<String> = solve::ids(scene, stop).collect();
-    let grids = scene.problem.square().map_or(&[][..], |square| &square.grids);
-    let cells: Vec<usize> = grids.iter().map(|grid| grid.cells()).collect();
-    let parameters = parameters(&serde_json::json!({ "r": scene.r, "grids": cells }));
-    let on_square = !cells.is_empty();
+    let parameters = parameters(&serde_json::json!({ "r": scene.r }));
     Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
-        let names = match on_square {
-            true => cells.iter().map(|n| format!("1/{n}")).collect(),
-            false => meshes(inputs, &needs[0])?,
-        };
+        let names = names(inputs, &needs[0])?;
         Ok(Artifacts::from([(
             TABLE.into(),
             table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names).csv().into_bytes(),
@@ -34,10 +28,14 @@ pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
     })
 }
 
-/// Names of the nested meshes of a solve: their numbers of nodes.
-fn meshes(inputs: &Inputs, task: &str) -> Result<Vec<String>, String> {
+/// Names of the levels of a solve: `1/64`, or the number of nodes of a mesh.
+fn names(inputs: &Inputs, task: &str) -> Result<Vec<String>, String> {
     let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
-    Ok(levels.iter().map(|level| format!("{} nodes", level.nodes)).collect())
+    let name = |level: &Outcome| match level.cells {
+        Some(cells) => format!("1/{cells}"),
+        None => format!("{} nodes", level.nodes),
+    };
+    Ok(levels.iter().map(name).collect())
 }
 
 /// The rows of a table, one from each of the tasks `solves`.

@@ -143,7 +143,7 @@ pub struct WorkRange {
 pub const TOLERANCE: f64 = 1e-10;
 /// Goals, in the order of [`Cost::goals`].
 pub const GOALS: [Goal; 3] = [Goal::DiscretisationError, Goal::Kkt(TOLERANCE), Goal::RoundingFloor];
-/// The same in words.
+/// Goals in words.
 const GOALS_IN_WORDS: [&str; 3] = ["discretisation error", "residual", "rounding floor"];
 /// Cells per side of the coarsest grid on which orders and work units are close to their limits.
 const ASYMPTOTIC: usize = 64;

@@ -3,13 +3,13 @@
 use super::npy::{DOUBLE, INTEGER, doubles, npy};
 use super::vtk::Appended;
 use super::zip;
-use crate::mesh::{AnyMesh, Mesh};
+use crate::mesh::Mesh;
 
 /// Solution on a mesh.
 #[derive(Clone, Copy)]
-pub struct MeshFields<'a> {
+pub struct MeshFields<'a, const D: usize, const V: usize> {
     /// Mesh.
-    pub mesh: &'a AnyMesh,
+    pub mesh: &'a Mesh<D, V>,
     /// v at the nodes.
     pub v: &'a [f64],
     /// Multiplier dv/dn at the nodes, zero where there is no contact.
@@ -18,7 +18,7 @@ pub struct MeshFields<'a> {
     pub f: &'a [f64],
 }
 
-impl MeshFields<'_> {
+impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
     /// v alone, in NPY format.
     pub fn npy(&self) -> Vec<u8> {
         npy(DOUBLE, &[self.v.len()], doubles(self.v))
@@ -29,25 +29,19 @@ impl MeshFields<'_> {
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
     pub fn npz(&self) -> Option<Vec<u8>> {
-        match self.mesh {
-            AnyMesh::Plane(mesh) => npz(mesh, self),
-            AnyMesh::Space(mesh) => npz(mesh, self),
-        }
+        npz(self.mesh, self)
     }
 
     /// VTK XML unstructured grid: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from 0
     /// on; raw little-endian numbers. In the plane z = 0.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
-        match self.mesh {
-            AnyMesh::Plane(mesh) => vtu(mesh, self, name),
-            AnyMesh::Space(mesh) => vtu(mesh, self, name),
-        }
+        vtu(self.mesh, self, name)
     }
 }
 
 fn npz<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
-    fields: &MeshFields<'_>,
+    fields: &MeshFields<'_, D, V>,
 ) -> Option<Vec<u8>> {
     let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
     zip::fits((D + 2) * nodes + (V + 1) * cells).then(|| {
@@ -68,7 +62,7 @@ const fn cell_type(vertices: usize) -> u8 {
 
 fn vtu<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
-    fields: &MeshFields<'_>,
+    fields: &MeshFields<'_, D, V>,
     name: &str,
 ) -> Vec<u8> {
     let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
@@ -114,23 +108,23 @@ fn vertices<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> impl Iterator<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::BuiltIn;
 
     /// Solution on a built-in mesh that is v = multiplier = node, f = cell.
-    struct Counted {
-        mesh: AnyMesh,
+    struct Counted<const D: usize, const V: usize> {
+        mesh: Mesh<D, V>,
         at_nodes: Vec<f64>,
         on_cells: Vec<f64>,
     }
 
-    impl Counted {
-        fn on(name: &str) -> Self {
-            let mesh = AnyMesh::built_in(name).unwrap();
-            let (nodes, cells) = (mesh.nodes() as u32, mesh.cells() as u32);
+    impl<const D: usize, const V: usize> Counted<D, V> {
+        fn on(mesh: Mesh<D, V>) -> Self {
+            let (nodes, cells) = (mesh.points().len() as u32, mesh.cells().len() as u32);
             let (at_nodes, on_cells) = ((0..nodes).map(f64::from), (0..cells).map(f64::from));
             Self { mesh, at_nodes: at_nodes.collect(), on_cells: on_cells.collect() }
         }
 
-        fn fields(&self) -> MeshFields<'_> {
+        fn fields(&self) -> MeshFields<'_, D, V> {
             let Self { mesh, at_nodes, on_cells } = self;
             MeshFields { mesh, v: at_nodes, multiplier: at_nodes, f: on_cells }
         }
@@ -151,34 +145,37 @@ mod tests {
 
     #[test]
     fn arrays_of_a_vtk_file_are_where_the_text_says() {
-        for (name, vertices, kind) in [("annulus", 3, 5), ("ball", 4, 10)] {
-            let counted = Counted::on(name);
-            let (nodes, cells) = (counted.mesh.nodes(), counted.mesh.cells());
-            let file = counted.fields().vtu("a--b");
-            for (array, size) in [
-                ("points", 24 * nodes),
-                ("connectivity", 8 * vertices * cells),
-                ("offsets", 8 * cells),
-                ("types", cells),
-                ("v", 8 * nodes),
-                ("multiplier", 8 * nodes),
-                ("f", 8 * cells),
-                ("region", 2 * cells),
-            ] {
-                assert_eq!(appended(&file, array).len(), size, "{name} {array}");
-            }
-            assert!(appended(&file, "types").iter().all(|byte| *byte == kind));
-            let last = (vertices * cells) as u64;
-            assert!(appended(&file, "offsets").ends_with(&last.to_le_bytes()));
-            assert!(appended(&file, "v").ends_with(&((nodes - 1) as f64).to_le_bytes()));
-            assert!(file.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
-            assert!(!file.windows(3).any(|part| part == b"a--"));
+        check_arrays(&Counted::on(BuiltIn::Annulus.plane().unwrap()), 5);
+        check_arrays(&Counted::on(BuiltIn::Ball.space().unwrap()), 10);
+    }
+
+    /// Checks the arrays of a file with cells of this kind.
+    fn check_arrays<const D: usize, const V: usize>(counted: &Counted<D, V>, kind: u8) {
+        let (nodes, cells) = (counted.mesh.points().len(), counted.mesh.cells().len());
+        let file = counted.fields().vtu("a--b");
+        for (array, size) in [
+            ("points", 24 * nodes),
+            ("connectivity", 8 * V * cells),
+            ("offsets", 8 * cells),
+            ("types", cells),
+            ("v", 8 * nodes),
+            ("multiplier", 8 * nodes),
+            ("f", 8 * cells),
+            ("region", 2 * cells),
+        ] {
+            assert_eq!(appended(&file, array).len(), size, "{array}");
         }
+        assert!(appended(&file, "types").iter().all(|byte| *byte == kind));
+        let last = (V * cells) as u64;
+        assert!(appended(&file, "offsets").ends_with(&last.to_le_bytes()));
+        assert!(appended(&file, "v").ends_with(&((nodes - 1) as f64).to_le_bytes()));
+        assert!(file.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
+        assert!(!file.windows(3).any(|part| part == b"a--"));
     }
 
     #[test]
     fn arrays_for_numpy_have_rows_of_coordinates_and_of_vertices() {
-        let counted = Counted::on("lshape");
+        let counted = Counted::on(BuiltIn::LShape.plane().unwrap());
         let archive = counted.fields().npz().unwrap();
         for header in ["(8, 2), }", "(6, 3), }", "(8,), }", "(6,), }"] {
             assert!(

@@ -1,4 +1,4 @@
-//! How much of a table comes out for one f.
+//! Counts and values of Delta a of a table that come out for one f.
 
 use super::agrees;
 use super::evaluate::{Evaluator, Table};

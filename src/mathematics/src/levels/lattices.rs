@@ -1,17 +1,24 @@
 //! The paper's grids of the square, matrix-free, as the levels of a problem.
 
-use super::{Discrete, Integrals, KnownErrors, Levels, NodalVectors};
+use super::{
+    ActiveSetRun, ClosedCurve, Drawing, Integrals, KnownErrors, Levels, MultigridRun, NodalVectors,
+    SaddleRun,
+};
 use crate::bounds::{Bounds, NoBound, bounds};
 use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
 use crate::discrete::norms::{errors, multiplier_error};
-use crate::mesh::{AnyMesh, mesh_load, uniform_square};
+use crate::formats::Fields;
+use crate::mesh::{AnyMesh, lattice_mesh, mesh_load, uniform_square};
+use crate::multigrid::active_set::active_set;
+use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::source::Source;
-use crate::saddle::Pair;
+use crate::saddle::{NestedGrids, Outcome, Pair, solve_nested};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -44,7 +51,8 @@ impl Lattices {
     pub fn new(grids: Vec<Grid>, f: Source, rule: LoadRule) -> Self {
         assert!(!grids.is_empty(), "at least one grid");
         let [of_f, of_size] = integrals(&f);
-        let integrals = Integrals { of_f, of_size, by_quadrature: f.is_smooth() };
+        let (by_quadrature, is_known) = (f.is_smooth(), f.exact().is_some());
+        let integrals = Integrals { of_f, of_size, by_quadrature, is_known };
         Self { grids, f, rule, integrals, load: OnceLock::new() }
     }
 
@@ -173,15 +181,94 @@ impl Levels for Lattices {
         bounds(self.finest(), &self.f, law, y)
     }
 
-    fn mesh(&self, level: usize) -> AnyMesh {
-        uniform_square(self.grids[level]).into()
+    fn mesh(&self) -> AnyMesh {
+        uniform_square(self.finest()).into()
     }
 
-    fn means(&self, level: usize) -> Result<Vec<f64>, SourceError> {
-        Ok(mesh_load(&uniform_square(self.grids[level]), &self.f)?.cells.mean)
+    fn map_of_f(&self, most_cells: usize) -> Result<Option<(Drawing, Vec<f64>)>, SourceError> {
+        let Some(drawing) = self.drawing(most_cells) else { return Ok(None) };
+        let f = mesh_load(&drawing.mesh, &self.f)?.cells.mean;
+        Ok(Some((drawing, f)))
     }
 
-    fn discrete(&self) -> Discrete<'_> {
-        Discrete::Lattices(self)
+    fn multigrid(&self, law: Law, params: &MultigridParams) -> Result<MultigridRun, InputError> {
+        solve_square(self.finest().cells(), law.with_load(self.finest_load()), None, params)
+    }
+
+    fn active_set(&self, law: Law) -> Result<ActiveSetRun, InputError> {
+        active_set(self.finest().cells(), law, self.finest_load())
+    }
+
+    fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair) {
+        let SaddleRun { params, prolongation, monitor } = run;
+        let nested = NestedGrids { grids: &self.grids, prolongation };
+        solve_nested(&nested, loads, params, monitor)
+    }
+
+    fn drawing(&self, most_cells: usize) -> Option<Drawing> {
+        let grid = self.finest();
+        let lines = thinned(grid, most_cells);
+        let coordinates: Vec<_> = lines.iter().map(|&i| grid.coordinate(i)).collect();
+        let nodes = lines.iter().flat_map(|&j| lines.iter().map(move |&i| grid.index(i, j)));
+        Some(Drawing { mesh: lattice_mesh(&coordinates), nodes: nodes.collect() })
+    }
+
+    fn curves(&self) -> Option<Vec<ClosedCurve>> {
+        let grid = self.finest();
+        let places = (0..grid.boundary_nodes()).map(|b| b as f64 * grid.h()).collect();
+        let (nodes, length) = (grid.boundary().collect(), Grid::PERIMETER);
+        Some(vec![ClosedCurve { parts: None, nodes, places, length }])
+    }
+
+    fn vtk_ending(&self) -> &'static str {
+        "vti"
+    }
+
+    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8> {
+        Fields::new(self.finest(), &self.f, pair).vti(name)
+    }
+
+    fn npz(&self, pair: &Pair) -> Option<Vec<u8>> {
+        Fields::new(self.finest(), &self.f, pair).npz()
+    }
+
+    fn npy(&self, pair: &Pair) -> Vec<u8> {
+        Fields::new(self.finest(), &self.f, pair).npy()
+    }
+
+    fn lattices(&self) -> Option<&Lattices> {
+        Some(self)
+    }
+}
+
+/// Returns the grid lines that are drawn, equally spaced and at most `most`, and the last.
+fn thinned(grid: Grid, most: usize) -> Vec<usize> {
+    let n = grid.cells();
+    let mut lines: Vec<usize> = (0..n).step_by(n.div_ceil(most)).collect();
+    lines.push(n);
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_both_ends() {
+        let lines = |cells: usize| thinned(Grid::new(cells).unwrap(), 32);
+        assert_eq!(lines(4), [0, 1, 2, 3, 4]);
+        assert_eq!(lines(64).len(), 33);
+        assert_eq!(lines(33).last(), Some(&33));
+        assert!(lines(1000).len() <= 33);
+    }
+
+    #[test]
+    fn the_nodes_of_a_drawing_have_their_values() {
+        let grid = Grid::new(70).unwrap();
+        let lattices = Lattices::new(vec![grid], Source::constant(-1.0), LoadRule::default());
+        let Drawing { mesh, nodes } = lattices.drawing(20).unwrap();
+        for (node, &[px, py]) in nodes.into_iter().zip(mesh.points()) {
+            assert_eq!([px, py], [grid.coordinate(node % 71), grid.coordinate(node / 71)]);
+        }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Central is [`Problem`], which is checked once, when it is made. What solvers, judges, bounds, pictures and files need
 //! of a grid or a mesh is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the square,
-//! without a matrix in memory, and [`Triangulations`], a mesh with its refinements. Fast paths that only the square has
-//! ask [`Levels::discrete`] whether they may be used.
+//! without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has asks
+//! [`Levels::lattices`].
 
 mod lattices;
 mod problem;
@@ -18,12 +18,16 @@ pub use unsolvable::{Unsolvable, shown_integral};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::kkt::Judgement;
+use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
-use crate::mesh::{AnyMesh, Touching};
+use crate::discrete::transfer::Prolongation;
+use crate::mesh::{AnyMesh, PlaneMesh, Touching};
+use crate::multigrid::active_set::ActiveSetOutcome;
+use crate::multigrid::{InputError, MultigridOutcome, MultigridParams};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
-use crate::saddle::Pair;
+use crate::saddle::{Monitor, Outcome, Pair, Params};
 use std::borrow::Cow;
 
 /// Nested discrete problems of one domain and one f. Levels are numbered from 0 on, coarsest first.
@@ -105,26 +109,93 @@ pub trait Levels: Send + Sync {
     /// [`NoBound`].
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound>;
 
-    /// Copy of the mesh of a level. The first nodes of a refined mesh are those of the coarser ones.
-    fn mesh(&self, level: usize) -> AnyMesh;
+    /// Copy of the mesh of the finest level.
+    fn mesh(&self) -> AnyMesh;
 
-    /// Means of f over the cells of the mesh of a level.
+    /// Picture of a domain in the plane, with so many cells across at most, with the means of f over its triangles; none
+    /// in space.
     ///
     /// # Errors
-    /// [`SourceError::NoValue`] if f is not finite at a point of a level coarser than the finest.
-    fn means(&self, level: usize) -> Result<Vec<f64>, SourceError>;
+    /// [`SourceError::NoValue`] if f is not finite at a point of a mesh coarser than the finest.
+    fn map_of_f(&self, most_cells: usize) -> Result<Option<(Drawing, Vec<f64>)>, SourceError>;
 
-    /// Discrete problems in the form that fast paths take.
-    fn discrete(&self) -> Discrete<'_>;
+    /// Solves on the finest level by multigrid: on the square that of optimal cost, on meshes the multilevel method.
+    ///
+    /// # Errors
+    /// [`InputError`].
+    fn multigrid(&self, law: Law, params: &MultigridParams) -> Result<MultigridRun, InputError>;
+
+    /// Solves on the finest level by the primal-dual active set.
+    ///
+    /// # Errors
+    /// [`InputError`].
+    fn active_set(&self, law: Law) -> Result<ActiveSetRun, InputError>;
+
+    /// Runs a saddle-point method over all levels, with the load vector of each.
+    fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair);
+
+    /// Picture of a domain in the plane, with so many cells across at most; none in space.
+    fn drawing(&self, most_cells: usize) -> Option<Drawing>;
+
+    /// Closed curves of the boundary of a domain in the plane; none in space.
+    fn curves(&self) -> Option<Vec<ClosedCurve>>;
+
+    /// Ending of the files for ParaView, `vti` or `vtu`.
+    fn vtk_ending(&self) -> &'static str;
+
+    /// Solution of the finest level in VTK's XML format, with this name.
+    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8>;
+
+    /// Solution of the finest level in NPZ format; none if it is larger than the format allows.
+    fn npz(&self, pair: &Pair) -> Option<Vec<u8>>;
+
+    /// Nodal values of the finest level in NPY format.
+    fn npy(&self, pair: &Pair) -> Vec<u8>;
+
+    /// Grids of the square, for what no mesh has: the spectral solver, the recovery.
+    fn lattices(&self) -> Option<&Lattices> {
+        None
+    }
+
+    /// Nested networks of a mesh, for renumberings and the like.
+    fn networks(&self) -> Option<&[NestedNetwork]> {
+        None
+    }
 }
 
-/// Nested discrete problems in the form that solvers take.
-#[derive(Clone, Copy)]
-pub enum Discrete<'a> {
-    /// Grids of the square, whose matrix is a stencil.
-    Lattices(&'a Lattices),
-    /// Matrices of meshes.
-    Networks(&'a [NestedNetwork]),
+/// Nodal vector, and the outcome of multigrid.
+pub type MultigridRun = (Vec<f64>, MultigridOutcome);
+/// Nodal vector, and the outcome of the active-set method.
+pub type ActiveSetRun = (Vec<f64>, ActiveSetOutcome);
+
+/// Run of a saddle-point method.
+pub struct SaddleRun<'a> {
+    /// Method and parameters, but the tolerance, which follows from the level.
+    pub params: &'a Params,
+    /// Interpolation of pairs to the next grid of the square.
+    pub prolongation: Prolongation,
+    /// Observer.
+    pub monitor: &'a mut dyn Monitor,
+}
+
+/// Mesh of a picture, which may be coarser than the finest one.
+pub struct Drawing {
+    /// Mesh.
+    pub mesh: PlaneMesh,
+    /// Position of each of its nodes in a nodal vector of the finest level.
+    pub nodes: Vec<usize>,
+}
+
+/// Closed curve of a boundary in the plane.
+pub struct ClosedCurve {
+    /// Names of the parts of the boundary on the curve; none on the square, whose sides have names.
+    pub parts: Option<String>,
+    /// Nodes of the finest level in their order along the curve.
+    pub nodes: Vec<usize>,
+    /// Arc lengths of the nodes, from 0 on.
+    pub places: Vec<f64>,
+    /// Length of the curve.
+    pub length: f64,
 }
 
 /// Nodal vector, and the load vector of its level.
@@ -145,6 +216,8 @@ pub struct Integrals {
     pub of_size: f64,
     /// True if f is not constant on pieces, at least somewhere, so that the integrals are by quadrature.
     pub by_quadrature: bool,
+    /// True if f is that of a known solution.
+    pub is_known: bool,
 }
 
 /// Errors against a known solution.

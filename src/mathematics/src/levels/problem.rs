@@ -1,7 +1,7 @@
 //! A problem: what is solved.
 
 use super::unsolvable::Component;
-use super::{Discrete, Lattices, Levels, NodalVectors, Triangulations, Unsolvable};
+use super::{Lattices, Levels, NodalVectors, Triangulations, Unsolvable};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
@@ -129,10 +129,7 @@ impl Problem {
 
     /// Grids and f on the square; none on a mesh.
     pub fn lattices(&self) -> Option<&Lattices> {
-        match self.levels.discrete() {
-            Discrete::Lattices(lattices) => Some(lattices),
-            Discrete::Networks(_) => None,
-        }
+        self.levels.lattices()
     }
 
     /// Lengths of the nodal vector and the boundary vector of a pair of the finest level.
@@ -151,10 +148,7 @@ impl Problem {
 
     /// Nested networks of a mesh; none on the square, whose grids have no matrix in memory.
     pub fn networks(&self) -> Option<&[NestedNetwork]> {
-        match self.levels.discrete() {
-            Discrete::Lattices(_) => None,
-            Discrete::Networks(networks) => Some(networks),
-        }
+        self.levels.networks()
     }
 
     /// Judges a nodal vector of the finest level, apart from the solvers.

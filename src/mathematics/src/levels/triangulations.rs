@@ -1,21 +1,30 @@
 //! A mesh with its refinements as the levels of a problem.
 
 use super::unsolvable::Component;
-use super::{Discrete, Integrals, KnownErrors, Levels, NodalVectors, Unsolvable};
+use super::{
+    ActiveSetRun, ClosedCurve, Drawing, Integrals, KnownErrors, Levels, MultigridRun, NodalVectors,
+    SaddleRun, Unsolvable,
+};
 use crate::bounds::triangulation::bounds_on_mesh;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::law_and_load::LawAndLoads;
+use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
+use crate::formats::MeshFields;
 use crate::mesh::{
     AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh,
-    Touching, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
+    Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
+use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{LoadedComponent, loaded_components};
+use crate::multigrid::{InputError, MultigridParams};
+use crate::multilevel::solve_nested_networks;
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::Shape;
-use crate::saddle::Pair;
+use crate::saddle::{Outcome, Pair, solve_nested};
 use std::any::Any;
 use std::borrow::Cow;
 
@@ -46,6 +55,7 @@ where
             of_f: load.integral,
             of_size: load.size,
             by_quadrature: load.unsettled.is_some(),
+            is_known: f.known().is_some(),
         };
         Ok(Self { nested, f, load, integrals })
     }
@@ -58,6 +68,27 @@ where
     /// Discrete problem of the finest mesh.
     pub fn network(&self) -> &Network {
         &self.nested.networks[self.nested.networks.len() - 1].network
+    }
+
+    /// Multiplier of a pair of the finest mesh at all nodes, zero where there is no contact condition.
+    fn multiplier(&self, pair: &Pair) -> Vec<f64> {
+        let mut multiplier = vec![0.0; pair.y.len()];
+        for (contact, a) in self.network().contact().iter().zip(&pair.a) {
+            multiplier[contact.node] = *a;
+        }
+        multiplier
+    }
+
+    /// A pair of the finest mesh as the fields of a file, with its multiplier at all nodes.
+    fn fields<'a>(&'a self, pair: &'a Pair, multiplier: &'a [f64]) -> MeshFields<'a, D, V> {
+        MeshFields { mesh: self.finest(), v: &pair.y, multiplier, f: &self.load.cells.mean }
+    }
+
+    /// Number of the finest level with no more triangles than the square has with so many cells across, or else of the
+    /// coarsest.
+    fn drawn(&self, most_cells: usize) -> usize {
+        let fits = |mesh: &&Mesh<D, V>| mesh.cells().len() <= 2 * most_cells * most_cells;
+        self.nested.meshes[1..].iter().take_while(fits).count()
     }
 
     /// Connected components of the domain.
@@ -77,6 +108,23 @@ where
         }
         components
     }
+}
+
+/// The mesh, if it lies in the plane.
+fn plane<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Option<&PlaneMesh> {
+    (mesh as &dyn Any).downcast_ref()
+}
+
+/// Arc lengths of the nodes of a closed curve from the first, which is also the last.
+fn arc_lengths(mesh: &PlaneMesh, nodes: &[usize]) -> Vec<f64> {
+    let (mut lengths, mut sum) = (vec![0.0], 0.0);
+    for (k, &node) in nodes.iter().enumerate() {
+        let next = nodes[(k + 1) % nodes.len()];
+        let [[ax, ay], [bx, by]] = [node, next].map(|node| mesh.points()[node]);
+        sum += ((bx - ax) * (bx - ax) + (by - ay) * (by - ay)).sqrt();
+        lengths.push(sum);
+    }
+    lengths
 }
 
 /// Reads f on a mesh.
@@ -185,8 +233,7 @@ where
     }
 
     fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>> {
-        let plane = (self.finest() as &dyn Any).downcast_ref::<PlaneMesh>()?;
-        Some(mesh_arcs(plane, self.network(), y, judgement))
+        Some(mesh_arcs(plane(self.finest())?, self.network(), y, judgement))
     }
 
     fn errors(&self, y: &[f64], _load: &[f64]) -> Option<KnownErrors> {
@@ -199,18 +246,69 @@ where
         bounds_on_mesh(self.finest(), self.network(), &self.load.cells, law, y)
     }
 
-    fn mesh(&self, level: usize) -> AnyMesh {
-        self.nested.meshes[level].clone().into()
+    fn mesh(&self) -> AnyMesh {
+        self.finest().clone().into()
     }
 
-    fn means(&self, level: usize) -> Result<Vec<f64>, SourceError> {
-        if level + 1 == self.count() {
-            return Ok(self.load.cells.mean.clone());
+    fn map_of_f(&self, most_cells: usize) -> Result<Option<(Drawing, Vec<f64>)>, SourceError> {
+        let Some(drawing) = self.drawing(most_cells) else { return Ok(None) };
+        let drawn = self.drawn(most_cells);
+        let f = match drawn + 1 == self.count() {
+            true => self.load.cells.mean.clone(),
+            false => mesh_load(&self.nested.meshes[drawn], &self.f)?.cells.mean,
+        };
+        Ok(Some((drawing, f)))
+    }
+
+    fn multigrid(&self, law: Law, params: &MultigridParams) -> Result<MultigridRun, InputError> {
+        solve_nested_networks(&self.nested.networks, law.with_load(self.finest_load()), params)
+    }
+
+    fn active_set(&self, law: Law) -> Result<ActiveSetRun, InputError> {
+        active_set_on(self.network(), law, self.finest_load())
+    }
+
+    fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair) {
+        solve_nested(&self.nested.networks[..], loads, run.params, run.monitor)
+    }
+
+    fn drawing(&self, most_cells: usize) -> Option<Drawing> {
+        let mesh = plane(&self.nested.meshes[self.drawn(most_cells)])?.clone();
+        // The first nodes of a refined mesh are those of the coarser ones.
+        let nodes = (0..mesh.points().len()).collect();
+        Some(Drawing { mesh, nodes })
+    }
+
+    fn curves(&self) -> Option<Vec<ClosedCurve>> {
+        let mesh = plane(self.finest())?;
+        let mut curves = Vec::new();
+        for curve in boundary_curves(mesh) {
+            let parts = curve.parts.iter().map(|&part| mesh.parts()[part].names.to_string());
+            let parts = Some(parts.collect::<Vec<_>>().join(", "));
+            let mut places = arc_lengths(mesh, &curve.nodes);
+            let length = places.pop().unwrap_or_default();
+            curves.push(ClosedCurve { parts, nodes: curve.nodes, places, length });
         }
-        Ok(mesh_load(&self.nested.meshes[level], &self.f)?.cells.mean)
+        Some(curves)
     }
 
-    fn discrete(&self) -> Discrete<'_> {
-        Discrete::Networks(&self.nested.networks)
+    fn vtk_ending(&self) -> &'static str {
+        "vtu"
+    }
+
+    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8> {
+        self.fields(pair, &self.multiplier(pair)).vtu(name)
+    }
+
+    fn npz(&self, pair: &Pair) -> Option<Vec<u8>> {
+        self.fields(pair, &self.multiplier(pair)).npz()
+    }
+
+    fn npy(&self, pair: &Pair) -> Vec<u8> {
+        self.fields(pair, &[]).npy()
+    }
+
+    fn networks(&self) -> Option<&[NestedNetwork]> {
+        Some(&self.nested.networks)
     }
 }

@@ -13,7 +13,7 @@ pub struct MeshPlace<const D: usize> {
     pub point: [f64; D],
     /// Value of the function that is linear on the cells.
     pub value: f64,
-    /// Its gradient.
+    /// Gradient of this function.
     pub gradient: [f64; D],
 }
 

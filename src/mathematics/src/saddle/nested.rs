@@ -126,7 +126,7 @@ pub fn solve_nested<L: NestedLevels + ?Sized>(
     levels: &L,
     LawAndLoads { law, loads }: LawAndLoads<'_>,
     params: &Params,
-    monitor: &mut impl Monitor,
+    monitor: &mut dyn Monitor,
 ) -> (Vec<Outcome>, Pair) {
     let mut pair = [Pair::zero(levels.domain(0))];
     let mut outcomes = Vec::with_capacity(levels.count());

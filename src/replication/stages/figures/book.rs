@@ -3,7 +3,7 @@
 use super::{drawing, surface};
 use crate::figures::{
     DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, grid, membrane,
-    mesh_picture, range_with_zero, surfaces,
+    mesh_picture, range_with_zero, surfaces, table_of_surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task, parameters};
@@ -135,7 +135,10 @@ fn on_domains() -> Result<Picture, String> {
         drawn.push(DrawnSolution::of(name.into(), &problem, &pair, 3)?);
     }
     let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
-    Ok(surfaces(3, &panels))
+    let mut picture = surfaces(3, &panels);
+    // No page offers these solutions as files.
+    picture.table = Some(table_of_surfaces(&panels));
+    Ok(picture)
 }
 
 /// The task that draws the gradient where the paper stopped, a map per problem.

@@ -13,7 +13,6 @@ use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
-use crate::replication::stated::{OnMesh, OnSquare, Place};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::load::integral;
 use signorini_mathematics::experiments::Range;
@@ -213,12 +212,9 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let text = inputs.file(&path)?.ok_or_else(|| format!("{path} is missing"))?;
     let solved = solve::id(scene, scene.stop[0], scene.drawn_r());
     let outcomes: Outcomes = from_json(inputs, &solved, OUTCOMES)?;
-    // On a mesh, f is integrated by the load vector.
-    let sum_load = outcomes.levels.last().map(|level| level.sum_load);
-    let (f, integral_f, exact) = match &scene.problem.place {
-        Place::Square(OnSquare { f, .. }) => (f.to_string(), Some(integral(f)), f.exact()),
-        Place::Mesh(OnMesh { f, .. }) => (f.clone(), sum_load, None),
-    };
+    let problem = scene.problem.problem(inputs.files)?;
+    let (f, integral_f) = (problem.levels().f(), problem.levels().integrals().of_f);
+    let exact = scene.problem.square().and_then(|square| square.f.exact());
     let more = json!({
         "text": std::str::from_utf8(text)?,
         "f": f,

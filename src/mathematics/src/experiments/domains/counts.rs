@@ -177,7 +177,7 @@ fn nested(problem: &Problem) -> Result<Nested<'_>, String> {
 
 /// Place of each node on each level.
 fn orders(problem: &Problem, numbering: Numbering) -> Result<Vec<Vec<u32>>, String> {
-    let AnyMesh::Plane(mesh) = problem.levels().mesh(problem.finest()) else {
+    let AnyMesh::Plane(mesh) = problem.levels().mesh() else {
         return Err("the disc lies in the plane".into());
     };
     let of_level = |level: &NestedNetwork| {
