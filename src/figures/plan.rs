@@ -137,7 +137,7 @@ mod tests {
         mesh.parts_mut()[0].condition = Condition::Free;
         mesh.parts_mut()[1].names = "a".repeat(200).as_str().into();
         let svg = svg(&mesh_picture(&[("annulus", &mesh)]));
-        assert_eq!(svg.matches("<polygon").count(), 24);
+        assert_eq!(svg.matches("<path").count(), 24);
         // An edge each, and one line of the key.
         for color in ["#0072B2", "#D55E00"] {
             let color = format!("stroke=\"{color}\"");

@@ -130,6 +130,6 @@ mod tests {
     #[test]
     fn fluid_enters_on_two_sides() {
         let svg = membrane().svg("t", "d").unwrap();
-        assert_eq!(svg.matches("<polygon").count(), 10, "{svg}");
+        assert_eq!(svg.matches("<path").count(), 10, "{svg}");
     }
 }

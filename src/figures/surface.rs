@@ -184,7 +184,7 @@ mod tests {
         let contact = vec![false; y.len()];
         let svg = drawn(&mesh, &y, &contact);
         // The floor is a polygon too.
-        assert_eq!(svg.matches("<polygon").count(), mesh.cells().len() + 1);
+        assert_eq!(svg.matches("<path").count(), mesh.cells().len() + 1);
         assert_eq!(svg, drawn(&mesh, &y, &contact));
     }
 
@@ -196,6 +196,6 @@ mod tests {
         let touching: Vec<bool> = mesh.points().iter().map(|[_, y]| *y == 1.0).collect();
         let svg = drawn(&mesh, &y, &touching);
         let mut after = svg.lines().skip_while(|line| !is_mark(line));
-        assert!(marks(&svg) == 2 && after.any(|line| line.starts_with("<polygon")));
+        assert!(marks(&svg) == 2 && after.any(|line| line.starts_with("<path")));
     }
 }
