@@ -14,6 +14,7 @@ use signorini_mathematics::multigrid::{self, Goal, MultigridParams};
 use signorini_mathematics::problem::exact::{Exact, Sample};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini_mathematics::spectral::{self, spectral};
 
@@ -382,10 +383,10 @@ fn the_bound_is_effective_where_the_load_hides_the_reaction() {
 fn what_has_no_solution_has_no_bound() {
     let grid = Grid::new(8).unwrap();
     let zero = vec![0.0; grid.nodes()];
-    assert_eq!(
-        bounds(grid, &Source::constant(1.0), Law::SIGNORINI, &zero),
-        Err(NoBound::NotCoercive)
-    );
+    let found = bounds(grid, &Source::constant(1.0), Law::SIGNORINI, &zero);
+    let (component, has_parts) = (None, false);
+    let refused = Unsolvable::NotCoercive { integral: 1.0, component, has_parts };
+    assert_eq!(found, Err(refused.into()));
     let huge = vec![1e200; grid.nodes()];
     assert_eq!(
         bounds(grid, &Source::constant(-1e200), Law::SIGNORINI, &huge),

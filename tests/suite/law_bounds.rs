@@ -15,6 +15,7 @@ use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::problem::unsolvable::Unsolvable;
 
 /// Largest width of the bracket at 1/256 for each problem with friction.
 const WIDTHS: [f64; 6] = [2e-8, 8e-8, 2e-9, 3e-7, 2e-8, 2e-6];
@@ -236,7 +237,10 @@ fn the_energy_is_never_above_that_of_zero() {
 fn what_the_law_cannot_balance_has_no_bound() {
     let (grid, law) = (Grid::new(8).unwrap(), Law::friction(0.99).unwrap());
     let zero = vec![0.0; grid.nodes()];
-    assert_eq!(bounds(grid, &Source::constant(4.0), law, &zero), Err(NoBound::Unbalanced));
+    let found = bounds(grid, &Source::constant(4.0), law, &zero);
+    let [least, most] = [-4.0 * 0.99, 4.0 * 0.99];
+    let refused = Unsolvable::Unbalanced { integral: 4.0, component: None, least, most };
+    assert_eq!(found, Err(refused.into()));
     let mut nan = zero.clone();
     for node in [0, 4, 40] {
         nan[node] = f64::NAN;
@@ -249,7 +253,8 @@ fn what_the_law_cannot_balance_has_no_bound() {
     let f = CellData { mean: vec![400.0; mesh.cells().len()], deviation: None };
     let (network, y) = (&levels[1].network, vec![0.0; mesh.points().len()]);
     let found = bounds_on_mesh(&mesh, network, &f, law, &y);
-    assert!(matches!(found, Err(NoBound::Unbalanced)), "{found:?}");
+    let is_refused = matches!(found, Err(NoBound::Unsolvable(Unsolvable::Unbalanced { .. })));
+    assert!(is_refused, "{found:?}");
 }
 
 fn plane(name: &str) -> Mesh<2, 3> {

@@ -264,7 +264,7 @@ fn the_unit_of_f_does_not_matter() {
 #[test]
 fn what_is_not_solved_is_refused() {
     let refused = |f: &str| spectral(&f.parse().unwrap(), SpectralParams::default()).err();
-    assert!(matches!(refused("else=1"), Some(SpectralError::NotCoercive(_))));
+    assert!(matches!(refused("else=1"), Some(SpectralError::Unsolvable(_))));
     assert!(matches!(refused("exact(torsion)"), Some(SpectralError::NotPieces)));
     // A jump that is too small to be seen is missed in the force.
     let lost = "disc(0.3,-0.4,1e-12)=-1e20; else=-1";

@@ -244,7 +244,7 @@ fn survey(seed: u64, many: usize) -> BTreeMap<(&'static str, Outcome), usize> {
             let sign = if dice.unit() < 0.5 { 1.0 } else { -1.0 };
             let touching = match solved(&f(0.0)) {
                 Ok(touching) => touching.energy,
-                Err(SpectralError::NotCoercive(_)) => continue,
+                Err(SpectralError::Unsolvable(_)) => continue,
                 Err(error) => {
                     done += 1;
                     note(Outcome::Refused, format!("{}: {error}", f(0.0)));

@@ -20,7 +20,7 @@ use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::{Lattices, Levels, Problem};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::multigrid::{Goal, InputError};
-use signorini_mathematics::problem::law::LawError;
+use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
 use signorini_mathematics::solvers::{self, Refusal, Run, Settings, Solver};
 use std::io::ErrorKind;
@@ -246,10 +246,10 @@ impl Request {
         let place = self.scene.as_deref().unwrap_or("--f");
         match refusal {
             // The integral of f has been judged before.
-            Refusal::Input(
-                InputError::NotCoercive(sum)
-                | InputError::Law(LawError::Unbalanced { integral: sum, .. }),
-            ) => Error::Stage(vec![self.without_solution(*sum)]),
+            Refusal::Input(InputError::Unsolvable(
+                Unsolvable::NotCoercive { integral: sum, .. }
+                | Unsolvable::Unbalanced { integral: sum, .. },
+            )) => Error::Stage(vec![self.without_solution(*sum)]),
             Refusal::Input(e @ InputError::GridSize { .. }) => Error::input(format!("--h: {e}")),
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))

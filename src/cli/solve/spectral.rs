@@ -9,8 +9,9 @@ use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::levels::{Lattices, Levels, shown_integral};
+use signorini_mathematics::levels::{Lattices, Levels};
 use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::unsolvable::shown_integral;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{
     Checks, Solution, SpectralError, SpectralParams, spectral_under,
@@ -125,7 +126,7 @@ fn checks(checks: &Checks) -> String {
 /// Returns the error of the program: an error of the input if f is unsuitable, a failure if no solution was found.
 fn failed(name: &str, error: &SpectralError) -> Error {
     match error {
-        SpectralError::NotPieces | SpectralError::NotCoercive(_) => {
+        SpectralError::NotPieces | SpectralError::Unsolvable(_) => {
             Error::input(format!("{name}: {error}; use --solver multigrid, or change f"))
         }
         SpectralError::Unchecked { near: Some(_), .. } | SpectralError::NoContactSet(Some(_)) => {

@@ -60,7 +60,7 @@
 //! With friction, where f may have any integral that the flux can balance:
 //!
 //! ```
-//! use signorini_mathematics::levels::{Problem, Unsolvable};
+//! use signorini_mathematics::levels::{Problem, ProblemError};
 //! use signorini_mathematics::mesh::AnyMesh;
 //! use signorini_mathematics::problem::law::Law;
 //! use signorini_mathematics::solvers::{Settings, Solver, solve};
@@ -73,7 +73,7 @@
 //!     flux.abs() <= 0.8 * contact.measure * (1.0 + 1e-9)
 //! }));
 //! let refused = Problem::on_mesh(&disc, 4, "else=2", law);
-//! assert!(matches!(refused, Err(Unsolvable::Law { .. })));
+//! assert!(matches!(refused, Err(ProblemError::Unsolvable(_))));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -6,7 +6,7 @@ use crate::discrete::kkt::{Judgement, Kkt};
 use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::discrete::verdict::Verdict;
-use crate::levels::{NodalVectors, Problem, SaddleRun, Unsolvable};
+use crate::levels::{NodalVectors, Problem, ProblemError, SaddleRun};
 use crate::multigrid::active_set::{
     ActiveSetOutcome, MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE,
 };
@@ -287,7 +287,7 @@ pub enum Refusal {
     Input(#[from] InputError),
     /// f is not finite at a point of a coarser level.
     #[error(transparent)]
-    Problem(#[from] Unsolvable),
+    Problem(#[from] ProblemError),
     /// The domain does not have the solver.
     #[error("{0} is for the square alone")]
     NotOnMeshes(Solver),

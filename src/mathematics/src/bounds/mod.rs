@@ -80,6 +80,7 @@ use walk::Total;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::unsolvable::{Component, Unsolvable};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -126,27 +127,17 @@ impl Bounds {
 }
 
 /// Reason for which there are no bounds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoBound {
-    /// No solution, or no unique one, under the paper's law.
-    #[error("the integral of f is not negative")]
-    NotCoercive,
-    /// No solution, or no unique one, under another law than the paper's.
-    #[error("the flux that the law allows cannot balance the integral of f")]
-    Unbalanced,
-    /// A component with a free boundary alone.
-    #[error("the whole boundary of a part of the domain is free")]
-    Insulated,
+    /// No flux can balance f.
+    #[error(transparent)]
+    Unsolvable(#[from] Unsolvable),
+    /// Rounding errors exceed the flux that is left to balance f.
+    #[error("rounding errors exceed the flux that is left to balance f")]
+    NotBalanced,
     /// A sum overflows, squares underflow, or the vector or f contains a NaN.
     #[error("numbers exceed the range of double precision")]
     NotFinite,
-}
-
-impl NoBound {
-    /// Reason for a law whose flux cannot balance f.
-    fn unsolvable(law: Law) -> Self {
-        if law.is_signorini() { Self::NotCoercive } else { Self::Unbalanced }
-    }
 }
 
 /// Least integral of |f|, `sqrt(f64::MIN_POSITIVE / f64::EPSILON)`: below it, squares lose more by underflow than by
@@ -199,9 +190,7 @@ fn bracketed(
 ) -> Result<Bounds, NoBound> {
     assert_eq!(y.len(), grid.nodes());
     let data = AllCells::new(grid, f);
-    if law.check_solvable(data.integral, Grid::PERIMETER).is_err() {
-        return Err(NoBound::unsolvable(law));
-    }
+    Component::in_contact(Grid::PERIMETER, data.integral).check(law, 0.0)?;
     let projection = project(grid, Slips::of_law(law), y);
     let (found, slips) = summed(&data, law, &projection, recovered.as_deref_mut());
     let narrower = project(grid, slips, y);

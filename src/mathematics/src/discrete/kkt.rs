@@ -1,11 +1,14 @@
 //! One measure for every solver: how far a nodal vector is from the Karush-Kuhn-Tucker conditions.
 
+use crate::discrete::components::components;
 use crate::discrete::grid::Grid;
+use crate::discrete::load_stats::LoadStats;
 use crate::discrete::network::Network;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::extremes::{max_or_nan, min_or_nan};
 use crate::machine::simd::Largest;
 use crate::problem::law::{BoundaryState, ContactNode, Law};
+use crate::problem::unsolvable::Component;
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
@@ -95,6 +98,9 @@ pub trait DiscreteDomain: Copy {
     /// Size and boundary.
     fn shape(self) -> DomainShape;
 
+    /// Connected components with a load vector.
+    fn components(self, load: &[f64]) -> Vec<Component>;
+
     /// Takes the energy, values, loads and residuals of a nodal vector into account, and returns `A y - F` at the
     /// contact nodes.
     fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64>;
@@ -108,22 +114,12 @@ pub struct DomainShape {
     pub cells: Option<usize>,
     /// Boundary nodes where the law holds, in the order of a boundary vector.
     pub contact: Vec<ContactNode>,
-    /// Length or area of the boundary where the law holds.
-    pub perimeter: f64,
-    /// True if y = 0 at some nodes.
-    pub has_fixed_part: bool,
 }
 
 impl DomainShape {
     /// Cells per side of the grid; on a mesh, as many as would give as many nodes on the square.
     pub fn width(&self) -> usize {
         self.cells.unwrap_or_else(|| (self.nodes as f64).sqrt() as usize)
-    }
-
-    /// True if the discrete problem with this sum of its load vector has a solution: y = 0 at some nodes, or the flux
-    /// through the boundary can balance the load.
-    pub fn has_solution(&self, law: Law, sum_load: f64) -> bool {
-        self.has_fixed_part || law.check_solvable(sum_load, self.perimeter).is_ok()
     }
 }
 
@@ -133,9 +129,11 @@ impl DiscreteDomain for Grid {
             nodes: self.nodes(),
             cells: Some(self.cells()),
             contact: self.contact_nodes(),
-            perimeter: Self::PERIMETER,
-            has_fixed_part: false,
         }
+    }
+
+    fn components(self, load: &[f64]) -> Vec<Component> {
+        vec![Component::in_contact(Self::PERIMETER, LoadStats::measure(load).sum())]
     }
 
     fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64> {
@@ -156,13 +154,11 @@ impl DiscreteDomain for Grid {
 
 impl DiscreteDomain for &Network {
     fn shape(self) -> DomainShape {
-        DomainShape {
-            nodes: self.nodes(),
-            cells: None,
-            contact: self.contact().to_vec(),
-            perimeter: self.perimeter(),
-            has_fixed_part: !self.fixed().is_empty(),
-        }
+        DomainShape { nodes: self.nodes(), cells: None, contact: self.contact().to_vec() }
+    }
+
+    fn components(self, load: &[f64]) -> Vec<Component> {
+        components(self, &Network::components(self), load)
     }
 
     /// A value at a fixed node counts as a residual.
@@ -193,6 +189,15 @@ pub fn judge(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> 
     let flux = domain.report_to(&mut judge, y, load);
     let cells = shape.width();
     judge.judgement(JudgedValues { law, cells, y, contact: shape.contact, flux })
+}
+
+/// True if the discrete problem with this load vector has a solution: over each connected component, y = 0 at some nodes,
+/// or the flux through the boundary can balance the load.
+///
+/// # Panics
+/// If the load is not a nodal vector of the domain.
+pub fn has_solution(domain: impl DiscreteDomain, law: Law, load: &[f64]) -> bool {
+    domain.components(load).into_iter().all(|component| component.check(law, 0.0).is_ok())
 }
 
 /// Residuals of the conditions for `y`, as [`judge`] finds it.

@@ -2,11 +2,13 @@
 
 pub(crate) mod adaptive;
 pub mod cells;
+pub(crate) mod components;
 pub mod contact;
 pub mod grid;
 pub mod kkt;
 pub mod law_and_load;
 pub mod load;
+pub(crate) mod load_stats;
 pub mod nested;
 pub mod network;
 pub mod norms;

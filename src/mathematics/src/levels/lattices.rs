@@ -7,7 +7,7 @@ use super::{
 use crate::bounds::{Bounds, NoBound, bounds};
 use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::kkt::{Judgement, has_solution, judge};
 use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
 use crate::discrete::norms::{errors, multiplier_error};
@@ -18,6 +18,7 @@ use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::source::Source;
+use crate::problem::unsolvable::Component;
 use crate::saddle::{NestedGrids, Outcome, Pair, solve_nested};
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -149,8 +150,12 @@ impl Levels for Lattices {
         false
     }
 
-    fn is_solvable(&self, _level: usize, law: Law, load: &[f64]) -> bool {
-        law.check_solvable(load.iter().sum(), Grid::PERIMETER).is_ok()
+    fn components(&self) -> Vec<Component> {
+        vec![Component::in_contact(Grid::PERIMETER, self.integrals().of_f)]
+    }
+
+    fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool {
+        has_solution(self.grids[level], law, load)
     }
 
     fn judge(

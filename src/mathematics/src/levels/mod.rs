@@ -8,12 +8,10 @@
 mod lattices;
 mod problem;
 mod triangulations;
-mod unsolvable;
 
 pub use lattices::Lattices;
-pub use problem::{Problem, Reserve};
+pub use problem::{Problem, ProblemError, Reserve};
 pub use triangulations::Triangulations;
-pub use unsolvable::{Unsolvable, shown_integral};
 
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
@@ -27,6 +25,7 @@ use crate::multigrid::active_set::ActiveSetOutcome;
 use crate::multigrid::{InputError, MultigridOutcome, MultigridParams};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
+use crate::problem::unsolvable::Component;
 use crate::saddle::{Monitor, Outcome, Pair, Params};
 use std::borrow::Cow;
 
@@ -88,8 +87,10 @@ pub trait Levels: Send + Sync {
     /// Judges a nodal vector of a level with this load vector, apart from the solvers.
     fn judge(&self, level: usize, law: Law, vectors: NodalVectors<'_>) -> Judgement;
 
-    /// True if the flux that a law allows can balance a load vector of a level, by more than rounding: then the discrete
-    /// problem has a solution.
+    /// Connected components of the domain, with f.
+    fn components(&self) -> Vec<Component>;
+
+    /// True if the flux that a law allows can balance a load vector of a level: then the discrete problem has a solution.
     fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool;
 
     /// Contact at the nodes in [`Levels::contact`]: where the multiplier is inside the interval of the law or v is zero, up

@@ -1,7 +1,6 @@
 //! A problem: what is solved.
 
-use super::unsolvable::Component;
-use super::{Lattices, Levels, NodalVectors, Triangulations, Unsolvable};
+use super::{Lattices, Levels, NodalVectors, Triangulations};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
@@ -9,9 +8,11 @@ use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load::LoadRule;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::verdict::Verdict;
-use crate::mesh::AnyMesh;
+use crate::mesh::{AnyMesh, MeshError, MeshSourceError};
+use crate::problem::error::SourceError;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::unsolvable::Unsolvable;
 use serde::Serialize;
 use std::borrow::Cow;
 
@@ -23,6 +24,29 @@ pub struct Problem {
     /// True if the boundary is curved, and the finest mesh a polygon or polyhedron instead.
     is_curved: bool,
 }
+
+/// Reason for which there is no problem with a unique solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ProblemError {
+    /// The mesh cannot be refined.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The text is no f on the mesh.
+    #[error(transparent)]
+    Text(#[from] MeshSourceError),
+    /// f is not finite at some point, or too large or too small to compute with.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// f is not finite at some point.
+    #[error("f is not finite at some point; give a formula with finite values on the whole domain")]
+    NotFinite,
+    /// No flux can balance f.
+    #[error(transparent)]
+    Unsolvable(#[from] Unsolvable),
+}
+
+/// Bound of the rounding error of the integral of f, over the integral of |f|.
+const ROUNDING: f64 = 1e-12;
 
 /// Approximation that guaranteed bounds leave out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -38,7 +62,7 @@ impl Problem {
     /// Problem on the square, on nested grids, coarsest first.
     ///
     /// # Errors
-    /// [`Unsolvable`].
+    /// [`ProblemError`].
     ///
     /// # Panics
     /// If there are no grids.
@@ -47,51 +71,41 @@ impl Problem {
         f: Source,
         rule: LoadRule,
         law: Law,
-    ) -> Result<Self, Unsolvable> {
+    ) -> Result<Self, ProblemError> {
         let lattices = Lattices::new(grids, f, rule);
         let integrals = lattices.integrals();
         lattices.source().check_scale(integrals.of_size)?;
         if integrals.of_f.is_nan() {
-            return Err(Unsolvable::NotFinite);
+            return Err(ProblemError::NotFinite);
         }
-        let square = Component {
-            number: None,
-            has_fixed: false,
-            has_parts: false,
-            measure: Grid::PERIMETER,
-            integral: integrals.of_f,
-        };
-        square.check(law, integrals.of_size)?;
-        Ok(Self::new(lattices, law, false))
+        Self::new(lattices, law, false)
     }
 
     /// Problem on a mesh and its refinements, `times` of them, with f given as text.
     ///
     /// # Errors
-    /// [`Unsolvable`].
+    /// [`ProblemError`].
     pub fn on_mesh(
         coarsest: &AnyMesh,
         times: usize,
         f: &str,
         law: Law,
-    ) -> Result<Self, Unsolvable> {
+    ) -> Result<Self, ProblemError> {
         let is_curved = coarsest.is_curved();
         match coarsest {
-            AnyMesh::Plane(mesh) => {
-                let levels = Triangulations::new(mesh, times, f)?;
-                check(levels.components(), law, levels.integrals().of_size)?;
-                Ok(Self::new(levels, law, is_curved))
-            }
-            AnyMesh::Space(mesh) => {
-                let levels = Triangulations::new(mesh, times, f)?;
-                check(levels.components(), law, levels.integrals().of_size)?;
-                Ok(Self::new(levels, law, is_curved))
-            }
+            AnyMesh::Plane(mesh) => Self::new(Triangulations::new(mesh, times, f)?, law, is_curved),
+            AnyMesh::Space(mesh) => Self::new(Triangulations::new(mesh, times, f)?, law, is_curved),
         }
     }
 
-    fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
-        Self { levels: Box::new(levels), law, is_curved }
+    /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding errors
+    /// of integrals.
+    fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
+        let rounding = ROUNDING * levels.integrals().of_size.abs();
+        for component in levels.components() {
+            component.check(law, rounding)?;
+        }
+        Ok(Self { levels: Box::new(levels), law, is_curved })
     }
 
     /// Nested discrete problems.
@@ -117,8 +131,8 @@ impl Problem {
     /// Load vectors of all levels, coarsest first.
     ///
     /// # Errors
-    /// [`Unsolvable::Source`] if f is not finite at a point of a coarser level.
-    pub fn loads(&self) -> Result<Vec<Cow<'_, [f64]>>, Unsolvable> {
+    /// [`ProblemError::Source`] if f is not finite at a point of a coarser level.
+    pub fn loads(&self) -> Result<Vec<Cow<'_, [f64]>>, ProblemError> {
         (0..self.levels.count()).map(|level| Ok(self.levels.load(level)?)).collect()
     }
 
@@ -183,9 +197,4 @@ impl Problem {
         ];
         made.into_iter().filter(|(is_made, _)| *is_made).map(|(_, reserve)| reserve).collect()
     }
-}
-
-/// Checks the condition (2) on each component, with integrals of this `size`.
-fn check(components: Vec<Component>, law: Law, size: f64) -> Result<(), Unsolvable> {
-    components.into_iter().try_for_each(|component| component.check(law, size))
 }

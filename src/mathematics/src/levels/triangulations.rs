@@ -1,14 +1,13 @@
 //! A mesh with its refinements as the levels of a problem.
 
-use super::unsolvable::Component;
 use super::{
     ActiveSetRun, ClosedCurve, Drawing, Integrals, KnownErrors, Levels, MultigridRun, NodalVectors,
-    SaddleRun, Unsolvable,
+    ProblemError, SaddleRun,
 };
 use crate::bounds::triangulation::bounds_on_mesh;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::kkt::{DiscreteDomain, Judgement, has_solution, judge};
 use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
@@ -18,12 +17,12 @@ use crate::mesh::{
     Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
 use crate::multigrid::active_set::active_set_on;
-use crate::multigrid::input::{LoadedComponent, loaded_components};
 use crate::multigrid::{InputError, MultigridParams};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::Shape;
+use crate::problem::unsolvable::Component;
 use crate::saddle::{Outcome, Pair, solve_nested};
 use std::any::Any;
 use std::borrow::Cow;
@@ -45,8 +44,8 @@ where
     /// Levels on a mesh and its refinements, `times` of them, with f given as text.
     ///
     /// # Errors
-    /// [`Unsolvable`] if the text is no f on the mesh, f is not finite, or the mesh cannot be refined.
-    pub(super) fn new(coarsest: &Mesh<D, V>, times: usize, f: &str) -> Result<Self, Unsolvable> {
+    /// [`ProblemError`] if the text is no f on the mesh, f is not finite, or the mesh cannot be refined.
+    pub(super) fn new(coarsest: &Mesh<D, V>, times: usize, f: &str) -> Result<Self, ProblemError> {
         let f = read(coarsest, f)?;
         let nested = nested_meshes(coarsest, times)?;
         let load = mesh_load(&nested.meshes[times], &f)?;
@@ -89,24 +88,6 @@ where
     fn drawn(&self, most_cells: usize) -> usize {
         let fits = |mesh: &&Mesh<D, V>| mesh.cells().len() <= 2 * most_cells * most_cells;
         self.nested.meshes[1..].iter().take_while(fits).count()
-    }
-
-    /// Connected components of the domain.
-    pub(super) fn components(&self) -> Vec<Component> {
-        let network = self.network();
-        let found = loaded_components(network, &network.components(), &self.load.load);
-        let mut components = Vec::new();
-        for (number, &LoadedComponent { has_fixed, measure, sum }) in (1..).zip(&found) {
-            let number = (found.len() > 1).then_some(number);
-            components.push(Component {
-                number,
-                has_fixed,
-                has_parts: true,
-                measure,
-                integral: sum,
-            });
-        }
-        components
     }
 }
 
@@ -213,10 +194,12 @@ where
         !self.network().fixed().is_empty()
     }
 
+    fn components(&self) -> Vec<Component> {
+        DiscreteDomain::components(self.network(), &self.load.load)
+    }
+
     fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool {
-        let network = &self.nested.networks[level].network;
-        let components = loaded_components(network, &network.components(), load);
-        components.iter().all(|component| component.check(law, 0.0).is_ok())
+        has_solution(&self.nested.networks[level].network, law, load)
     }
 
     fn judge(

@@ -21,7 +21,8 @@
 //! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square.
 
 use super::direct::{BandOrder, Direct};
-use super::input::{InputError, check_components, check_length};
+use super::input::{InputError, check_length, check_load};
+use crate::discrete::components::components;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network, count_components};
 use crate::discrete::stop::Stop;
@@ -93,12 +94,12 @@ fn on_network(
     load: &[f64],
 ) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
     check_length(network.nodes(), load)?;
-    let components = network.components();
-    check_components(network, &components, law, load)?;
+    let of_nodes = network.components();
+    check_load(&components(network, &of_nodes, load), law)?;
     let one_sided = law.one_sided(load);
     let load = one_sided.load(load, network.contact());
     let problem =
-        StateProblem { network, components: &components, load: &load, limit: one_sided.limit };
+        StateProblem { network, components: &of_nodes, load: &load, limit: one_sided.limit };
     let mut direct = Direct::new(network, order);
     let mut states = problem.all_stick();
     let mut seen = Vec::new();

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::input::LoadStats;
 use super::layout::GridRow;
 use super::level::MultigridLevel;
 use super::rows::{ColourRows, LINE, MIN_PLACES, as_slices, deinterleave, long_and_short, stride};
 use super::weighting::{FineLoad, weigh_load};
+use crate::discrete::load_stats::LoadStats;
 use crate::machine::extremes::max_or_nan;
 use crate::machine::simd::{Largest, vectorised};
 use crate::machine::threads::in_tasks;

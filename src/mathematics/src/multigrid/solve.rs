@@ -1,7 +1,7 @@
 //! The solution of one problem: the input of the load, the steps, and the output of the solution.
 
 use super::cycle::{DOUBLE_VISITS_BELOW, OVERCORRECTION};
-use super::input::{InputError, LoadStats, check_length, check_start};
+use super::input::{InputError, check_length, check_load, check_start};
 use super::level::MultigridLevel;
 use super::load;
 use super::pass;
@@ -14,11 +14,16 @@ use super::stopping::{
 };
 use super::workspace::Multigrid;
 use super::{Goal, MultigridOutcome, MultigridParams};
+use crate::discrete::grid::Grid;
 use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::load_stats::LoadStats;
 use crate::problem::law::Law;
+use crate::problem::unsolvable::Component;
 
-/// Boundary of the unit square.
-const PERIMETER: f64 = 4.0;
+/// The square with a load.
+fn loaded_square(stats: &LoadStats) -> Component {
+    Component::in_contact(Grid::PERIMETER, stats.sum())
+}
 
 impl Multigrid {
     /// Solves the problem in this thread, or in all threads of its pool.
@@ -106,7 +111,7 @@ impl Multigrid {
         if self.one_sided.is_same() {
             self.set_load(load, law)?;
         } else {
-            LoadStats::measure(load).check(law, PERIMETER)?;
+            check_load(&[loaded_square(&LoadStats::measure(load))], law)?;
             let load = self.one_sided.load(load, &contact_nodes(n));
             self.set_load(&load, Law::SIGNORINI)?;
         }
@@ -131,7 +136,7 @@ impl Multigrid {
             Some(coarse) => load::set_finest_two(load, top, coarse),
             None => load::set_finest(load, top),
         };
-        stats.check(law, PERIMETER)?;
+        check_load(&[loaded_square(&stats)], law)?;
         self.needed_flow = -stats.sum();
         self.scale = stats.scale();
         rows::scale(&mut top.load, 1.0 / self.scale);

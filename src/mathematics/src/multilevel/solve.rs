@@ -2,12 +2,14 @@
 
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
+use crate::discrete::components::components;
 use crate::discrete::kkt::judge;
 use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::discrete::stop::Stop;
 use crate::multigrid::active_set::active_set_on;
-use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
+use crate::multigrid::input::{InputError, check_length, check_load};
 use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, ROUNDING_FLOOR};
 use crate::problem::law::Law;
 
@@ -165,7 +167,9 @@ impl Components {
             let contact = level.network.contact().iter();
             of_contact.push(contact.map(|contact| of_nodes[contact.node]).collect());
         }
-        let has_fixed = check_components(&levels[levels.len() - 1].network, &of_nodes, law, load)?;
+        let found = components(&levels[levels.len() - 1].network, &of_nodes, load);
+        check_load(&found, law)?;
+        let has_fixed = found.iter().map(|component| component.has_fixed).collect();
         Ok(Self { has_fixed, of_contact, of_nodes })
     }
 

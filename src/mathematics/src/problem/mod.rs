@@ -12,3 +12,4 @@ pub mod shape;
 pub mod side;
 pub mod source;
 pub mod text;
+pub mod unsolvable;

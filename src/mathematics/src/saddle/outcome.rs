@@ -2,7 +2,7 @@
 
 use super::Pair;
 use super::engine::End;
-use crate::discrete::kkt::{DiscreteDomain, Judgement, Kkt, judge};
+use crate::discrete::kkt::{DiscreteDomain, Judgement, Kkt, has_solution, judge};
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::norms::sum;
 use crate::discrete::stop::Stop;
@@ -37,8 +37,8 @@ pub struct Outcome {
     pub kkt: Kkt,
     /// Sum over the boundary nodes of y times the gradient of the energy, with the law's term: zero at the solution.
     pub work: f64,
-    /// True if the discrete problem has a solution: a part of the boundary is fixed, or the flux can balance the load;
-    /// under the paper's law without fixed parts, if the sum of the load is negative.
+    /// True if the discrete problem has a solution, see [`has_solution`]; under the paper's law without fixed parts, if the
+    /// sum of the load is negative.
     pub has_solution: bool,
 }
 
@@ -70,7 +70,7 @@ impl Outcome {
             sum_load,
             kkt,
             work,
-            has_solution: shape.has_solution(law, sum_load),
+            has_solution: has_solution(domain, law, load),
         }
     }
 

@@ -117,8 +117,9 @@ mod trace;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::problem::complex::Complex;
-use crate::problem::law::{Law, LawError};
+use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::unsolvable::{Component, Unsolvable};
 pub use checks::Checks;
 use contact::ContactStart;
 use energy::Energies;
@@ -166,14 +167,9 @@ pub enum SpectralError {
     /// f is not piecewise constant.
     #[error("f must consist of constant pieces")]
     NotPieces,
-    /// The energy has no minimiser, or not one alone.
-    #[error(
-        "the integral of f is {0:e}: without a negative one the problem has no unique solution"
-    )]
-    NotCoercive(f64),
-    /// The flux through the boundary cannot balance the integral of f.
+    /// The flux through the boundary cannot balance f: the energy has no minimiser, or not one alone.
     #[error(transparent)]
-    Law(#[from] LawError),
+    Unsolvable(#[from] Unsolvable),
     /// v has both signs on the boundary, and no arcs that stick were found for which all signs are right.
     #[error(
         "v has both signs on the boundary, and the arcs that stick between were not found under the law {0}: they may be too short; widen the interval of the flux, or use multigrid"
@@ -245,7 +241,7 @@ pub fn spectral(f: &Source, params: SpectralParams) -> Result<Solution, Spectral
 /// Solves the problem under any law on the boundary, as [`spectral`] does under the paper's.
 ///
 /// # Errors
-/// As [`spectral`], with [`SpectralError::Law`] if the flux cannot balance the integral of f, and
+/// As [`spectral`], with [`SpectralError::Unsolvable`] if the flux cannot balance the integral of f, and
 /// [`SpectralError::ShortArcs`] if arcs that stick between v > 0 and v < 0 are not resolved.
 pub fn spectral_under(
     law: Law,
@@ -256,10 +252,7 @@ pub fn spectral_under(
         return Err(SpectralError::NotPieces);
     }
     let problem = SpectralProblem { law, ..SpectralProblem::new(f) };
-    if law.is_signorini() && problem.integral >= 0.0 {
-        return Err(SpectralError::NotCoercive(problem.integral));
-    }
-    law.check_solvable(problem.integral, Grid::PERIMETER)?;
+    Component::in_contact(Grid::PERIMETER, problem.integral).check(law, 0.0)?;
     let mut error = SpectralError::NoContactSet(problem.jumps.nearly_touching());
     for start in STARTS {
         let Some(arcs) = start.arcs(f, law) else { continue };

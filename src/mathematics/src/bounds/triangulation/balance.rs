@@ -7,6 +7,7 @@ use super::sides::{Neighbour, Sides};
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
 use crate::mesh::{Condition, measure};
 use crate::problem::law::Law;
+use crate::problem::unsolvable::{Component, Unsolvable};
 use std::cmp::Ordering;
 
 /// Side of the boundary through which flux may leave.
@@ -34,7 +35,7 @@ impl Outlet {
 }
 
 /// Part of the domain whose cells are connected through sides, as a tree.
-struct Component {
+struct Tree {
     /// Side at the root.
     outlet: Outlet,
     /// Cells, each after a neighbour nearer to the root.
@@ -89,25 +90,25 @@ pub(super) fn balance<const D: usize, const V: usize>(
     let mut is_seen = vec![false; cells.len()];
     for outlet in outlets {
         if !is_seen[sides.inner_cell(outlet.side) as usize] {
-            let steps = tree(sides, outlet.side, &mut is_seen);
-            let mut component = Component { outlet, steps };
+            let steps = connected(sides, outlet.side, &mut is_seen);
+            let mut tree = Tree { outlet, steps };
             if !outlet.is_fixed {
-                component.balance_outflows(cells, sides, flux)?;
+                tree.balance_outflows(cells, sides, flux)?;
                 if cells.law.is_bounded() {
-                    component.move_root(sides, &mut is_seen);
+                    tree.move_root(sides, &mut is_seen);
                 }
             }
-            component.balance(cells, sides, flux)?;
+            tree.balance(cells, sides, flux)?;
         }
     }
     match is_seen.iter().position(|seen| !seen) {
-        Some(_) => Err(NoBound::Insulated),
+        Some(_) => Err(Unsolvable::Insulated { component: None }.into()),
         None => Ok(()),
     }
 }
 
 /// Cells that are connected with the cell of a side of the boundary, breadth first.
-fn tree<const V: usize>(sides: &Sides<V>, outlet: u32, is_seen: &mut [bool]) -> Vec<Step> {
+fn connected<const V: usize>(sides: &Sides<V>, outlet: u32, is_seen: &mut [bool]) -> Vec<Step> {
     let mut steps = vec![Step { cell: sides.inner_cell(outlet), side: outlet }];
     is_seen[steps[0].cell as usize] = true;
     let mut place = 0;
@@ -124,7 +125,7 @@ fn tree<const V: usize>(sides: &Sides<V>, outlet: u32, is_seen: &mut [bool]) -> 
     steps
 }
 
-impl Component {
+impl Tree {
     fn balance<const D: usize, const V: usize>(
         &self,
         cells: &Cells<'_, D, V>,
@@ -138,7 +139,7 @@ impl Component {
         }
         let law = PartLaw::new(cells.law, self.outlet.measure);
         match !self.outlet.is_fixed && law.room(flux[self.outlet.side as usize]) < 0.0 {
-            true => Err(NoBound::unsolvable(cells.law)),
+            true => Err(NoBound::NotBalanced),
             false => Ok(()),
         }
     }
@@ -170,9 +171,8 @@ impl Component {
                 }
             }
         }
-        if law.check_solvable(integral, perimeter).is_err() {
-            return Err(NoBound::unsolvable(law));
-        }
+        Component { has_parts: true, ..Component::in_contact(perimeter, integral) }
+            .check(law, 0.0)?;
         if law.is_bounded() {
             shift_to_sum(law, &mut parts, -integral);
         } else {
@@ -193,7 +193,7 @@ impl Component {
     /// Moves the root of the tree to the outlet.
     fn move_root<const V: usize>(&mut self, sides: &Sides<V>, is_seen: &mut [bool]) {
         self.steps.iter().for_each(|step| is_seen[step.cell as usize] = false);
-        self.steps = tree(sides, self.outlet.side, is_seen);
+        self.steps = connected(sides, self.outlet.side, is_seen);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::mesh::{BuiltIn, Condition, Element, Facet, MeshData, Part, assemble, refine};
 use crate::multigrid::{MultigridParams, solve_square};
+use crate::problem::unsolvable::Unsolvable;
 
 /// Load vector of an f that is constant on each cell.
 fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -> Vec<f64> {
@@ -290,7 +291,7 @@ fn domains_that_touch_in_a_node_are_bounded_together() {
     problem.f.mean[1] = 0.0;
     let found =
         bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, Law::SIGNORINI, &problem.y);
-    assert_eq!(found, Err(NoBound::NotCoercive));
+    assert!(matches!(found, Err(NoBound::Unsolvable(Unsolvable::NotCoercive { .. }))), "{found:?}");
 }
 
 fn refused(problem: &TestProblem<2, 3>, expected: NoBound) {
@@ -302,10 +303,12 @@ fn refused(problem: &TestProblem<2, 3>, expected: NoBound) {
 
 #[test]
 fn problems_without_bounds_are_refused_with_one_line() {
-    refused(&disc([0.0; 6]), NoBound::NotCoercive);
+    let (component, has_parts) = (None, true);
+    let zero = Unsolvable::NotCoercive { integral: 0.0, component, has_parts };
+    refused(&disc([0.0; 6]), zero.into());
     let mut free = disc([-1.0; 6]);
     free.mesh.parts_mut()[0].condition = Condition::Free;
-    refused(&free, NoBound::Insulated);
+    refused(&free, Unsolvable::Insulated { component }.into());
     for place in [0, 3] {
         let mut nan = disc([-1.0; 6]);
         nan.y[place] = f64::NAN;
