@@ -381,7 +381,7 @@ fn solve_refuses_in_one_line() {
         ),
         (&["--domain", "disc", "--f", "else=-1", "--h", "1/8"], "refine disc with --refine K"),
         (&["--domain", "cube", "--f", "else=-1", "--out", "v.svg"], "use .vtu"),
-        (&["--domain", "cube", "--f", "else=-1", "--out", "v.vti"], "on a mesh is written as .vtu"),
+        (&["--domain", "cube", "--f", "else=-1", "--out", "v.vti"], "is written as .vtu"),
         (
             &["--f", "else=-1", "--tolerance", "1e-6", "--solver", "uzawa"],
             "is for --solver multigrid",

@@ -5,12 +5,14 @@
 //! without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has asks
 //! [`Levels::lattices`].
 
+mod error;
 mod lattices;
 mod problem;
 mod triangulations;
 
+pub use error::ProblemError;
 pub use lattices::Lattices;
-pub use problem::{Problem, ProblemError, Reserve};
+pub use problem::{Problem, Reserve};
 pub use triangulations::Triangulations;
 
 use crate::bounds::{Bounds, NoBound};

@@ -1,6 +1,6 @@
 //! A problem: what is solved.
 
-use super::{Lattices, Levels, NodalVectors, Triangulations};
+use super::{Lattices, Levels, NodalVectors, ProblemError, Triangulations};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
@@ -8,11 +8,9 @@ use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load::LoadRule;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::verdict::Verdict;
-use crate::mesh::{AnyMesh, MeshError, MeshSourceError};
-use crate::problem::error::SourceError;
+use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::problem::unsolvable::Unsolvable;
 use serde::Serialize;
 use std::borrow::Cow;
 
@@ -23,26 +21,6 @@ pub struct Problem {
     law: Law,
     /// True if the boundary is curved, and the finest mesh a polygon or polyhedron instead.
     is_curved: bool,
-}
-
-/// Reason for which there is no problem with a unique solution.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ProblemError {
-    /// The mesh cannot be refined.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// The text is no f on the mesh.
-    #[error(transparent)]
-    Text(#[from] MeshSourceError),
-    /// f is not finite at some point, or too large or too small to compute with.
-    #[error(transparent)]
-    Source(#[from] SourceError),
-    /// f is not finite at some point.
-    #[error("f is not finite at some point; give a formula with finite values on the whole domain")]
-    NotFinite,
-    /// No flux can balance f.
-    #[error(transparent)]
-    Unsolvable(#[from] Unsolvable),
 }
 
 /// Bound of the rounding error of the integral of f, over the integral of |f|.
