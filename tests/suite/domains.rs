@@ -221,15 +221,9 @@ fn optimal_and_direct_solvers_agree_to_rounding() {
     for n in [4, 6, 16, 40, 64] {
         agree_to_rounding(&SquareGrid(n), n);
     }
-    for (coarsest, times) in [(1, 2), (3, 1), (1, 3)] {
+    for (coarsest, times) in [(1, 1), (1, 2), (3, 1), (1, 3)] {
         agree_to_rounding(&CubeMesh::new(coarsest, times), coarsest << times);
     }
-}
-
-#[test]
-#[ignore = "the load `chess 1e-5` ends at the limit of cycles on this mesh of 27 nodes"]
-fn solvers_agree_on_the_smallest_cube() {
-    agree_to_rounding(&CubeMesh::new(1, 1), 2);
 }
 
 fn claimed_tolerances_hold(domain: &impl Domain) {

@@ -226,9 +226,10 @@ impl<'a> Iterate<'a> {
         }
         self.work += cycle.work(level) + self.y.len() as f64;
         let curvature = dot(&self.direction, &self.image);
-        // Neither is positive where nothing is left to correct.
+        // Neither is positive where nothing is left to correct at the nodes that are not held.
         if !(product > 0.0 && curvature > 0.0) {
             self.product = 0.0;
+            self.adapt();
             return 0.0;
         }
         let length = product / curvature;
