@@ -162,6 +162,57 @@ fn run_and_solve_have_one_answer_under_every_law_on_every_domain() {
     }
 }
 
+/// Laws of [`LAWS`] as options of `solve`.
+const LAW_OPTIONS: [&[&str]; 3] = [&[], &["--friction", "0.45"], &["--limit", "0.7"]];
+
+/// f and the domain of [`DOMAINS`] as options of `solve`.
+const DOMAIN_OPTIONS: [&[&str]; 7] = [
+    &["--f", "formula(16*x - 0.5)", "--h", "1/8", "--load", "nodal"],
+    &["--f", "formula(3*x - 0.5)", "--domain", "disc", "--refine", "2"],
+    &["--f", "formula(3*x - 0.1)", "--domain", "lshape", "--refine", "2"],
+    &["--f", "formula(9*x - 0.5)", "--domain", "annulus", "--refine", "1"],
+    &["--f", "formula(16*x - 0.5)", "--domain", "cube", "--refine", "2"],
+    &["--f", "formula(6*x - 0.5)", "--domain", "ball", "--refine", "1"],
+    &[
+        "--f",
+        "formula(3*x - 0.5)",
+        "--domain",
+        "pipeline/meshes/gear.msh",
+        "--refine",
+        "0",
+        "--free",
+        "hole",
+    ],
+];
+
+#[test]
+fn scenes_and_options_have_one_answer_under_every_law_by_every_other_solver() {
+    let project = project();
+    // The paper's method, which `run` has as well, is above.
+    let solvers = ["uzawa", "uzawa-proximal", "active-set", "multigrid"];
+    for ((law, key), law_options) in LAWS.into_iter().zip(LAW_OPTIONS) {
+        for ((domain, of_domain), domain_options) in DOMAINS.into_iter().zip(DOMAIN_OPTIONS) {
+            let text = format!(
+                "title = \"t\"\n{of_domain}{key}r = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\"]\n"
+            );
+            project.scene("one", &text);
+            for solver in solvers {
+                let by_solver = ["--solver", solver, "--json"];
+                let scene = project.run(&[&["solve", "one"], &by_solver[..]].concat()).json();
+                let mut options = [&["solve"], domain_options, law_options].concat();
+                if solver.starts_with("uzawa") {
+                    options.extend(["--r", "10", "--stop", "printed-dual"]);
+                }
+                let options = project.run(&[&options[..], &by_solver[..]].concat()).json();
+                for key in ["energy", "kkt", "sum_load", "stop", "bound", "iterations"] {
+                    assert_eq!(scene[key], options[key], "{domain} {law} {solver} {key}");
+                }
+                assert!(scene["energy"].is_f64(), "{scene}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_name_alone_is_a_domain() {
     let project = project();

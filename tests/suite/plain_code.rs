@@ -19,6 +19,26 @@ const INDIRECT: [&str; 6] = ["What", "Whether", "Where", "How", "The same", "Its
 /// Most functions with a loop over the iterations of the saddle-point methods.
 const ITERATION_LOOPS: usize = 1;
 
+/// Most lines that ask which kind of domain a problem has: grids of the square, or a mesh in the plane or in space.
+const KIND_QUESTIONS: usize = 15;
+/// Words of such a question.
+const KINDS: [&str; 7] = [
+    "Place::Square",
+    "Place::Mesh",
+    ".square()",
+    ".lattices()",
+    ".networks()",
+    "AnyMesh::Plane",
+    "AnyMesh::Space",
+];
+/// Places where domains are made, and told apart for all others.
+const MAKERS: [&str; 3] =
+    ["src/mathematics/src/levels/", "src/mathematics/src/mesh/", "src/replication/stated.rs"];
+
+/// Most lines that ask whether a problem has a solution: the problem, when it is made; solvers, of a load vector; the
+/// judge; the bounds on the square and on meshes and the spectral solver, which need no problem.
+const SOLVABILITY_QUESTIONS: usize = 6;
+
 /// A source file: its path from the root of the repository, and its text.
 struct Source {
     path: String,
@@ -174,6 +194,36 @@ fn one_function_has_a_loop_over_the_iterations_of_the_paper() {
         found.extend(names.into_iter().map(|name| format!("{}: {name}", source.path)));
     }
     assert!(!found.is_empty() && found.len() <= ITERATION_LOOPS, "{found:#?}");
+}
+
+/// Lines of the code, unit tests and comments apart, for which a condition holds, by the paths of their files.
+fn lines_where(condition: impl Fn(&Source, &str) -> bool) -> Vec<String> {
+    let mut found = Vec::new();
+    for source in sources() {
+        if ["tests.rs", "samples.rs"].iter().any(|ending| source.path.ends_with(ending)) {
+            continue;
+        }
+        let code = source.text.split("mod tests {").next().unwrap_or_default();
+        let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let lines = lines.filter(|line| condition(&source, line));
+        found.extend(lines.map(|line| format!("{}: {}", source.path, line.trim())));
+    }
+    found
+}
+
+#[test]
+fn few_places_ask_which_kind_of_domain_there_is() {
+    let found = lines_where(|source, line| {
+        let is_maker = MAKERS.iter().any(|place| source.path.starts_with(place));
+        !is_maker && KINDS.iter().any(|kind| line.contains(kind))
+    });
+    assert!(!found.is_empty() && found.len() <= KIND_QUESTIONS, "{found:#?}");
+}
+
+#[test]
+fn few_places_ask_whether_there_is_a_solution() {
+    let found = lines_where(|_, line| line.contains(".check(law, "));
+    assert!(!found.is_empty() && found.len() <= SOLVABILITY_QUESTIONS, "{found:#?}");
 }
 
 #[test]
