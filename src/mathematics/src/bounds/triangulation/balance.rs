@@ -3,7 +3,7 @@
 
 use super::NoBound;
 use super::cells::Cells;
-use super::sides::{Neighbour, Sides};
+use super::sides::{BoundarySide, Neighbour, Sides};
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
 use crate::mesh::{Condition, measure};
 use crate::problem::law::Law;
@@ -14,6 +14,8 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy)]
 struct Outlet {
     side: u32,
+    /// Cell of the side.
+    cell: u32,
     /// True if the flux may have any sign.
     is_fixed: bool,
     /// Length or area.
@@ -38,16 +40,14 @@ impl Outlet {
 struct Tree {
     /// Side at the root.
     outlet: Outlet,
-    /// Cells, each after a neighbour nearer to the root.
-    steps: Vec<Step>,
+    cells: ConnectedCells,
 }
 
-/// Cell of a tree.
-#[derive(Clone, Copy)]
-struct Step {
-    cell: u32,
-    /// Side to the cell before, at the root the outlet.
-    side: u32,
+/// Connected cells, each after a neighbour nearer to the first.
+struct ConnectedCells {
+    numbers: Vec<u32>,
+    /// Position of the side to that neighbour among the sides of each cell, of the first cell of a side of the boundary.
+    slots: Vec<u8>,
 }
 
 /// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the law allows the flux
@@ -67,7 +67,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
 ) -> Result<(), NoBound> {
     let mesh = cells.mesh;
     let mut outlets = Vec::new();
-    for (facet, side) in mesh.facets().iter().zip(sides.of_facets(mesh.facets().len())) {
+    for (facet, &BoundarySide { side, cell }) in mesh.facets().iter().zip(sides.of_facets()) {
         let condition = mesh.condition(facet);
         if condition != Condition::Free {
             let measure = measure(mesh.corners(facet));
@@ -79,6 +79,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
             }
             outlets.push(Outlet {
                 side,
+                cell,
                 is_fixed,
                 measure,
                 room: law.room(*flux),
@@ -89,9 +90,9 @@ pub(super) fn balance<const D: usize, const V: usize>(
     outlets.sort_by(Outlet::compare);
     let mut is_seen = vec![false; cells.len()];
     for outlet in outlets {
-        if !is_seen[sides.inner_cell(outlet.side) as usize] {
-            let steps = connected(sides, outlet.side, &mut is_seen);
-            let mut tree = Tree { outlet, steps };
+        if !is_seen[outlet.cell as usize] {
+            let connected = ConnectedCells::beside(outlet, sides, &mut is_seen);
+            let mut tree = Tree { outlet, cells: connected };
             if !outlet.is_fixed {
                 tree.balance_outflows(cells, sides, flux)?;
                 if cells.law.is_bounded() {
@@ -107,22 +108,34 @@ pub(super) fn balance<const D: usize, const V: usize>(
     }
 }
 
-/// Cells that are connected with the cell of a side of the boundary, breadth first.
-fn connected<const V: usize>(sides: &Sides<V>, outlet: u32, is_seen: &mut [bool]) -> Vec<Step> {
-    let mut steps = vec![Step { cell: sides.inner_cell(outlet), side: outlet }];
-    is_seen[steps[0].cell as usize] = true;
-    let mut place = 0;
-    while let Some(&Step { cell, .. }) = steps.get(place) {
-        for side in sides.numbers(cell) {
-            if let Neighbour::Cell(next) = sides.across(cell, side)
-                && !std::mem::replace(&mut is_seen[next as usize], true)
-            {
-                steps.push(Step { cell: next, side });
+impl ConnectedCells {
+    /// Cells that are connected with the cell of an outlet and not yet seen, breadth first.
+    fn beside<const V: usize>(outlet: Outlet, sides: &Sides<V>, is_seen: &mut [bool]) -> Self {
+        // Room for all: a list that grows takes up to twice its length.
+        let mut cells = Self {
+            numbers: Vec::with_capacity(is_seen.len()),
+            slots: Vec::with_capacity(is_seen.len()),
+        };
+        cells.push(outlet.cell, outlet.side, sides);
+        is_seen[outlet.cell as usize] = true;
+        let mut place = 0;
+        while let Some(&cell) = cells.numbers.get(place) {
+            for side in sides.numbers(cell) {
+                if let Neighbour::Cell(next) = sides.across(cell, side)
+                    && !std::mem::replace(&mut is_seen[next as usize], true)
+                {
+                    cells.push(next, side, sides);
+                }
             }
+            place += 1;
         }
-        place += 1;
+        cells
     }
-    steps
+
+    fn push<const V: usize>(&mut self, cell: u32, side: u32, sides: &Sides<V>) {
+        self.numbers.push(cell);
+        self.slots.push(sides.slot(cell, side) as u8);
+    }
 }
 
 impl Tree {
@@ -132,7 +145,9 @@ impl Tree {
         sides: &Sides<V>,
         flux: &mut [f64],
     ) -> Result<(), NoBound> {
-        for &Step { cell, side } in self.steps.iter().rev() {
+        let ConnectedCells { numbers, slots } = &self.cells;
+        for (&cell, &slot) in numbers.iter().zip(slots).rev() {
+            let side = sides.numbers(cell)[usize::from(slot)];
             let outflow: f64 = sides.outflows(cell, flux).iter().sum();
             let missing = -(V as f64) * cells.load(cell) - outflow;
             flux[side as usize] += if sides.leaves(cell, side) { missing } else { -missing };
@@ -157,7 +172,7 @@ impl Tree {
         }
         let (mut integral, mut perimeter) = (0.0, 0.0);
         let (mut outlets, mut parts) = (Vec::new(), Vec::new());
-        for &Step { cell, .. } in &self.steps {
+        for &cell in &self.cells.numbers {
             integral += V as f64 * cells.load(cell);
             for side in sides.numbers(cell) {
                 if let Neighbour::Facet(facet) = sides.across(cell, side) {
@@ -165,7 +180,7 @@ impl Tree {
                     if mesh.condition(facet) == Condition::Contact {
                         let measure = measure(mesh.corners(facet));
                         perimeter += measure;
-                        outlets.push(side);
+                        outlets.push(BoundarySide { side, cell });
                         parts.push(BoundaryPart { flux: flux[side as usize], measure });
                     }
                 }
@@ -178,11 +193,11 @@ impl Tree {
         } else {
             scale_to_sum(law, &mut parts, -integral);
         }
-        for (side, part) in outlets.into_iter().zip(parts) {
+        for (BoundarySide { side, cell }, part) in outlets.into_iter().zip(parts) {
             flux[side as usize] = part.flux;
             let room = PartLaw::new(law, part.measure).room(part.flux);
             let (measure, size) = (part.measure, part.flux.abs());
-            let outlet = Outlet { side, is_fixed: false, measure, room, size };
+            let outlet = Outlet { side, cell, is_fixed: false, measure, room, size };
             if law.is_bounded() && outlet.compare(&self.outlet) == Ordering::Less {
                 self.outlet = outlet;
             }
@@ -192,8 +207,8 @@ impl Tree {
 
     /// Moves the root of the tree to the outlet.
     fn move_root<const V: usize>(&mut self, sides: &Sides<V>, is_seen: &mut [bool]) {
-        self.steps.iter().for_each(|step| is_seen[step.cell as usize] = false);
-        self.steps = connected(sides, self.outlet.side, is_seen);
+        self.cells.numbers.iter().for_each(|&cell| is_seen[cell as usize] = false);
+        self.cells = ConnectedCells::beside(self.outlet, sides, is_seen);
     }
 }
 

@@ -61,10 +61,10 @@ pub(super) struct Fan<'a, const D: usize, const V: usize> {
     cells: Cells<'a, D, V>,
     pub members: Vec<Member<V>>,
     outlets: Vec<FanOutlet>,
-    /// Node around which cells were found last.
+    /// Node.
     node: u32,
-    /// Cells found around this node, in the present fan and in others.
-    found: Vec<u32>,
+    /// Cells found around the node, in the present fan and in others.
+    pub found: Vec<u32>,
 }
 
 impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
@@ -74,16 +74,14 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         Self { mesh: cells.mesh, sides, cells, members, outlets, node: u32::MAX, found }
     }
 
-    /// Replaces the fan by the one of a cell around a node; false if this has been done for the node and another cell
-    /// of the fan.
-    pub(super) fn find(&mut self, node: u32, cell: u32) -> bool {
-        if self.node != node {
-            self.node = node;
-            self.found.clear();
-        }
-        if self.found.contains(&cell) {
-            return false;
-        }
+    /// Forgets all fans, and takes another node.
+    pub(super) fn begin(&mut self, node: u32) {
+        self.node = node;
+        self.found.clear();
+    }
+
+    /// Replaces the fan by the one of a cell around the node.
+    pub(super) fn find(&mut self, cell: u32) {
         self.members.clear();
         self.outlets.clear();
         self.push(cell, Parent { member: 0, slot: 0, from: 0 });
@@ -107,7 +105,6 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
             }
             place += 1;
         }
-        true
     }
 
     fn push(&mut self, cell: u32, parent: Parent) {

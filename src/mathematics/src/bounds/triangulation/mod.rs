@@ -57,7 +57,7 @@ use cells::Cells;
 use circulation::Circulations;
 use fan::{Fan, SideOutflow};
 use rayon::prelude::*;
-use sides::{Around, Sides};
+use sides::{FirstCells, Sides};
 use std::borrow::Cow;
 use stream::circulate;
 use sums::Summands;
@@ -168,7 +168,8 @@ const RUNS: u32 = 64;
 /// Sum of the fluxes of all patches, added in the order of the nodes whatever thread computes them.
 fn of_fans<const D: usize, const V: usize>(cells: &Cells<'_, D, V>, sides: &Sides<V>) -> Vec<f64> {
     let nodes = cells.w.len() as u32;
-    let around = Around::new(cells.w.len(), cells.mesh.cells());
+    let all = cells.mesh.cells();
+    let around = FirstCells::new(cells.w.len(), all);
     let storage = || (Fan::new(*cells, sides), Circulations::new());
     let mut flux = vec![0.0; sides.len()];
     for first in (0..nodes).step_by((RUN * RUNS) as usize) {
@@ -178,13 +179,13 @@ fn of_fans<const D: usize, const V: usize>(cells: &Cells<'_, D, V>, sides: &Side
             let start = first + RUN * run;
             let mut outflows = Vec::new();
             for node in start..last.min(start + RUN) {
-                for &cell in around.node(node) {
-                    if fan.find(node, cell) {
-                        fan.prescribe();
-                        fan.carry();
-                        circulations.minimise(fan);
-                        fan.add_to(&mut outflows);
-                    }
+                fan.begin(node);
+                while let Some(cell) = around.next(node, &fan.found, all) {
+                    fan.find(cell);
+                    fan.prescribe();
+                    fan.carry();
+                    circulations.minimise(fan);
+                    fan.add_to(&mut outflows);
                 }
             }
             outflows

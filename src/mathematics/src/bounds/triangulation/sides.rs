@@ -1,4 +1,4 @@
-//! Sides of the cells of a triangulation, each numbered once, and the cells around its nodes.
+//! Sides of the cells of a triangulation, each numbered once, and the first cells around its nodes.
 
 use crate::mesh::{Mesh, sides_of, sorted};
 
@@ -6,9 +6,20 @@ use crate::mesh::{Mesh, sides_of, sorted};
 pub(super) struct Sides<const V: usize> {
     /// Numbers of the sides of each cell: opposite to the first vertex, to the second, and so on.
     of_cell: Vec<[u32; V]>,
-    /// Numbers of the two cells of each side. At the boundary the second number is the number of cells plus the
-    /// position of the facet.
-    cells: Vec<[u32; 2]>,
+    /// Exclusive or of the numbers of the two cells of each side, from which each cell finds the other. At the boundary the
+    /// second number is the number of cells plus the position of the facet.
+    both_cells: Vec<u32>,
+    /// Side of each facet of the boundary.
+    of_facet: Vec<BoundarySide>,
+}
+
+/// Side of the boundary.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct BoundarySide {
+    /// Number of the side.
+    pub side: u32,
+    /// Number of its cell.
+    pub cell: u32,
 }
 
 /// Neighbour of a cell across a side.
@@ -28,8 +39,11 @@ impl<const V: usize> Sides<V> {
         let (pairs, rest) = places.as_chunks::<2>();
         assert!(rest.is_empty(), "each side is found twice");
         let cells = mesh.cells().len() as u32;
-        let mut sides =
-            Self { of_cell: vec![[0; V]; cells as usize], cells: Vec::with_capacity(pairs.len()) };
+        let mut sides = Self {
+            of_cell: vec![[0; V]; cells as usize],
+            both_cells: Vec::with_capacity(pairs.len()),
+            of_facet: vec![BoundarySide::default(); mesh.facets().len()],
+        };
         for (side, pair) in pairs.iter().enumerate() {
             let owners = pair.map(|place| {
                 let (cell, vertex) = (place / V as u32, place % V as u32);
@@ -41,14 +55,18 @@ impl<const V: usize> Sides<V> {
                     false => cells + (place - V as u32 * cells),
                 }
             });
-            sides.cells.push(owners);
+            let [one, two] = owners;
+            if let Some(facet) = two.checked_sub(cells) {
+                sides.of_facet[facet as usize] = BoundarySide { side: side as u32, cell: one };
+            }
+            sides.both_cells.push(one ^ two);
         }
         sides
     }
 
     /// Number of sides.
     pub(super) fn len(&self) -> usize {
-        self.cells.len()
+        self.both_cells.len()
     }
 
     /// Numbers of the sides of a cell.
@@ -64,17 +82,21 @@ impl<const V: usize> Sides<V> {
 
     /// Neighbour of a cell across one of the cell's sides.
     pub(super) fn across(&self, cell: u32, side: u32) -> Neighbour {
-        let [one, two] = self.cells[side as usize];
-        let other = if one == cell { two } else { one };
+        let other = self.other(cell, side);
         match other.checked_sub(self.of_cell.len() as u32) {
             Some(facet) => Neighbour::Facet(facet),
             None => Neighbour::Cell(other),
         }
     }
 
-    /// True if fluxes through a side are counted out of this cell.
+    /// Number of the other cell of a side, or of cells plus the position of the facet.
+    fn other(&self, cell: u32, side: u32) -> u32 {
+        self.both_cells[side as usize] ^ cell
+    }
+
+    /// True if fluxes through a side are counted out of this cell: out of that with the lower number.
     pub(super) fn leaves(&self, cell: u32, side: u32) -> bool {
-        self.cells[side as usize][0] == cell
+        cell < self.other(cell, side)
     }
 
     /// Outflows of a cell through all its sides.
@@ -85,20 +107,9 @@ impl<const V: usize> Sides<V> {
         })
     }
 
-    /// Side of a facet of the boundary for each facet.
-    pub(super) fn of_facets(&self, facets: usize) -> Vec<u32> {
-        let mut sides = vec![0; facets];
-        for (side, &[_, other]) in self.cells.iter().enumerate() {
-            if let Some(facet) = other.checked_sub(self.of_cell.len() as u32) {
-                sides[facet as usize] = side as u32;
-            }
-        }
-        sides
-    }
-
-    /// Cell of a side of the boundary.
-    pub(super) fn inner_cell(&self, side: u32) -> u32 {
-        self.cells[side as usize][0]
+    /// Sides of the facets of the boundary, in the order of the facets.
+    pub(super) fn of_facets(&self) -> &[BoundarySide] {
+        &self.of_facet
     }
 }
 
@@ -139,39 +150,44 @@ fn places_in_order<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<u32
     places
 }
 
-/// Cells around each node.
-pub(super) struct Around {
-    /// Position in `cells` after the last cell of each node.
-    ends: Vec<u32>,
-    cells: Vec<u32>,
+/// First cell around each node, from which the fan of the node is found. The lists of all cells around the nodes would be
+/// as long as those of the vertices of the cells.
+pub(super) struct FirstCells {
+    /// Lowest number of a cell with the node; the number of cells if there is none.
+    first: Vec<u32>,
+    /// Number of cells with the node.
+    counts: Vec<u32>,
 }
 
-impl Around {
-    /// Cells around this number of nodes.
+impl FirstCells {
+    /// First cells around this number of nodes.
     pub(super) fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
-        let mut starts = vec![0u32; nodes + 1];
-        for &node in cells.as_flattened() {
-            starts[node as usize + 1] += 1;
-        }
-        for node in 0..nodes {
-            starts[node + 1] += starts[node];
-        }
-        let mut around = vec![0; V * cells.len()];
-        // The start of each node moves to its end.
+        let mut found = Self { first: vec![cells.len() as u32; nodes], counts: vec![0; nodes] };
         for (number, cell) in cells.iter().enumerate() {
             for &node in cell {
-                let next = &mut starts[node as usize];
-                around[*next as usize] = number as u32;
-                *next += 1;
+                let first = &mut found.first[node as usize];
+                *first = (*first).min(number as u32);
+                found.counts[node as usize] += 1;
             }
         }
-        Self { ends: starts, cells: around }
+        found
     }
 
-    /// Cells around a node.
-    pub(super) fn node(&self, node: u32) -> &[u32] {
-        let from = if node == 0 { 0 } else { self.ends[node as usize - 1] };
-        &self.cells[from as usize..self.ends[node as usize] as usize]
+    /// Lowest number of a cell with a node beside those found before; none if these are all.
+    ///
+    /// A fan has all cells around a node, unless the domain touches itself there: only then all cells are searched.
+    pub(super) fn next<const V: usize>(
+        &self,
+        node: u32,
+        found: &[u32],
+        cells: &[[u32; V]],
+    ) -> Option<u32> {
+        if found.len() == self.counts[node as usize] as usize {
+            return None;
+        }
+        let first = self.first[node as usize];
+        let is_next = |cell: &u32| cells[*cell as usize].contains(&node) && !found.contains(cell);
+        if found.is_empty() { Some(first) } else { (first..cells.len() as u32).find(is_next) }
     }
 }
 
@@ -185,11 +201,11 @@ mod tests {
         let mesh = BuiltIn::Disc.plane().unwrap();
         let sides = Sides::new(&mesh);
         assert_eq!(sides.len(), 12);
-        let facets = sides.of_facets(6);
+        assert_eq!(sides.of_facets().len(), 6);
         for cell in 0..6 {
             let [outer, one, two] = sides.numbers(cell);
             assert_eq!(sides.across(cell, outer), Neighbour::Facet(cell));
-            assert_eq!((facets[cell as usize], sides.inner_cell(outer)), (outer, cell));
+            assert_eq!(sides.of_facets()[cell as usize], BoundarySide { side: outer, cell });
             let mut cells = [one, two].map(|side| sides.across(cell, side));
             cells.sort_by_key(|neighbour| format!("{neighbour:?}"));
             let mut expected = [(cell + 1) % 6, (cell + 5) % 6];
@@ -197,6 +213,9 @@ mod tests {
             assert_eq!(cells, expected.map(Neighbour::Cell));
             assert_eq!(sides.slot(cell, two), 2);
         }
-        assert_eq!(Around::new(7, mesh.cells()).node(0), [0, 1, 2, 3, 4, 5]);
+        let around = FirstCells::new(7, mesh.cells());
+        assert_eq!(around.next(0, &[], mesh.cells()), Some(0));
+        assert_eq!(around.next(0, &[0, 2, 1], mesh.cells()), Some(3));
+        assert_eq!(around.next(0, &[0, 2, 1, 3, 5, 4], mesh.cells()), None);
     }
 }

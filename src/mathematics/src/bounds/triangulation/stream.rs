@@ -6,7 +6,7 @@
 //! all of the flux on which the bounds depend, whatever w is.
 
 use super::cells::{Cells, RaviartThomas};
-use super::sides::Sides;
+use super::sides::{BoundarySide, Sides};
 use crate::bounds::boundary::PartLaw;
 use crate::discrete::network::Network;
 use crate::mesh::{Condition, Element, measure};
@@ -94,7 +94,7 @@ impl Stream {
     ) -> Self {
         let (mesh, nodes) = (cells.mesh, cells.w.len());
         let (mut places, mut boundary) = (vec![INNER; nodes], Vec::new());
-        for (facet, side) in mesh.facets().iter().zip(sides.of_facets(mesh.facets().len())) {
+        for (facet, &BoundarySide { side, .. }) in mesh.facets().iter().zip(sides.of_facets()) {
             let condition = mesh.condition(facet);
             for (k, node) in facet.nodes.into_iter().enumerate() {
                 let place = &mut places[node as usize];
@@ -155,7 +155,7 @@ impl Stream {
             }
         }
         let facets = cells.mesh.facets();
-        for (facet, side) in facets.iter().zip(sides.of_facets(facets.len())) {
+        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(sides.of_facets()) {
             let outflow = &mut flux[side as usize];
             // Where a limit is met, rounding decides the side.
             if cells.mesh.condition(facet) == Condition::Contact {

@@ -2,7 +2,7 @@
 
 use super::CellData;
 use super::cells::{RaviartThomas, gradient};
-use super::sides::Sides;
+use super::sides::{BoundarySide, Sides};
 use crate::bounds::boundary::{PartLaw, Slips};
 use crate::mesh::{Condition, Element, Mesh, dot, measure, size};
 use crate::problem::law::Law;
@@ -106,7 +106,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         }
         let mut slips = Slips { up: false, down: false };
         let facets = self.mesh.facets();
-        for (facet, side) in facets.iter().zip(self.sides.of_facets(facets.len())) {
+        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(self.sides.of_facets()) {
             if self.mesh.condition(facet) == Condition::Contact {
                 let law = PartLaw::new(self.law, measure(self.mesh.corners(facet)));
                 let flux = self.flux[side as usize];
@@ -177,7 +177,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
     fn boundary(&self) -> Vec<Totals> {
         let facets = self.mesh.facets();
         let mut terms = Vec::with_capacity(facets.len());
-        for (facet, side) in facets.iter().zip(self.sides.of_facets(facets.len())) {
+        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(self.sides.of_facets()) {
             if self.mesh.condition(facet) == Condition::Contact {
                 let measure = measure(self.mesh.corners(facet));
                 let law = PartLaw::new(self.law, measure);

@@ -4,6 +4,7 @@ mod cube;
 mod random;
 
 use super::cells::RaviartThomas;
+use super::sides::BoundarySide;
 use super::*;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
@@ -214,7 +215,7 @@ fn sigma_is_a_flux_for_every_vector() {
         assert!((outflow + 3.0 * cells.load(cell)).abs() < 1e-13);
     }
     let facets = problem.mesh.facets();
-    for (facet, side) in facets.iter().zip(sides.of_facets(facets.len())) {
+    for (facet, &BoundarySide { side, .. }) in facets.iter().zip(sides.of_facets()) {
         let flux = flux[side as usize];
         let is_free = problem.mesh.condition(facet) == Condition::Free;
         assert!(if is_free { flux == 0.0 } else { flux >= 0.0 });
@@ -252,7 +253,7 @@ fn circulations_around_all_nodes_lower_the_norm_and_keep_the_balance() {
             assert!((one - two).abs() < 1e-12);
         }
         let facets = problem.mesh.facets();
-        for (facet, side) in facets.iter().zip(sides.of_facets(facets.len())) {
+        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(sides.of_facets()) {
             match problem.mesh.condition(facet) {
                 Condition::Contact => assert!(after[side as usize] >= 0.0),
                 Condition::Free => assert!(after[side as usize] == 0.0),
