@@ -407,7 +407,7 @@ fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh, solver: Solver) -
 /// Refuses refinements that take more memory than there is, or more nodes than the solver can do with.
 fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
     // Of mesh, network, solver and bounds: measured, rounded up.
-    let per_node = if mesh.dimension() == 2 { 600.0 } else { 1500.0 };
+    let per_node = if mesh.dimension() == 2 { 600.0 } else { 1000.0 };
     let left = machine::available_memory().unwrap_or(u64::MAX) as f64;
     let most = solver.entry().most_nodes[usize::from(mesh.dimension() - 2)];
     let most = most.map_or(f64::INFINITY, |most| most as f64);
