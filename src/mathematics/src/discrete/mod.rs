@@ -3,6 +3,7 @@
 pub(crate) mod adaptive;
 pub mod cells;
 pub mod contact;
+pub mod end;
 pub mod grid;
 pub mod kkt;
 pub mod law_and_load;

@@ -90,9 +90,6 @@ pub use input::InputError;
 pub(crate) use stopping::ROUNDING_FLOOR;
 pub use workspace::{Multigrid, solve_square};
 
-use crate::discrete::stop::Stop;
-use serde::{Deserialize, Serialize};
-
 /// Goal at which multigrid stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
@@ -120,17 +117,4 @@ impl Default for MultigridParams {
     fn default() -> Self {
         Self { goal: Goal::RoundingFloor, max_cycles: 60 }
     }
-}
-
-/// Result of multigrid without the solution itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MultigridOutcome {
-    /// Reason for which the iteration ended.
-    pub stop: Stop,
-    /// Number of cycles on the finest grid.
-    pub cycles: usize,
-    /// Natural residual of the solution, not relative: in the units of the load.
-    pub kkt: f64,
-    /// Work in sweeps of the finest grid.
-    pub work_units: f64,
 }

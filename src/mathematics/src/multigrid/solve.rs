@@ -9,12 +9,12 @@ use super::pass::Stage::{Correct, Interpolate, Relax, Restrict};
 use super::rows;
 use super::rows::Colour::{Black, Red};
 use super::stencil::{MULTIPLICATIONS_PER_VISIT, contact_nodes};
-use super::stopping::{
-    self, CyclePart, CyclePosition, CycledHierarchy, InitialState, IterationEnd,
-};
+use super::stopping::{self, CyclePart, CyclePosition, CycledHierarchy, InitialState};
 use super::workspace::Multigrid;
-use super::{Goal, MultigridOutcome, MultigridParams};
+use super::{Goal, MultigridParams};
+use crate::discrete::end::End;
 use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 
 /// Boundary of the unit square.
@@ -27,18 +27,17 @@ impl Multigrid {
         problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
         params: &MultigridParams,
-    ) -> Result<MultigridOutcome, InputError> {
+    ) -> Result<End, InputError> {
         // The load is read in natural order and written in red and black rows, the solution the other way round.
         (self.work_units, self.traffic) = (0.0, 32.0);
         self.set_problem(problem)?;
-        let mut end = self.solve_prepared(start, params)?;
+        let (mut stop, mut iterations) = self.solve_prepared(start, params)?;
         if self.is_limit_exceeded() {
             self.set_problem(problem)?;
             self.set_limit(self.one_sided.limit);
-            end = self.solve_prepared(start, params)?;
+            (stop, iterations) = self.solve_prepared(start, params)?;
         }
-        let IterationEnd { stop, cycles, kkt } = end;
-        Ok(MultigridOutcome { stop, cycles, kkt, work_units: self.work_units })
+        Ok(End { iterations, work_units: self.work_units, stop, delta_a: None })
     }
 
     /// True if the flux somewhere exceeds the limit of the law, without which the problem has been solved: otherwise the
@@ -57,19 +56,20 @@ impl Multigrid {
         &mut self,
         start: Option<&[f64]>,
         params: &MultigridParams,
-    ) -> Result<IterationEnd, InputError> {
+    ) -> Result<(Stop, usize), InputError> {
         if self.levels.len() > 1 {
             return self.solve_iteratively(start, params);
         }
         self.solve_coarsest();
-        Ok(stopping::direct(self.full_residual() * self.scale, params.goal))
+        let stop = stopping::direct(self.full_residual() * self.scale, params.goal);
+        Ok((stop, 0))
     }
 
     fn solve_iteratively(
         &mut self,
         start: Option<&[f64]>,
         params: &MultigridParams,
-    ) -> Result<IterationEnd, InputError> {
+    ) -> Result<(Stop, usize), InputError> {
         let finest = self.levels.len() - 1;
         if params.goal == Goal::DiscretisationError {
             self.coarse_load = self.coarse_norm();

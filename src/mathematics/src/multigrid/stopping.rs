@@ -80,21 +80,12 @@ pub(super) struct InitialState {
     pub(super) scale: f64,
 }
 
-/// Result of an iteration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct IterationEnd {
-    pub(super) stop: Stop,
-    pub(super) cycles: usize,
-    /// Natural residual of the load as it was given.
-    pub(super) kkt: f64,
-}
-
-/// Applies cycles until the goal is reached.
+/// Applies cycles until the goal is reached; returns the reason for the end, and the number of cycles.
 pub(super) fn iterate(
     grids: &mut impl CycledHierarchy,
     initial: InitialState,
     params: &MultigridParams,
-) -> IterationEnd {
+) -> (Stop, usize) {
     let InitialState { residual: first, load, scale } = initial;
     let position = match params.goal {
         Goal::DiscretisationError => CyclePosition::Last,
@@ -148,17 +139,16 @@ pub(super) fn iterate(
             }
         }
     };
-    IterationEnd { stop, cycles, kkt: kkt * scale }
+    (stop, cycles)
 }
 
-/// Result where the finest grid is the coarsest, and has been solved directly with this residual.
-pub(super) fn direct(kkt: f64, goal: Goal) -> IterationEnd {
-    let stop = match goal {
+/// Reason for the end where the finest grid is the coarsest, and has been solved directly with this residual.
+pub(super) fn direct(kkt: f64, goal: Goal) -> Stop {
+    match goal {
         Goal::Kkt(tolerance) if kkt > tolerance => Stop::RoundingFloor,
         Goal::RoundingFloor => Stop::RoundingFloor,
         Goal::Kkt(_) | Goal::DiscretisationError => Stop::Converged,
-    };
-    IterationEnd { stop, cycles: 0, kkt }
+    }
 }
 
 #[cfg(test)]
@@ -176,26 +166,29 @@ mod tests {
         rounding: f64,
         /// Multiples of the correction that were requested.
         parts: Vec<CyclePart>,
+        /// Residual that was returned last.
+        last: f64,
     }
 
     impl ScriptedHierarchy {
         fn new(cycles: Vec<f64>, checks: Vec<f64>, rounding: f64) -> Self {
-            Self { cycles, checks, rounding, parts: Vec::new() }
+            Self { cycles, checks, rounding, parts: Vec::new(), last: f64::NAN }
         }
 
         /// Iterates to the goal, and fails if a scripted residual is left over.
         fn iterate(mut self, scale: f64, goal: Goal) -> (Stop, usize, f64) {
             let params = MultigridParams { goal, max_cycles: 9 };
-            let end = iterate(&mut self, InitialState { scale, ..INITIAL }, &params);
+            let (stop, cycles) = iterate(&mut self, InitialState { scale, ..INITIAL }, &params);
             assert!(self.cycles.is_empty() && self.checks.is_empty());
-            (end.stop, end.cycles, end.kkt)
+            (stop, cycles, self.last * scale)
         }
     }
 
     impl CycledHierarchy for ScriptedHierarchy {
         fn cycle(&mut self, _position: CyclePosition, part: CyclePart) -> f64 {
             self.parts.push(part);
-            self.cycles.pop().expect("a scripted cycle")
+            self.last = self.cycles.pop().expect("a scripted cycle");
+            self.last
         }
         fn has_limit(&self) -> bool {
             false
@@ -204,7 +197,8 @@ mod tests {
             self.checks.pop().expect("a scripted check")
         }
         fn full_residual(&mut self) -> f64 {
-            self.checks.pop().expect("a scripted check")
+            self.last = self.checks.pop().expect("a scripted check");
+            self.last
         }
         fn rounding(&mut self) -> f64 {
             self.rounding

@@ -1,9 +1,10 @@
 //! Public entry points: a workspace for repeated solution, and a function for a single one.
 
+use super::MultigridParams;
 use super::coarsest::Coarsest;
 use super::input::{InputError, coarsest_cells, nearest_sizes};
 use super::level::MultigridLevel;
-use super::{MultigridOutcome, MultigridParams};
+use crate::discrete::end::End;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::machine::threads::among_threads;
 use crate::problem::law::OneSided;
@@ -87,7 +88,7 @@ impl Multigrid {
         problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
         params: &MultigridParams,
-    ) -> Result<MultigridOutcome, InputError> {
+    ) -> Result<End, InputError> {
         among_threads(self.finest().nodes, || self.solve_here(problem, start, params))
     }
 }
@@ -107,7 +108,7 @@ pub fn solve_square(
     problem: LawAndLoad<'_>,
     start: Option<&[f64]>,
     params: &MultigridParams,
-) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+) -> Result<(Vec<f64>, End), InputError> {
     let mut grids = Multigrid::square(n)?;
     let mut solution = vec![0.0; problem.load.len()];
     let outcome = among_threads(problem.load.len(), || {

@@ -2,13 +2,14 @@
 
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
+use crate::discrete::end::End;
 use crate::discrete::kkt::judge;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::discrete::stop::Stop;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::input::{InputError, LoadStats, check_components, check_length};
-use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, ROUNDING_FLOOR};
+use crate::multigrid::{Goal, MultigridParams, ROUNDING_FLOOR};
 use crate::problem::law::Law;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error is
@@ -23,7 +24,7 @@ const PATIENCE: usize = 10;
 const STAGNATION: f64 = 0.5;
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, and
-/// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the outcome without it.
+/// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.
 ///
 /// # Errors
 /// If the length of `load` is wrong, a number is not finite, or the flux cannot balance the load over a connected component
@@ -35,7 +36,7 @@ pub fn solve_nested_networks(
     levels: &[NestedNetwork],
     LawAndLoad { law, load }: LawAndLoad<'_>,
     params: &MultigridParams,
-) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+) -> Result<(Vec<f64>, End), InputError> {
     let network = &levels[levels.len() - 1].network;
     check_length(network.nodes(), load)?;
     let components = Components::of(levels, law, load)?;
@@ -52,13 +53,9 @@ pub fn solve_nested_networks(
         progress.work += work;
     }
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
-    let outcome = MultigridOutcome {
-        stop: progress.stop,
-        cycles: progress.cycles,
-        kkt: progress.residual * scale,
-        work_units: progress.work / network.nodes() as f64,
-    };
-    Ok((y, outcome))
+    let work_units = progress.work / network.nodes() as f64;
+    let Progress { stop, cycles: iterations, .. } = progress;
+    Ok((y, End { iterations, work_units, stop, delta_a: None }))
 }
 
 /// Nested problems under a law `[0, limit]`.
@@ -110,15 +107,14 @@ impl NestedProblem<'_> {
         let needed = components.needed(&loads[finest], limit);
         let law = self.law(limit, 0)?;
         let (mut y, direct) = active_set_on(coarsest, law, &loads[0])?;
-        let judged = judge(coarsest, law, &y, &loads[0]);
+        let mut cycle = Cycle::new(levels);
         let mut progress = Progress {
             stop: direct.stop,
             cycles: 0,
-            residual: judged.kkt.natural,
-            coarse_energy: judged.energy,
-            work: direct.work / levels[finest].network.row_length(),
+            residual: f64::INFINITY,
+            coarse_energy: judge(coarsest, law, &y, &loads[0]).energy,
+            work: direct.iterations as f64 * cycle.work_of_coarsest_step(),
         };
-        let mut cycle = Cycle::new(levels);
         for level in 1..levels.len() {
             y = levels[level].interpolate(&y);
             let problem = ContactProblem {
