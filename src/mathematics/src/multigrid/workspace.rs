@@ -2,8 +2,10 @@
 
 use super::MultigridParams;
 use super::coarsest::Coarsest;
+use super::driver;
 use super::input::{InputError, coarsest_cells, nearest_sizes};
 use super::level::MultigridLevel;
+use super::solve::SquareRun;
 use crate::discrete::end::End;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::machine::threads::among_threads;
@@ -89,7 +91,13 @@ impl Multigrid {
         start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<End, InputError> {
-        among_threads(self.finest().nodes, || self.solve_here(problem, start, params))
+        among_threads(self.finest().nodes, || {
+            // The load is read in natural order and written in red and black rows, the solution the other way round.
+            (self.work_units, self.traffic) = (0.0, 32.0);
+            self.one_sided = problem.law.one_sided(problem.load);
+            let limit = self.one_sided.limit;
+            driver::solve(&mut SquareRun::new(self, problem, start, params.goal), limit, params)
+        })
     }
 }
 

@@ -50,9 +50,9 @@ impl<'a> Cycle<'a> {
         2.0 * nodes.sum::<f64>() + self.coarsest.solve_work() / self.per_visit
     }
 
-    /// Number of visits of unknowns that one step of the active set method on the coarsest level takes.
-    pub(super) fn work_of_coarsest_step(&self) -> f64 {
-        self.coarsest.step_work() / self.per_visit
+    /// Number of visits of unknowns that so many steps of the active set method on the coarsest level take.
+    pub(super) fn coarsest_work(&self, steps: usize) -> f64 {
+        steps as f64 * self.coarsest.step_work() / self.per_visit
     }
 
     /// Holds nodes of level `top` and of all coarser levels at zero; returns the work in visits of unknowns.
