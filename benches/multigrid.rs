@@ -4,12 +4,13 @@
 //! and with `--f F TOLERANCE` on one, to that KKT residual over the largest load, as JSON: the solution alone, and
 //! from f to the solution.
 
+use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems;
 use signorini_mathematics::machine::memory::LargePages;
-use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridOutcome, MultigridParams};
+use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
@@ -43,12 +44,7 @@ fn main() {
 }
 
 /// Median time in nanoseconds per unknown, and the outcome.
-fn time(
-    workspace: &mut Multigrid,
-    load: &[f64],
-    goal: Goal,
-    repeats: usize,
-) -> (f64, MultigridOutcome) {
+fn time(workspace: &mut Multigrid, load: &[f64], goal: Goal, repeats: usize) -> (f64, End) {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let mut y = vec![0.0; load.len()];
     median(repeats, || {
@@ -107,7 +103,7 @@ fn all_problems(sizes: &[usize], repeats: usize) {
             print!("{n:6} {name:14} {:6.1}", workspace.bytes() as f64 / load.len() as f64);
             let runs = GOALS.map(|goal| time(&mut workspace, &load, goal, repeats));
             for (ns, outcome) in runs {
-                print!("  {:5.1} {:2} {ns:5.1}", outcome.work_units, outcome.cycles);
+                print!("  {:5.1} {:2} {ns:5.1}", outcome.work_units, outcome.iterations);
             }
             let (ns, outcome) = runs[0];
             println!("  {:5.2}", ns / outcome.work_units / plain);

@@ -67,10 +67,10 @@ fn the_lanes_count_what_the_solver_counts() {
             &params,
             &mut (),
         );
-        let theirs: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
+        let theirs: Vec<_> = outcomes.iter().map(|outcome| outcome.end.iterations).collect();
         let ours: Vec<_> = line.counts.iter().map(|count| count.iterations).collect();
         assert_eq!(ours, theirs, "{}", table.rule);
-        assert_eq!(line.delta_a, outcomes[4].delta_a);
+        assert_eq!(line.delta_a, outcomes[4].end.change());
         assert_eq!(line.kkt, outcomes[4].kkt.relative);
     }
 }

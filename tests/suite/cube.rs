@@ -25,7 +25,7 @@ fn a_few_cycles_reach_the_discretisation_error() {
             let (exact_discrete, _) = run(&cube, &load, Goal::RoundingFloor);
             let (y, outcome) = run(&cube, &load, Goal::DiscretisationError);
             assert_eq!(outcome.stop, Stop::Converged);
-            assert!(outcome.cycles <= 2, "{problem:?} {n} {outcome:?}");
+            assert!(outcome.iterations <= 2, "{problem:?} {n} {outcome:?}");
             assert!(outcome.work_units < NETWORK_WORK_UNITS[0], "{problem:?} {n} {outcome:?}");
             let discretisation = errors(&cube, problem, &exact_discrete);
             let algebraic: Vec<_> = y.iter().zip(&exact_discrete).map(|(a, b)| a - b).collect();

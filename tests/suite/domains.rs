@@ -3,6 +3,7 @@
 
 use crate::multigrid::{exact_loads, natural_residual};
 use crate::solvers::{assert_threads_do_not_matter, distance};
+use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::nested::NestedNetwork;
@@ -11,9 +12,7 @@ use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::problems::{self, with_deficit};
 use signorini_mathematics::mesh::{SpaceMesh, mesh_load, refined, uniform_cube};
 use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
-use signorini_mathematics::multigrid::{
-    Goal, InputError, MultigridOutcome, MultigridParams, solve_square,
-};
+use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, solve_square};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::exact::CubeExact;
 use signorini_mathematics::problem::law::Law;
@@ -24,7 +23,7 @@ use std::f64::consts::TAU;
 /// Name of a problem, and its load.
 type Named = (&'static str, Vec<f64>);
 /// A solution and the outcome of the solver.
-type Solved = Result<(Vec<f64>, MultigridOutcome), InputError>;
+type Solved = Result<(Vec<f64>, End), InputError>;
 
 /// A discrete domain on which a solver of optimal cost and the direct method run.
 pub(crate) trait Domain: Sync {
@@ -185,7 +184,7 @@ impl Domain for CubeMesh {
     }
 }
 
-pub(crate) fn run(domain: &impl Domain, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
+pub(crate) fn run(domain: &impl Domain, load: &[f64], goal: Goal) -> (Vec<f64>, End) {
     let params = MultigridParams { goal, ..Default::default() };
     domain.solve(Law::SIGNORINI.with_load(load), &params).expect("valid load")
 }
@@ -261,7 +260,11 @@ fn scale_with_the_load(domain: &impl Domain) {
             let factor = 2_f64.powi(exponent);
             let scaled: Vec<_> = load.iter().map(|entry| entry * factor).collect();
             let (z, outcome) = run(domain, &scaled, goal);
-            assert_eq!((outcome.stop, outcome.cycles), (plain.stop, plain.cycles), "2^{exponent}");
+            assert_eq!(
+                (outcome.stop, outcome.iterations),
+                (plain.stop, plain.iterations),
+                "2^{exponent}"
+            );
             assert!(y.iter().zip(&z).all(|(y, z)| y * factor == *z), "2^{exponent}");
         }
     }

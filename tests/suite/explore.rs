@@ -85,7 +85,7 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
                 &mut (),
             );
             let theirs: f64 = tables[k]["delta_a"][row].as_str().unwrap().parse().unwrap();
-            assert_eq!(theirs.to_bits(), outcomes[4].delta_a.to_bits(), "{name}, r = {r}");
+            assert_eq!(theirs.to_bits(), outcomes[4].end.change().to_bits(), "{name}, r = {r}");
         }
     }
 }

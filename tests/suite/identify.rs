@@ -60,8 +60,8 @@ fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
             &params,
             &mut (),
         );
-        table.counts.push(outcomes.iter().map(|o| Some(o.iterations)).collect());
-        table.delta_a.push(outcomes[levels - 1].delta_a);
+        table.counts.push(outcomes.iter().map(|o| Some(o.end.iterations)).collect());
+        table.delta_a.push(outcomes[levels - 1].end.change());
     }
     table
 }

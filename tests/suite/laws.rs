@@ -2,6 +2,7 @@
 
 use crate::common::Dice;
 use crate::domains::CubeMesh;
+use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
@@ -13,9 +14,7 @@ use signorini_mathematics::experiments::problems::FRICTION;
 use signorini_mathematics::mesh::gmsh::read;
 use signorini_mathematics::mesh::{AnyMesh, refined};
 use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
-use signorini_mathematics::multigrid::{
-    InputError, MultigridOutcome, MultigridParams, solve_square,
-};
+use signorini_mathematics::multigrid::{InputError, MultigridParams, solve_square};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
@@ -76,7 +75,7 @@ fn random_problem(network: &Network, dice: &mut Dice) -> (Law, Vec<f64>) {
 fn compare(
     network: &Network,
     problems: usize,
-    mut solve: impl FnMut(LawAndLoad<'_>) -> Result<(Vec<f64>, MultigridOutcome), InputError>,
+    mut solve: impl FnMut(LawAndLoad<'_>) -> Result<(Vec<f64>, End), InputError>,
 ) {
     let mut dice = Dice(network.nodes() as u64);
     let mut with_both_signs = 0;
@@ -154,7 +153,7 @@ fn the_papers_method_with_friction_has_the_counts_of_another_program() {
             &params,
             &mut (),
         );
-        let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
+        let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.end.iterations).collect();
         assert_eq!(counts, expected, "{problem:?}");
     }
 }
@@ -179,7 +178,7 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
             (pair, run)
         });
         assert!((negative(&pair.y), negative(&pair.a)) == (minus.y, minus.a), "{problem:?}");
-        assert_eq!(run.sweeps, other.sweeps, "{problem:?}");
+        assert_eq!(run.end.sweeps(), other.end.sweeps(), "{problem:?}");
     }
 }
 

@@ -8,6 +8,7 @@ use crate::solvers::{
 };
 use proptest::prelude::*;
 use rayon::prelude::*;
+use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
@@ -17,7 +18,7 @@ use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::problems::{nodal_load, paper_loads, stress_loads};
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::{
-    Goal, InputError, Multigrid, MultigridOutcome, MultigridParams, solve_square,
+    Goal, InputError, Multigrid, MultigridParams, solve_square,
 };
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
@@ -46,7 +47,7 @@ pub(crate) fn exact_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     Exact::ALL.map(|problem| (problem.name(), exact_load(problem, n))).into()
 }
 
-fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, MultigridOutcome) {
+fn run(n: usize, load: &[f64], goal: Goal) -> (Vec<f64>, End) {
     domains::run(&SquareGrid(n), load, goal)
 }
 
@@ -76,7 +77,7 @@ fn one_cycle_reaches_the_discretisation_error() {
             let load = exact_load(problem, n);
             let (exact_discrete, _) = run(n, &load, Goal::RoundingFloor);
             let (y, outcome) = run(n, &load, Goal::DiscretisationError);
-            assert_eq!((outcome.stop, outcome.cycles), (Stop::Converged, 1));
+            assert_eq!((outcome.stop, outcome.iterations), (Stop::Converged, 1));
             if n >= 64 {
                 assert!(outcome.work_units < TEXTBOOK, "{problem:?} {n} {outcome:?}");
             }
@@ -106,7 +107,7 @@ fn at_the_discretisation_error(n: usize, f: &Source) -> (f64, usize) {
     let (discrete, _, coarse) = solved(n, Goal::RoundingFloor);
     // Energies fall like the square of h: on a grid of a quarter of the width the excess is a sixteenth.
     let excess = 16.0 / 15.0 * (coarse - solved(4 * n, Goal::RoundingFloor).2);
-    (distance_in_h1(grid(n), &y, &discrete) / (2.0 * excess).sqrt(), outcome.cycles)
+    (distance_in_h1(grid(n), &y, &discrete) / (2.0 * excess).sqrt(), outcome.iterations)
 }
 
 /// The largest of these ratios over random problems, and the number of those that one cycle was enough for.

@@ -5,6 +5,7 @@ use signorini::replication::comparison::Row;
 use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
 use signorini::replication::stated::Place;
+use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::discrete::network::{Network, NodeCondition};
@@ -15,8 +16,8 @@ use signorini_mathematics::mesh::{assemble, uniform_square};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::{
-    Monitor, NestedGrids, NestedLevels, Outcome, Pair, Params, StopRule, arrow_hurwicz, run_nested,
-    solve, solve_nested, tolerance,
+    Monitor, NestedGrids, NestedLevels, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve,
+    solve_nested, tolerance,
 };
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
@@ -36,9 +37,9 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
         );
         Row {
             r,
-            counts: outcomes.iter().map(|o| o.iterations).collect(),
-            capped: outcomes.iter().map(|o| o.stop == Stop::IterationLimit).collect(),
-            delta_a: outcomes.last().unwrap().delta_a,
+            counts: outcomes.iter().map(|o| o.end.iterations).collect(),
+            capped: outcomes.iter().map(|o| o.end.stop == Stop::IterationLimit).collect(),
+            delta_a: outcomes.last().unwrap().end.change(),
         }
     };
     scene.r.iter().map(row).collect()
@@ -85,7 +86,7 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         })
         .unwrap();
         let ends = |outcomes: &[Outcome]| -> Vec<_> {
-            outcomes.iter().map(|end| (end.iterations, end.stop, end.delta_a)).collect()
+            outcomes.iter().map(|end| (end.end.iterations, end.end.stop, end.end.delta_a)).collect()
         };
         assert_eq!(ends(&defined), ends(&made), "{name} {rule} r = {r}");
         let bits =
@@ -132,8 +133,8 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
                 let params = Params { r, tolerance: tolerance(k + 1), ..Params::default() };
                 let problem = Law::SIGNORINI.with_load(&load);
                 let end = solve(&network, problem, &params, &mut general, None);
-                counts.push(end.iterations);
-                delta_a = end.delta_a;
+                counts.push(end.end.iterations);
+                delta_a = end.end.change();
                 pair = Pair { a: reordered(grid, &network, &general.a, false), y: general.y };
             }
             rows.push(Row { r, capped: vec![false; counts.len()], counts, delta_a });
@@ -208,7 +209,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
             &params,
             &mut pair,
         );
-        assert_eq!(outcome.stop, Stop::Converged);
+        assert_eq!(outcome.end.stop, Stop::Converged);
         assert!(outcome.kkt.relative < 1e-6, "{:?}", outcome.kkt);
         errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
     }

@@ -73,9 +73,9 @@ fn one_iteration_meets_the_signed_rule_for_every_tolerance_of_the_plateau() {
     let [before, after] = [plateau.steps - 1, plateau.steps].map(|max_iterations| {
         let (rule, tolerance) = (StopRule::Signed, f64::MIN_POSITIVE);
         let params = Params { r: 10.0, tolerance, rule, max_iterations, ..Params::default() };
-        arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut Pair::zero(grid))
-            .gradient_signed
-            / largest
+        let mut pair = Pair::zero(grid);
+        let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair);
+        outcome.gradient_signed.unwrap() / largest
     });
     assert!(before > greatest && after <= least, "{before:e} {after:e} {plateau:?}");
 }
@@ -152,12 +152,12 @@ fn what_is_not_a_number_is_never_a_result() {
                 &params,
                 &mut Pair::zero(grid),
             );
-            assert_eq!(outcome.stop, Stop::Diverged, "load {bad} {rule}");
+            assert_eq!(outcome.end.stop, Stop::Diverged, "load {bad} {rule}");
             let mut pair = Pair::zero(grid);
             pair.a[3] = bad;
             let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&good), &params, &mut pair);
             let finite = pair.y.iter().chain(&pair.a).all(|v| v.is_finite());
-            assert!(finite || outcome.stop == Stop::Diverged, "a {bad} {rule}");
+            assert!(finite || outcome.end.stop == Stop::Diverged, "a {bad} {rule}");
         }
     }
 }
@@ -205,7 +205,7 @@ proptest! {
         let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair);
         let natural = kkt(grid, Law::SIGNORINI, &pair.y, &load).natural;
         prop_assert!(natural.is_finite());
-        if outcome.stop == Stop::Converged {
+        if outcome.end.stop == Stop::Converged {
             let bound = tolerance * (1.0 / r).max(1.0);
             prop_assert!(natural <= bound * (1.0 + 1e-9), "{natural:e} {bound:e} {outcome:?}");
         }

@@ -96,7 +96,7 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
         let Ok(problem) = Problem::on_mesh(&mesh, times, &f, Law::SIGNORINI) else { continue };
         let run = solved(&problem, Solver::Multigrid);
         let name = format!("case {case}: {f}");
-        assert_eq!(run.last().stop, Stop::RoundingFloor, "{name}");
+        assert_eq!(run.last().end.stop, Stop::RoundingFloor, "{name}");
         let (y, judged) = (run.y, run.judgement);
         assert!(judged.kkt.relative < 1e-9, "{name}: {:?}", judged.kkt);
         if case % 4 == 0 {
@@ -124,7 +124,7 @@ fn the_papers_method_on_the_cube_ends_at_the_solution() {
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
     let mut pair = Pair::zero(network);
     let run = arrow_hurwicz(network, problem.law_and_load(), &params, &mut pair);
-    assert_eq!(run.stop, Stop::Converged);
+    assert_eq!(run.end.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");
 }

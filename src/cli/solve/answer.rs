@@ -7,13 +7,14 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
+use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::Errors;
-use signorini_mathematics::levels::{KnownErrors, Problem};
+use signorini_mathematics::levels::KnownErrors;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::unsolvable::shown_integral;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{LevelEnd, Run};
+use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
 
 /// Numbers of boundary nodes by their states.
@@ -113,19 +114,23 @@ impl Answer {
     }
 
     /// End on the finest level.
-    pub(super) fn last(&self) -> &LevelEnd {
+    pub(super) fn last(&self) -> &Outcome {
         self.run.last()
     }
 
     /// Name of the end on the finest grid.
     fn end(&self, request: &Request) -> &str {
         // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
-        if request.accuracy.is_some() { self.last().stop.name() } else { self.last().name() }
+        if request.accuracy.is_some() { self.last().end.stop.name() } else { self.last().name() }
     }
 
     pub(super) fn json(&self, request: &Request) -> Value {
         let (problem, levels) = (&request.problem, request.problem.levels());
-        let (last, ends) = (self.last(), &self.run.ends);
+        let (last, ends, solver) = (self.last(), &self.run.ends, request.settings.solver);
+        let mut grids = Vec::new();
+        for (level, outcome) in (self.run.first_level..).zip(ends) {
+            grids.push(outcome_json(solver, level, outcome));
+        }
         let (kkt, bounds) = (last.kkt, self.bounds.as_ref().ok());
         let integral = levels.integrals().of_f;
         let mut json = json!({
@@ -138,10 +143,10 @@ impl Answer {
             "not_as_in_scene": request.overridden,
             "h": request.width(),
             "unknowns": self.pair.y.len(),
-            "iterations": last.iterations,
-            "iterations_per_grid": ends.iter().map(|end| end.iterations).collect::<Vec<_>>(),
+            "iterations": last.end.iterations,
+            "iterations_per_grid": ends.iter().map(|end| end.end.iterations).collect::<Vec<_>>(),
             "stop": self.end(request),
-            "grids": ends.iter().map(end_json).collect::<Vec<_>>(),
+            "grids": grids,
             "energy": last.energy,
             "integral_f": integral,
             "sum_load": last.sum_load,
@@ -176,13 +181,13 @@ impl Answer {
             json["law"] = law_json(problem.law());
             json["states"] = json!(self.states);
         }
-        if let Some(sweeps) = last.sweeps {
-            json["sweeps"] = sweeps.into();
+        if solver.is_nested() {
+            json["sweeps"] = last.end.sweeps().into();
             json["sweeps_per_grid"] =
-                ends.iter().filter_map(|end| end.sweeps).collect::<Vec<_>>().into();
+                ends.iter().map(|outcome| outcome.end.sweeps()).collect::<Vec<_>>().into();
         }
-        if let Some(work_units) = last.work_units {
-            json["work_units"] = work_units.into();
+        if solver == Solver::Multigrid {
+            json["work_units"] = last.end.work_units.into();
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
             json["errors"] = json!(values);
@@ -218,10 +223,10 @@ impl Answer {
         if !request.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
-        text += &self.table(problem);
+        text += &self.table(request);
         text += &format!("solved in {:.3} s", self.seconds[1]);
-        if let Some(work_units) = last.work_units {
-            text += &format!(", the cost of {work_units:.1} sweeps");
+        if request.settings.solver == Solver::Multigrid {
+            text += &format!(", the cost of {:.1} sweeps", last.end.work_units);
         }
         text += &format!("\n{}\n", self.states.text(law));
         let words = BoundaryWords::of(law);
@@ -240,7 +245,7 @@ impl Answer {
             }
             text.push('\n');
         }
-        if !last.verdict.is_failure() || request.accuracy.is_some() {
+        if !last.verdict().is_failure() || request.accuracy.is_some() {
             text += &bound::text(&self.bounds, problem);
         }
         for warning in &self.warnings {
@@ -249,28 +254,28 @@ impl Answer {
         text
     }
 
-    fn table(&self, problem: &Problem) -> String {
-        let (ends, levels) = (&self.run.ends, problem.levels());
+    fn table(&self, request: &Request) -> String {
+        let (ends, levels) = (&self.run.ends, request.problem.levels());
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
-        let nested =
-            ends.iter().any(|end| end.sweeps.is_some_and(|sweeps| sweeps > end.iterations));
+        let nested = request.settings.solver.is_nested()
+            && ends.iter().any(|outcome| outcome.end.sweeps() > outcome.end.iterations);
         let first = if levels.cells(0).is_some() { "grid" } else { "nodes" };
         let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];
         if nested {
             head.insert(2, "sweeps");
         }
         let mut rows = Vec::new();
-        for end in ends {
+        for outcome in ends {
             let mut row = vec![
-                end.label(),
-                end.iterations.to_string(),
-                end.name().to_owned(),
-                format!("{:.6e}", end.energy),
-                format!("{:.2e}", end.kkt.natural),
-                format!("{:.2e}", end.kkt.relative),
+                outcome.label(),
+                outcome.end.iterations.to_string(),
+                outcome.name().to_owned(),
+                format!("{:.6e}", outcome.energy),
+                format!("{:.2e}", outcome.kkt.natural),
+                format!("{:.2e}", outcome.kkt.relative),
             ];
             if nested {
-                row.insert(2, end.sweeps.unwrap_or(end.iterations).to_string());
+                row.insert(2, outcome.end.sweeps().to_string());
             }
             rows.push(row);
         }
@@ -278,23 +283,23 @@ impl Answer {
     }
 }
 
-/// End on a level as JSON.
-fn end_json(end: &LevelEnd) -> Value {
+/// Outcome of a solver on the level with this number, as JSON.
+fn outcome_json(solver: Solver, level: usize, outcome: &Outcome) -> Value {
     let mut json = json!({
-        "iterations": end.iterations,
-        "stop": end.name(),
-        "energy": end.energy,
-        "sum_load": end.sum_load,
-        "nodes": end.nodes,
+        "iterations": outcome.end.iterations,
+        "stop": outcome.name(),
+        "energy": outcome.energy,
+        "sum_load": outcome.sum_load,
+        "nodes": outcome.nodes,
         // On a coarse grid the natural residual is enough.
-        "kkt": { "natural": end.kkt.natural, "relative": end.kkt.relative },
+        "kkt": { "natural": outcome.kkt.natural, "relative": outcome.kkt.relative },
     });
-    match end.cells {
+    match outcome.cells {
         Some(cells) => json["cells"] = cells.into(),
-        None => json["refinement"] = end.level.into(),
+        None => json["refinement"] = level.into(),
     }
-    if let Some(sweeps) = end.sweeps {
-        json["sweeps"] = sweeps.into();
+    if solver.is_nested() {
+        json["sweeps"] = outcome.end.sweeps().into();
     }
     json
 }

@@ -4,11 +4,11 @@ use super::accuracy::Accuracy;
 use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
+use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::tolerance;
-use signorini_mathematics::solvers::LevelEnd;
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;
@@ -23,8 +23,8 @@ impl Answer {
         let (name, levels) = (&request.name, request.problem.levels());
         let grid = levels.name(request.problem.finest());
         let last = self.last();
-        let (stop, relative, energy) = (last.stop, last.kkt.relative, last.energy);
-        match last.verdict {
+        let (stop, relative, energy) = (last.end.stop, last.kkt.relative, last.energy);
+        match last.verdict() {
             Verdict::NoSolution => self.failure = Some(self.without_solution(request)),
             _ if stop == Stop::IterationLimit => {
                 let remedy = request.after_limit();
@@ -59,7 +59,7 @@ impl Answer {
     /// Returns the message that the discrete problem on the finest level, or on all levels, has no solution.
     fn without_solution(&self, request: &Request) -> String {
         let ends = &self.run.ends;
-        let on_all = ends.iter().all(|end| end.verdict == Verdict::NoSolution);
+        let on_all = ends.iter().all(|end| end.verdict() == Verdict::NoSolution);
         let message = request.without_solution(self.last().sum_load);
         match ends.len() {
             2.. if on_all => {
@@ -81,7 +81,7 @@ impl Answer {
             ));
         }
         let coarse = &self.run.ends[..self.run.ends.len() - 1];
-        let without = |end: &LevelEnd| end.verdict == Verdict::NoSolution;
+        let without = |end: &Outcome| end.verdict() == Verdict::NoSolution;
         if !without(self.last())
             && let Some(grids) = named(&request.problem, coarse, without)
         {
@@ -89,7 +89,7 @@ impl Answer {
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             ));
         }
-        let cut_off = |end: &LevelEnd| end.stop != Stop::Converged;
+        let cut_off = |end: &Outcome| end.end.stop != Stop::Converged;
         if let Some(grids) = named(&request.problem, coarse, cut_off) {
             self.warnings.push(format!("the stopping rule was not met on {grids}"));
         }
@@ -97,7 +97,7 @@ impl Answer {
 
     /// Warns if the tolerance asked for was not reached.
     fn warn_of_tolerance(&mut self, request: &Request) {
-        let LevelEnd { stop, kkt, .. } = *self.last();
+        let Outcome { end: End { stop, .. }, kkt, .. } = *self.last();
         if let Some(tolerance) = request.tolerance
             && stop != Stop::Converged
         {
@@ -178,16 +178,17 @@ fn load_slack(problem: &Problem) -> Option<f64> {
     (!integrals.is_known).then_some(slack)
 }
 
-/// Returns the names of the levels of the ends with a property, if there are any.
+/// Returns the names of the levels of the ends with a property, if there are any; the first end is on the coarsest level.
 fn named(
     problem: &Problem,
-    ends: &[LevelEnd],
-    property: impl Fn(&LevelEnd) -> bool,
+    ends: &[Outcome],
+    property: impl Fn(&Outcome) -> bool,
 ) -> Option<String> {
-    let name = |end: &LevelEnd| match end.cells {
+    let name = |(level, end): (usize, &Outcome)| match end.cells {
         Some(_) => end.label(),
-        None => problem.levels().name(end.level),
+        None => problem.levels().name(level),
     };
-    let names: Vec<_> = ends.iter().filter(|end| property(end)).map(name).collect();
+    let names: Vec<_> =
+        ends.iter().enumerate().filter(|(_, end)| property(end)).map(name).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }

@@ -148,15 +148,15 @@ impl Request {
         let settings = Settings { goal, ..self.settings };
         let run = solvers::solve(&self.problem, &settings).map_err(|e| self.refused(&e))?;
         let last = run.last();
-        if last.stop != Stop::Diverged {
+        if last.end.stop != Stop::Diverged {
             return Ok(run);
         }
         let (name, solver) = (&self.name, settings.solver);
-        let grid = self.problem.levels().name(last.level);
+        let grid = self.problem.levels().name(run.first_level + run.ends.len() - 1);
         Err(Error::Stage(vec![match solver.is_nested() {
             true => format!(
                 "{name}: {solver} diverged on {grid} after {} iterations; choose a smaller r or scale f down",
-                last.iterations
+                last.end.iterations
             ),
             false => format!("{name}: the solver diverged; scale f down"),
         }]))

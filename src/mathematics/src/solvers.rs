@@ -2,16 +2,13 @@
 //!
 //! A new solver is an entry of [`SOLVERS`] and a room of its own.
 
-use crate::discrete::kkt::{Judgement, Kkt};
-use crate::discrete::stop::Stop;
+use crate::discrete::end::Outcome;
+use crate::discrete::kkt::Judgement;
 use crate::discrete::transfer::Prolongation;
-use crate::discrete::verdict::Verdict;
 use crate::levels::{NodalVectors, Problem, ProblemError, SaddleRun};
-use crate::multigrid::active_set::{
-    ActiveSetOutcome, MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE,
-};
-use crate::multigrid::{Goal, InputError, MultigridOutcome, MultigridParams};
-use crate::saddle::{Method, Outcome, Params};
+use crate::multigrid::active_set::{MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE};
+use crate::multigrid::{Goal, InputError, MultigridParams};
+use crate::saddle::{Method, Params};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
@@ -206,75 +203,21 @@ impl Settings {
     }
 }
 
-/// End of a solver on one level.
-#[derive(Clone, Copy, Debug)]
-pub struct LevelEnd {
-    /// Number of the level.
-    pub level: usize,
-    /// Cells per side; none on a mesh.
-    pub cells: Option<usize>,
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Steps of the multiplier, cycles, or changes of the contact set.
-    pub iterations: usize,
-    /// Gauss-Seidel sweeps, if the solver consists of sweeps.
-    pub sweeps: Option<usize>,
-    /// Cost in sweeps of this level, if the solver counts it.
-    pub work_units: Option<f64>,
-    /// Reason for the end.
-    pub stop: Stop,
-    /// Energy.
-    pub energy: f64,
-    /// Sum of the load vector.
-    pub sum_load: f64,
-    /// Residuals of the conditions.
-    pub kkt: Kkt,
-    /// Verdict on the vector.
-    pub verdict: Verdict,
-}
-
-impl LevelEnd {
-    /// End of a saddle-point method on a level of this number.
-    fn of_outcome((level, outcome): (usize, &Outcome)) -> Self {
-        Self {
-            level,
-            cells: outcome.cells,
-            nodes: outcome.nodes,
-            iterations: outcome.iterations,
-            sweeps: Some(outcome.sweeps),
-            work_units: None,
-            stop: outcome.stop,
-            energy: outcome.energy,
-            sum_load: outcome.sum_load,
-            kkt: outcome.kkt,
-            verdict: outcome.verdict(),
-        }
-    }
-
-    /// Name of the level in a table: `1/64`, or the number of nodes of a mesh.
-    pub fn label(&self) -> String {
-        self.cells.map_or_else(|| self.nodes.to_string(), |cells| format!("1/{cells}"))
-    }
-
-    /// Name of the end: the verdict if the vector is no solution, else the reason of the solver.
-    pub fn name(&self) -> &'static str {
-        self.verdict.end(self.stop)
-    }
-}
-
 /// Run of a solver.
 pub struct Run {
     /// Nodal vector of the finest level.
     pub y: Vec<f64>,
     /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
-    pub ends: Vec<LevelEnd>,
+    pub ends: Vec<Outcome>,
+    /// Number of the level of the first end; the others are on the next levels.
+    pub first_level: usize,
     /// Judgement of the vector.
     pub judgement: Judgement,
 }
 
 impl Run {
     /// End on the finest level.
-    pub fn last(&self) -> &LevelEnd {
+    pub fn last(&self) -> &Outcome {
         &self.ends[self.ends.len() - 1]
     }
 }
@@ -293,62 +236,25 @@ pub enum Refusal {
     NotOnMeshes(Solver),
 }
 
-/// Counts of a solver on the finest level.
-struct FinestEnd {
-    iterations: usize,
-    stop: Stop,
-    work_units: Option<f64>,
-}
-
 /// Solves a problem.
 ///
 /// # Errors
 /// [`Refusal`]. A limit that was reached, and values that are not finite, are ends of a run.
 pub fn solve(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
     let Settings { solver, goal, .. } = *settings;
-    let (levels, law) = (problem.levels(), problem.law());
+    let (levels, law, load) = (problem.levels(), problem.law(), problem.load());
     let (y, end) = match solver.entry().run {
         SolverRun::Nested { .. } => return solve_nested(problem, settings),
-        SolverRun::ActiveSet => {
-            let (y, ActiveSetOutcome { stop, steps, .. }) = levels.active_set(law)?;
-            (y, FinestEnd { iterations: steps, stop, work_units: None })
-        }
+        SolverRun::ActiveSet => levels.active_set(law)?,
         SolverRun::Multigrid => {
-            let params = MultigridParams { goal, ..MultigridParams::default() };
-            let (y, MultigridOutcome { stop, cycles, work_units, .. }) =
-                levels.multigrid(law, &params)?;
-            (y, FinestEnd { iterations: cycles, stop, work_units: Some(work_units) })
+            levels.multigrid(law, &MultigridParams { goal, ..MultigridParams::default() })?
         }
         SolverRun::Spectral => return Err(Refusal::NotOnMeshes(solver)),
     };
-    let judgement = problem.judge(&y);
-    let FinestEnd { iterations, stop, work_units } = end;
-    let level = problem.finest();
-    let end = judged(problem, NodalVectors { y: &y, load: problem.load() }, &judgement, level);
-    let end = LevelEnd { iterations, sweeps: None, work_units, stop, ..end };
-    Ok(Run { y, ends: vec![end], judgement })
-}
-
-/// End on a level with this judgement, without its counts.
-fn judged(
-    problem: &Problem,
-    NodalVectors { load, .. }: NodalVectors<'_>,
-    judgement: &Judgement,
-    level: usize,
-) -> LevelEnd {
-    LevelEnd {
-        level,
-        cells: problem.levels().cells(level),
-        nodes: problem.levels().nodes(level),
-        iterations: 0,
-        sweeps: None,
-        work_units: None,
-        stop: Stop::Converged,
-        energy: judgement.energy,
-        sum_load: load.iter().sum(),
-        kkt: judgement.kkt,
-        verdict: problem.verdict(level, load, judgement),
-    }
+    let (judgement, level) = (problem.judge(&y), problem.finest());
+    let has_solution = levels.is_solvable(level, law, load);
+    let end = Outcome::new(end, &judgement, levels.cells(level), load, has_solution);
+    Ok(Run { y, ends: vec![end], first_level: level, judgement })
 }
 
 /// Runs a saddle-point method over all levels.
@@ -357,11 +263,10 @@ fn solve_nested(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> 
     let method = settings.solver.method(0.0, false).expect("a saddle-point method");
     let params = &Params { method, ..settings.params };
     let run = SaddleRun { params, prolongation: settings.prolongation, monitor: &mut () };
-    let (outcomes, pair) = problem.levels().saddle(problem.law().with_loads(&loads), run);
-    let ends: Vec<_> = outcomes.iter().enumerate().map(LevelEnd::of_outcome).collect();
+    let (ends, pair) = problem.levels().saddle(problem.law().with_loads(&loads), run);
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
-    Ok(Run { y, ends, judgement })
+    Ok(Run { y, ends, first_level: 0, judgement })
 }
 
 fn vectors(_: u64) -> u64 {

@@ -11,8 +11,9 @@ use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::saddle::{Outcome, StopRule, tolerance};
+use signorini_mathematics::saddle::{StopRule, tolerance};
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";
@@ -43,7 +44,7 @@ pub(super) fn task(project: &Project) -> Option<Task> {
 /// Columns: `problem` (the name of its scene), `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and `tolerance` identify
 /// the solve.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
-/// all grids but the finest. `stop` is the [end](Outcome::end) of the iteration as `solve` names it, and `met` is true
+/// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
 /// [`Outcome`].
 #[derive(Clone, Debug)]
@@ -214,12 +215,12 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "cells" => column(solves, |solve| solve.outcome.cells.map(|cells| cells as i64)),
         "nodes" => column(solves, |solve| solve.outcome.nodes as i64),
         "tolerance" => column(solves, |solve| tolerance(solve.level)),
-        "iterations" => column(solves, |solve| solve.outcome.iterations as i64),
-        "stop" => column(solves, |solve| solve.outcome.end()),
-        "met" => column(solves, |solve| solve.outcome.stop == Stop::Converged),
+        "iterations" => column(solves, |solve| solve.outcome.end.iterations as i64),
+        "stop" => column(solves, |solve| solve.outcome.name()),
+        "met" => column(solves, |solve| solve.outcome.end.stop == Stop::Converged),
         "gradient_signed" => column(solves, |solve| solve.outcome.gradient_signed),
         "gradient_abs" => column(solves, |solve| solve.outcome.gradient_abs),
-        "delta_a" => column(solves, |solve| solve.outcome.delta_a),
+        "delta_a" => column(solves, |solve| solve.outcome.end.delta_a),
         "energy" => column(solves, |solve| solve.outcome.energy),
         "sum_load" => column(solves, |solve| solve.outcome.sum_load),
         "kkt_stationarity" => column(solves, |solve| solve.outcome.kkt.stationarity),

@@ -8,6 +8,7 @@ use crate::pipeline::{Artifacts, InputFiles, Inputs, Task, parameters};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stated::{OnSquare, StatedProblem};
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
@@ -16,7 +17,7 @@ use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::levels::{Problem, SaddleRun};
 use signorini_mathematics::problem::exact::Exact;
-use signorini_mathematics::saddle::{Iteration, Monitor, Outcome, Pair, Params, Plain, StopRule};
+use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -173,14 +174,14 @@ fn solve(cell: &Cell, files: &InputFiles) -> Result<Artifacts, Failure> {
 impl Outcomes {
     /// Artifacts with these outcomes, and the last pair if it is drawn; fails if the iteration diverged.
     fn artifacts(&self, drawn: Option<&Pair>) -> Result<Artifacts, Failure> {
-        if let Some(last) = self.levels.last().filter(|last| last.stop == Stop::Diverged) {
+        if let Some(last) = self.levels.last().filter(|last| last.end.stop == Stop::Diverged) {
             let place = match last.cells {
                 Some(cells) => format!("grid 1/{cells}"),
                 None => format!("the mesh of {} nodes", last.nodes),
             };
             return Err(format!(
                 "diverged on {place} after {} iterations at r = {}; choose a smaller r or scale f down",
-                last.iterations, self.r
+                last.end.iterations, self.r
             )
             .into());
         }
@@ -227,7 +228,7 @@ pub(super) fn no_solution(
     stop: StopRule,
 ) -> Result<Option<String>, String> {
     let outcomes: Outcomes = from_json(inputs, &id(scene, stop, scene.drawn_r()), OUTCOMES)?;
-    let end = outcomes.levels.last().map_or(CONVERGED, Outcome::end);
+    let end = outcomes.levels.last().map_or(CONVERGED, Outcome::name);
     Ok((end != CONVERGED).then(|| end.replace('-', " ")))
 }
 
@@ -240,7 +241,7 @@ pub(super) fn label(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<St
     })
 }
 
-/// [End](Outcome::end) of an iteration with a solution.
+/// [End](Outcome::name) of an iteration with a solution.
 const CONVERGED: &str = "converged";
 
 /// Returns a line that counts the grids on which solves of a scene ended without a solution, if one of them is the
@@ -254,9 +255,9 @@ pub(crate) fn without_solution(
     for id in scene.stop.iter().flat_map(|&stop| ids(scene, stop)) {
         let Some(bytes) = outcomes(&id) else { continue };
         let Ok(Outcomes { levels, .. }) = serde_json::from_slice(&bytes) else { continue };
-        solved &= levels.last().is_none_or(|level| level.end() == CONVERGED);
+        solved &= levels.last().is_none_or(|level| level.name() == CONVERGED);
         for level in &levels {
-            grids.entry(level.end()).or_default().insert(level.nodes);
+            grids.entry(level.name()).or_default().insert(level.nodes);
         }
     }
     if solved {

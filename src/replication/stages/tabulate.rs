@@ -6,8 +6,9 @@ use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
 use crate::table::Table;
+use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::saddle::{Outcome, StopRule};
+use signorini_mathematics::saddle::StopRule;
 
 /// Artifact in the paper's layout.
 pub(crate) const TABLE: &str = "table.csv";
@@ -48,9 +49,9 @@ fn row(inputs: &Inputs, task: &str) -> Result<Row, String> {
     let finest = levels.last().ok_or_else(|| format!("{task} has solved on no grid"))?;
     Ok(Row {
         r,
-        counts: levels.iter().map(|level| level.iterations).collect(),
-        capped: levels.iter().map(|level| level.stop == Stop::IterationLimit).collect(),
-        delta_a: finest.delta_a,
+        counts: levels.iter().map(|level| level.end.iterations).collect(),
+        capped: levels.iter().map(|level| level.end.stop == Stop::IterationLimit).collect(),
+        delta_a: finest.end.change(),
     })
 }
 
@@ -59,7 +60,7 @@ fn ends(inputs: &Inputs, solves: &[String]) -> Result<Vec<Vec<&'static str>>, St
     let mut ends = Vec::new();
     for task in solves {
         let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
-        ends.push(levels.iter().map(Outcome::end).collect());
+        ends.push(levels.iter().map(Outcome::name).collect());
     }
     Ok(ends)
 }

@@ -4,6 +4,7 @@ pub(crate) mod adaptive;
 pub mod cells;
 pub(crate) mod components;
 pub mod contact;
+pub mod end;
 pub mod grid;
 pub mod kkt;
 pub mod law_and_load;

@@ -4,10 +4,12 @@ use super::Range;
 use super::known::{KnownSolution, SAMPLED, SolutionErrors};
 use super::problems::{CONTACT, paper_loads, stress_loads};
 use super::work::{self, Comparison, CostLaw, nodal_values};
+use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
+use crate::discrete::kkt::kkt;
 use crate::discrete::norms::{lumped, worst};
 use crate::discrete::stiffness::energy;
-use crate::multigrid::{Goal, InputError, Multigrid, MultigridOutcome, MultigridParams};
+use crate::multigrid::{Goal, InputError, Multigrid, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::spectral::SpectralParams;
@@ -98,7 +100,9 @@ pub struct Cost {
     pub bytes: f64,
     /// Cost of each of the [`GOALS`]: the discretisation error, a natural residual of [`TOLERANCE`], the rounding
     /// floor.
-    pub goals: [MultigridOutcome; 3],
+    pub goals: [End; 3],
+    /// Natural residual that is left at each of the goals, in the units of the load.
+    pub residuals: [f64; 3],
 }
 
 /// Ranges over problems and grids.
@@ -259,7 +263,9 @@ pub(super) fn cost(
     }
     let goals = goals.try_into().expect("one for each goal");
     let bytes = workspace.bytes() as f64 / load.len() as f64;
-    Ok(Costed { cost: Cost { name: name.into(), cells: n, bytes, goals }, solutions })
+    let grid = Grid::new(n).map_err(|e| e.to_string())?;
+    let residuals = solutions.each_ref().map(|y| kkt(grid, Law::SIGNORINI, y, load).natural);
+    Ok(Costed { cost: Cost { name: name.into(), cells: n, bytes, goals, residuals }, solutions })
 }
 
 /// Applies `f` to each pair of errors in the same norm.

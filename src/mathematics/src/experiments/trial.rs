@@ -1,5 +1,6 @@
 //! One run of a solver under stress, judged by [`judge`], which no solver uses for its own stop.
 
+use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
 use crate::discrete::stop::Stop;
@@ -7,7 +8,7 @@ use crate::machine::simd::Largest;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::law::Law;
 use crate::saddle::batch::{Job, run};
-use crate::saddle::{End, JobGoal, Pair, StopRule};
+use crate::saddle::{JobGoal, Pair, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// End of a run, and the judgement of [`judge`] on the vector that it returned.
@@ -81,11 +82,11 @@ fn finite(x: f64) -> Option<f64> {
 /// bound nothing.
 pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
     let ends = run(grid, Law::SIGNORINI, jobs);
-    jobs.iter().zip(ends).map(|(job, (end, pair))| saddle_trial(grid, job, &end, &pair)).collect()
+    jobs.iter().zip(ends).map(|(job, (end, pair))| saddle_trial(grid, job, end, &pair)).collect()
 }
 
-fn saddle_trial(grid: Grid, job: &Job, end: &End, pair: &Pair) -> Trial {
-    let stop = job.outcome(grid, Law::SIGNORINI, end, pair).stop;
+fn saddle_trial(grid: Grid, job: &Job, end: End, pair: &Pair) -> Trial {
+    let stop = job.outcome(grid, Law::SIGNORINI, end, pair).end.stop;
     let claim = match job.goal {
         JobGoal::Rule(StopRule::PrintedDual, tolerance) if stop == Stop::Converged => {
             Some(Claim::AtMost(tolerance * (1.0 / job.r).max(1.0)))
@@ -93,7 +94,7 @@ fn saddle_trial(grid: Grid, job: &Job, end: &End, pair: &Pair) -> Trial {
         _ => None,
     };
     let trial =
-        Trial { stop: Some(stop), steps: end.sweeps, work: end.sweeps as f64, ..Trial::default() };
+        Trial { stop: Some(stop), steps: end.sweeps(), work: end.work_units, ..Trial::default() };
     trial.judged(grid, job.load, &pair.y, claim)
 }
 
@@ -111,7 +112,7 @@ pub fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64
     };
     let trial = Trial {
         stop: Some(outcome.stop),
-        steps: outcome.cycles,
+        steps: outcome.iterations,
         work: outcome.work_units,
         ..Trial::default()
     };

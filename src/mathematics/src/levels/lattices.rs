@@ -1,11 +1,11 @@
 //! The paper's grids of the square, matrix-free, as the levels of a problem.
 
 use super::{
-    ActiveSetRun, ClosedCurve, Drawing, Integrals, KnownErrors, Levels, MultigridRun, NodalVectors,
-    SaddleRun,
+    ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, SaddleRun, Solved,
 };
 use crate::bounds::{Bounds, NoBound, bounds};
 use crate::discrete::contact::{ContactArc, arcs};
+use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, has_solution, judge};
 use crate::discrete::law_and_load::LawAndLoads;
@@ -14,12 +14,12 @@ use crate::discrete::norms::{errors, multiplier_error};
 use crate::formats::Fields;
 use crate::mesh::{AnyMesh, lattice_mesh, mesh_load, uniform_square};
 use crate::multigrid::active_set::active_set;
-use crate::multigrid::{InputError, MultigridParams, solve_square};
+use crate::multigrid::{MultigridParams, solve_square};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Component;
-use crate::saddle::{NestedGrids, Outcome, Pair, solve_nested};
+use crate::saddle::{NestedGrids, Pair, solve_nested};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -196,11 +196,11 @@ impl Levels for Lattices {
         Ok(Some((drawing, f)))
     }
 
-    fn multigrid(&self, law: Law, params: &MultigridParams) -> Result<MultigridRun, InputError> {
+    fn multigrid(&self, law: Law, params: &MultigridParams) -> Solved {
         solve_square(self.finest().cells(), law.with_load(self.finest_load()), None, params)
     }
 
-    fn active_set(&self, law: Law) -> Result<ActiveSetRun, InputError> {
+    fn active_set(&self, law: Law) -> Solved {
         active_set(self.finest().cells(), law, self.finest_load())
     }
 

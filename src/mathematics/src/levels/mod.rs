@@ -17,18 +17,18 @@ pub use triangulations::Triangulations;
 
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
+use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::Prolongation;
 use crate::mesh::{AnyMesh, PlaneMesh, Touching};
-use crate::multigrid::active_set::ActiveSetOutcome;
-use crate::multigrid::{InputError, MultigridOutcome, MultigridParams};
+use crate::multigrid::{InputError, MultigridParams};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::unsolvable::Component;
-use crate::saddle::{Monitor, Outcome, Pair, Params};
+use crate::saddle::{Monitor, Pair, Params};
 use std::borrow::Cow;
 
 /// Nested discrete problems of one domain and one f. Levels are numbered from 0 on, coarsest first.
@@ -126,13 +126,13 @@ pub trait Levels: Send + Sync {
     ///
     /// # Errors
     /// [`InputError`].
-    fn multigrid(&self, law: Law, params: &MultigridParams) -> Result<MultigridRun, InputError>;
+    fn multigrid(&self, law: Law, params: &MultigridParams) -> Solved;
 
     /// Solves on the finest level by the primal-dual active set.
     ///
     /// # Errors
     /// [`InputError`].
-    fn active_set(&self, law: Law) -> Result<ActiveSetRun, InputError>;
+    fn active_set(&self, law: Law) -> Solved;
 
     /// Runs a saddle-point method over all levels, with the load vector of each.
     fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair);
@@ -166,10 +166,8 @@ pub trait Levels: Send + Sync {
     }
 }
 
-/// Nodal vector, and the outcome of multigrid.
-pub type MultigridRun = (Vec<f64>, MultigridOutcome);
-/// Nodal vector, and the outcome of the active-set method.
-pub type ActiveSetRun = (Vec<f64>, ActiveSetOutcome);
+/// Nodal vector of the finest level, and the end of the solver there.
+pub type Solved = Result<(Vec<f64>, End), InputError>;
 
 /// Run of a saddle-point method.
 pub struct SaddleRun<'a> {

@@ -7,7 +7,6 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load::LoadRule;
 use crate::discrete::nested::NestedNetwork;
-use crate::discrete::verdict::Verdict;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -151,12 +150,6 @@ impl Problem {
     /// Judges a nodal vector of a level with this load vector.
     pub fn judge_on(&self, level: usize, vectors: NodalVectors<'_>) -> Judgement {
         self.levels.judge(level, self.law, vectors)
-    }
-
-    /// Verdict on a judged nodal vector of a level with this load vector.
-    pub fn verdict(&self, level: usize, load: &[f64], judgement: &Judgement) -> Verdict {
-        let is_solvable = self.levels.is_solvable(level, self.law, load);
-        Verdict::new(is_solvable, &judgement.kkt, judgement.energy, judgement.work)
     }
 
     /// Guaranteed bounds for a nodal vector of the finest level, but for what [`Problem::reserves`] lists.

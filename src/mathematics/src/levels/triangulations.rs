@@ -1,12 +1,13 @@
 //! A mesh with its refinements as the levels of a problem.
 
 use super::{
-    ActiveSetRun, ClosedCurve, Drawing, Integrals, KnownErrors, Levels, MultigridRun, NodalVectors,
-    ProblemError, SaddleRun,
+    ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError, SaddleRun,
+    Solved,
 };
 use crate::bounds::triangulation::bounds_on_mesh;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
+use crate::discrete::end::Outcome;
 use crate::discrete::kkt::{DiscreteDomain, Judgement, has_solution, judge};
 use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
@@ -16,14 +17,14 @@ use crate::mesh::{
     AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh,
     Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
+use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
-use crate::multigrid::{InputError, MultigridParams};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::Shape;
 use crate::problem::unsolvable::Component;
-use crate::saddle::{Outcome, Pair, solve_nested};
+use crate::saddle::{Pair, solve_nested};
 use std::any::Any;
 use std::borrow::Cow;
 
@@ -243,11 +244,11 @@ where
         Ok(Some((drawing, f)))
     }
 
-    fn multigrid(&self, law: Law, params: &MultigridParams) -> Result<MultigridRun, InputError> {
+    fn multigrid(&self, law: Law, params: &MultigridParams) -> Solved {
         solve_nested_networks(&self.nested.networks, law.with_load(self.finest_load()), params)
     }
 
-    fn active_set(&self, law: Law) -> Result<ActiveSetRun, InputError> {
+    fn active_set(&self, law: Law) -> Solved {
         active_set_on(self.network(), law, self.finest_load())
     }
 

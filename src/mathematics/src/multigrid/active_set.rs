@@ -23,6 +23,7 @@
 use super::direct::{BandOrder, Direct};
 use super::input::{InputError, check_length, check_load};
 use crate::discrete::components::components;
+use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network, count_components};
 use crate::discrete::stop::Stop;
@@ -45,28 +46,12 @@ const RESTART_SWEEPS: usize = 20;
 /// Limit on the number of linear systems.
 const MAX_STEPS: usize = 200;
 
-/// Result of the active set method without the solution itself.
-#[derive(Clone, Copy, Debug)]
-pub struct ActiveSetOutcome {
-    /// `Converged` if a step left all states as they were; `RoundingFloor` if a step led to earlier states,
-    /// which was seen only where multipliers or values are zero up to rounding errors.
-    pub stop: Stop,
-    /// Number of linear systems solved.
-    pub steps: usize,
-    /// Number of multiplications of the factorisations and solutions.
-    pub work: f64,
-}
-
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term on the boundary; see [`solve_square`](super::solve_square) for
-/// `A` and the layout of `load` and the solution. Starts with all boundary nodes at zero.
+/// `A` and the layout of `load` and the solution. Starts with all boundary nodes at zero. Ends as [`active_set_on`].
 ///
 /// # Errors
 /// If `n` is below 2, a length is wrong, a number is not finite, or the flux cannot balance the load.
-pub fn active_set(
-    n: usize,
-    law: Law,
-    load: &[f64],
-) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
+pub fn active_set(n: usize, law: Law, load: &[f64]) -> Result<(Vec<f64>, End), InputError> {
     if n < 2 {
         return Err(InputError::GridSize { cells: n, rule: "at least 2", nearest: vec![2] });
     }
@@ -77,13 +62,16 @@ pub fn active_set(
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its fixed
 /// nodes. Starts with all contact nodes at zero.
 ///
+/// Ends `Converged` if a step left all states as they were, and at the `RoundingFloor` if a step led to earlier states, which
+/// was seen only where multipliers or values are zero up to rounding errors.
+///
 /// # Errors
 /// If the length is wrong, a number is not finite, or in a component without fixed nodes the flux cannot balance the load.
 pub fn active_set_on(
     network: &Network,
     law: Law,
     load: &[f64],
-) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
+) -> Result<(Vec<f64>, End), InputError> {
     on_network(network, BandOrder::Reordered, law, load)
 }
 
@@ -92,7 +80,7 @@ fn on_network(
     order: BandOrder,
     law: Law,
     load: &[f64],
-) -> Result<(Vec<f64>, ActiveSetOutcome), InputError> {
+) -> Result<(Vec<f64>, End), InputError> {
     check_length(network.nodes(), load)?;
     let of_nodes = network.components();
     check_load(&components(network, &of_nodes, load), law)?;
@@ -140,8 +128,9 @@ fn on_network(
         };
     }
     y.iter_mut().for_each(|value| *value = one_sided.signed(*value));
-    let work = steps as f64 * (direct.factor_work() + 2.0 * direct.solve_work());
-    Ok((y, ActiveSetOutcome { stop, steps, work }))
+    let multiplications = steps as f64 * direct.step_work();
+    let work_units = multiplications / (network.row_length() * y.len() as f64);
+    Ok((y, End { iterations: steps, work_units, stop, delta_a: None }))
 }
 
 /// Replaces `y` by the solution with these states, with one step of iterative refinement.

@@ -1,4 +1,4 @@
-//! One cycle through the grids, and the nested iteration that leads to the finest grid.
+//! One cycle through the grids.
 //!
 //! An F-cycle on grid 5 (finest), with double visits from grid 2 down. Time runs to the right; `o` is a pass over a
 //! grid, `x` a direct solution.
@@ -16,7 +16,7 @@
 
 use super::layout::boundary_nodes;
 use super::pass::LevelProblem::{BoundaryLaw, Correction};
-use super::pass::Stage::{Correct, Interpolate, Relax, Restrict, StartRed};
+use super::pass::Stage::{Correct, Relax, Restrict, StartRed};
 use super::pass::{self, LevelProblem, Stage};
 use super::rows;
 use super::rows::Colour::{Black, Red};
@@ -54,20 +54,16 @@ enum Visits {
 }
 
 impl Multigrid {
-    /// Solves on all grids but the finest, each started from the next coarser one.
+    /// Applies one cycle in the nested iteration, or more if the residual is still large.
     ///
-    /// Two sweeps before the first correction let the contact set settle.
-    pub(super) fn nested_iteration(&mut self) {
-        self.solve_coarsest();
-        for l in 1..self.levels.len() - 1 {
-            self.pass_under_law(l, &Self::smooth_twice(Interpolate));
-            for _ in 0..MAX_NESTED_CYCLES {
-                let smooth = Self::smooth_twice(Correct(OVERCORRECTION));
-                self.find_correction(l, DOUBLE_VISITS_BELOW);
-                let residual = self.pass_under_law(l, &smooth);
-                if residual <= SETTLED * self.levels[l].load_scale {
-                    break;
-                }
+    /// The two sweeps before the first correction have let the contact set settle.
+    pub(super) fn settle(&mut self, l: usize) {
+        for _ in 0..MAX_NESTED_CYCLES {
+            let smooth = Self::smooth_twice(Correct(OVERCORRECTION));
+            self.find_correction(l, DOUBLE_VISITS_BELOW);
+            let residual = self.pass_under_law(l, &smooth);
+            if residual <= SETTLED * self.levels[l].load_scale {
+                break;
             }
         }
     }

@@ -51,6 +51,11 @@ impl Direct {
         self.matrix.solve_work()
     }
 
+    /// Number of multiplications of one step of the active set method: a factorisation, and a solution with refinement.
+    pub(crate) fn step_work(&self) -> f64 {
+        self.factor_work() + 2.0 * self.solve_work()
+    }
+
     /// Number of bytes of the matrix and its factors.
     pub(crate) fn bytes(&self) -> usize {
         size_of::<f64>() * (2 * self.factors.entries() + self.x.len())

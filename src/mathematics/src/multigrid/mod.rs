@@ -14,9 +14,9 @@
 //! 1. See the problem as one under a law `[0, limit]`, solved first without the limit; check the load, scale it by a
 //!    power of two, and restrict it to every coarser grid by full weighting (`solve.rs`, `load.rs`).
 //! 2. Solve the problem of the coarsest grid directly (`coarsest.rs`).
-//! 3. Nested iteration (`cycle.rs`): interpolate the solution to the next finer grid and apply one cycle there, or
+//! 3. Nested iteration (`driver.rs`): interpolate the solution to the next finer grid and apply one cycle there, or
 //!    more if the residual is still large; repeat up to the finest grid.
-//! 4. Apply cycles on the finest grid until the goal is reached (`stopping.rs`). One cycle on a problem under the law:
+//! 4. Apply cycles on the finest grid until the goal is reached (`driver.rs`). One cycle on a problem under the law:
 //!    1. Find the boundary nodes in contact, and the springs by which coarser grids represent them (`springs.rs`).
 //!    2. Restrict the residual of the nodes that are not in contact (`transfer.rs`).
 //!    3. Solve the linear correction problem recursively, by an F-cycle.
@@ -72,6 +72,7 @@ mod buffers;
 mod coarsest;
 mod cycle;
 pub(crate) mod direct;
+pub(crate) mod driver;
 pub(crate) mod input;
 mod layout;
 mod level;
@@ -81,17 +82,13 @@ mod rows;
 mod solve;
 mod springs;
 mod stencil;
-mod stopping;
 mod transfer;
 mod weighting;
 mod workspace;
 
+pub(crate) use driver::ROUNDING_FLOOR;
 pub use input::InputError;
-pub(crate) use stopping::ROUNDING_FLOOR;
 pub use workspace::{Multigrid, solve_square};
-
-use crate::discrete::stop::Stop;
-use serde::{Deserialize, Serialize};
 
 /// Goal at which multigrid stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,17 +117,4 @@ impl Default for MultigridParams {
     fn default() -> Self {
         Self { goal: Goal::RoundingFloor, max_cycles: 60 }
     }
-}
-
-/// Result of multigrid without the solution itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MultigridOutcome {
-    /// Reason for which the iteration ended.
-    pub stop: Stop,
-    /// Number of cycles on the finest grid.
-    pub cycles: usize,
-    /// Natural residual of the solution, not relative: in the units of the load.
-    pub kkt: f64,
-    /// Work in sweeps of the finest grid.
-    pub work_units: f64,
 }

@@ -1,9 +1,12 @@
 //! Public entry points: a workspace for repeated solution, and a function for a single one.
 
+use super::MultigridParams;
 use super::coarsest::Coarsest;
+use super::driver;
 use super::input::{InputError, coarsest_cells, nearest_sizes};
 use super::level::MultigridLevel;
-use super::{MultigridOutcome, MultigridParams};
+use super::solve::SquareRun;
+use crate::discrete::end::End;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::machine::threads::among_threads;
 use crate::problem::law::OneSided;
@@ -87,8 +90,14 @@ impl Multigrid {
         problem: LawAndLoad<'_>,
         start: Option<&[f64]>,
         params: &MultigridParams,
-    ) -> Result<MultigridOutcome, InputError> {
-        among_threads(self.finest().nodes, || self.solve_here(problem, start, params))
+    ) -> Result<End, InputError> {
+        among_threads(self.finest().nodes, || {
+            // The load is read in natural order and written in red and black rows, the solution the other way round.
+            (self.work_units, self.traffic) = (0.0, 32.0);
+            self.one_sided = problem.law.one_sided(problem.load);
+            let limit = self.one_sided.limit;
+            driver::solve(&mut SquareRun::new(self, problem, start, params.goal), limit, params)
+        })
     }
 }
 
@@ -107,7 +116,7 @@ pub fn solve_square(
     problem: LawAndLoad<'_>,
     start: Option<&[f64]>,
     params: &MultigridParams,
-) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+) -> Result<(Vec<f64>, End), InputError> {
     let mut grids = Multigrid::square(n)?;
     let mut solution = vec![0.0; problem.load.len()];
     let outcome = among_threads(problem.load.len(), || {

@@ -50,6 +50,11 @@ impl<'a> Cycle<'a> {
         2.0 * nodes.sum::<f64>() + self.coarsest.solve_work() / self.per_visit
     }
 
+    /// Number of visits of unknowns that so many steps of the active set method on the coarsest level take.
+    pub(super) fn coarsest_work(&self, steps: usize) -> f64 {
+        steps as f64 * self.coarsest.step_work() / self.per_visit
+    }
+
     /// Holds nodes of level `top` and of all coarser levels at zero; returns the work in visits of unknowns.
     pub(super) fn hold(&mut self, top: usize, held: &[bool]) -> f64 {
         let mut work = self.coarsest.factor_work() / self.per_visit;

@@ -15,7 +15,7 @@ pub(super) struct ContactProblem<'a> {
     /// True for each component that has a fixed node.
     pub(super) has_fixed: &'a [bool],
     /// Measure of the boundary of each component that balances the load if it slips down.
-    pub(super) needed: &'a [f64],
+    pub(super) needed: Vec<f64>,
 }
 
 /// Relative difference of energies that rounding errors may make.
@@ -38,7 +38,7 @@ struct Bend {
 
 /// Nodal vector on the way to the solution of one network.
 pub(super) struct Iterate<'a> {
-    problem: &'a ContactProblem<'a>,
+    problem: ContactProblem<'a>,
     load: &'a [f64],
     pub(super) y: Vec<f64>,
     /// `F - A y`, at all nodes; at nodes that slip down with their flux.
@@ -61,20 +61,22 @@ pub(super) struct Iterate<'a> {
 
 impl<'a> Iterate<'a> {
     /// Takes `y`, relaxes every node once, and holds the nodes in contact.
-    pub(super) fn new(problem: &'a ContactProblem<'a>, load: &'a [f64], y: Vec<f64>) -> Self {
+    pub(super) fn new(problem: ContactProblem<'a>, load: &'a [f64], y: Vec<f64>) -> Self {
         let nodes = y.len();
         let zeros = || vec![0.0; nodes];
+        let slips_down = vec![false; problem.network.contact().len()];
+        let is_guarded = problem.law.hi().is_finite();
         let mut iterate = Self {
             problem,
             load,
             y,
             residual: zeros(),
             held: vec![false; nodes],
-            slips_down: vec![false; problem.network.contact().len()],
+            slips_down,
             direction: zeros(),
             image: zeros(),
             product: 0.0,
-            is_guarded: problem.law.hi().is_finite(),
+            is_guarded,
             work: 0.0,
         };
         iterate.relax();
@@ -85,7 +87,7 @@ impl<'a> Iterate<'a> {
 
     /// One Gauss-Seidel sweep: the energy is minimised over one value after the other.
     fn relax(&mut self) {
-        let ContactProblem { network, law, .. } = *self.problem;
+        let ContactProblem { network, law, .. } = self.problem;
         let Self { y, held, slips_down, .. } = self;
         network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure }| {
             let value = law.settle(sum, diagonal, measure);
@@ -102,7 +104,7 @@ impl<'a> Iterate<'a> {
     ///
     /// True if there was such a component.
     fn shift_into_contact(&mut self) -> bool {
-        let ContactProblem { network, law, components, has_fixed, .. } = *self.problem;
+        let ContactProblem { network, law, components, has_fixed, .. } = self.problem;
         let mut balances = vec![Balance::default(); has_fixed.len()];
         for (b, (contact, &component)) in network.contact().iter().zip(components).enumerate() {
             let state = if self.held[contact.node] {
@@ -172,7 +174,7 @@ impl<'a> Iterate<'a> {
 
     /// Natural residual: the largest of `|A y - F|` and, over contact nodes, that of the law.
     pub(super) fn natural_residual(&self) -> f64 {
-        let ContactProblem { network, law, .. } = *self.problem;
+        let ContactProblem { network, law, .. } = self.problem;
         let mut largest = 0.0;
         for (node, &residual) in self.residual.iter().enumerate() {
             let violation = match network.condition(node) {
@@ -256,7 +258,7 @@ impl<'a> Iterate<'a> {
     /// Goes along the direction to the least energy, where each value that changes its sign bends it, and relaxes every
     /// node: so the energy never grows.
     fn descend(&mut self, Slope { product, curvature }: Slope) {
-        let ContactProblem { network, law, .. } = *self.problem;
+        let ContactProblem { network, law, .. } = self.problem;
         let mut bends: Vec<Bend> = Vec::new();
         for contact in network.contact() {
             let (y, direction) = (self.y[contact.node], self.direction[contact.node]);
@@ -287,7 +289,7 @@ impl<'a> Iterate<'a> {
     /// Holds the contact nodes whose values have changed their sign, and releases those whose multiplier is outside the
     /// interval of the law; true if there are any.
     fn adapt(&mut self) -> bool {
-        let ContactProblem { network, law, .. } = *self.problem;
+        let ContactProblem { network, law, .. } = self.problem;
         let mut changed = false;
         for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;

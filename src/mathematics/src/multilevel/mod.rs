@@ -1,6 +1,8 @@
 //! Solver of near-optimal cost on nested triangulations, in the plane and in space.
 //!
 //! # Algorithm
+//! The run is that of multigrid on the square (`driver.rs` there), with other steps.
+//!
 //! 1. Check the load, scale it by a power of two, and restrict it to every coarser network.
 //! 2. Solve the problem of the coarsest network by the active set method.
 //! 3. On each finer network in turn (`iterate.rs`): interpolate, relax all nodes once, hold the nodes that reach the

@@ -1,31 +1,30 @@
-//! Nested iteration and the stopping test.
+//! Nested networks as the levels of the driver.
 
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
 use crate::discrete::components::components;
+use crate::discrete::end::End;
 use crate::discrete::kkt::judge;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::{NestedNetwork, restricted};
+use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
+use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
+use crate::multigrid::driver::{self, Hierarchy, LoadScale};
 use crate::multigrid::input::{InputError, check_length, check_load};
-use crate::multigrid::{Goal, MultigridOutcome, MultigridParams, ROUNDING_FLOOR};
 use crate::problem::law::Law;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error is
 /// the goal. Each step lowers the distance to the least energy by ten and more, so that a hundredth of the discretisation
 /// error, a tenth in the energy norm, is left.
 const LAST_STEP: f64 = 0.1;
-/// Multiple of the rounding floor up to which a residual that no longer falls is one of rounding errors.
-const NEAR_FLOOR: f64 = 1e3;
 /// Steps in which the residual has to halve; if it does not, no further step may raise the energy.
 const PATIENCE: usize = 10;
-/// Reduction of the residual in the time of a restart from which on it no longer falls.
-const STAGNATION: f64 = 0.5;
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, and
-/// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the outcome without it.
+/// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.
 ///
 /// # Errors
 /// If the length of `load` is wrong, a number is not finite, or the flux cannot balance the load over a connected component
@@ -37,7 +36,7 @@ pub fn solve_nested_networks(
     levels: &[NestedNetwork],
     LawAndLoad { law, load }: LawAndLoad<'_>,
     params: &MultigridParams,
-) -> Result<(Vec<f64>, MultigridOutcome), InputError> {
+) -> Result<(Vec<f64>, End), InputError> {
     let network = &levels[levels.len() - 1].network;
     check_length(network.nodes(), load)?;
     let components = Components::of(levels, law, load)?;
@@ -46,21 +45,11 @@ pub fn solve_nested_networks(
     let scale = LoadStats::measure(&shifted).scale();
     let loads = restricted(levels, shifted.iter().map(|value| value / scale).collect());
     let nested = NestedProblem { levels, loads, components, scale };
-    let (mut y, mut progress) = nested.solve(f64::INFINITY, params)?;
-    let limit = one_sided.limit / scale;
-    if limit.is_finite() && nested.exceeds(limit, &y)? {
-        let work = progress.work;
-        (y, progress) = nested.solve(limit, params)?;
-        progress.work += work;
-    }
+    let mut run = NetworkRun::new(&nested);
+    let end = driver::solve(&mut run, one_sided.limit, params)?;
+    let mut y = run.take_y();
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
-    let outcome = MultigridOutcome {
-        stop: progress.stop,
-        cycles: progress.cycles,
-        kkt: progress.residual * scale,
-        work_units: progress.work / network.nodes() as f64,
-    };
-    Ok((y, outcome))
+    Ok((y, end))
 }
 
 /// Nested problems under a law `[0, limit]`.
@@ -89,59 +78,6 @@ impl NestedProblem<'_> {
             finest.perimeter() / network.perimeter()
         };
         Ok(Law::new(0.0, limit * longer)?)
-    }
-
-    /// True if the flux of a nodal vector, solved for without a limit, exceeds this limit: otherwise it solves the problem
-    /// with the limit, too.
-    fn exceeds(&self, limit: f64, y: &[f64]) -> Result<bool, InputError> {
-        let finest = self.finest();
-        let (network, load) = (&self.levels[finest].network, &self.loads[finest]);
-        let [with, without] = [self.law(limit, finest)?, Law::SIGNORINI]
-            .map(|law| judge(network, law, y, load).kkt.natural);
-        Ok(with > without)
-    }
-
-    /// Solves on all levels with this limit, each level started from the next coarser one.
-    fn solve(
-        &self,
-        limit: f64,
-        params: &MultigridParams,
-    ) -> Result<(Vec<f64>, Progress), InputError> {
-        let Self { levels, loads, components, scale } = self;
-        let (finest, coarsest) = (self.finest(), &levels[0].network);
-        let needed = components.needed(&loads[finest], limit);
-        let law = self.law(limit, 0)?;
-        let (mut y, direct) = active_set_on(coarsest, law, &loads[0])?;
-        let judged = judge(coarsest, law, &y, &loads[0]);
-        let mut progress = Progress {
-            stop: direct.stop,
-            cycles: 0,
-            residual: judged.kkt.natural,
-            coarse_energy: judged.energy,
-            work: direct.work / levels[finest].network.row_length(),
-        };
-        let mut cycle = Cycle::new(levels);
-        for level in 1..levels.len() {
-            y = levels[level].interpolate(&y);
-            let problem = ContactProblem {
-                network: &levels[level].network,
-                law: self.law(limit, level)?,
-                components: &components.of_contact[level],
-                has_fixed: &components.has_fixed,
-                needed: &needed,
-            };
-            let mut iterate = Iterate::new(&problem, &loads[level], y);
-            if level < finest {
-                iterate.step(&mut cycle, level);
-                progress.coarse_energy = iterate.energy();
-            } else {
-                let target = FinestTarget { level, scale: *scale, params };
-                progress.run(&mut iterate, &mut cycle, &target);
-            }
-            progress.work += iterate.work;
-            y = iterate.y;
-        }
-        Ok((y, progress))
     }
 }
 
@@ -184,79 +120,149 @@ impl Components {
     }
 }
 
-/// Target of the iteration on the finest level.
-struct FinestTarget<'a> {
-    level: usize,
-    /// Factor by which the load was divided.
-    scale: f64,
-    params: &'a MultigridParams,
-}
-
-/// Iteration on the finest level.
-struct Progress {
-    stop: Stop,
-    cycles: usize,
-    /// Natural residual of the scaled load.
-    residual: f64,
+/// Solution of nested problems.
+struct NetworkRun<'a> {
+    nested: &'a NestedProblem<'a>,
+    cycle: Cycle<'a>,
+    /// Limit of the flux, divided as the load.
+    limit: f64,
+    /// Measure of the boundary of each component that balances the load if it slips down.
+    needed: Vec<f64>,
+    /// Nodal vector of the coarsest level.
+    coarsest: Vec<f64>,
+    /// Nodal vector of a finer level.
+    iterate: Option<Iterate<'a>>,
     /// Energy on the level before.
     coarse_energy: f64,
-    /// Visits of unknowns.
+    /// Energy by which the last step has lowered that on the finest level.
+    lowered: f64,
+    /// Residual on the finest level when it had last halved.
+    halved: f64,
+    /// Steps since then.
+    since: usize,
+    /// Visits of unknowns on the levels before.
     work: f64,
 }
 
-impl Progress {
-    /// Applies steps until the goal is reached.
-    fn run(&mut self, iterate: &mut Iterate<'_>, cycle: &mut Cycle<'_>, target: &FinestTarget<'_>) {
-        let FinestTarget { level, scale, params } = *target;
-        let mut renewed = f64::INFINITY;
-        self.residual = iterate.natural_residual();
-        let (mut halved, mut since) = (self.residual, 0);
-        self.stop = loop {
-            if self.cycles == params.max_cycles {
-                break Stop::IterationLimit;
-            }
-            let lowered = iterate.step(cycle, level);
-            self.cycles += 1;
-            self.residual = iterate.natural_residual();
-            if !self.residual.is_finite() {
-                break Stop::Diverged;
-            }
-            since += 1;
-            if self.residual <= 0.5 * halved {
-                (halved, since) = (self.residual, 0);
-            }
-            // Sets of held nodes may follow each other in a circle; where the energy falls, none returns.
-            iterate.is_guarded |= since >= PATIENCE;
-            match params.goal {
-                Goal::DiscretisationError => {
-                    // The energy's error falls by four from one network to the next. On a curved boundary the domain
-                    // changes as well, by as much.
-                    let discretisation = (self.coarse_energy - iterate.energy()).abs() / 3.0;
-                    if lowered <= LAST_STEP * discretisation {
-                        break Stop::Converged;
-                    }
-                }
-                Goal::Kkt(tolerance) if self.residual * scale <= tolerance => {
-                    iterate.renew_residual();
-                    self.residual = iterate.natural_residual();
-                    if self.residual * scale <= tolerance {
-                        break Stop::Converged;
-                    }
-                }
-                Goal::Kkt(_) | Goal::RoundingFloor => {}
-            }
-            let floor = ROUNDING_FLOOR * iterate.rounding();
-            if self.residual <= floor {
-                // The residual of the recurrence goes on falling below that of the nodal vector.
-                iterate.renew_residual();
-                self.residual = iterate.natural_residual();
-                let no_longer_falls =
-                    self.residual >= STAGNATION * renewed && self.residual <= NEAR_FLOOR * floor;
-                if self.residual <= floor || no_longer_falls {
-                    break Stop::RoundingFloor;
-                }
-                renewed = self.residual;
-            }
+impl<'a> NetworkRun<'a> {
+    fn new(nested: &'a NestedProblem<'a>) -> Self {
+        Self {
+            nested,
+            cycle: Cycle::new(nested.levels),
+            limit: f64::INFINITY,
+            needed: Vec::new(),
+            coarsest: Vec::new(),
+            iterate: None,
+            coarse_energy: 0.0,
+            lowered: 0.0,
+            halved: f64::INFINITY,
+            since: 0,
+            work: 0.0,
+        }
+    }
+
+    /// Takes the nodal vector of the present level.
+    fn take_y(&mut self) -> Vec<f64> {
+        let Some(iterate) = self.iterate.take() else { return std::mem::take(&mut self.coarsest) };
+        self.work += iterate.work;
+        iterate.y
+    }
+
+    /// Nodal vector on the finest level, where that is not the coarsest.
+    fn fine(&mut self) -> &mut Iterate<'a> {
+        self.iterate.as_mut().expect("a level finer than the coarsest")
+    }
+}
+
+impl Hierarchy for NetworkRun<'_> {
+    const BY_RECURRENCE: bool = true;
+
+    fn finest(&self) -> usize {
+        self.nested.finest()
+    }
+
+    fn set_problem(&mut self, limit: f64) -> Result<LoadScale, InputError> {
+        let NestedProblem { loads, components, scale, .. } = self.nested;
+        // What has been done before counts as well.
+        self.take_y();
+        self.limit = limit / scale;
+        let load = &loads[self.finest()];
+        self.needed = components.needed(load, self.limit);
+        Ok(LoadScale { scale: *scale, largest: largest(load) })
+    }
+
+    fn solve_coarsest(&mut self) -> Result<Stop, InputError> {
+        let (network, load) = (&self.nested.levels[0].network, &self.nested.loads[0]);
+        let law = self.nested.law(self.limit, 0)?;
+        let (y, end) = active_set_on(network, law, load)?;
+        self.coarse_energy = judge(network, law, &y, load).energy;
+        self.work += self.cycle.coarsest_work(end.iterations);
+        self.coarsest = y;
+        Ok(end.stop)
+    }
+
+    fn refine(&mut self, level: usize) -> Result<f64, InputError> {
+        let NestedProblem { levels, loads, components, .. } = self.nested;
+        let y = levels[level].interpolate(&self.take_y());
+        let problem = ContactProblem {
+            network: &levels[level].network,
+            law: self.nested.law(self.limit, level)?,
+            components: &components.of_contact[level],
+            has_fixed: &components.has_fixed,
+            needed: self.needed.clone(),
         };
+        let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));
+        (self.halved, self.since) = (iterate.natural_residual(), 0);
+        Ok(self.halved)
+    }
+
+    fn settle(&mut self, level: usize) {
+        let iterate = self.iterate.as_mut().expect("a level finer than the coarsest");
+        iterate.step(&mut self.cycle, level);
+        self.coarse_energy = iterate.energy();
+    }
+
+    fn step(&mut self, _residual: f64) -> f64 {
+        let finest = self.finest();
+        let iterate = self.iterate.as_mut().expect("a level finer than the coarsest");
+        self.lowered = iterate.step(&mut self.cycle, finest);
+        let residual = iterate.natural_residual();
+        self.since += 1;
+        if residual <= 0.5 * self.halved {
+            (self.halved, self.since) = (residual, 0);
+        }
+        // Sets of held nodes may follow each other in a circle; where the energy falls, none returns.
+        iterate.is_guarded |= self.since >= PATIENCE;
+        residual
+    }
+
+    /// The energy's error falls by four from one network to the next. On a curved boundary the domain changes as well, by
+    /// as much.
+    fn is_within_discretisation_error(&mut self) -> bool {
+        let discretisation = (self.coarse_energy - self.fine().energy()).abs() / 3.0;
+        self.lowered <= LAST_STEP * discretisation
+    }
+
+    fn computed_residual(&mut self) -> f64 {
+        let iterate = self.fine();
+        iterate.renew_residual();
+        iterate.natural_residual()
+    }
+
+    fn rounding(&mut self) -> f64 {
+        self.fine().rounding()
+    }
+
+    fn residual_under(&mut self, limit: f64) -> Result<f64, InputError> {
+        let finest = self.finest();
+        let (network, load) = (&self.nested.levels[finest].network, &self.nested.loads[finest]);
+        let law = self.nested.law(limit / self.nested.scale, finest)?;
+        let y = self.iterate.as_ref().map_or(&self.coarsest, |iterate| &iterate.y);
+        Ok(judge(network, law, y, load).kkt.natural)
+    }
+
+    fn work_units(&self) -> f64 {
+        let work = self.work + self.iterate.as_ref().map_or(0.0, |iterate| iterate.work);
+        work / self.nested.levels[self.finest()].network.nodes() as f64
     }
 }

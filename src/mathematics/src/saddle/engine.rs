@@ -7,6 +7,7 @@
 use super::Pair;
 use super::method::Method;
 use super::stopping::{GradientMeasure, RoundingFloor, SWEEPS_TO_FLOOR};
+use crate::discrete::end::End;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use std::array::from_fn;
@@ -70,19 +71,6 @@ pub struct RunState {
     pub delta_a: f64,
 }
 
-/// End of a run, as the loop knows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
-    /// Steps of the multiplier done: the iterations of the paper.
-    pub iterations: usize,
-    /// Number of Gauss-Seidel sweeps.
-    pub sweeps: usize,
-    /// Last change of the multiplier, the paper's Delta a; NaN if a value was no longer finite.
-    pub delta_a: f64,
-    /// Reason for the end.
-    pub stop: Stop,
-}
-
 /// Conditions that end the runs in the lanes of an engine.
 pub trait Goals<E: ?Sized, const K: usize> {
     /// Called after the sweeps over y, before the multiplier's step (12).
@@ -123,14 +111,7 @@ impl RunState {
 
     fn end(&self, stop: Stop) -> End {
         let &Self { iterations, sweeps, delta_a, .. } = self;
-        End { iterations, sweeps, delta_a, stop }
-    }
-}
-
-impl End {
-    /// The sweeps, if the goal was reached.
-    pub fn count(&self) -> Option<usize> {
-        (self.stop == Stop::Converged).then_some(self.sweeps)
+        End { iterations, work_units: sweeps as f64, stop, delta_a: Some(delta_a) }
     }
 }
 

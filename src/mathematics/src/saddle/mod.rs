@@ -6,17 +6,15 @@ mod engine;
 mod method;
 mod nested;
 mod network;
-mod outcome;
 mod plain;
 mod solve;
 mod square;
 mod stopping;
 mod sweep;
 
-pub use engine::{End, Engine, Goals, RunStart, RunState, run, run_alone};
+pub use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
 pub use method::Method;
 pub use nested::{Monitor, NestedGrids, NestedLevels, run_nested, solve_nested, tolerance};
-pub use outcome::Outcome;
 pub use plain::Plain;
 pub use solve::{Iteration, JobGoal, OnIteration, Params, SaddleDomain, arrow_hurwicz, solve};
 pub use stopping::{GradientMeasure, StopRule};

@@ -1,7 +1,8 @@
 //! Runs over nested grids and networks: on each from the interpolated pair of the one before.
 
+use super::Pair;
 use super::solve::{Iteration, OnIteration, Params, SaddleDomain, solve};
-use super::{Outcome, Pair};
+use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
 use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
@@ -142,7 +143,7 @@ pub fn solve_nested<L: NestedLevels + ?Sized>(
             solve(levels.domain(k), law.with_load(&loads[k]), &params, pair, on_iteration);
         monitor.level(level, pair);
         outcomes.push(outcome);
-        if outcome.stop == Stop::Diverged { Err(outcome.stop) } else { Ok(()) }
+        if outcome.end.stop == Stop::Diverged { Err(outcome.end.stop) } else { Ok(()) }
     });
     let [pair] = pair;
     (outcomes, pair)

@@ -1,15 +1,17 @@
 //! One run of a method on one grid or network, until its stopping rule is met.
 
-use super::engine::{End, Engine, MeasureBound, RunStart, RunState, run_alone, within};
+use super::Pair;
+use super::engine::{Engine, MeasureBound, RunStart, RunState, run_alone, within};
 use super::method::Method;
 use super::network::OnNetwork;
 use super::square::OnSquare;
 use super::stopping::{GradientMeasure, StopRule};
-use super::{Outcome, Pair};
+use crate::discrete::end::{End, Outcome};
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::DiscreteDomain;
+use crate::discrete::kkt::{DiscreteDomain, has_solution, judge};
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::network::Network;
+use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 
@@ -137,7 +139,7 @@ pub fn solve(
     let last = engine.pair(0).into_owned();
     drop(engine);
     *pair = last;
-    Outcome::judge(domain, problem, pair, &end, gradient)
+    judged(domain, problem, pair, end, gradient)
 }
 
 /// Solves by the paper's method whatever `params.method` says, without a monitor.
@@ -169,6 +171,28 @@ fn run_to_rule(
         }
         within(engine, [goal.bound(run)])[0]
     })
+}
+
+/// Judges `pair` after the end of an iteration; `gradient` has the largest component of (8), and the largest absolute
+/// value.
+pub(super) fn judged(
+    domain: impl DiscreteDomain,
+    LawAndLoad { law, load }: LawAndLoad<'_>,
+    pair: &Pair,
+    end: End,
+    [gradient_signed, gradient_abs]: [f64; 2],
+) -> Outcome {
+    let (shape, judgement) = (domain.shape(), judge(domain, law, &pair.y, load));
+    // Without contact nodes the least multiplier is infinite.
+    let finite = [judgement.energy, gradient_abs, judgement.kkt.natural]
+        .iter()
+        .all(|value| value.is_finite())
+        && judgement.kkt.min_lambda > f64::NEG_INFINITY;
+    let end = End { stop: if finite { end.stop } else { Stop::Diverged }, ..end };
+    let has_solution = has_solution(domain, law, load);
+    let outcome = Outcome::new(end, &judgement, shape.cells, load, has_solution);
+    let (gradient_signed, gradient_abs) = (Some(gradient_signed), Some(gradient_abs));
+    Outcome { gradient_signed, gradient_abs, ..outcome }
 }
 
 /// Largest component of the gradient (8), and largest absolute value of a component; NaN if one is.

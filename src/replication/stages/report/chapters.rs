@@ -14,13 +14,14 @@ use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::load::integral;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::truth::{Elements, Truth};
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{Iteration, Outcome, Pair, StopRule, tolerance};
+use signorini_mathematics::saddle::{Iteration, Pair, StopRule, tolerance};
 use std::collections::BTreeMap;
 use tera::Context;
 
@@ -107,7 +108,7 @@ fn problem(
                 "printed": last_printed,
                 "dual": last_dual,
                 // `max |dM/dy|` over the tolerance where the signed rule stops.
-                "excess": last_signed.gradient_abs / bound,
+                "excess": last_signed.gradient_abs.map(|gradient| gradient / bound),
             }));
         }
     }
@@ -222,7 +223,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         // The exact solution in LaTeX, if it is known.
         "exact": exact.map(Exact::latex),
         // Per grid, as `solve` names it.
-        "ends": outcomes.levels.iter().map(Outcome::end).collect::<Vec<_>>(),
+        "ends": outcomes.levels.iter().map(Outcome::name).collect::<Vec<_>>(),
         "outcomes": outcomes,
     });
     Ok(extended(scene, more))

@@ -10,13 +10,14 @@ pub use ratios::Ratios;
 pub use tally::{ClaimTally, ClaimVerdict};
 pub use verdict::{DualFactors, GainsAt, Spread, Verdicts};
 
+use crate::discrete::end::End;
 use crate::discrete::load::LoadRule;
 use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{FRICTION, FrictionProblem, TableProblem};
 use crate::problem::law::LawParameter;
-use crate::saddle::{End, Method, StopRule};
+use crate::saddle::{Method, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
@@ -205,7 +206,7 @@ pub struct Count {
 impl Count {
     /// Count of a run that has ended.
     fn of(end: &End) -> Self {
-        Self { iterations: end.sweeps, stop: end.stop }
+        Self { iterations: end.sweeps(), stop: end.stop }
     }
 
     /// Number of iterations, if the run reached its end.

@@ -1,6 +1,7 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
 use super::{ClaimsPlan, Count, KktTarget, VARIANTS, WeightRow};
+use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
@@ -10,7 +11,7 @@ use crate::experiments::problems::{ProblemOnGrids, TableProblem};
 use crate::problem::law::Law;
 use crate::saddle::batch::{Job, LANES, NestedJob, run, run_all_nested};
 use crate::saddle::{
-    End, JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested,
+    JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested,
 };
 use rayon::prelude::*;
 
@@ -139,7 +140,7 @@ impl<'a> ClaimCase<'a> {
                 return Ok(());
             }
             let outcome = arrow_hurwicz(grids[k], law.with_load(&solvable[k]), &params, pair);
-            match outcome.stop {
+            match outcome.end.stop {
                 Stop::Converged => Ok(()),
                 stop => Err(format!("no solution on grid 1/{}: {stop}", grids[k].cells())),
             }
@@ -199,7 +200,7 @@ impl<'a> ClaimCase<'a> {
     fn result(&self, grid: Grid, load: &[f64], (end, pair): &(End, Pair)) -> RunResult {
         RunResult {
             count: Count::of(end),
-            delta_a: end.delta_a,
+            delta_a: end.change(),
             kkt: kkt(grid, self.law, &pair.y, load).relative,
         }
     }

@@ -122,8 +122,8 @@ pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<Counted
                 Params { r, rule, max_iterations: plan.max_iterations, ..Params::default() };
             let (outcomes, _) =
                 solve_nested(levels, made.law().with_loads(loads), &params, &mut ());
-            let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.iterations).collect();
-            (counts, outcomes[outcomes.len() - 1].delta_a)
+            let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.end.iterations).collect();
+            (counts, outcomes[outcomes.len() - 1].end.change())
         };
         let ((signed, delta_a), (printed, _)) = (run(StopRule::Signed), run(StopRule::Printed));
         CountsRow { r, signed, printed, delta_a }
@@ -156,7 +156,7 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
             let params = Params { r, rule: StopRule::Signed, max_iterations, ..Params::default() };
             let (outcomes, _) =
                 solve_nested(&levels, made.law().with_loads(&loads), &params, &mut ());
-            let counts_of_r = outcomes.iter().map(|outcome| outcome.iterations).collect();
+            let counts_of_r = outcomes.iter().map(|outcome| outcome.end.iterations).collect();
             counts.push(NumberingCounts { numbering, r, counts: counts_of_r });
         }
     }

@@ -181,8 +181,8 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
         name: domain.name.clone(),
         f: domain.f.clone(),
         nodes: exact.y.len(),
-        work_units: [&rough, &exact].map(|run| run.last().work_units.unwrap_or(f64::NAN)),
-        steps: [&rough, &exact].map(|run| run.last().iterations),
+        work_units: [&rough, &exact].map(|run| run.last().end.work_units),
+        steps: [&rough, &exact].map(|run| run.last().end.iterations),
         algebraic: (2.0 * (rough.last().energy - exact.last().energy).max(0.0)).sqrt()
             / bounds.error[1],
         relative: exact.last().kkt.relative,

@@ -1,6 +1,7 @@
 //! Forced and free runs, grid by grid.
 
 use super::{Evaluator, Forced, Table};
+use crate::discrete::end::End;
 use crate::discrete::stop::Stop;
 use crate::saddle::batch::LANES;
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
@@ -76,7 +77,7 @@ impl Evaluator<'_> {
             if gave_up {
                 return Err(());
             }
-            forced.delta_a = ends.iter().flatten().map(|end| end.delta_a).collect();
+            forced.delta_a = ends.iter().flatten().map(End::change).collect();
             Ok(())
         });
         if finished.is_err() {
@@ -227,7 +228,7 @@ impl Evaluator<'_> {
             });
             for ((counts, delta_a), end) in ends.iter_mut().zip(done.iter().flatten()) {
                 counts.push(end.count().map(|sweeps| sweeps - uncounted));
-                *delta_a = end.delta_a;
+                *delta_a = end.change();
             }
             Ok::<(), Infallible>(())
         };

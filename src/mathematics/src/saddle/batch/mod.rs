@@ -13,12 +13,13 @@ pub use arithmetic::V;
 pub use lanes::{Lanes, Order};
 
 use super::engine::{self, within};
-use super::solve::gradient_extrema;
+use super::solve::{gradient_extrema, judged};
+use crate::discrete::end::{End, Outcome};
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::saddle::{
-    End, Engine, Goals, JobGoal, Method, NestedGrids, Outcome, Pair, RunStart, RunState,
-    SaddleDomain, StopRule, run_nested, tolerance,
+    Engine, Goals, JobGoal, Method, NestedGrids, Pair, RunStart, RunState, SaddleDomain, StopRule,
+    run_nested, tolerance,
 };
 use std::array::from_fn;
 use std::convert::Infallible;
@@ -45,10 +46,10 @@ pub struct Job<'a> {
 
 impl Job<'_> {
     /// Judges the end of this run and its last pair.
-    pub fn outcome(&self, grid: Grid, law: Law, end: &End, pair: &Pair) -> Outcome {
+    pub fn outcome(&self, grid: Grid, law: Law, end: End, pair: &Pair) -> Outcome {
         let mut engine = grid.engine(law, &RunStart { pair, ..self.run() });
         let gradient = gradient_extrema(&mut *engine);
-        Outcome::judge(grid, law.with_load(self.load), pair, end, gradient)
+        judged(grid, law.with_load(self.load), pair, end, gradient)
     }
 
     fn run(&self) -> RunStart<'_> {
@@ -182,8 +183,9 @@ mod tests {
                     Params { r, rule, tolerance: 1e-4, max_iterations: 1000, ..Params::default() };
                 let mut pair = start.clone();
                 let theirs = arrow_hurwicz(grid, law.with_load(&load), &params, &mut pair);
-                assert_eq!((ours.sweeps, ours.delta_a), (theirs.iterations, theirs.delta_a));
-                assert_eq!(job((r, rule)).outcome(grid, law, &ours, &last), theirs);
+                assert_eq!(ours.sweeps(), theirs.end.iterations);
+                assert_eq!(ours.delta_a, theirs.end.delta_a);
+                assert_eq!(job((r, rule)).outcome(grid, law, ours, &last), theirs);
                 assert_eq!(last, pair);
             }
         }
@@ -234,7 +236,7 @@ mod tests {
                     let job = Job { load: &load, start: &start, method, r: 1.0, goal, cap };
                     let (end, _) = &run(grid, Law::SIGNORINI, &[job])[0];
                     assert!(end.stop != Stop::Converged, "node {node}, {goal:?}");
-                    assert_eq!(end.sweeps, 1);
+                    assert_eq!(end.sweeps(), 1);
                 }
             }
         }
@@ -260,7 +262,7 @@ mod tests {
                 };
                 let mut pair = start.clone();
                 let run = solve(grid, law.with_load(&load), &params, &mut pair, None);
-                assert_eq!((ours.sweeps, ours.delta_a), (run.sweeps, run.delta_a));
+                assert_eq!(ours, run.end);
                 assert_eq!((ours.stop, &last), (Stop::Converged, &pair));
             }
         }
