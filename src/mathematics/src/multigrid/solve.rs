@@ -4,9 +4,8 @@
 //! Where the law limits the flux, and two cycles have hardly lowered the residual, all later ones apply the part of the
 //! correction with the least energy.
 
-use super::Goal;
 use super::cycle::{DOUBLE_VISITS_BELOW, OVERCORRECTION};
-use super::driver::{Hierarchy, LoadScale};
+use super::driver::{self, Hierarchy, LoadScale};
 use super::input::{InputError, check_length, check_load, check_start};
 use super::level::MultigridLevel;
 use super::load;
@@ -16,10 +15,13 @@ use super::rows;
 use super::rows::Colour::{Black, Red};
 use super::stencil::{MULTIPLICATIONS_PER_VISIT, contact_nodes};
 use super::workspace::Multigrid;
+use super::{Goal, MultigridParams};
+use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load_stats::LoadStats;
 use crate::discrete::stop::Stop;
+use crate::machine::threads::among_threads;
 use crate::problem::law::Law;
 use crate::problem::unsolvable::Component;
 
@@ -29,7 +31,7 @@ use crate::problem::unsolvable::Component;
 /// The algebraic error is then below a tenth of the discretisation error in the energy norm, in all of 20 000 random
 /// problems. The largest residual would not do: single nodes at the ends of contact have large residuals and next to
 /// no energy.
-pub(super) const DISCRETISATION: f64 = 0.01;
+const DISCRETISATION: f64 = 0.01;
 /// Reduction of the natural residual by each of two cycles from which on, where values have both signs, the part of the
 /// correction is chosen by its energy.
 const STALLING: f64 = 0.3;
@@ -43,6 +45,26 @@ fn loaded_square(stats: &LoadStats) -> Component {
 }
 
 impl Multigrid {
+    /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
+    ///
+    /// # Errors
+    /// If a length is wrong, a number is not finite, or the flux cannot balance the load; under the paper's law, if its
+    /// sum is not negative.
+    pub fn solve(
+        &mut self,
+        problem: LawAndLoad<'_>,
+        start: Option<&[f64]>,
+        params: &MultigridParams,
+    ) -> Result<End, InputError> {
+        among_threads(self.finest().nodes, || {
+            // The load is read in natural order and written in red and black rows, the solution the other way round.
+            (self.work_units, self.traffic) = (0.0, 32.0);
+            self.one_sided = problem.law.one_sided(problem.load);
+            let limit = self.one_sided.limit;
+            driver::solve(&mut SquareRun::new(self, problem, start, params.goal), limit, params)
+        })
+    }
+
     /// Copies the solution in the order of the load.
     ///
     /// # Panics
@@ -141,23 +163,23 @@ impl Multigrid {
 }
 
 /// Solution of one problem on the grids of the square.
-pub(super) struct SquareRun<'a> {
+struct SquareRun<'a> {
     grids: &'a mut Multigrid,
     problem: LawAndLoad<'a>,
     /// Start on the finest grid, instead of the nested iteration.
     start: Option<&'a [f64]>,
     goal: Goal,
-    parts: Parts,
+    parts: PartRule,
 }
 
 impl<'a> SquareRun<'a> {
-    pub(super) fn new(
+    fn new(
         grids: &'a mut Multigrid,
         problem: LawAndLoad<'a>,
         start: Option<&'a [f64]>,
         goal: Goal,
     ) -> Self {
-        Self { grids, problem, start, goal, parts: Parts::default() }
+        Self { grids, problem, start, goal, parts: PartRule::default() }
     }
 }
 
@@ -175,7 +197,7 @@ impl Hierarchy for SquareRun<'_> {
         if self.goal == Goal::DiscretisationError && grids.levels.len() > 1 {
             grids.coarse_load = grids.coarse_norm();
         }
-        self.parts = Parts::default();
+        self.parts = PartRule::default();
         Ok(LoadScale { scale: grids.scale, largest: grids.finest().load_scale })
     }
 
@@ -264,20 +286,20 @@ enum CyclePart {
 }
 
 /// Choice of the part of the correction, by the residuals so far.
-struct Parts {
+struct PartRule {
     /// Residuals before the last two cycles, the last one first.
     last: [f64; 2],
     /// True if two cycles have hardly lowered the residual.
     has_stalled: bool,
 }
 
-impl Default for Parts {
+impl Default for PartRule {
     fn default() -> Self {
         Self { last: [f64::INFINITY; 2], has_stalled: false }
     }
 }
 
-impl Parts {
+impl PartRule {
     /// Part of the next correction, where the residual is this one.
     fn next(&mut self, residual: f64, has_limit: bool) -> CyclePart {
         let [previous, before] = self.last;
@@ -299,9 +321,9 @@ impl Parts {
 mod tests {
     use super::*;
 
-    /// Parts of the correction before which the residuals are these.
+    /// PartRule of the correction before which the residuals are these.
     fn parts(residuals: &[f64], has_limit: bool) -> Vec<CyclePart> {
-        let mut parts = Parts::default();
+        let mut parts = PartRule::default();
         residuals.iter().map(|residual| parts.next(*residual, has_limit)).collect()
     }
 

@@ -36,7 +36,9 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
+use super::layout::boundary_number;
 use super::level::MultigridLevel;
+use crate::discrete::grid::Grid;
 
 /// Distance from the last node in contact to the end of the equivalent interval: sqrt(2) / 4.
 const TIP: f64 = SQRT_2 / 4.0;
@@ -101,17 +103,10 @@ fn find_springs(n: usize, around: &[bool], intervals: &[Interval], springs: &mut
     }
 }
 
-/// Number of the boundary node that is the `p`-th counter-clockwise from the corner (0, 0).
+/// Number of the boundary node that is the `p`-th in the order of [`Grid::boundary`].
 fn number(n: usize, p: usize) -> usize {
-    if p <= n {
-        p
-    } else if p < 2 * n {
-        2 * p - n
-    } else if p <= 3 * n {
-        6 * n - 1 - p
-    } else {
-        9 * n - 1 - 2 * p
-    }
+    let (i, j) = Grid::new(n).expect("two cells at least").boundary_node(p);
+    boundary_number(n, [i, j])
 }
 
 /// Intervals equivalent to the runs of nodes in contact; empty if no node is free.

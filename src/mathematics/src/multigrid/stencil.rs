@@ -140,12 +140,10 @@ pub(super) fn edges(row: GridRow, colour: Colour) -> impl Iterator<Item = (usize
 /// Boundary nodes in the order of their numbers, with their positions in natural order.
 pub(super) fn contact_nodes(n: usize) -> Vec<ContactNode> {
     let mut nodes = Vec::with_capacity(boundary_nodes(n));
-    let side = 1.0 / n as f64;
+    let measure = 1.0 / n as f64;
     for j in 0..=n {
         let step = if (GridRow { n, j }).is_inner() { n } else { 1 };
         for i in (0..=n).step_by(step) {
-            let share = share(n, i) * share(n, j);
-            let measure = 2.0 * share * sides(share) * side;
             nodes.push(ContactNode { node: j * (n + 1) + i, measure });
         }
     }

@@ -2,10 +2,8 @@
 
 use super::MultigridParams;
 use super::coarsest::Coarsest;
-use super::driver;
 use super::input::{InputError, coarsest_cells, nearest_sizes};
 use super::level::MultigridLevel;
-use super::solve::SquareRun;
 use crate::discrete::end::End;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::machine::threads::among_threads;
@@ -78,26 +76,6 @@ impl Multigrid {
     /// On grids too large for the caches, this number over the bandwidth of the memory is a lower bound of the time.
     pub fn traffic(&self) -> f64 {
         self.traffic
-    }
-
-    /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
-    ///
-    /// # Errors
-    /// If a length is wrong, a number is not finite, or the flux cannot balance the load; under the paper's law, if its
-    /// sum is not negative.
-    pub fn solve(
-        &mut self,
-        problem: LawAndLoad<'_>,
-        start: Option<&[f64]>,
-        params: &MultigridParams,
-    ) -> Result<End, InputError> {
-        among_threads(self.finest().nodes, || {
-            // The load is read in natural order and written in red and black rows, the solution the other way round.
-            (self.work_units, self.traffic) = (0.0, 32.0);
-            self.one_sided = problem.law.one_sided(problem.load);
-            let limit = self.one_sided.limit;
-            driver::solve(&mut SquareRun::new(self, problem, start, params.goal), limit, params)
-        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::multigrid::coarsest::Coarsest;
-use crate::multigrid::layout::{boundary_number, share};
+use crate::multigrid::layout::share;
 
 /// Contact flags counter-clockwise for these nodes in contact.
 fn set(n: usize, nodes: impl IntoIterator<Item = usize>) -> Vec<bool> {
@@ -191,17 +191,5 @@ fn corner_constants_are_those_of_the_lattice() {
     for t in [0.2, 0.5, 0.8_f64] {
         let reach = reach_around_the_corner(1.0 / (2.0 + CORNER_SPRING * t / (1.0 - t)));
         assert!((reach / (CORNER_LEG * t.sqrt()) - 1.0).abs() < 1e-3, "{t}: {reach}");
-    }
-}
-
-#[test]
-fn the_perimeter_passes_every_boundary_node_once() {
-    for n in [2, 4, 6] {
-        let sides = (0..n).map(|k| [[k, 0], [n, k], [n - k, n], [0, n - k]]);
-        for (k, side) in sides.enumerate() {
-            for (turn, node) in side.iter().enumerate() {
-                assert_eq!(number(n, turn * n + k), boundary_number(n, *node), "{node:?}");
-            }
-        }
     }
 }
