@@ -26,8 +26,8 @@ use std::time::Instant;
 /// `interrupted` is read before each task starts; a task that has started is finished.
 ///
 /// # Errors
-/// [`Error::Input`] or [`Error::Io`] if the cache refuses, or if one task is to run alone and another, which it needs, is
-/// not up to date; [`Error::Interrupted`].
+/// [`Error::Input`] or [`Error::Io`] if the cache refuses, or if one task is to run alone and another, which it needs,
+/// is not up to date; [`Error::Interrupted`].
 /// Tasks that fail are in the summary, not errors.
 pub fn execute(
     plan: &Plan,

@@ -123,7 +123,8 @@ fn task(scene: &Scene, cell: Cell) -> Task {
     Task { files, ..task }
 }
 
-/// Runs the paper's method for a cell, its mesh read from these files. Returns the outcome on each level, and the record.
+/// Runs the paper's method for a cell, its mesh read from these files. Returns the outcome on each level, and what was
+/// recorded.
 fn run(cell: &Cell, files: &InputFiles) -> Result<(Vec<Outcome>, Recorder), Failure> {
     let problem = cell.problem.problem(files)?;
     let loads: Vec<_> =

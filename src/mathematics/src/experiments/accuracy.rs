@@ -229,8 +229,8 @@ fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
     Ok(costs)
 }
 
-/// Solves a problem on the grid with `n` cells per side to each of the [`GOALS`]; returns the cost, and the nodal vectors
-/// with which they were reached.
+/// Solves a problem on the grid with `n` cells per side to each of the [`GOALS`]; returns the cost, and the nodal
+/// vectors with which they were reached.
 fn cost(name: &str, n: usize, load: &[f64]) -> Result<(Cost, [Vec<f64>; 3]), String> {
     let failed = |e: InputError| format!("{name} on grid 1/{n}: {e}");
     let mut workspace = Multigrid::square(n).map_err(failed)?;

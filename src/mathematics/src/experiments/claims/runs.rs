@@ -56,8 +56,8 @@ pub(super) struct ClaimJob {
     pub(super) r: f64,
 }
 
-/// Makes all runs, in parallel. Returns, for each, its ends on the grids that it visits, with the KKT residuals over the
-/// largest component of F.
+/// Makes all runs, in parallel. Returns, for each, its ends on the grids that it visits, with the KKT residuals over
+/// the largest component of F.
 pub(super) fn run_all(
     plan: &ClaimsPlan,
     problems: &[ClaimCase],
