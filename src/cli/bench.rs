@@ -8,7 +8,7 @@ use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::table::Table;
 use crate::timing::measure::{TIMED, TimingPlan, measure};
-use crate::timing::recorded::{self, Peer, Reached, Timings, to_discretisation};
+use crate::timing::recorded::{self, Peer, SolverTime, Timings, to_discretisation};
 use clap::Args;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::sync::atomic::Ordering;
@@ -179,7 +179,7 @@ fn summary(timings: &Timings) -> String {
 
 /// Returns the fastest run of each solver on the finest grid that all solvers solved, fastest first; none without such a
 /// grid.
-fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec<&'a Reached>> {
+fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec<&'a SolverTime>> {
     let mut by_grid = Vec::new();
     for solver in Solver::ON_GRIDS {
         let lines = timings.solver.iter();

@@ -35,7 +35,8 @@ pub(super) enum Scope {
 }
 
 /// Options of a walk that only judges.
-const LOOK: Options = Options { dry_run: true, force: false, keep_going: false, jobs: 0 };
+const LOOK: Options =
+    Options { dry_run: true, force: false, keep_going: false, jobs: 0, only: None };
 
 impl Workplace {
     pub(super) fn open(cache: &CacheArgs) -> Result<Self> {
@@ -136,7 +137,7 @@ impl Workplace {
         let (workplace, plan) = Self::with_tasks(cache, asked)?;
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
         workplace.check(&workplace.judge(&plan, Scope::Part, false)?, progress)?;
-        work(&plan, asked, &workplace.store, progress)
+        work(&plan, asked, &workplace.store, progress, interrupted())
     }
 
     /// Returns a plan with the tasks `asked` for: that of their scenes alone if each task belongs to one scene, so that a

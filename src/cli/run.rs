@@ -116,7 +116,7 @@ impl RunArgs {
 
     fn options(&self) -> Options {
         let &Self { force, keep_going, jobs, .. } = self;
-        Options { force, keep_going, jobs, dry_run: false }
+        Options { force, keep_going, jobs, ..Options::default() }
     }
 
     fn progress(&self) -> Progress {

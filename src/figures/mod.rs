@@ -67,12 +67,12 @@ pub(crate) struct HistoryPanel<'a> {
     pub(crate) title: &'a str,
     /// Nested grids of every run; grid number k, from 1, has tolerance 10^-k.
     pub(crate) grids: &'a [Grid],
-    pub(crate) runs: Vec<HistoryRun>,
+    pub(crate) runs: Vec<HistoryCurve>,
 }
 
 /// Run of the method over nested grids.
 #[derive(Clone, Debug)]
-pub(crate) struct HistoryRun {
+pub(crate) struct HistoryCurve {
     /// Name in the legend.
     pub(crate) label: String,
     /// Iterations on each grid; fewer grids if the run ended early.

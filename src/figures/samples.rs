@@ -127,7 +127,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
         .collect();
     let levels = vec![vec![long[0]; 7], long];
     let runs = (1..=9)
-        .map(|k| HistoryRun { label: format!("curve number {k}"), levels: levels.clone() })
+        .map(|k| HistoryCurve { label: format!("curve number {k}"), levels: levels.clone() })
         .collect();
     let panel = HistoryPanel { title, grids: &grids, runs };
     figures.push(("long".into(), svg(&histories(&[panel]))));

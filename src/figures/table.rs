@@ -1,7 +1,7 @@
 //! Tables of the data in pictures: CSV with a header line.
 
 use super::{
-    Chart, ContactLine, ContactPanel, GradientPanel, HistoryPanel, HistoryRun,
+    Chart, ContactLine, ContactPanel, GradientPanel, HistoryCurve, HistoryPanel,
     IdentifiabilityPanel, Stroke, Surface,
 };
 use crate::table::quoted;
@@ -23,7 +23,7 @@ pub(super) fn of_charts(panels: &[&Chart]) -> String {
 pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     let mut csv = "panel,run,cells,iteration,gradient_signed,gradient_abs,delta_a\n".to_owned();
     for panel in panels {
-        for HistoryRun { label, levels } in &panel.runs {
+        for HistoryCurve { label, levels } in &panel.runs {
             let names = [panel.title, label].map(quoted).join(",");
             for (grid, iterations) in panel.grids.iter().zip(levels) {
                 for i in iterations {

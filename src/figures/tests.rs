@@ -169,7 +169,7 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let panels = ContactPanel::of("t", &on_grid(grid), &[("l".into(), pair.clone())]).unwrap();
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
-    let run = HistoryRun { label: "r".into(), levels };
+    let run = HistoryCurve { label: "r".into(), levels };
     let history = HistoryPanel { title: "t", grids: &grids, runs: vec![run] };
     [
         ("source", maps_of_f(&[("t", &f), ("u", &f)])),

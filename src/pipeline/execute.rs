@@ -26,7 +26,8 @@ use std::time::Instant;
 /// `interrupted` is read before each task starts; a task that has started is finished.
 ///
 /// # Errors
-/// [`Error::Input`] or [`Error::Io`] if the cache refuses; [`Error::Interrupted`].
+/// [`Error::Input`] or [`Error::Io`] if the cache refuses, or if one task is to run alone and another, which it needs,
+/// is not up to date; [`Error::Interrupted`].
 /// Tasks that fail are in the summary, not errors.
 pub fn execute(
     plan: &Plan,
@@ -45,6 +46,7 @@ pub fn execute(
         summary: Summary::default(),
     };
     let stale = walk.judge()?;
+    options.only.map_or(Ok(()), |k| walk.refuse_waiting(&plan.tasks()[k]))?;
     if !options.dry_run && !stale.is_empty() {
         walk.run(stale.into())?;
     }
@@ -69,13 +71,6 @@ struct Job {
     task: usize,
     inputs: BTreeMap<String, String>,
     reason: Reason,
-}
-
-/// Job that has ended.
-struct Ended {
-    task: usize,
-    ran: Ran,
-    result: Result<Manifest>,
 }
 
 struct Walk<'a> {
@@ -104,18 +99,38 @@ impl<'a> Walk<'a> {
                 let (inputs, found) = looked_up?;
                 self.states[task] = match found {
                     Ok(hit) => {
-                        self.summary.reverted |= hit.reverted;
-                        if hit.reverted && !self.options.dry_run {
-                            self.store.renew(&hit.manifest)?;
+                        if hit.reverted && self.may_run(task) {
+                            self.summary.reverted = true;
+                            if !self.options.dry_run {
+                                self.store.renew(&hit.manifest)?;
+                            }
                         }
                         State::Done(hit.manifest)
                     }
                     Err(reason) => {
-                        jobs.push(Job { task, inputs, reason: reason.clone() });
+                        if self.may_run(task) {
+                            jobs.push(Job { task, inputs, reason: reason.clone() });
+                        }
                         State::Stale(reason)
                     }
                 };
             }
+        }
+    }
+
+    /// True if the walk may write to the record of this task.
+    fn may_run(&self, k: usize) -> bool {
+        self.options.only.is_none_or(|only| only == k)
+    }
+
+    /// Refuses to run a task alone while it waits for another.
+    fn refuse_waiting(&self, task: &'a Task) -> Result<()> {
+        let id = self.blocked_by(task);
+        match &self.states[self.index(id)] {
+            State::Stale(reason) if id != task.id => Err(Error::input(format!(
+                "{id} is needed and not up to date ({reason}); first `signorini run --task {id}`"
+            ))),
+            _ => Ok(()),
         }
     }
 
@@ -182,9 +197,9 @@ impl<'a> Walk<'a> {
                 if running == 0 {
                     break;
                 }
-                let ended = receive.recv().expect("this end has a sender as well");
+                let (ran, made) = receive.recv().expect("this end has a sender as well");
                 running -= 1;
-                match self.settle(ended) {
+                match self.settle(ran, made) {
                     Ok(jobs) => queue.extend(jobs),
                     Err(e) => broken = broken.take().or(Some(e)),
                 }
@@ -200,9 +215,10 @@ impl<'a> Walk<'a> {
 
     /// Announces the number of tasks to run, and the reasons.
     fn announce(&self, queue: &VecDeque<Job>) {
-        let done = self.states.iter().filter(|state| matches!(state, State::Done(_))).count();
+        let states = self.states.iter().enumerate();
+        let left = states.filter(|(k, state)| self.may_run(*k) && !matches!(state, State::Done(_)));
         let reasons: Vec<&Reason> = queue.iter().map(|job| &job.reason).collect();
-        self.progress.begin(self.states.len() - done, &why(&reasons));
+        self.progress.begin(left.count(), &why(&reasons));
     }
 
     fn stops(&self) -> bool {
@@ -211,7 +227,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Starts a job in a thread, which reports its end to `send`.
-    fn start<'s>(&self, job: Job, scope: &Scope<'s>, send: &Sender<Ended>)
+    fn start<'s>(&self, job: Job, scope: &Scope<'s>, send: &Sender<(Ran, Result<Manifest>)>)
     where
         'a: 's,
     {
@@ -224,18 +240,19 @@ impl<'a> Walk<'a> {
         }
         scope.spawn(move |_| {
             let start = Instant::now();
-            let result = run(task, job.inputs, needed, store);
+            let made = run(task, job.inputs, needed, store);
             let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.
-            let _ = send.send(Ended { task: job.task, ran, result });
+            let _ = send.send((ran, made));
         });
     }
 
     /// Records the end of a job; returns the tasks that waited and now have to run.
-    fn settle(&mut self, Ended { task, ran, result }: Ended) -> Result<Vec<Job>> {
-        self.progress.done(&ran, result.is_ok());
-        match result {
+    fn settle(&mut self, ran: Ran, made: Result<Manifest>) -> Result<Vec<Job>> {
+        self.progress.done(&ran, made.is_ok());
+        match made {
             Ok(manifest) => {
+                let task = self.index(&ran.task);
                 self.states[task] = State::Done(manifest);
                 self.summary.ran.push(ran);
             }

@@ -15,6 +15,8 @@ pub struct Options {
     pub jobs: usize,
     /// Judge only; write nothing.
     pub dry_run: bool,
+    /// Number of the one task that may run; without it, all may.
+    pub only: Option<usize>,
 }
 
 /// Task that ran.

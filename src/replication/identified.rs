@@ -16,7 +16,7 @@ pub(crate) struct Record {
     /// The model selection, the best variant first.
     pub selection: SelectionRecord,
     /// Searches made, each with its extent.
-    pub run: Vec<RunRecord>,
+    pub run: Vec<SearchRecord>,
 }
 
 /// The f that are compared for one table.
@@ -70,7 +70,7 @@ pub(crate) struct BestRecord {
 /// One search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct RunRecord {
+pub(crate) struct SearchRecord {
     /// Set that was searched, in words.
     pub what: String,
     /// The command, unless it was made by a scratch program.

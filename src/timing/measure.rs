@@ -9,7 +9,7 @@ mod median;
 
 use super::bandwidth;
 use crate::timing::recorded::{
-    Goal, Machine, PUBLISHED, Reached, SCHEMA, Scaling, Spectral, Timings,
+    Goal, Machine, PUBLISHED, SCHEMA, Scaling, SolverTime, Spectral, Timings,
 };
 use goals::goals;
 use median::{MedianTime, time};
@@ -218,7 +218,7 @@ fn resolved(problem: &str, f: &str, plan: &TimingPlan) -> Result<Vec<Spectral>, 
 }
 
 /// Times the paper's method as in its tables, r = 10, on the finest of its grids that exists here.
-fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<Reached, String> {
+fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<SolverTime, String> {
     let f = source(f)?;
     let last = case.levels.iter().rev().find(|level| level.grid.cells() <= 64);
     let level = last.ok_or("no grid for the published stop")?;
@@ -233,7 +233,7 @@ fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<Reached,
     let MedianTime { seconds, spread } = time(plan.repeats, || {
         solve_nested(&levels, problem, &params, &mut ());
     });
-    Ok(Reached {
+    Ok(SolverTime {
         solver: Solver::ArrowHurwicz,
         problem: case.name.clone(),
         cells: level.grid.cells(),
@@ -252,7 +252,7 @@ fn reached(
     case: &TimedProblem,
     plan: &TimingPlan,
     say: &mut impl FnMut(&str),
-) -> Result<Vec<Reached>, String> {
+) -> Result<Vec<SolverTime>, String> {
     let problem = &case.name;
     let goals = goals(solver);
     let mut before = vec![0.0; goals.len()];
@@ -274,7 +274,7 @@ fn reached(
                 goal.solve(levels);
             });
             *before = seconds;
-            measured.push(Reached {
+            measured.push(SolverTime {
                 solver,
                 problem: problem.clone(),
                 cells,

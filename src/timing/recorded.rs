@@ -28,7 +28,7 @@ pub struct Timings {
     pub multigrid: Vec<Scaling>,
     /// All solvers that use a grid, on problems with known solutions, the paper's first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub solver: Vec<Reached>,
+    pub solver: Vec<SolverTime>,
     /// The spectral solver on the problems with piecewise constant f, resolution by resolution.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spectral: Vec<Spectral>,
@@ -136,7 +136,7 @@ impl Goal {
 /// One solver on one problem, grid and goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Reached {
+pub struct SolverTime {
     /// The solver.
     pub solver: Solver,
     /// Name of the problem, as in `exact(name)` where its solution has a formula.
@@ -164,7 +164,7 @@ pub struct Reached {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spectral {
-    /// Name of the problem, as in [`Reached`].
+    /// Name of the problem, as in [`SolverTime`].
     pub problem: String,
     /// Gauss nodes of a panel.
     pub nodes: usize,
@@ -212,8 +212,8 @@ pub const PUBLISHED: &str = "published stop";
 
 /// Returns, per grid, the fastest run whose error came down to that of the discretisation.
 pub fn to_discretisation<'a>(
-    lines: impl IntoIterator<Item = &'a Reached>,
-) -> BTreeMap<usize, &'a Reached> {
+    lines: impl IntoIterator<Item = &'a SolverTime>,
+) -> BTreeMap<usize, &'a SolverTime> {
     let mut fastest = BTreeMap::new();
     for line in lines.into_iter().filter(|line| line.error <= REACHED * line.discretisation) {
         let known = fastest.entry(line.cells).or_insert(line);

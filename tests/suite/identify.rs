@@ -104,25 +104,23 @@ proptest! {
         let target = target_of(&table);
         let variant = Variant { measure, ..Variant::default() };
         let mut evaluator = evaluator(&target, &variant);
-        prop_assert_eq!(&evaluator.free(0, &values), &table);
-        let forced = evaluator.forced(0, &values, 0.0);
-        prop_assert!(forced.is_exact(), "{:?}", forced);
-        prop_assert_eq!(forced.delta_a, table.delta_a);
+        prop_assert_eq!(evaluator.free(0, &values), table);
     }
 
     #[test]
-    fn forced_runs_are_exact_just_where_free_runs_agree(
-        values in prop::collection::vec(-60i32..40, 4), nudge in -3i32..4,
-    ) {
-        let exact: Vec<f64> = values.iter().map(|&v| f64::from(v) / 10.0).collect();
-        let table = literal(&exact, Measure::Signed, 3);
+    fn forced_runs_are_exact_just_where_free_runs_agree(one in -4i32..5, rest in -4i32..5) {
+        let planted = [rest, one, rest, rest].map(f64::from);
+        let table = literal(&planted, Measure::Signed, 3);
         prop_assume!(table.counts.iter().flatten().all(|&n| n < Some(5000)));
-        let target = target_of(&table);
-        let mut other = exact;
-        other[0] += f64::from(nudge) / 20.0;
-        let mut evaluator = evaluator(&target, &Variant::default());
-        let free = target_of(&evaluator.free(0, &other));
-        prop_assert_eq!(evaluator.forced(0, &other, 0.0).is_exact(), free.counts == target.counts);
+        let (target, geometries) = (target_of(&table), Geometry::odd_quadrants());
+        let evaluator = Evaluator::new(&target, &Variant::default(), &geometries).unwrap();
+        let pairs = (-4..5).flat_map(|one| (-4..5).map(move |rest| [one, rest]));
+        let negative = pairs.filter(|[one, rest]| one + 3 * rest < 0);
+        let all: Vec<_> = negative.map(|pair| pair.map(f64::from).to_vec()).collect();
+        let exact = (0..geometries.len()).flat_map(|k| evaluator.held(k, &all));
+        let exact = exact.filter(|held| !held.iter().flatten().any(|held| !held)).count();
+        // The search forces its runs.
+        prop_assert_eq!(run("-4:4:1", &target).exact as usize, exact);
     }
 
     #[test]
@@ -155,9 +153,8 @@ fn both_published_tables_come_out_exactly() {
     ] {
         let target = published(problem);
         let mut evaluator = evaluator(&target, &Variant::default());
-        assert!(evaluator.forced(0, &values, 0.0).is_exact(), "problem {problem}: {values:?}");
         let table = evaluator.free(0, &values);
-        assert_eq!(target_of(&table).counts, target.counts);
+        assert_eq!(target_of(&table).counts, target.counts, "problem {problem}: {values:?}");
         let digits = |x: &f64| format!("{x:.1e}");
         let same =
             table.delta_a.iter().zip(&target.delta_a).filter(|(a, b)| digits(a) == digits(b));
@@ -173,7 +170,8 @@ fn table_1_also_comes_out_with_the_gradient_before_the_dual_step() {
         [(1, [3.0, -1.002, -1.002, -1.002], true), (2, [-6.0, 1.998, 1.998, 1.998], false)]
     {
         let target = published(problem);
-        assert_eq!(evaluator(&target, &before).forced(0, &values, 0.0).is_exact(), exact);
+        let table = evaluator(&target, &before).free(0, &values);
+        assert_eq!(target_of(&table).counts == target.counts, exact);
     }
 }
 
@@ -300,7 +298,7 @@ fn counts_are_held_where_free_runs_give_them() {
 fn room_ends_where_a_count_changes() {
     let target = published(2);
     let values = [-6.0, 2.0, 2.0, 2.0];
-    let mut evaluator = evaluator(&target, &Variant::default());
+    let evaluator = evaluator(&target, &Variant::default());
     let map = identifiability(&evaluator, &values);
     assert_eq!((map.exact, map.directions.len()), (25, 5));
     for (piece, breaks) in map.directions.iter().enumerate() {
@@ -313,12 +311,13 @@ fn room_ends_where_a_count_changes() {
                 };
                 values.iter().enumerate().map(shift).collect()
             };
-            assert!(evaluator.forced(0, &moved(0.99 * side.range), 0.0).is_exact());
+            let within = literal(&moved(0.99 * side.range), Measure::Signed, 5);
+            assert_eq!(target_of(&within).counts, target.counts);
             let first = side.first.unwrap();
             let k = R.iter().position(|r| *r == first.r).unwrap();
             let level = (first.cells / COARSEST).ilog2() as usize;
-            let beyond = evaluator.forced(0, &moved(1.02 * side.range + 1e-5), f64::INFINITY);
-            assert!(beyond.misfit[k][level] > 0.0, "{breaks:?}");
+            let beyond = literal(&moved(1.02 * side.range + 1e-5), Measure::Signed, 5);
+            assert_ne!(beyond.counts[k][level], Some(target.counts[k][level]), "{breaks:?}");
         }
     }
     // No move is shorter than the shortest that changes any count.

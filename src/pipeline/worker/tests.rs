@@ -1,8 +1,8 @@
 //! Single tasks of a made-up plan, by several workers on one cache.
 
-use super::super::{Artifacts, Inputs};
+use super::super::{Artifacts, Inputs, Task};
 use super::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -31,7 +31,8 @@ fn task(id: &str, value: u8, needs: &[&str], ran: &Arc<AtomicUsize>) -> Task {
 
 fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
     let asked: Vec<String> = asked.iter().map(|id| (*id).to_owned()).collect();
-    work(plan, &asked, &Store::new(cache).unwrap(), &Progress::new(false, true))
+    let (store, progress) = (Store::new(cache).unwrap(), Progress::new(false, true));
+    work(plan, &asked, &store, &progress, &AtomicBool::new(false))
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
-use crate::timing::recorded::{Goal, PUBLISHED, Reached, Timings};
+use crate::timing::recorded::{Goal, PUBLISHED, SolverTime, Timings};
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::accuracy::{self, AccuracyFindings, KnownLevels};
 use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Truth};
@@ -118,7 +118,7 @@ fn race_of(timings: &Timings, problem: &str) -> Chart {
     let spectral = spectral.map(|line| (line.seconds, line.error)).collect();
     let mut curves = vec![Curve::new(Marked, Solver::Spectral.entry().in_words, front(spectral))];
     let lines = timings.solver.iter().filter(|line| line.problem == problem);
-    let (published, others): (Vec<&Reached>, Vec<&Reached>) =
+    let (published, others): (Vec<&SolverTime>, Vec<&SolverTime>) =
         lines.partition(|line| line.goal == PUBLISHED);
     for solver in Solver::ON_GRIDS.into_iter().rev() {
         let points = others.iter().filter(|line| line.solver == solver);

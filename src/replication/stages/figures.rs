@@ -6,7 +6,7 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
-    ContactPanel, DrawnSolution, HistoryPanel, HistoryRun, IdentifiabilityPanel, MOST_CELLS,
+    ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, MOST_CELLS,
     Picture, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
 };
 use crate::pipeline::error::Failure;
@@ -197,7 +197,7 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
     let mut runs = Vec::new();
     for (task, r) in solve::ids(scene, scene.stop[0]).zip(&scene.r) {
         let levels = from_json(inputs, &task, HISTORY)?;
-        runs.push(HistoryRun { label: format!("r = {r}"), levels });
+        runs.push(HistoryCurve { label: format!("r = {r}"), levels });
     }
     Ok(HistoryPanel { title: &scene.title, grids: &scene.on_grids().grids, runs })
 }

@@ -16,7 +16,6 @@ use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::levels::{Problem, SaddleRun};
-use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use std::borrow::Cow;
@@ -94,24 +93,14 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 /// Runs the first rule with the drawn r on a scene on the square. Returns each grid with the pair where the rule stops
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
-    let mut stops = Stops::default();
-    run(&drawn(scene), &InputFiles::new(), &mut stops)?;
-    Ok(scene.on_grids().grids.iter().copied().zip(stops.0).collect())
+    let cell = Cell { keep_history: false, ..drawn(scene) };
+    let (_, Recorder { pairs, .. }) = run(&cell, &InputFiles::new())?;
+    Ok(scene.on_grids().grids.iter().copied().zip(pairs).collect())
 }
 
 /// Returns the cell of a scene that is drawn: its first rule, with the drawn r.
 pub(super) fn drawn(scene: &Scene) -> Cell {
     cell(scene, scene.stop[0], scene.drawn_r())
-}
-
-/// Monitor that keeps the last pair on each grid.
-#[derive(Default)]
-struct Stops(Vec<Pair>);
-
-impl Monitor for Stops {
-    fn level(&mut self, _: usize, pair: &Pair) {
-        self.0.push(pair.clone());
-    }
 }
 
 fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
@@ -135,12 +124,9 @@ fn task(scene: &Scene, cell: Cell) -> Task {
     Task { files, ..task }
 }
 
-/// Runs the paper's method for a cell, its mesh read from these files. Returns the outcome on each level, and the last pair.
-fn run(
-    cell: &Cell,
-    files: &InputFiles,
-    monitor: &mut dyn Monitor,
-) -> Result<(Vec<Outcome>, Pair), Failure> {
+/// Runs the paper's method for a cell, its mesh read from these files. Returns the outcome on each level, and what was
+/// recorded.
+fn run(cell: &Cell, files: &InputFiles) -> Result<(Vec<Outcome>, Recorder), Failure> {
     let problem = cell.problem.problem(files)?;
     let loads: Vec<_> =
         problem.loads().map_err(|e| e.to_string())?.into_iter().map(Cow::into_owned).collect();
@@ -151,22 +137,25 @@ fn run(
         max_iterations: cell.max_iterations,
         ..Params::default()
     };
-    let run = SaddleRun { params: &params, prolongation: cell.prolongation, monitor };
-    Ok(problem.levels().saddle(loaded, run))
+    let mut recorder = Recorder { keep_history: cell.keep_history, ..Recorder::default() };
+    let prolongation = cell.prolongation;
+    let run = SaddleRun { params: &params, prolongation, monitor: &mut recorder };
+    let (outcomes, _) = problem.levels().saddle(loaded, run);
+    Ok((outcomes, recorder))
 }
 
 fn solve(cell: &Cell, files: &InputFiles) -> Result<Artifacts, Failure> {
-    let (exact, grids) = match cell.problem.square() {
-        Some(square) => (square.f.exact(), square.grids.clone()),
-        None => (None, Vec::new()),
-    };
-    let mut recorder =
-        Recorder { keep_history: cell.keep_history, exact, grids, ..Recorder::default() };
-    let (levels, pair) = run(cell, files, &mut recorder)?;
-    let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors: recorder.errors };
-    let mut artifacts = outcomes.artifacts(cell.keep_pair.then_some(&pair))?;
+    let (levels, Recorder { history, pairs, .. }) = run(cell, files)?;
+    let mut errors = Vec::new();
+    if let Some((square, exact)) = cell.problem.square().and_then(|on| Some((on, on.f.exact()?))) {
+        for (&grid, pair) in square.grids.iter().zip(&pairs) {
+            errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
+        }
+    }
+    let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors };
+    let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| cell.keep_pair))?;
     if cell.keep_history {
-        artifacts.insert(HISTORY.into(), to_json(&recorder.history));
+        artifacts.insert(HISTORY.into(), to_json(&history));
     }
     Ok(artifacts)
 }
@@ -193,14 +182,12 @@ impl Outcomes {
     }
 }
 
-/// Monitor that records the errors against a known solution and, if asked, all iterations.
+/// Monitor that records the last pair on each level and, if asked, all iterations.
 #[derive(Default)]
 struct Recorder {
     keep_history: bool,
-    exact: Option<Exact>,
-    grids: Vec<Grid>,
     history: Vec<Vec<Iteration>>,
-    errors: Vec<f64>,
+    pairs: Vec<Pair>,
 }
 
 impl Monitor for Recorder {
@@ -213,11 +200,8 @@ impl Monitor for Recorder {
         self.history[level - 1].push(*iteration);
     }
 
-    fn level(&mut self, level: usize, pair: &Pair) {
-        if let Some(exact) = self.exact {
-            let grid = self.grids[level - 1];
-            self.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
-        }
+    fn level(&mut self, _: usize, pair: &Pair) {
+        self.pairs.push(pair.clone());
     }
 }
 

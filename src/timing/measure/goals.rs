@@ -3,12 +3,12 @@
 use crate::timing::recorded::Goal;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::experiments::saddle::{CheckInterval, CheckedRun, loose_uzawa};
+use signorini_mathematics::experiments::saddle::{CheckInterval, loose_uzawa, sweeps_until};
 use signorini_mathematics::experiments::work::{OnGrid, R};
 use signorini_mathematics::multigrid::active_set::{MOST_CELLS, active_set};
 use signorini_mathematics::multigrid::{MultigridParams, solve_square};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Method, NestedGrids, Pair, run_nested};
+use signorini_mathematics::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
 use signorini_mathematics::solvers::{Solver, SolverRun};
 
 /// Relative natural residuals at which saddle-point methods are stopped.
@@ -78,12 +78,14 @@ fn over_grids(method: Method, target: f64, levels: &[OnGrid]) -> Option<Vec<f64>
     let grids: Vec<_> = levels.iter().map(|level| level.grid).collect();
     let nested = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
     let mut pair = [Pair::zero(grids[0])];
-    let reached = run_nested(&nested, &mut pair, |k, [pair]: &mut [Pair; 1]| {
+    let reached: Result<(), ()> = run_nested(&nested, &mut pair, |k, [pair]: &mut [Pair; 1]| {
         let OnGrid { grid, load, .. } = &levels[k];
-        let run = CheckedRun { grid: *grid, load, method, r: R, checks: CHECKS };
+        let start = RunStart { load, method, r: R, pair };
         let is_reached =
             &mut |pair: &Pair| kkt(*grid, Law::SIGNORINI, &pair.y, load).relative <= target;
-        run.sweeps_until(pair, is_reached).map(drop).ok_or(())
+        let (last, _) = sweeps_until(*grid, &start, CHECKS, is_reached).ok_or(())?;
+        *pair = last;
+        Ok(())
     });
     let [pair] = pair;
     reached.is_ok().then_some(pair.y)

@@ -204,8 +204,7 @@ fn known(
     for &n in cells {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let load = solution.load(grid);
-        let Costed { cost, solutions: [rough, _, y] } =
-            cost(solution.name(), Multigrid::square, n, &load)?;
+        let (cost, [rough, _, y]) = cost(solution.name(), n, &load)?;
         let errors = solution.errors(grid, &y, &load);
         let wrong: Vec<f64> = rough.iter().zip(&y).map(|(a, b)| a - b).collect();
         // Twice the energy without load is the square of the H1 seminorm.
@@ -227,45 +226,31 @@ fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
         Grid::new(n).map_err(|e| e.to_string())?;
         let mut loads = paper_loads(n);
         loads.extend(stress_loads(n));
-        let counted: Result<Vec<Cost>, String> = loads
-            .par_iter()
-            .map(|(name, load)| Ok(cost(name, Multigrid::square, n, load)?.cost))
-            .collect();
-        costs.extend(counted?);
+        let counted: Result<Vec<_>, String> =
+            loads.par_iter().map(|(name, load)| cost(name, n, load)).collect();
+        costs.extend(counted?.into_iter().map(|(cost, _)| cost));
     }
     Ok(costs)
 }
 
-/// Cost of a problem on one grid, with the solutions that were computed.
-pub(super) struct Costed {
-    pub(super) cost: Cost,
-    /// Nodal vector with which each of the [`GOALS`] was reached.
-    pub(super) solutions: [Vec<f64>; 3],
-}
-
-/// Solves a problem on `grids` with `n` cells per side to each of the [`GOALS`].
-pub(super) fn cost(
-    name: &str,
-    grids: fn(usize) -> Result<Multigrid, InputError>,
-    n: usize,
-    load: &[f64],
-) -> Result<Costed, String> {
-    let mut workspace = grids(n).map_err(|e| format!("{name} on grid 1/{n}: {e}"))?;
+/// Solves a problem on the grid with `n` cells per side to each of the [`GOALS`]; returns the cost, and the nodal
+/// vectors with which they were reached.
+fn cost(name: &str, n: usize, load: &[f64]) -> Result<(Cost, [Vec<f64>; 3]), String> {
+    let failed = |e: InputError| format!("{name} on grid 1/{n}: {e}");
+    let mut workspace = Multigrid::square(n).map_err(failed)?;
     let (mut goals, mut solutions) = (Vec::new(), [const { Vec::new() }; 3]);
     for (goal, solution) in GOALS.into_iter().zip(&mut solutions) {
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        let outcome = workspace
-            .solve(Law::SIGNORINI.with_load(load), None, &params)
-            .map_err(|e| format!("{name} on grid 1/{n}: {e}"))?;
+        let problem = Law::SIGNORINI.with_load(load);
+        goals.push(workspace.solve(problem, None, &params).map_err(failed)?);
         *solution = vec![0.0; load.len()];
         workspace.write_solution(solution);
-        goals.push(outcome);
     }
     let goals = goals.try_into().expect("one for each goal");
     let bytes = workspace.bytes() as f64 / load.len() as f64;
     let grid = Grid::new(n).map_err(|e| e.to_string())?;
     let residuals = solutions.each_ref().map(|y| kkt(grid, Law::SIGNORINI, y, load).natural);
-    Ok(Costed { cost: Cost { name: name.into(), cells: n, bytes, goals, residuals }, solutions })
+    Ok((Cost { name: name.into(), cells: n, bytes, goals, residuals }, solutions))
 }
 
 /// Applies `f` to each pair of errors in the same norm.

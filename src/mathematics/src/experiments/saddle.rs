@@ -19,54 +19,35 @@ pub struct CheckInterval {
     pub limit: usize,
 }
 
-/// A method on one discrete problem, and the checks of the goal.
-#[derive(Clone, Copy, Debug)]
-pub struct CheckedRun<'a> {
-    /// Grid.
-    pub grid: Grid,
-    /// Load vector.
-    pub load: &'a [f64],
-    /// Method.
-    pub method: Method,
-    /// Duality parameter r > 0.
-    pub r: f64,
-    /// Number of sweeps between two checks of the goal.
-    pub checks: CheckInterval,
-}
-
-impl CheckedRun<'_> {
-    /// Changes `pair` until `done`, which is called before the first sweep too; returns the number of sweeps.
-    ///
-    /// `None` if the method diverged, or the limit of sweeps was reached.
-    ///
-    /// # Panics
-    /// If `load` or `pair` does not belong to `grid`, or r is not positive.
-    pub fn sweeps_until(
-        &self,
-        pair: &mut Pair,
-        done: &mut dyn FnMut(&Pair) -> bool,
-    ) -> Option<usize> {
-        let &Self { grid, load, method, r, checks } = self;
-        if done(pair) {
-            return Some(0);
-        }
-        let start = RunStart { load, method, r, pair };
-        let mut engine = grid.engine(Law::SIGNORINI, &start);
-        let (state, mut next) = (RunState::new(&start, checks.limit), 1);
-        let end = run_alone(&mut *engine, state, &mut |engine, run| {
-            if run.sweeps < next {
-                return false;
-            }
-            next = run.sweeps
-                + match method {
-                    Method::ArrowHurwicz => (run.sweeps / checks.share).max(1),
-                    Method::Uzawa { .. } => 1,
-                };
-            done(&engine.pair(0))
-        });
-        let last = engine.pair(0).into_owned();
-        drop(engine);
-        *pair = last;
-        end.count()
+/// Runs a method on a grid until `done`, which is called before the first sweep too; returns the last pair, and the
+/// number of sweeps.
+///
+/// `None` if the method diverged, or the limit of sweeps was reached.
+///
+/// # Panics
+/// If the load or the pair does not belong to `grid`, or r is not positive.
+pub fn sweeps_until(
+    grid: Grid,
+    start: &RunStart<'_>,
+    checks: CheckInterval,
+    done: &mut dyn FnMut(&Pair) -> bool,
+) -> Option<(Pair, usize)> {
+    if done(start.pair) {
+        return Some((start.pair.clone(), 0));
     }
+    let mut engine = grid.engine(Law::SIGNORINI, start);
+    let (state, mut next) = (RunState::new(start, checks.limit), 1);
+    let end = run_alone(&mut *engine, state, &mut |engine, run| {
+        if run.sweeps < next {
+            return false;
+        }
+        next = run.sweeps
+            + match start.method {
+                Method::ArrowHurwicz => (run.sweeps / checks.share).max(1),
+                Method::Uzawa { .. } => 1,
+            };
+        done(&engine.pair(0))
+    });
+    let sweeps = end.count()?;
+    Some((engine.pair(0).into_owned(), sweeps))
 }

@@ -13,7 +13,7 @@ pub use summary::{Plateau, StressSummary};
 use super::Range;
 use super::problems::{CONTACT, TableProblem};
 use super::trial::Trial;
-use runs::Runs;
+use runs::StressLoads;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Index;
@@ -69,16 +69,16 @@ impl StressPlan {
     }
 }
 
-/// Runs with one value of the varied quantity.
+/// Runs with one value of the varied quantity, or what each of them is to be.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StressCase<X> {
+pub struct StressCase<X, T = Trial> {
     /// Value of the varied quantity.
     pub x: X,
     /// Runs by method or rule: `signed` and `strict` are the paper's method under the signed rule, and under the
     /// printed one together with the dual one; `multigrid` goes to the rounding floor unless a tolerance
     /// is varied.
     #[serde(flatten)]
-    pub trials: BTreeMap<String, Trial>,
+    pub trials: BTreeMap<String, T>,
 }
 
 impl<X> Index<&str> for StressCase<X> {
@@ -178,7 +178,7 @@ fn trials_of<'a, X: 'a>(
 /// # Errors
 /// If f cannot be read, a grid is too coarse, or a run of the tables does not meet its rule.
 pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
-    let runs = Runs::new(plan)?;
+    let runs = StressLoads::new(plan)?;
     let mut stress = Stress {
         plan: plan.clone(),
         duality: runs.loads.iter().map(|loads| runs.duality(loads)).collect(),

@@ -2,7 +2,7 @@
 
 use super::exponent;
 use super::known::KnownSolution;
-use super::saddle::{CheckInterval, CheckedRun, loose_uzawa};
+use super::saddle::{CheckInterval, loose_uzawa, sweeps_until};
 use crate::discrete::grid::{self, Grid};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
@@ -13,7 +13,7 @@ use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::saddle::{Method, NestedGrids, Pair, run_nested};
+use crate::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -95,16 +95,17 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
             *pair = Pair::zero(grid);
         }
         let load = load(grid, &source, LoadRule::default());
-        let run =
-            CheckedRun { grid, load: &load, method: Method::ArrowHurwicz, r: R, checks: CHECKS };
         let mut total = 0;
         for law in &mut laws {
             let target = law.target;
-            total += run
-                .sweeps_until(pair, &mut |pair| {
-                    kkt(grid, Law::SIGNORINI, &pair.y, &load).relative <= target
-                })
+            let is_reached =
+                &mut |pair: &Pair| kkt(grid, Law::SIGNORINI, &pair.y, &load).relative <= target;
+            let start = RunStart { load: &load, method: Method::ArrowHurwicz, r: R, pair };
+            let reached = sweeps_until(grid, &start, CHECKS, is_reached);
+            let (last, sweeps) = reached
                 .ok_or_else(|| format!("{f} on grid 1/{}: {target:e} not reached", grid.cells()))?;
+            *pair = last;
+            total += sweeps;
             law.sweeps.push((grid.cells(), total));
         }
         Ok::<(), String>(())
@@ -243,11 +244,12 @@ fn with_saddle(name: &str, method: Method, levels: &[OnGrid]) -> Result<Vec<f64>
         let level = &levels[k];
         let (grid, load) = (level.grid, &level.load[..]);
         let (cells, unknowns) = (grid.cells(), grid.nodes() as f64);
-        let run = CheckedRun { grid, load, method, r: R, checks: CHECKS };
-        let sweeps = run.sweeps_until(pair, &mut |pair| level.is_reached(level.error(&pair.y)));
-        let sweeps = sweeps.ok_or_else(|| {
+        let start = RunStart { load, method, r: R, pair };
+        let is_reached = &mut |pair: &Pair| level.is_reached(level.error(&pair.y));
+        let (last, sweeps) = sweeps_until(grid, &start, CHECKS, is_reached).ok_or_else(|| {
             format!("{name} does not reach the discretisation error on grid 1/{cells}")
         })?;
+        *pair = last;
         visits += sweeps as f64 * unknowns;
         work.push(visits / unknowns);
         Ok::<(), String>(())

@@ -16,31 +16,6 @@ use std::ops::{Add, Mul};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Result of a forced run: misfit of each published count.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Forced {
-    /// `misfit[k][level]`: zero if and only if row k stops there at the published count, given
-    /// that it did so on the coarser grids.
-    pub misfit: Vec<Vec<f64>>,
-    /// Change of the multiplier in the last iteration on the finest grid, one per row; empty if the
-    /// run was cut short.
-    pub delta_a: Vec<f64>,
-    /// Sum of all entries of `misfit`.
-    pub total: f64,
-}
-
-impl Forced {
-    /// True if every count comes out.
-    pub fn is_exact(&self) -> bool {
-        self.total == 0.0 && !self.delta_a.is_empty()
-    }
-
-    /// Sum of the misfits on one grid.
-    fn misfit_on(&self, level: usize) -> f64 {
-        self.misfit.iter().map(|row| row[level]).sum()
-    }
-}
-
 /// A table as the iteration gives it, when it stops by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -64,7 +39,7 @@ pub struct Evaluator<'a> {
     /// Iterates on each grid.
     lanes: Vec<Lanes>,
     entered: Vec<u64>,
-    /// When set, forced runs and screenings are given up.
+    /// When set, screenings are given up.
     halt: Option<&'a AtomicBool>,
 }
 
@@ -112,7 +87,7 @@ impl<'a> Evaluator<'a> {
         Self { target, variant, prolongation, basis, grids, lanes, entered, halt: None }
     }
 
-    /// Evaluator whose forced runs end as one that misses every count once `halt` is set.
+    /// Evaluator whose screenings discard all that is left once `halt` is set.
     pub fn halted_by(self, halt: &'a AtomicBool) -> Self {
         Self { halt: Some(halt), ..self }
     }
@@ -122,7 +97,7 @@ impl<'a> Evaluator<'a> {
         self.target
     }
 
-    /// Number of runs that have entered each grid so far.
+    /// Number of candidates whose screening has entered each grid so far, without those that passed it.
     pub fn entered(&self) -> &[u64] {
         &self.entered
     }
@@ -144,7 +119,7 @@ impl<'a> Evaluator<'a> {
             RunStart { load: &[], method: Method::ArrowHurwicz, r: 1.0, pair: &Pair::default() };
         let runs = limits.map(|limit| Some(RunState::new(&start, limit?)));
         let (over, ends) = ([false; LANES], [None; LANES]);
-        let mut judged = JudgedRuns { time, judge, number: 0, over, pairs, ends };
+        let mut judged = JudgedLanes { time, judge, number: 0, over, pairs, ends };
         run(&mut self.lanes[level], runs, &mut judged);
         judged.ends
     }
@@ -170,8 +145,8 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Runs that are judged when a variant evaluates the gradient.
-struct JudgedRuns<'a, J> {
+/// Goals that are judged when a variant evaluates the gradient.
+struct JudgedLanes<'a, J> {
     time: ResidualTime,
     judge: J,
     /// Number of the last iteration.
@@ -183,7 +158,7 @@ struct JudgedRuns<'a, J> {
     ends: [Option<End>; LANES],
 }
 
-impl<J> Goals<Lanes, LANES> for JudgedRuns<'_, J>
+impl<J> Goals<Lanes, LANES> for JudgedLanes<'_, J>
 where
     J: FnMut(&mut Lanes, usize, [bool; LANES]) -> [bool; LANES],
 {

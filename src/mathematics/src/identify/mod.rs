@@ -3,11 +3,8 @@
 //! # Idea
 //! The iteration is positively homogeneous and piecewise linear in f, so a table of counts cuts the
 //! values of f by inequalities: at the published count the stopping measure is below the tolerance, at
-//! every count before it is above. A *forced* run makes exactly the published number of iterations and
-//! records by how much each inequality fails. That misfit is zero if and only if all counts come out,
-//! it is continuous where the counts themselves jump, and every cell of the table has its own share
-//! in it, even when an earlier grid is wrong. Counts on coarse grids cost microseconds and discard
-//! nearly everything.
+//! every count before it is above. A *forced* run makes exactly the published number of iterations, and ends
+//! as soon as an inequality fails. Counts on coarse grids cost microseconds and discard nearly everything.
 //!
 //! # Parts
 //! [`Variant`] is a reading of the method, [`Evaluator`] runs one f, [`search`] tries every f with one value on a
@@ -22,7 +19,7 @@ mod search;
 mod space;
 mod variant;
 
-pub use evaluate::{Evaluator, Forced, Table};
+pub use evaluate::{Evaluator, Table};
 pub use findings::{Alternative, Findings, Questions, findings};
 pub use found::{Found, found};
 pub use identifiability::{

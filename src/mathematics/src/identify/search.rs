@@ -116,7 +116,7 @@ impl Candidates<'_> {
             let last = end.min((geometry as u64 + 1) * self.per_quadrant());
             let candidates: Vec<_> =
                 (next..last).filter_map(|number| self.values(number)).collect();
-            let exact = evaluator.screened(geometry, &candidates, usize::MAX);
+            let exact = evaluator.screened(geometry, &candidates);
             report.tried += candidates.len() as u64;
             report.exact += exact.len() as u64;
             for values in exact.into_iter().map(|k| &candidates[k]) {

@@ -1,7 +1,9 @@
 //! Data of the chapter on cost, from recorded times: fits and crossovers.
 
 use crate::timing::measure::TIMED;
-use crate::timing::recorded::{Goal, Peer, Reached, Scaling, Spectral, Timings, to_discretisation};
+use crate::timing::recorded::{
+    Goal, Peer, Scaling, SolverTime, Spectral, Timings, to_discretisation,
+};
 use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
@@ -109,7 +111,7 @@ fn fit(timings: &Timings, goal: Goal, threads: usize) -> Option<Fit> {
 }
 
 /// Compares the times of all solvers to the discretisation error of one problem, grid by grid.
-fn comparison(problem: &str, lines: &[Reached]) -> Value {
+fn comparison(problem: &str, lines: &[SolverTime]) -> Value {
     let times = Solver::ON_GRIDS.map(|solver| {
         let mine = lines.iter().filter(|line| line.solver == solver && line.problem == problem);
         to_discretisation(mine)

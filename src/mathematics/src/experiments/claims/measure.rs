@@ -1,10 +1,11 @@
 //! Counts of each problem, gathered from the results of all runs.
 
-use super::runs::{ClaimCase, ClaimRun, RunResult, SWEPT, Until, run_all};
+use super::runs::{ClaimCase, ClaimJob, SWEPT, run_all};
 use super::{
     BestParameter, ClaimLine, ClaimMeasure, ClaimTable, ClaimsPlan, Count, CountRow, KktTarget,
     Measured, UzawaCell, WeightRow,
 };
+use crate::discrete::end::End;
 use crate::saddle::{StopRule, tolerance};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -28,8 +29,8 @@ struct Gathered<'a> {
     index: usize,
     problem: &'a ClaimCase<'a>,
     plan: &'a ClaimsPlan,
-    /// Results of each run, on the grids that it visited.
-    results: &'a [(ClaimRun, Vec<RunResult>)],
+    /// What [`run_all`] gives.
+    results: &'a [(ClaimJob, Vec<(End, f64)>)],
 }
 
 impl Gathered<'_> {
@@ -46,21 +47,22 @@ impl Gathered<'_> {
         }
     }
 
-    /// Results of a run, on each grid visited.
-    fn results(&self, end: Until, r: f64) -> &[RunResult] {
-        let wanted = ClaimRun { problem: self.index, end, r };
-        let found = self.results.iter().find(|(run, _)| *run == wanted);
+    /// Ends of a run, with the KKT residuals, on each grid visited.
+    fn results(&self, wanted: ClaimJob) -> &[(End, f64)] {
+        let found = self.results.iter().find(|(job, _)| *job == wanted);
         &found.expect("every r was run").1
     }
 
     /// Results under a stopping rule, grid by grid.
-    fn nested(&self, rule: StopRule, r: f64) -> &[RunResult] {
-        self.results(Until::Rule(rule), r)
+    fn nested(&self, rule: StopRule, r: f64) -> &[(End, f64)] {
+        let (problem, measure) = (self.index, ClaimMeasure::Rule(rule));
+        self.results(ClaimJob { problem, measure, level: 0, variant: None, r })
     }
 
     /// Count of sweeps to a KKT residual on one grid.
     fn on_grid(&self, level: usize, target: f64, variant: Option<usize>, r: f64) -> Count {
-        self.results(Until::Kkt { level, target, variant }, r)[0].count
+        let (problem, measure) = (self.index, ClaimMeasure::Kkt(target));
+        Count::of(&self.results(ClaimJob { problem, measure, level, variant, r })[0].0)
     }
 
     /// Indices of the grids whose number of cells per side lies in `cells`, with this number.
@@ -74,7 +76,8 @@ impl Gathered<'_> {
         let mut rows = Vec::new();
         for rule in SWEPT {
             for (level, cells) in self.grids(0..=usize::MAX) {
-                let counts = swept.iter().map(|&r| self.nested(rule, r)[level].count).collect();
+                let counts =
+                    swept.iter().map(|&r| Count::of(&self.nested(rule, r)[level].0)).collect();
                 rows.push(CountRow::new(ClaimMeasure::Rule(rule), cells, &swept, counts));
             }
         }
@@ -100,15 +103,15 @@ impl Gathered<'_> {
             StopRule::Printed | StopRule::PrintedDual => StopRule::Printed,
         };
         let results = self.nested(rule, r);
-        let last = results[results.len() - 1];
-        let fewer = self.nested(without_dual, r)[results.len() - 1].count.iterations;
+        let (last, kkt) = results[results.len() - 1];
+        let (fewer, _) = self.nested(without_dual, r)[results.len() - 1];
         ClaimLine {
             r,
-            counts: results.iter().map(|result| result.count).collect(),
-            factor: last.count.iterations as f64 / fewer as f64,
-            delta_a: last.delta_a,
-            excess: last.delta_a / tolerance(results.len()),
-            kkt: last.kkt,
+            counts: results.iter().map(|(end, _)| Count::of(end)).collect(),
+            factor: last.sweeps() as f64 / fewer.sweeps() as f64,
+            delta_a: last.change(),
+            excess: last.change() / tolerance(results.len()),
+            kkt,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
-use super::{ClaimsPlan, Count, KktTarget, VARIANTS, WeightRow};
+use super::{ClaimMeasure, ClaimsPlan, Count, KktTarget, VARIANTS, WeightRow};
 use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
@@ -43,38 +43,26 @@ pub(super) struct ClaimCase<'a> {
     pub(super) starts: Vec<Pair>,
 }
 
-/// A run for one r.
+/// A run to be made.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) struct ClaimRun {
+pub(super) struct ClaimJob {
     /// Index of the problem in the plan.
     pub(super) problem: usize,
-    pub(super) end: Until,
+    /// Measure by which it ends: a stopping rule on all grids in turn, or a KKT residual on one of them.
+    pub(super) measure: ClaimMeasure,
+    /// Index of this grid; zero under a stopping rule.
+    pub(super) level: usize,
+    /// Index in [`VARIANTS`]; `None` stands for Arrow-Hurwicz.
+    pub(super) variant: Option<usize>,
     pub(super) r: f64,
 }
 
-/// Grids on which a run takes place, and the condition under which it ends.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Until {
-    /// All grids in turn, under a stopping rule.
-    Rule(StopRule),
-    /// One grid, to a KKT residual; a `variant` is an index of [`VARIANTS`], `None` stands for Arrow-Hurwicz.
-    Kkt { level: usize, target: f64, variant: Option<usize> },
-}
-
-/// Result of a run on one grid.
-#[derive(Clone, Copy)]
-pub(super) struct RunResult {
-    pub(super) count: Count,
-    pub(super) delta_a: f64,
-    /// KKT residual over the largest component of F.
-    pub(super) kkt: f64,
-}
-
-/// Makes all runs, in parallel. Returns each run with its results on the grids that it visits.
+/// Makes all runs, in parallel. Returns, for each, its ends on the grids that it visits, with the KKT residuals over
+/// the largest component of F.
 pub(super) fn run_all(
     plan: &ClaimsPlan,
     problems: &[ClaimCase],
-) -> Vec<(ClaimRun, Vec<RunResult>)> {
+) -> Vec<(ClaimJob, Vec<(End, f64)>)> {
     let batches = batches(plan, problems);
     let done: Vec<_> = batches
         .par_iter()
@@ -85,7 +73,7 @@ pub(super) fn run_all(
 }
 
 /// All runs; those of a batch share the problem, and the stopping rule or the grid.
-fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimRun>> {
+fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimJob>> {
     let swept = plan.r();
     let mut batches = Vec::new();
     for (index, problem) in problems.iter().enumerate() {
@@ -96,15 +84,16 @@ fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimRun>> {
                 if grid.cells() > finest {
                     continue;
                 }
-                runs.extend(runs_over(&swept, index, Until::Kkt { level, target, variant: None }));
+                let measure = ClaimMeasure::Kkt(target);
+                let job = ClaimJob { problem: index, measure, level, variant: None, r: 0.0 };
+                runs.extend(job.for_each(&swept));
                 if grid.cells() >= plan.compared_from {
                     for variant in (0..VARIANTS.len()).map(Some) {
-                        let end = Until::Kkt { level, target, variant };
-                        runs.extend(runs_over(&plan.compared_r, index, end));
+                        runs.extend(ClaimJob { variant, ..job }.for_each(&plan.compared_r));
                     }
                 }
             }
-            batches.extend(runs.chunks(RUNS).map(<[ClaimRun]>::to_vec));
+            batches.extend(runs.chunks(RUNS).map(<[ClaimJob]>::to_vec));
         }
         let of_paper = &problem.problem.r;
         for rule in StopRule::ALL {
@@ -113,16 +102,20 @@ fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimRun>> {
                 r.extend(swept.iter().filter(|r| !of_paper.contains(r)));
             }
             r.sort_by(f64::total_cmp);
-            let runs = runs_over(&r, index, Until::Rule(rule));
-            batches.extend(runs.chunks(RUNS).map(<[ClaimRun]>::to_vec));
+            let measure = ClaimMeasure::Rule(rule);
+            let job = ClaimJob { problem: index, measure, level: 0, variant: None, r: 0.0 };
+            let runs: Vec<_> = job.for_each(&r).collect();
+            batches.extend(runs.chunks(RUNS).map(<[ClaimJob]>::to_vec));
         }
     }
     batches
 }
 
-/// One run for each r.
-fn runs_over(r: &[f64], problem: usize, end: Until) -> Vec<ClaimRun> {
-    r.iter().map(|&r| ClaimRun { problem, end, r }).collect()
+impl ClaimJob {
+    /// This run for each r instead of its own.
+    fn for_each(self, r: &[f64]) -> impl Iterator<Item = Self> {
+        r.iter().map(move |&r| Self { r, ..self })
+    }
 }
 
 impl<'a> ClaimCase<'a> {
@@ -148,16 +141,16 @@ impl<'a> ClaimCase<'a> {
         Ok(Self { problem, law, grids, published, solvable, starts })
     }
 
-    /// Makes the runs of a batch. Returns, for each run, its results on the grids that it visits.
-    fn run(&self, plan: &ClaimsPlan, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
-        match batch[0].end {
-            Until::Rule(rule) => self.run_nested(rule, batch),
-            Until::Kkt { level, .. } => self.run_on_grid(plan, level, batch),
+    /// Makes the runs of a batch. Returns, for each run, its ends on the grids that it visits.
+    fn run(&self, plan: &ClaimsPlan, batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
+        match batch[0].measure {
+            ClaimMeasure::Rule(rule) => self.run_nested(rule, batch),
+            ClaimMeasure::Kkt(_) => self.run_on_grid(plan, batch),
         }
     }
 
     /// Makes runs over all grids, as [`crate::saddle::solve_nested`] does for one r.
-    fn run_nested(&self, rule: StopRule, batch: &[ClaimRun]) -> Vec<Vec<RunResult>> {
+    fn run_nested(&self, rule: StopRule, batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
         let loads = &self.published[..];
         let runs: Vec<_> = batch.iter().map(|run| NestedJob { loads, r: run.r, rule }).collect();
         let (limit, prolongation) = (self.problem.max_iterations, self.problem.prolongation);
@@ -166,26 +159,22 @@ impl<'a> ClaimCase<'a> {
         let mut results = Vec::new();
         for ends in &ends {
             let on_grids = self.grids.iter().zip(loads).zip(ends);
-            results.push(on_grids.map(|((g, load), end)| self.result(*g, load, end)).collect());
+            results.push(on_grids.map(|((g, load), end)| self.measured(*g, load, end)).collect());
         }
         results
     }
 
     /// Makes runs on one grid towards a KKT residual.
-    fn run_on_grid(
-        &self,
-        plan: &ClaimsPlan,
-        level: usize,
-        batch: &[ClaimRun],
-    ) -> Vec<Vec<RunResult>> {
+    fn run_on_grid(&self, plan: &ClaimsPlan, batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
+        let level = batch[0].level;
         let (grid, load, start) = (self.grids[level], &self.solvable[level], &self.starts[level]);
         let scale = largest(load);
         let mut jobs = Vec::new();
         for run in batch {
-            let Until::Kkt { target, variant, .. } = run.end else {
+            let ClaimMeasure::Kkt(target) = run.measure else {
                 unreachable!("the runs of a batch are of one kind")
             };
-            let method = match variant {
+            let method = match run.variant {
                 None => Method::ArrowHurwicz,
                 Some(k) => VARIANTS[k].method(plan.weight, 0.1 * target * scale),
             };
@@ -193,16 +182,12 @@ impl<'a> ClaimCase<'a> {
             jobs.push(Job { load, start, method, r: run.r, goal, cap: plan.cap });
         }
         let ends = run(grid, self.law, &jobs);
-        ends.iter().map(|end| vec![self.result(grid, load, end)]).collect()
+        ends.iter().map(|end| vec![self.measured(grid, load, end)]).collect()
     }
 
-    /// Returns the result of a run on one grid.
-    fn result(&self, grid: Grid, load: &[f64], (end, pair): &(End, Pair)) -> RunResult {
-        RunResult {
-            count: Count::of(end),
-            delta_a: end.change(),
-            kkt: kkt(grid, self.law, &pair.y, load).relative,
-        }
+    /// The end of a run on one grid, with the KKT residual of its last pair.
+    fn measured(&self, grid: Grid, load: &[f64], (end, pair): &(End, Pair)) -> (End, f64) {
+        (*end, kkt(grid, self.law, &pair.y, load).relative)
     }
 
     /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for which

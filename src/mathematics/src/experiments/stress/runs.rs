@@ -1,6 +1,6 @@
 //! Runs of the experiments, one function per kind of stress.
 
-use super::pending::{CoarseRun, PendingCase, StressRun, make_all};
+use super::pending::{StressJob, make_all};
 use super::{Series, StressCase, StressPlan};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
@@ -37,7 +37,8 @@ pub(super) struct Loads {
     fine: Vec<f64>,
 }
 
-pub(super) struct Runs<'a> {
+/// Loads of all problems of the plan, on the grids of the runs.
+pub(super) struct StressLoads<'a> {
     plan: &'a StressPlan,
     coarse: Grid,
     fine: Grid,
@@ -45,7 +46,7 @@ pub(super) struct Runs<'a> {
     pub(super) loads: Vec<Loads>,
 }
 
-impl<'a> Runs<'a> {
+impl<'a> StressLoads<'a> {
     pub(super) fn new(plan: &'a StressPlan) -> Result<Self, String> {
         let coarse = Grid::new(plan.coarse).map_err(|e| e.to_string())?;
         let fine = Grid::new(plan.fine).map_err(|e| e.to_string())?;
@@ -59,22 +60,22 @@ impl<'a> Runs<'a> {
     }
 
     /// Paper's method under the printed rule and the dual one together, on the coarse grid.
-    fn strict(&self, load: &[f64], r: f64, start: Pair) -> StressRun {
+    fn strict(&self, load: &[f64], r: f64, start: Pair) -> StressJob {
         let goal = JobGoal::Rule(StopRule::PrintedDual, self.plan.strict * largest(load));
         let (load, limit) = (load.into(), self.plan.cap);
-        StressRun::Saddle(CoarseRun { load, r, goal, limit, start })
+        StressJob::Saddle { load, r, goal, limit, start }
     }
 
     /// Paper's method under the signed rule, on the coarse grid.
-    fn signed(&self, load: &[f64], r: f64, tolerance: f64) -> StressRun {
+    fn signed(&self, load: &[f64], r: f64, tolerance: f64) -> StressJob {
         let goal = JobGoal::Rule(StopRule::Signed, tolerance);
         let (load, limit, start) = (load.into(), self.plan.cap, Pair::zero(self.coarse));
-        StressRun::Saddle(CoarseRun { load, r, goal, limit, start })
+        StressJob::Saddle { load, r, goal, limit, start }
     }
 
     /// Multigrid to the rounding floor, on the fine grid.
-    fn multigrid(&self, load: &[f64], start: Option<Vec<f64>>) -> StressRun {
-        StressRun::Multigrid {
+    fn multigrid(&self, load: &[f64], start: Option<Vec<f64>>) -> StressJob {
+        StressJob::Multigrid {
             grid: self.fine,
             load: load.into(),
             goal: Goal::RoundingFloor,
@@ -86,11 +87,11 @@ impl<'a> Runs<'a> {
     fn over<const N: usize>(
         &self,
         exponents: impl IntoIterator<Item = i32>,
-        runs: impl Fn(f64) -> [(&'static str, StressRun); N],
+        runs: impl Fn(f64) -> [(&'static str, StressJob); N],
     ) -> Series<f64> {
         let mut pending = Vec::new();
         for x in exponents.into_iter().map(power_of_ten) {
-            pending.push(PendingCase { x, runs: runs(x).into() });
+            pending.push(StressCase::pending(x, runs(x)));
         }
         make_all(self.coarse, pending)
     }
@@ -111,12 +112,12 @@ impl<'a> Runs<'a> {
             let factor = power_of_ten(exponent);
             let coarse: Vec<f64> = loads.coarse.iter().map(|f| f * factor).collect();
             let fine: Vec<f64> = loads.fine.iter().map(|f| f * factor).collect();
-            let runs = vec![
+            let runs = [
                 ("scaled", self.signed(&coarse, R, self.plan.tolerance * factor)),
                 ("fixed", self.signed(&coarse, R, self.plan.tolerance)),
                 ("multigrid", self.multigrid(&fine, None)),
             ];
-            pending.push(PendingCase { x: exponent, runs });
+            pending.push(StressCase::pending(exponent, runs));
         }
         make_all(self.coarse, pending)
     }
@@ -140,20 +141,20 @@ impl<'a> Runs<'a> {
             [
                 ("signed", self.to_floor(load, StopRule::Signed, bound)),
                 ("strict", self.to_floor(load, StopRule::PrintedDual, bound)),
-                ("multigrid", StressRun::Multigrid { grid, load: load.clone(), goal, start: None }),
+                ("multigrid", StressJob::Multigrid { grid, load: load.clone(), goal, start: None }),
             ]
         })
     }
 
     /// Paper's method on the coarse grid with a tolerance that may be below its rounding floor.
-    fn to_floor(&self, load: &[f64], rule: StopRule, tolerance: f64) -> StressRun {
-        StressRun::Saddle(CoarseRun {
+    fn to_floor(&self, load: &[f64], rule: StopRule, tolerance: f64) -> StressJob {
+        StressJob::Saddle {
             load: load.into(),
             r: R,
             goal: JobGoal::Rule(rule, tolerance),
             limit: LONGER * self.plan.cap,
             start: Pair::zero(self.coarse),
-        })
+        }
     }
 
     pub(super) fn floors(&self) -> Series<f64> {
@@ -197,11 +198,11 @@ impl<'a> Runs<'a> {
         let mut pending = Vec::new();
         for (name, value) in starts {
             let pair = Pair { y: start(self.coarse, value), ..Pair::zero(self.coarse) };
-            let runs = vec![
+            let runs = [
                 ("strict", self.strict(&coarse, R, pair)),
                 ("multigrid", self.multigrid(&fine, Some(start(self.fine, value)))),
             ];
-            pending.push(PendingCase { x: name.to_owned(), runs });
+            pending.push(StressCase::pending(name.to_owned(), runs));
         }
         make_all(self.coarse, pending)
     }

@@ -1,8 +1,6 @@
 //! Forced and free runs, grid by grid.
 
-use super::{Evaluator, Forced, Table};
-use crate::discrete::end::End;
-use crate::discrete::stop::Stop;
+use super::{Evaluator, Table};
 use crate::saddle::batch::LANES;
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
 use rayon::prelude::*;
@@ -10,10 +8,6 @@ use std::array::from_fn;
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Misfit of a stop that comes too early, beyond what the measure lacks.
-const EARLY: f64 = 0.02;
-/// Largest misfit of one cell; beyond it the size says nothing.
-const CELL_CAP: f64 = 3.0;
 /// Iterations a free run makes on a grid, in multiples of the largest published count, plus this many.
 const FREE_FACTOR: usize = 4;
 const FREE_EXTRA: usize = 20;
@@ -22,68 +16,6 @@ impl Evaluator<'_> {
     /// Iterations of a forced run of a row.
     fn last(&self, row: usize, level: usize) -> usize {
         self.target.counts[row][level] + self.variant.uncounted
-    }
-
-    /// Makes the published number of iterations on every grid, for all rows.
-    ///
-    /// Gives up as soon as the misfit passes `limit`.
-    ///
-    /// # Panics
-    /// If there is no such geometry, or not one value per piece.
-    pub fn forced(&mut self, geometry: usize, values: &[f64], limit: f64) -> Forced {
-        let (rows, levels) = (self.target.r.len(), self.target.levels());
-        let misfit_of_all = vec![vec![0.0; levels]; rows];
-        let mut forced = Forced { misfit: misfit_of_all, delta_a: Vec::new(), total: 0.0 };
-        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
-        let (halt, grids) = (self.halt, self.grids.clone());
-        let runs: Vec<_> = (0..rows).map(|row| (values, row)).collect();
-        let nested = NestedGrids { grids: &grids, prolongation: self.prolongation };
-        let mut pairs = vec![Pair::zero(grids[0]); rows];
-        let finished = run_nested(&nested, &mut pairs, |level, pairs: &mut Vec<Pair>| {
-            self.entered[level] += 1;
-            self.enter(geometry, level, &runs, pairs);
-            let last = from_fn(|row| (row < rows).then(|| self.last(row, level)));
-            let tolerance = tolerance(level + 1);
-            let mut gave_up = false;
-            let ends = self.iterate(level, last, Some(pairs), |lanes, n, under_way| {
-                if is_set(halt) {
-                    (gave_up, forced.total) = (true, f64::INFINITY);
-                } else if n > uncounted {
-                    let ends: [bool; LANES] = from_fn(|k| under_way[k] && last[k] == Some(n));
-                    // Before its last iteration a lane only has to be above the tolerance.
-                    let bounds = from_fn(|k| (under_way[k] && !ends[k]).then_some(tolerance));
-                    let early = lanes.within(measure, bounds);
-                    let mut failed = false;
-                    let judged: [bool; LANES] = from_fn(|k| ends[k] || early[k]);
-                    if judged.contains(&true) {
-                        let worst = lanes.worst(measure);
-                        for k in (0..rows).filter(|&k| judged[k]) {
-                            let more = misfit(worst[k], tolerance, ends[k]);
-                            failed |= more > 0.0;
-                            let cell = &mut forced.misfit[k][level];
-                            *cell = (*cell + more).min(CELL_CAP);
-                        }
-                    }
-                    gave_up = failed && forced.total + forced.misfit_on(level) > limit;
-                }
-                [gave_up; LANES]
-            });
-            for (end, misfit) in ends.iter().flatten().zip(&mut forced.misfit) {
-                if end.stop == Stop::Diverged {
-                    misfit[level] = CELL_CAP;
-                }
-            }
-            forced.total += forced.misfit_on(level);
-            if gave_up {
-                return Err(());
-            }
-            forced.delta_a = ends.iter().flatten().map(End::change).collect();
-            Ok(())
-        });
-        if finished.is_err() {
-            forced.delta_a.clear();
-        }
-        forced
     }
 
     /// Puts runs, each of an f given by its values and of a row, into the lanes of a grid.
@@ -112,7 +44,7 @@ impl Evaluator<'_> {
     /// For each of many f, given by their values, which counts come out in a free run: by row and grid.
     ///
     /// # Panics
-    /// As [`Self::forced`].
+    /// As [`Self::free`].
     pub fn held(&self, geometry: usize, all: &[Vec<f64>]) -> Vec<Vec<Vec<bool>>> {
         let rows = self.target.r.len();
         // Runs of one row end about together.
@@ -163,21 +95,19 @@ impl Evaluator<'_> {
         held
     }
 
-    /// Places of those among many f, given by their values on the pieces, that give all counts on so many coarse
-    /// grids.
+    /// Places of those among many f, given by their values on the pieces, that give all counts.
     ///
     /// Grid by grid and row by row from the last: nearly all fail soon.
     ///
     /// # Panics
-    /// As [`Self::forced`].
+    /// As [`Self::free`].
     pub(in crate::identify) fn screened<V: AsRef<[f64]>>(
         &mut self,
         geometry: usize,
         all: &[V],
-        grids: usize,
     ) -> Vec<usize> {
         let mut passed: Vec<usize> = (0..all.len()).collect();
-        for level in 0..grids.min(self.target.levels()) {
+        for level in 0..self.target.levels() {
             let entered = passed.len();
             // The last row, of the smallest r, discards most.
             for row in (0..self.target.r.len()).rev() {
@@ -244,17 +174,4 @@ fn is_set(halt: Option<&AtomicBool>) -> bool {
 /// Values of f in all lanes, the last ones as often as there are lanes left.
 fn in_lanes<V: AsRef<[f64]>>(some: &[V]) -> [&[f64]; LANES] {
     from_fn(|k| some[k.min(some.len() - 1)].as_ref())
-}
-
-/// By how much a measure fails what its place in the run asks for.
-fn misfit(measure: f64, tolerance: f64, last: bool) -> f64 {
-    if measure.is_nan() {
-        CELL_CAP
-    } else if last {
-        if measure > tolerance { libm::log(measure / tolerance) } else { 0.0 }
-    } else if measure <= tolerance {
-        EARLY + (1.0 - measure / tolerance).min(CELL_CAP)
-    } else {
-        0.0
-    }
 }
