@@ -41,8 +41,8 @@ fn main() {
         files.extend(found.expect("the sources can be read"));
     }
     for file in files {
-        // File by file: cargo would take a folder for changed when an editor leaves something there. A new source is named
-        // by one that is there already.
+        // File by file: cargo would take a folder for changed when an editor leaves something there. A new source is
+        // named by one that is there already.
         println!("cargo::rerun-if-changed={}", file.display());
         add(file.to_string_lossy().replace('\\', "/").as_bytes());
         add(&std::fs::read(&file).expect("the sources can be read"));

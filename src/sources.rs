@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Returns the source file `root`, the files of the modules that it declares, and the files that these include, in turn;
-/// sorted by path. Only files below `folder` count: others are inputs of tasks, or documentation. Modules of unit tests
-/// are no part of the program.
+/// Returns the source file `root`, the files of the modules that it declares, and the files that these include, in
+/// turn; sorted by path. Only files below `folder` count: others are inputs of tasks, or documentation. Modules of unit
+/// tests are no part of the program.
 pub(crate) fn files(root: &Path, folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut found = BTreeSet::new();
     let mut open = vec![root.to_path_buf()];

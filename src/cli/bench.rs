@@ -177,8 +177,8 @@ fn summary(timings: &Timings) -> String {
     text
 }
 
-/// Returns the fastest run of each solver on the finest grid that all solvers solved, fastest first; none without such a
-/// grid.
+/// Returns the fastest run of each solver on the finest grid that all solvers solved, fastest first; none without such
+/// a grid.
 fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec<&'a SolverTime>> {
     let mut by_grid = Vec::new();
     for solver in Solver::ON_GRIDS {

@@ -13,7 +13,8 @@ pub(super) struct InitArgs {
     folder: PathBuf,
 }
 
-/// Files of a new study: the shortest commented scene of this project, one on another domain, and a page that shows them.
+/// Files of a new study: the shortest commented scene of this project, one on another domain, and a page that shows
+/// them.
 const FILES: [(&str, &str); 7] = [
     ("pipeline/scenes/plate.toml", include_str!("../../pipeline/scenes/plate.toml")),
     ("pipeline/scenes/disc.toml", include_str!("init/disc.toml")),

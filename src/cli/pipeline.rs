@@ -58,7 +58,8 @@ impl Workplace {
         plan(&self.project, &self.project.select(scenes)?, only)
     }
 
-    /// Returns a summary of what [`Workplace::run`] would do, with `force` or without; needs no lock and writes nothing.
+    /// Returns a summary of what [`Workplace::run`] would do, with `force` or without; needs no lock and writes
+    /// nothing.
     pub(super) fn judge(&self, plan: &Plan, scope: Scope, force: bool) -> Result<Summary> {
         let options = Options { force, ..LOOK };
         Ok(self.walk(plan, scope, options, &Progress::new(false, true))?.0)
@@ -114,8 +115,8 @@ impl Workplace {
         Ok(summary)
     }
 
-    /// Refuses what a run of the tasks that are not up to date would read and could not use, and warns of meshes whose parts
-    /// touch without being joined.
+    /// Refuses what a run of the tasks that are not up to date would read and could not use, and warns of meshes whose
+    /// parts touch without being joined.
     pub(super) fn check(&self, summary: &Summary, progress: &Progress) -> Result<()> {
         let at_work = summary.not_fresh().filter_map(|one| scene_of(&one.task)).collect();
         self.project.check(&at_work)?.iter().for_each(|warning| progress.note(warning));
@@ -140,8 +141,8 @@ impl Workplace {
         work(&plan, asked, &workplace.store, progress, interrupted())
     }
 
-    /// Returns a plan with the tasks `asked` for: that of their scenes alone if each task belongs to one scene, so that a
-    /// task costs the same in a large project; else that of the whole project.
+    /// Returns a plan with the tasks `asked` for: that of their scenes alone if each task belongs to one scene, so that
+    /// a task costs the same in a large project; else that of the whole project.
     fn with_tasks(cache: &CacheArgs, asked: &[String]) -> Result<(Self, Plan)> {
         if let Some(scenes) = asked.iter().map(|id| scene_of(id)).collect::<Option<Vec<_>>>() {
             let part = Self::with(cache, |root| Project::read_part(root, &scenes))?;
@@ -268,7 +269,8 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
 }
 
 /// Remedy for files whose line ends were changed.
-const LINE_ENDS: &str = "clone again with `git clone -c core.autocrlf=false` (with `* -text` in .gitattributes nobody need do so), or overwrite by `signorini run --force`";
+const LINE_ENDS: &str = "clone again with `git clone -c core.autocrlf=false` (with `* -text` in .gitattributes \
+    nobody need do so), or overwrite by `signorini run --force`";
 
 /// Returns a line on a file that was not written.
 pub(super) fn edited(file: &Edited) -> String {

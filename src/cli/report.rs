@@ -26,7 +26,8 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     let made: Vec<String> = made.map(|name| format!("report/{name}")).collect();
     let page = first_page(made.iter()).ok_or_else(|| {
         Error::input(
-            "the project has no pages; they need report/book.toml with [output.html] and report/templates/SUMMARY.md, as `signorini init` writes them",
+            "the project has no pages; they need report/book.toml with [output.html] and \
+             report/templates/SUMMARY.md, as `signorini init` writes them",
         )
     })?;
     let book = workplace.project.root.join(page);

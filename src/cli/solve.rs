@@ -44,8 +44,8 @@ pub(super) struct SolveArgs {
     f: Option<String>,
     /// Domain: square, cube, disc, lshape, annulus, ball, or a Gmsh file [default: square]
     ///
-    /// A file, format 2.2 or 4.1, holds triangles or tetrahedra; physical groups name regions, for `region(name)=value` in
-    /// --f, and parts of the boundary. In space f is made of box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and
+    /// A file, format 2.2 or 4.1, holds triangles or tetrahedra; physical groups name regions, for `region(name)=value`
+    /// in --f, and parts of the boundary. In space f is made of box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and
     /// halfspace(a,b,c,d).
     #[arg(long, value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
         value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
@@ -61,8 +61,8 @@ pub(super) struct SolveArgs {
     fixed: Vec<String>,
     /// Circle, sphere or cylinder on which a part of the boundary lies, e.g. hole=0,0,0.3
     ///
-    /// Refinement puts new nodes there. A circle is x,y,radius; a sphere x,y,z,radius; a cylinder a point, a direction and
-    /// a radius.
+    /// Refinement puts new nodes there. A circle is x,y,radius; a sphere x,y,z,radius; a cylinder a point, a direction
+    /// and a radius.
     #[arg(long, value_name = "PART=NUMBERS", hide_short_help = true)]
     curve: Vec<String>,
     /// Friction on the boundary: |dv/dn| is at most G, and v leaves zero only where it is G
@@ -262,8 +262,8 @@ fn answer(request: &Request) -> Result<Answer> {
     Ok(Answer::new(request, run, [setup, start.elapsed().as_secs_f64()]))
 }
 
-/// Solves on one grid of the square after the other until the guaranteed bound is small enough. All coarser grids together
-/// cost less than the last one.
+/// Solves on one grid of the square after the other until the guaranteed bound is small enough. All coarser grids
+/// together cost less than the last one.
 fn answer_to(request: &mut Request, accuracy: Accuracy) -> Result<Answer> {
     accuracy.check()?;
     let (mut finest, mut tried, mut ends) = (FIRST, Vec::new(), Vec::new());

@@ -17,8 +17,8 @@ const ELEVATION: f64 = 30.0;
 /// Part of the mean slope below which two sides of a surface are taken for equally high.
 const EVEN: f64 = 1e-6;
 
-/// Returns the azimuth above that of four corners from which a function on a mesh, linear on each triangle, rises most on
-/// the whole: there it hides the smallest part of itself.
+/// Returns the azimuth above that of four corners from which a function on a mesh, linear on each triangle, rises most
+/// on the whole: there it hides the smallest part of itself.
 pub(crate) fn uphill(mesh: &PlaneMesh, y: &[f64]) -> f64 {
     let mut slope = [0.0; 2];
     let mut steepness = 0.0;

@@ -40,8 +40,8 @@ impl Floor {
         MARKS.map(|t| t * self.half[d])
     }
 
-    /// Returns the exponent of the power of ten by which the coordinates are divided before they are written; zero unless
-    /// they are long.
+    /// Returns the exponent of the power of ten by which the coordinates are divided before they are written; zero
+    /// unless they are long.
     pub(super) fn power(&self) -> i32 {
         let largest = self.ends.iter().fold(0.0f64, |most, (a, b)| most.max(a.abs()).max(b.abs()));
         if PLAIN.contains(&largest) { 0 } else { magnitude(largest) }

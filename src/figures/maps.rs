@@ -116,7 +116,8 @@ fn inside_square(planes: &[[f64; 3]]) -> Vec<Point> {
     planes.iter().fold(square, |polygon, &plane| clip(&polygon, plane))
 }
 
-/// Clips a convex polygon by the half-plane `a x + b y <= c` (Sutherland and Hodgman, Communications of the ACM 17, 1974).
+/// Clips a convex polygon by the half-plane `a x + b y <= c` (Sutherland and Hodgman, Communications of the ACM 17,
+/// 1974).
 ///
 /// 1. For each side from p to q, keep p if it is in the half-plane.
 /// 2. If p and q are strictly on different sides of the line `a x + b y = c`, add the point where the side meets it.

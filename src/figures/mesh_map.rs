@@ -10,7 +10,8 @@ use super::plan::square_around;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::mesh::PlaneMesh;
 
-/// Draws a mesh with the mean of f on each triangle in colour, below its title and above a colour bar symmetric about 0.
+/// Draws a mesh with the mean of f on each triangle in colour, below its title and above a colour bar symmetric about
+/// 0.
 ///
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
 pub(crate) fn mesh_map(text: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {

@@ -55,7 +55,8 @@ pub(crate) struct Surface<'a> {
     pub(crate) y: &'a [f64],
     /// Nodes that are drawn as in contact.
     pub(crate) in_contact: &'a [bool],
-    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill`](camera::uphill) hides least.
+    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill`](camera::uphill) hides
+    /// least.
     pub(crate) azimuth: f64,
     /// Range of heights and colours; `None` for that of the data and zero.
     pub(crate) range: Option<(f64, f64)>,

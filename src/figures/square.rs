@@ -1,5 +1,5 @@
-//! Drawings of the problem and of the grid, which show no result: the square with its membrane, and the coarsest grid with
-//! the order of the sweep.
+//! Drawings of the problem and of the grid, which show no result: the square with its membrane, and the coarsest grid
+//! with the order of the sweep.
 
 use super::axes::Frame;
 use super::palette::{CONTACT, INK, series};
@@ -42,7 +42,8 @@ pub(crate) fn membrane() -> Picture {
     picture
 }
 
-/// Draws the coarsest grid with its triangles, its boundary nodes, and the numbers of the nodes in the order of the sweep.
+/// Draws the coarsest grid with its triangles, its boundary nodes, and the numbers of the nodes in the order of the
+/// sweep.
 pub(crate) fn grid() -> Picture {
     let grid = Grid::new(CELLS).expect("fine enough");
     let (mut picture, frame) = square();

@@ -126,8 +126,8 @@ impl<'a> PaintedMesh<'a> {
     }
 }
 
-/// Distance of the centroid of a triangle towards the viewer, on the floor: along a ray from the viewer, the place there
-/// only becomes farther, whatever the heights.
+/// Distance of the centroid of a triangle towards the viewer, on the floor: along a ray from the viewer, the place
+/// there only becomes farther, whatever the heights.
 fn nearness(view: &View, nodes: &[Vector], cell: [u32; 3]) -> f64 {
     let [x, y, _] = centroid(cell.map(|node| nodes[node as usize]));
     dot([x, y, 0.0], view.camera.toward)

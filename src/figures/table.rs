@@ -51,8 +51,8 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     csv
 }
 
-/// Returns the components of the gradient, a row for each node and a column for each panel; columns of the grid are counted
-/// from the left, rows from below.
+/// Returns the components of the gradient, a row for each node and a column for each panel; columns of the grid are
+/// counted from the left, rows from below.
 pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
     let mut csv = "column,row".to_owned();
     for panel in panels {

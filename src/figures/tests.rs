@@ -88,8 +88,8 @@ fn intersect((a, b): (f64, f64), (c, d): (f64, f64)) -> bool {
     a < d && c < b
 }
 
-/// Advance widths of DejaVu Sans, a wide font that many systems take for sans-serif, in thousandths of its size; letters
-/// that are not listed are narrower than the last.
+/// Advance widths of DejaVu Sans, a wide font that many systems take for sans-serif, in thousandths of its size;
+/// letters that are not listed are narrower than the last.
 fn advance(letter: char) -> f64 {
     let width = match letter {
         '0'..='9' => 636,

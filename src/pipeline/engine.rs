@@ -31,8 +31,8 @@ impl<'a> Engine<'a> {
     /// Returns the workflow of this plan, for the program and the cache with these paths.
     ///
     /// # Errors
-    /// [`Error::Input`] if a path is not UTF-8, or the id of a task has more than one line; [`Error::Io`] if a file of a
-    /// task cannot be read.
+    /// [`Error::Input`] if a path is not UTF-8, or the id of a task has more than one line; [`Error::Io`] if a file of
+    /// a task cannot be read.
     pub fn new(plan: &'a Plan, program: &'a Path, cache: &'a Path) -> Result<Self> {
         let [program, cache] = [utf8(program, "program")?, utf8(cache, "cache")?];
         for task in plan.tasks() {

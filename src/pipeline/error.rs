@@ -136,7 +136,8 @@ impl<T> IoContext<T> for io::Result<T> {
                     "free some space (`signorini gc` helps) and repeat the command: what a run has finished is kept"
                 }
                 io::ErrorKind::FileTooLarge => {
-                    "raise the limit on file sizes (`ulimit -f`) and repeat the command: what a run has finished is kept"
+                    "raise the limit on file sizes (`ulimit -f`) and repeat the command: what a run has finished is \
+                     kept"
                 }
                 io::ErrorKind::InvalidData => "save it as UTF-8",
                 io::ErrorKind::InvalidFilename => "rename it",

@@ -12,7 +12,8 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock whose file is `path` for this process alone; creates the file and its folder if they do not exist.
+    /// Takes the lock whose file is `path` for this process alone; creates the file and its folder if they do not
+    /// exist.
     ///
     /// # Errors
     /// [`Error::Input`] naming the process that holds it; [`Error::Io`].

@@ -118,8 +118,8 @@ impl Plan {
     /// Returns the plan of these tasks, for the program with this digest of its code.
     ///
     /// # Errors
-    /// [`Error::Input`] if two tasks have the same id, an id is no relative path, or a task needs one that does not come
-    /// before it.
+    /// [`Error::Input`] if two tasks have the same id, an id is no relative path, or a task needs one that does not
+    /// come before it.
     pub fn new(program: &str, tasks: Vec<Task>) -> Result<Self> {
         let mut index = BTreeMap::new();
         for (k, task) in tasks.iter().enumerate() {

@@ -20,7 +20,8 @@ pub struct Progress {
 const TICK: Duration = Duration::from_millis(200);
 
 impl Progress {
-    /// Returns a report with a bar if standard error is a terminal. `verbose` adds a line per task; `quiet` silences all.
+    /// Returns a report with a bar if standard error is a terminal. `verbose` adds a line per task; `quiet` silences
+    /// all.
     pub fn new(verbose: bool, quiet: bool) -> Self {
         let bar = if quiet { None } else { bar("[{bar:30}] {pos}/{len}  {elapsed}  {wide_msg}") };
         Self { bar, running: Mutex::default(), verbose: verbose && !quiet, quiet }
@@ -90,7 +91,8 @@ impl Progress {
     }
 }
 
-/// Returns a bar of this style if standard error is a terminal that can overwrite a line, outside continuous integration.
+/// Returns a bar of this style if standard error is a terminal that can overwrite a line, outside continuous
+/// integration.
 pub(crate) fn bar(template: &str) -> Option<ProgressBar> {
     let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
     let logged = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");

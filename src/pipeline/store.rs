@@ -82,8 +82,8 @@ impl Store {
         Lock::share(&self.lock_file(), busy)
     }
 
-    /// Takes the lock of one task, for a process that shares the lock of the cache; `busy` is told the holder for whom it
-    /// waits.
+    /// Takes the lock of one task, for a process that shares the lock of the cache; `busy` is told the holder for whom
+    /// it waits.
     pub(super) fn lock_task(&self, task: &str, busy: &dyn Fn(&str)) -> Result<Lock> {
         Lock::wait(&self.root.join(LOCKS).join(hash(task.as_bytes())), busy)
     }

@@ -77,7 +77,8 @@ impl Paper {
                 ours.iter().find(|row| row.r == r && row.counts.len() == table.counts[k].len());
             let row = row.ok_or_else(|| {
                 Error::input(format!(
-                    "scene `{scene}`: no row r = {r} on {} grids to compare with table {number}; ask for just these grids and for this r in the scene, or leave out its `paper_table`",
+                    "scene `{scene}`: no row r = {r} on {} grids to compare with table {number}; ask for just these \
+                     grids and for this r in the scene, or leave out its `paper_table`",
                     table.counts[k].len()
                 ))
             })?;

@@ -73,8 +73,8 @@ impl DomainSettings {
         BuiltIn::named(&self.name).is_none()
     }
 
-    /// Returns the coarsest mesh, from the contents of the Gmsh file unless the domain is built in. `dashes` stand before
-    /// the names of settings in messages: those of options, or none.
+    /// Returns the coarsest mesh, from the contents of the Gmsh file unless the domain is built in. `dashes` stand
+    /// before the names of settings in messages: those of options, or none.
     pub(crate) fn coarsest(&self, file: Option<&[u8]>, dashes: &str) -> Result<AnyMesh> {
         let name = &self.name;
         let mesh = match (file, self.cells) {
@@ -131,7 +131,10 @@ pub(crate) fn name_or_table<'de, D: Deserializer<'de>>(
         type Value = DomainSettings;
 
         fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-            out.write_str("a name such as \"disc\", a file such as \"gear.msh\", or a table such as { name = \"disc\", refine = 4 }")
+            out.write_str(
+                "a name such as \"disc\", a file such as \"gear.msh\", \
+                 or a table such as { name = \"disc\", refine = 4 }",
+            )
         }
 
         fn visit_str<E: serde::de::Error>(self, name: &str) -> std::result::Result<Self::Value, E> {

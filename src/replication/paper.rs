@@ -72,7 +72,8 @@ impl Paper {
         self.table.iter().find(|table| table.number == number).ok_or_else(|| {
             let known: Vec<_> = self.table.iter().map(|table| table.number.to_string()).collect();
             Error::input(match known.is_empty() {
-                true => format!("there is no published table {number}: pipeline/paper.toml is missing or has no tables; put it back"),
+                true => format!("there is no published table {number}: pipeline/paper.toml is missing or has no \
+                    tables; put it back"),
                 false => format!("pipeline/paper.toml has no table {number}; it has {}", known.join(", ")),
             })
         })

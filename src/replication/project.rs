@@ -32,9 +32,9 @@ pub struct Project {
     pub ignored: Vec<String>,
     /// The published tables; none in a study of something else.
     pub paper: Paper,
-    /// Files under `pipeline/`, by path in the project: scenes and meshes, and those that exist of the published tables,
-    /// the digits of true solutions, and the records of the search and of times. Meshes, digits and records are not read
-    /// yet.
+    /// Files under `pipeline/`, by path in the project: scenes and meshes, and those that exist of the published
+    /// tables, the digits of true solutions, and the records of the search and of times. Meshes, digits and records are
+    /// not read yet.
     pub files: InputFiles,
     /// All files under `report/` that are not generated, by path in that folder; they are not read yet.
     pub templates: InputFiles,
@@ -53,7 +53,8 @@ impl Project {
             .map(Path::to_path_buf)
             .ok_or_else(|| {
                 Error::input(format!(
-                    "no pipeline/scenes in {} or above; run inside a clone of signorini, begin a study with `signorini init FOLDER`, or use `signorini solve --f ...`",
+                    "no pipeline/scenes in {} or above; run inside a clone of signorini, begin a study with \
+                     `signorini init FOLDER`, or use `signorini solve --f ...`",
                     from.display()
                 ))
             })
@@ -138,9 +139,9 @@ impl Project {
         Ok(Self { partial: true, ..Self::with(root, folder, more)? })
     }
 
-    /// Refuses a broken record of times, settings of the book that name another folder for it, and meshes that do not fit
-    /// the scenes with these names; returns warnings about meshes. Not part of [`Project::read`]: a run that has nothing to do need not parse files that
-    /// tasks of an earlier run have parsed.
+    /// Refuses a broken record of times, settings of the book that name another folder for it, and meshes that do not
+    /// fit the scenes with these names; returns warnings about meshes. Not part of [`Project::read`]: a run that has
+    /// nothing to do need not parse files that tasks of an earlier run have parsed.
     pub(crate) fn check(&self, at_work: &BTreeSet<&str>) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         for scene in self.scenes.iter().filter(|scene| at_work.contains(&*scene.name)) {

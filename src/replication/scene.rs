@@ -216,8 +216,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene. Returns the place where the
-    /// domain touches itself, if there is one.
+    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene. Returns the place where
+    /// the domain touches itself, if there is one.
     ///
     /// # Errors
     /// [`Error::Input`] if it does not; [`Error::Io`].
@@ -228,7 +228,8 @@ impl Scene {
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(touching),
             Some(output) => Err(Error::input(format!(
-                "scene `{name}`: `{output}` is a picture of a domain in the plane; drop it from `outputs`, and look at the solution with `signorini solve {name} --out {name}.vtu`",
+                "scene `{name}`: `{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
+                 at the solution with `signorini solve {name} --out {name}.vtu`",
                 name = self.name
             ))),
         }
@@ -297,7 +298,8 @@ impl Scene {
         // As many counts on other grids would be compared without an error.
         if self.paper_table.is_some() && square.grids[0].cells() != COARSEST {
             return Err(format!(
-                "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave out `paper_table`"
+                "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave \
+                 out `paper_table`"
             )
             .into());
         }

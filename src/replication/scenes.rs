@@ -85,13 +85,14 @@ impl SceneFolder {
         Ok(scene)
     }
 
-    /// Refuses names that some file systems do not tell apart: there, the files of one scene would overwrite those of the
-    /// other.
+    /// Refuses names that some file systems do not tell apart: there, the files of one scene would overwrite those of
+    /// the other.
     fn refuse_name_alike(&self, name: &str) -> Result<()> {
         match self.known_as.get(&alike(name)) {
             None => Ok(()),
             Some(other) => Err(Error::input(format!(
-                "{SCENES}: `{other}` and `{name}` are one name where capitals or the way to write accents do not count; rename one of them"
+                "{SCENES}: `{other}` and `{name}` are one name where capitals or the way to write accents do not \
+                 count; rename one of them"
             ))),
         }
     }
@@ -102,7 +103,8 @@ impl SceneFolder {
         match self.scenes.iter().find(|one| one.paper_table == Some(number)) {
             None => Ok(()),
             Some(first) => Err(Error::input(format!(
-                "{SCENES}: `{}` and `{}` both have `paper_table = {number}`; leave it out of the one that is not the paper's",
+                "{SCENES}: `{}` and `{}` both have `paper_table = {number}`; leave it out of the one that is not the \
+                 paper's",
                 first.name, scene.name
             ))),
         }

@@ -136,8 +136,8 @@ impl StatedProblem {
         Ok(Some(CheckedMesh { dimension, touching }))
     }
 
-    /// Finds the mesh in the project in `root`, as [`OnMesh::find_mesh`] does; true if a mesh is built in, and can be checked
-    /// at once.
+    /// Finds the mesh in the project in `root`, as [`OnMesh::find_mesh`] does; true if a mesh is built in, and can be
+    /// checked at once.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<bool> {
         let Place::Mesh(place) = &mut self.place else { return Ok(false) };
         place.find_mesh(root, known)?;
@@ -194,8 +194,8 @@ impl OnMesh {
         self.domain.is_file().then(|| format!("{FOLDER}/{}", self.domain.name))
     }
 
-    /// Finds the mesh in the project in `root`, among the `known` files or else on the disk, and does not read it: other
-    /// scenes with this mesh share what is read.
+    /// Finds the mesh in the project in `root`, among the `known` files or else on the disk, and does not read it:
+    /// other scenes with this mesh share what is read.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
         let Some(path) = self.path() else { return Ok(()) };
         if !is_plain(&path) {

@@ -6,7 +6,10 @@ use std::sync::LazyLock;
 
 /// Comment or script, in which nothing is a tag; or a tag with its attributes.
 static TAG: LazyLock<Regex> = LazyLock::new(|| {
-    let pattern = r#"(?si)<!--.*?-->|<(?:script|style)\b.*?</(?:script|style)|<([a-z][^\s/>]*)((?:[^>"']|"[^"]*"|'[^']*')*)>"#;
+    let pattern = concat!(
+        r"(?si)<!--.*?-->|<(?:script|style)\b.*?</(?:script|style)|",
+        r#"<([a-z][^\s/>]*)((?:[^>"']|"[^"]*"|'[^']*')*)>"#
+    );
     Regex::new(pattern).expect("the pattern is tested")
 });
 

@@ -41,9 +41,9 @@ fn checked(book_toml: &[u8]) -> Result<Settings<'_>, Error> {
 
 /// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
 ///
-/// Files whose paths begin with `../` are outside that folder, and pages may include them. Formulas in `*.md` are set as
-/// MathML. Returns every file of the built book by its path there; equal files give equal bytes. A temporary folder in
-/// `scratch` is used and removed at the end, also after errors.
+/// Files whose paths begin with `../` are outside that folder, and pages may include them. Formulas in `*.md` are set
+/// as MathML. Returns every file of the built book by its path there; equal files give equal bytes. A temporary folder
+/// in `scratch` is used and removed at the end, also after errors.
 ///
 /// # Errors
 /// A sentence if a formula, a reference or a link is wrong, mdBook refuses the book, or a file cannot be written.

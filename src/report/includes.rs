@@ -18,7 +18,8 @@ static BEGINNING: LazyLock<Regex> =
 /// Depth of files that include each other beyond which mdBook gives up.
 const DEPTH: usize = 10;
 
-const REMEDY: &str = "name a file in report/templates by its path from the page, or a scene as ../../pipeline/scenes/NAME.toml; copy other files into report/templates; `\\{{#` is the text itself";
+const REMEDY: &str = "name a file in report/templates by its path from the page, or a scene as \
+    ../../pipeline/scenes/NAME.toml; copy other files into report/templates; `\\{{#` is the text itself";
 
 /// Refuses a directive, of a page or of a file that it includes, that includes no file of `files`, or no part of one.
 ///
@@ -140,7 +141,8 @@ pub(super) fn refuse_left(chapter: &str, markdown: &str, built: &[u8]) -> Result
     let line = markdown[left.start()..].lines().next().unwrap_or_default();
     let end = line.find("}}").map_or(line.len(), |end| end + 2);
     Err(format!(
-        "{at}: `{}` is replaced by nothing; use a directive of mdBook, with its preprocessors on in report/book.toml, or write `\\{{{{#` for the text itself",
+        "{at}: `{}` is replaced by nothing; use a directive of mdBook, with its preprocessors on in \
+         report/book.toml, or write `\\{{{{#` for the text itself",
         &line[..end]
     ))
 }

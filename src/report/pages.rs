@@ -45,7 +45,8 @@ pub(crate) fn stubs(
     made(templates, |_, text| {
         let title = text.lines().find(|line| line.starts_with("# ")).unwrap_or("#");
         Ok(format!(
-            "{title}\n\nLeft out, as are all pages from `*{PAGE}`: {reason}. A page without results in its text is a `*.md`.\n"
+            "{title}\n\nLeft out, as are all pages from `*{PAGE}`: {reason}. A page without results in its text is a \
+             `*.md`.\n"
         ))
     })
 }

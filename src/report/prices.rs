@@ -20,7 +20,8 @@ pub(super) fn refuse(markdown: &str, range: &Range<usize>, latex: &str) -> Resul
     match is_price {
         false => Ok(()),
         true => Err(format!(
-            "`${latex}$` would be set as a formula, but looks like prices; write `\\$` for the sign of a dollar, or put a space beside the formula"
+            "`${latex}$` would be set as a formula, but looks like prices; write `\\$` for the sign of a dollar, or \
+             put a space beside the formula"
         )),
     }
 }

@@ -182,7 +182,8 @@ mod tests {
 
     #[test]
     fn a_program_that_the_system_finds_is_known_by_its_bytes() {
-        let toml = "[output.x]\ncommand = \"sh -c true\"\n[output.none-such]\n[preprocessor.y]\ncommand = \"tools/y\"\n";
+        let toml = "[output.x]\ncommand = \"sh -c true\"\n[output.none-such]\n\
+             [preprocessor.y]\ncommand = \"tools/y\"\n";
         let hashes = hashes(toml.as_bytes());
         assert_eq!(hashes.keys().collect::<Vec<_>>(), ["mdbook-none-such", "sh"]);
         assert_eq!(hashes["mdbook-none-such"], "missing");

@@ -1,5 +1,5 @@
-//! Settings of mdBook in `book.toml`. A run must know of each file that the book is made from, and mdBook may write into
-//! its own folder alone: every path in the settings lies in the folder of `book.toml`.
+//! Settings of mdBook in `book.toml`. A run must know of each file that the book is made from, and mdBook may write
+//! into its own folder alone: every path in the settings lies in the folder of `book.toml`.
 
 use super::line::line;
 use super::paths::{is_inside, plain};
@@ -139,7 +139,8 @@ impl<'a> Settings<'a> {
         for (keys, path) in self.paths() {
             if !is_inside(&path) {
                 let said = format!(
-                    "{} is `{path}`, which leads out of report/; copy what it names into report/, and name the copy by its path there",
+                    "{} is `{path}`, which leads out of report/; copy what it names into report/, and name the copy \
+                     by its path there",
                     keys[..3].join(".")
                 );
                 return Err(self.refusal(&borrowed(&keys), &said));
@@ -149,7 +150,8 @@ impl<'a> Settings<'a> {
             let page = redirected(name);
             if !is_inside(page) || page.ends_with('/') {
                 let said = format!(
-                    "the redirect from `{name}` is none from a page of the book; name the page by its path in the book, as \"/old.html\""
+                    "the redirect from `{name}` is none from a page of the book; name the page by its path in the \
+                     book, as \"/old.html\""
                 );
                 return Err(self.refusal(&["output", "html", "redirect", name], &said));
             }
@@ -291,7 +293,8 @@ mod tests {
 
     #[test]
     fn paths_that_stay_inside_are_taken() {
-        let good = "[output.html]\nadditional-css = [\"./a.css\", \"theme/b.css\"]\ntheme = \"./theme\"\ninput-404 = \"\"\n\
+        let good = "[output.html]\nadditional-css = [\"./a.css\", \"theme/b.css\"]\n\
+            theme = \"./theme\"\ninput-404 = \"\"\n\
                     [output.html.redirect]\n\"/old/a.html\" = \"https://a.b\"\n\"a.html#x\" = \"b.html\"\n\
                     [output.x]\ncommand = \"sh -c 'cat > /dev/null; echo x > made.txt'\"\n\
                     [output.y]\ncommand = \"python3 ../../tools/y.py --base=/\"\n[output.markdown]\n\

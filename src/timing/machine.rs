@@ -70,7 +70,8 @@ impl Machine {
     pub(crate) fn busy(&self) -> Option<String> {
         (self.load > IDLE).then(|| {
             format!(
-                "warning: the machine is busy (load average {}), so that times are longer than on an idle one; repeat the command when nothing else runs",
+                "warning: the machine is busy (load average {}), so that times are longer than on an idle one; \
+                 repeat the command when nothing else runs",
                 self.load
             )
         })

@@ -1,7 +1,7 @@
 //! Run times of every solver: medians with their noise, never part of any test or artifact.
 //!
-//! Load vectors, and for [`Scaling`] the workspace too, are made before the clock starts. Saddle-point methods check the
-//! optimality conditions after every eighth of the sweeps made so far; these checks are part of their time.
+//! Load vectors, and for [`Scaling`] the workspace too, are made before the clock starts. Saddle-point methods check
+//! the optimality conditions after every eighth of the sweeps made so far; these checks are part of their time.
 //! Central is [`measure`].
 
 mod goals;

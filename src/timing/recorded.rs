@@ -260,7 +260,8 @@ impl Timings {
         if timings.schema != SCHEMA {
             let found = timings.schema;
             return Err(Error::input(format!(
-                "{PATH}: schema {found}, where this version writes {SCHEMA}; move the file away and measure again with `signorini bench --record`"
+                "{PATH}: schema {found}, where this version writes {SCHEMA}; move the file away and measure again \
+                 with `signorini bench --record`"
             )));
         }
         Ok(timings)

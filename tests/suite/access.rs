@@ -21,8 +21,8 @@ const PAGES: [&str; 10] = [
     "provenance",
 ];
 
-/// Opens the pages one after the other in a frame, and lists what axe-core finds in each. mdBook's switch of the table of
-/// contents is left out: it is a label with the attributes of a button, for which no role is allowed.
+/// Opens the pages one after the other in a frame, and lists what axe-core finds in each. mdBook's switch of the table
+/// of contents is left out: it is a label with the attributes of a button, for which no role is allowed.
 const JUDGE: &str = r##"
 const found = [];
 async function judge() {

@@ -146,7 +146,8 @@ const PEER: &str = "[[peer]]\nsolver = \"other\"\nf = \"else=-1\"\ncells = 8\nth
 
 #[test]
 fn a_spoilt_record_is_refused_with_line_and_remedy() {
-    let good = "schema = 1\nbandwidth = 20\n[machine]\ncpu = \"c\"\ncores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
+    let good = "schema = 1\nbandwidth = 20\n[machine]\ncpu = \"c\"\n\
+                cores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
         load = 0.1\nrepeats = 9\n";
     assert!(Timings::parse(good).is_ok());
     assert_eq!(Timings::parse(format!("{good}{PEER}")).unwrap().peer.len(), 1);

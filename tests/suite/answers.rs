@@ -39,7 +39,8 @@ fn a_scene_is_obeyed_and_what_overrides_it_is_announced() {
     assert!(table.values().any(|bytes| String::from_utf8_lossy(bytes).contains(&row)), "{row}");
 
     let text = project.run(&["solve", "a", "--h", "1/64", "--r", "10", "--stop", "printed"]).out;
-    let line = "not as in the scene: finest grid 1/64 instead of 1/32, r 10 instead of 3, stop printed instead of printed-dual";
+    let line = "not as in the scene: finest grid 1/64 instead of 1/32, r 10 instead of 3, stop printed instead of \
+        printed-dual";
     assert!(text.contains(line), "{text}");
     assert!(text.contains("\n1/16 ") && !text.contains("\n 1/8 "), "the scene's coarsest: {text}");
 }
@@ -143,7 +144,8 @@ fn a_load_without_a_solution_is_refused_alike_whatever_the_solver() {
     for solver in ["arrow-hurwicz", "uzawa", "uzawa-proximal", "multigrid", "active-set"] {
         let args = ["solve", "--f", f, "--load", "nodal", "--h", "1/4", "--solver", solver];
         let said = project.run(&args);
-        let why = "error: custom: the load vector sums to +2.812e0 on grid 1/4, where the discrete problem has no solution; use --load exact, another --h, or a lower f\n";
+        let why = "error: custom: the load vector sums to +2.812e0 on grid 1/4, where the discrete problem has no \
+            solution; use --load exact, another --h, or a lower f\n";
         assert_eq!((said.code, said.err.as_str()), (Some(3), why), "{solver}");
     }
 }

@@ -69,7 +69,8 @@ fn what_the_book_is_made_from_is_an_input_wherever_it_lies() {
     write_program("echo one > made.txt\n");
     study.write("report/tools/own", "#!/bin/sh\necho own one > made.txt\n");
     let settings = study.read("report/book.toml");
-    let added = "additional-css = [\"x.css\"]\n[output.html.search.chapter]\n\"plate.md\" = { enable = false }\n[output.installed]\ncommand = \"installed\"\n[output.own]\ncommand = \"./tools/own\"\n";
+    let added = "additional-css = [\"x.css\"]\n[output.html.search.chapter]\n\"plate.md\" = { enable = false \
+        }\n[output.installed]\ncommand = \"installed\"\n[output.own]\ncommand = \"./tools/own\"\n";
     study.write("report/book.toml", settings + added);
     let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
     let run = || {

@@ -1,5 +1,5 @@
-//! Captions of the figures and tables of this project's book: numbers, links to the data, words in all header cells; and
-//! the length of its main chapters.
+//! Captions of the figures and tables of this project's book: numbers, links to the data, words in all header cells;
+//! and the length of its main chapters.
 
 use crate::book::{attribute, files, html, tags};
 

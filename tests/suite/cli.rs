@@ -94,7 +94,8 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     let json = project.run(&[&["solve", "--json"], &thin[..]].concat()).json();
     assert!(json["bound"]["relative"]["energy"].as_f64() <= Some(1e-2), "{json}");
     // Single nodes where contact ends keep large residuals, which a guaranteed bound makes no matter.
-    let f = "disc(0.125,0.2914,0.3053)=4; halfplane(-0.3227,-0.112,0.125)=0; quadrant(lr)=-4.09; rect(0.2757,1,0,0.3331)=4; else=-1.226";
+    let f = "disc(0.125,0.2914,0.3053)=4; halfplane(-0.3227,-0.112,0.125)=0; quadrant(lr)=-4.09; \
+        rect(0.2757,1,0,0.3331)=4; else=-1.226";
     let json = project.run(&["solve", "--f", f, "--accuracy", "0.002", "--json"]).json();
     assert!(json["kkt"]["relative"].as_f64() > Some(0.1), "{json}");
     assert_eq!(json["warnings"], serde_json::json!([]));

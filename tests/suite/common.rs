@@ -205,7 +205,8 @@ pub(crate) fn this_project() -> signorini::replication::project::Project {
     signorini::replication::project::Project::read(root).unwrap()
 }
 
-/// Says that something is not tested here, past libtest's capture; in CI that is a failure, because `.ci/run` installs what is needed.
+/// Says that something is not tested here, past libtest's capture; in CI that is a failure, because `.ci/run` installs
+/// what is needed.
 pub(crate) fn skip(why: &str) {
     let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
     assert!(!ci, "skipped in CI: {why}");

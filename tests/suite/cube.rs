@@ -124,8 +124,9 @@ proptest! {
     }
 }
 
-/// The seven-point matrix on the nodes of a cube with `n` cells per side, x fastest: neighbours are coupled by h inside, by
-/// h / 2 on a face and, since two or one of the six tetrahedra of a cell have an edge of the cube, by h / 3 or h / 6 there.
+/// The seven-point matrix on the nodes of a cube with `n` cells per side, x fastest: neighbours are coupled by h
+/// inside, by h / 2 on a face and, since two or one of the six tetrahedra of a cell have an edge of the cube, by h / 3
+/// or h / 6 there.
 struct SevenPoints {
     n: usize,
     /// Neighbours of each node, with their couplings.

@@ -119,7 +119,8 @@ fn gc_makes_room_on_a_full_disk() {
     fs::create_dir(project.path("cache")).unwrap();
     // There is no room for the name of who holds the lock, nor at first for manifests without earlier runs.
     let script = "mount -t tmpfs -o size=1M tmpfs cache && cp -r first/v2 cache && \
-        { dd if=/dev/zero of=cache/fill 2> /dev/null; signorini gc --cache-dir cache && signorini gc --cache-dir cache; }";
+        { dd if=/dev/zero of=cache/fill 2> /dev/null; \
+           signorini gc --cache-dir cache && signorini gc --cache-dir cache; }";
     let Some(output) = with_mounts(&project, script) else { return };
     let said = Said::from(output);
     let [first, second] = said.lines()[..] else { panic!("{said:?}") };

@@ -219,7 +219,8 @@ fn a_name_alone_is_a_domain() {
     for (name, kind) in [("disc", "rect"), ("meshes/gear.msh", "rect"), ("cube", "box")] {
         let numbers = if kind == "box" { "-1,0,-1,0,-1,0" } else { "-1,0,-1,0" };
         let text = format!(
-            "title = \"t\"\nf = \"{kind}({numbers})=1; else=-2\"\ndomain = \"{name}\"\nr = [10]\noutputs = [\"table\"]\n"
+            "title = \"t\"\nf = \"{kind}({numbers})=1; else=-2\"\ndomain = \"{name}\"\nr = [10]\noutputs = \
+             [\"table\"]\n"
         );
         project.scene("alone", &text);
         let json = project.run(&["solve", "alone", "--solver", "multigrid", "--json"]).json();

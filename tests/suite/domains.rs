@@ -1,5 +1,5 @@
-//! Solvers of optimal cost, multigrid on the square and multilevel iteration on the mesh of the cube: agreement with the
-//! direct method, claims, scaling and refusals.
+//! Solvers of optimal cost, multigrid on the square and multilevel iteration on the mesh of the cube: agreement with
+//! the direct method, claims, scaling and refusals.
 
 use crate::multigrid::{exact_loads, natural_residual};
 use crate::solvers::{assert_threads_do_not_matter, distance};

@@ -584,7 +584,8 @@ fn what_goes_with_an_output_that_the_chapters_show_is_named() {
     let without = scene.replace("\"history\", ", "");
     assert_ne!(without, scene);
     project.scene("problem1", &without);
-    let reason = "the book leaves out all pages from *.md.tera: they show scene `problem1`; add \"history\" to `outputs`";
+    let reason = "the book leaves out all pages from *.md.tera: they show scene `problem1`; add \"history\" to \
+        `outputs`";
     assert_eq!(dry_run(), reason);
     let said = project.run(&["run"]);
     let lines = said.lines();

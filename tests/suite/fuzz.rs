@@ -8,7 +8,8 @@ use signorini::replication::scene::Scene;
 use signorini_mathematics::problem::source::Source;
 use std::fs;
 
-const SCENE: &str = "title = \"t\"\npaper_table = 1\nf = \"rect(-0.25,0.25,-0.25,0.25)=1.5; quadrant(ll)=-2; else=-1\"\n\
+const SCENE: &str = "title = \"t\"\npaper_table = 1\n\
+    f = \"rect(-0.25,0.25,-0.25,0.25)=1.5; quadrant(ll)=-2; else=-1\"\n\
     load = { rule = \"nodal\", tie = \"lower-left\", diagonal = \"rising\" }\nprolongation = \"bilinear\"\n\
     grids = [4, 8, 16]\nr = [1e6, 10, 0.5]\nstop = [\"signed\", \"printed\"]\nmax_iterations = 100\n\
     outputs = [\"table\", \"surface\"]\ndraw_r = 10\n";
@@ -202,11 +203,13 @@ proptest! {
     #[test]
     fn a_scene_of_random_values_is_read_or_refused(
         f in prop::collection::vec(piece(), 0..4), r in prop::collection::vec(any::<f64>(), 0..3),
-        grids in prop::collection::vec(prop_oneof![0..40i64, any::<i64>()], 0..3), cap in any::<i64>(), draw in any::<f64>()
+        grids in prop::collection::vec(prop_oneof![0..40i64, any::<i64>()], 0..3),
+        cap in any::<i64>(), draw in any::<f64>()
     ) {
         let f = f.join(";");
         answers(&format!(
-            "title = \"t\"\nf = \"{f}; else=-1\"\ngrids = {grids:?}\nr = {r:?}\nmax_iterations = {cap}\ndraw_r = {draw:?}\noutputs = []\n"
+            "title = \"t\"\nf = \"{f}; else=-1\"\ngrids = {grids:?}\nr = {r:?}\nmax_iterations = {cap}\ndraw_r = \
+             {draw:?}\noutputs = []\n"
         ))?;
     }
 }

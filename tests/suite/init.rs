@@ -84,7 +84,8 @@ fn a_mistake_in_a_page_is_named_with_the_line_of_the_file_that_has_it() {
         ),
         (
             "[x](plate.md#x)",
-            "the link to `plate.md#x` leads nowhere: plate.html has no heading with this id, its text in small letters and - for spaces",
+            "the link to `plate.md#x` leads nowhere: plate.html has no heading with this id, its text in small \
+             letters and - for spaces",
         ),
         ("[](eq:7)", "no equation is tagged (7), but `eq:7` refers to it"),
         ("$5 for tea", "unpaired `$`; write `\\$` for a dollar, or close the formula"),
@@ -99,7 +100,8 @@ fn a_mistake_in_a_page_is_named_with_the_line_of_the_file_that_has_it() {
     // A template, which a study without the paper has no data for.
     place.write("study/report/templates/SUMMARY.md", "- [P](plate.md)\n- [Mine](mine.md)\n");
     place.write("study/report/templates/mine.md.tera", "# Mine\n");
-    let line = "the book leaves out all pages from *.md.tera: they need two scenes, one with `paper_table = 1` and one with 2";
+    let line = "the book leaves out all pages from *.md.tera: they need two scenes, one with `paper_table = 1` and \
+        one with 2";
     assert_eq!(run().lines()[0], line);
     let made = fs::read_to_string(place.path("study/report/src/mine.md")).unwrap();
     assert!(made.starts_with("# Mine\n\nLeft out, as are all pages from `*.md.tera`: they need"));

@@ -110,7 +110,8 @@ fn killed_runs_resume(kills: usize, seed: u64) {
         }
     }
     eprintln!(
-        "{killed} runs killed: {partial} with some tasks done and some not, {in_book} of them in the book, {late} after the last task"
+        "{killed} runs killed: {partial} with some tasks done and some not, {in_book} of them in the book, {late} \
+         after the last task"
     );
     assert!(killed >= kills && partial > 0 && in_book > 0, "{killed}, {partial}, {in_book}");
 }

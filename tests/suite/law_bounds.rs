@@ -20,8 +20,8 @@ use signorini_mathematics::problem::unsolvable::Unsolvable;
 /// Largest width of the bracket at 1/256 for each problem with friction.
 const WIDTHS: [f64; 6] = [2e-8, 8e-8, 2e-9, 3e-7, 2e-8, 2e-6];
 
-/// Energies of the first and the fourth problem with friction, by a spectral method in quadruple precision, written apart
-/// from this program.
+/// Energies of the first and the fourth problem with friction, by a spectral method in quadruple precision, written
+/// apart from this program.
 const ENERGIES: [(usize, f64); 2] = [(0, -0.024_787_188_375_613_3), (3, -0.627_952_316_469_321_7)];
 
 fn solved(n: usize, f: &Source, law: Law, goal: Goal) -> (Grid, Vec<f64>) {

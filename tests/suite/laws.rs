@@ -20,8 +20,8 @@ use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve, solve_nested};
 
-/// Iterations of the paper's method for the problems with friction under the printed rule with r = 1e6 on 1/4 to 1/64, as a
-/// program written apart from this one counts them.
+/// Iterations of the paper's method for the problems with friction under the printed rule with r = 1e6 on 1/4 to 1/64,
+/// as a program written apart from this one counts them.
 const COUNTS: [[usize; 5]; 6] = [
     [1, 6, 44, 198, 882],
     [2, 10, 54, 223, 941],

@@ -67,7 +67,8 @@ fn squares_that_are_not_joined_are_told_and_the_sense_of_their_elements_does_not
     let joined = solve(&project, mesh(TWO_SQUARES, "1", JOINED), &f).json();
     let mixed = solve(&project, mesh(TWO_SQUARES, "1", MIXED), &f).json();
     assert_eq!(joined["energy"], mixed["energy"]);
-    let told = "nodes 2 and 5 have the same place: the domain is in two parts, in contact along 1 edge; in Gmsh, `Coherence`, fragments or `removeDuplicateNodes` join them";
+    let told = "nodes 2 and 5 have the same place: the domain is in two parts, in contact along 1 edge; in Gmsh, \
+        `Coherence`, fragments or `removeDuplicateNodes` join them";
     let apart = mesh(TWO_SQUARES, "1", APART);
     let json = solve(&project, &apart, &f).json();
     assert_eq!(json["warnings"][0], told);
@@ -77,7 +78,8 @@ fn squares_that_are_not_joined_are_told_and_the_sense_of_their_elements_does_not
     project.write("pipeline/apart.msh", apart);
     project.scene(
         "apart",
-        "title = \"Apart\"\nf = \"else=-1\"\ndomain = { name = \"apart.msh\", refine = 1 }\nr = [10]\noutputs = [\"table\"]\n",
+        "title = \"Apart\"\nf = \"else=-1\"\ndomain = { name = \"apart.msh\", refine = 1 }\nr = [10]\noutputs = \
+         [\"table\"]\n",
     );
     let said = project.run(&["run", "apart"]);
     assert!(said.err.contains(&format!("warning: scene `apart`: {told}")), "{said:?}");

@@ -43,7 +43,8 @@ pub(crate) const PAGE: &str = "report/templates/plate.md";
 #[test]
 fn a_page_includes_scenes_and_files_beside_it_and_follows_their_changes() {
     let study = Study::new();
-    let text = "# Plate\n\n```toml\n{{#include ../../pipeline/scenes/plate.toml}}\n```\n\n{{#include notes/part.md}}\n\n`\\{{#include x}}`\n";
+    let text = "# Plate\n\n```toml\n{{#include ../../pipeline/scenes/plate.toml}}\n```\n\n{{#include \
+        notes/part.md}}\n\n`\\{{#include x}}`\n";
     study.write(PAGE, text);
     study.write("report/templates/notes/part.md", "Of $x^2$, {{#include more.txt}}.\n");
     study.write("report/templates/notes/more.txt", "first");

@@ -13,6 +13,9 @@ const INDIRECT_DOCUMENTATION: usize = 10;
 /// Most arguments of a function, `self` included.
 const ARGUMENTS: usize = 5;
 
+/// Most columns of a line, strings and comments included.
+const COLUMNS: usize = 120;
+
 /// First words of documentation that hide the noun.
 const INDIRECT: [&str; 6] = ["What", "Whether", "Where", "How", "The same", "Its"];
 
@@ -174,8 +177,8 @@ fn functions_take_few_arguments() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
-/// Names of the functions of a text, unit tests apart, that take the step (12) of the multiplier: each goes round in a loop
-/// over iterations, itself or with its callers. An engine's own `dual_step` may pass the call on.
+/// Names of the functions of a text, unit tests apart, that take the step (12) of the multiplier: each goes round in a
+/// loop over iterations, itself or with its callers. An engine's own `dual_step` may pass the call on.
 fn stepping_functions(text: &str) -> Vec<&str> {
     let code = text.split("mod tests {").next().unwrap_or_default();
     let functions = code.split("fn ").skip(1);
@@ -209,6 +212,16 @@ fn lines_where(condition: impl Fn(&Source, &str) -> bool) -> Vec<String> {
         found.extend(lines.map(|line| format!("{}: {}", source.path, line.trim())));
     }
     found
+}
+
+#[test]
+fn lines_end_at_120_columns() {
+    let mut found = Vec::new();
+    for Source { path, text } in sources() {
+        let long = (1..).zip(text.lines()).filter(|(_, line)| line.chars().count() > COLUMNS);
+        found.extend(long.map(|(number, _)| format!("{path}:{number}")));
+    }
+    assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]

@@ -61,7 +61,8 @@ fn two_arcs_share_the_force_by_symmetry() {
 
 #[test]
 fn an_end_of_contact_that_coarse_grids_put_before_a_corner_is_found_behind_it() {
-    let f = "halfplane(-0.2,-0.837,-0.26)=3.75; disc(-0.28,0.48,0.07)=7.66; halfplane(0.75,-0.767,-0.28)=-1.62; else=-0.5";
+    let f = "halfplane(-0.2,-0.837,-0.26)=3.75; disc(-0.28,0.48,0.07)=7.66; halfplane(0.75,-0.767,-0.28)=-1.62; \
+        else=-0.5";
     let [arc] = solved(f, SpectralParams::default()).contact[..] else { panic!("one arc") };
     let [x, y] = arc.to;
     close(x, 0.5, 0.0);

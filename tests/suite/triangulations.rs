@@ -123,7 +123,8 @@ fn the_papers_method_on_the_cube_ends_at_the_solution() {
     let params =
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
     let mut pair = Pair::zero(network);
-    let run = arrow_hurwicz(network, problem.law_and_load(), &params, &mut pair);
+    let loaded = problem.law().with_load(problem.load());
+    let run = arrow_hurwicz(network, loaded, &params, &mut pair);
     assert_eq!(run.end.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");

@@ -118,7 +118,8 @@ pub(super) fn sentences(project: &Project, tables: &[TableComparison]) -> String
 
 fn sentence(table: &TableComparison) -> String {
     format!(
-        "Table {}: {} of {} iteration counts come out exactly, {} of {} values of Delta a to the printed digits, and {}.",
+        "Table {}: {} of {} iteration counts come out exactly, {} of {} values of Delta a to the printed digits, and \
+         {}.",
         table.table,
         table.exact,
         table.cells,
@@ -172,7 +173,8 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
     let mut sentences = Vec::new();
     if project.files.contains_key(IDENTIFIED) {
         sentences.push(
-            "The replicators' copy of the paper lacks the figure that defines the right-hand sides f; they are recovered from these very tables, \
+            "The replicators' copy of the paper lacks the figure that defines the right-hand sides f; \
+             they are recovered from these very tables, \
             so that the agreement tests the method and not the values of f, and a cell may differ because f does.",
         );
     }

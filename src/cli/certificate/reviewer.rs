@@ -53,7 +53,8 @@ impl Reviewer {
     }
 }
 
-/// Returns the text without space around it; refuses one that is empty or has a character that no line of text may have.
+/// Returns the text without space around it; refuses one that is empty or has a character that no line of text may
+/// have.
 fn line<'a>(option: &str, text: &'a str) -> Result<&'a str> {
     let text = text.trim();
     if text.is_empty() {
@@ -81,8 +82,8 @@ fn orcid(text: &str) -> Result<String> {
     Ok(id)
 }
 
-/// Returns the check sum of an ORCID by ISO 7064 MOD 11-2, which is 1 for a valid one: sum of the digits, each times two
-/// to the number of digits after it, modulo 11. The last digit may be X for ten; `None` if another is no digit.
+/// Returns the check sum of an ORCID by ISO 7064 MOD 11-2, which is 1 for a valid one: sum of the digits, each times
+/// two to the number of digits after it, modulo 11. The last digit may be X for ten; `None` if another is no digit.
 fn check_sum(digits: &str) -> Option<u32> {
     let mut sum = 0;
     for (place, digit) in digits.chars().enumerate() {

@@ -96,7 +96,8 @@ impl Accuracy {
                 false => "finer than 1/1000000".into(),
             };
             return Err(Error::input(format!(
-                "{self} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} {best}, and --solver spectral needs no grid"
+                "{self} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} {best}, and --solver spectral needs \
+                 no grid"
             )));
         }
         Ok(size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MAX_CELLS))

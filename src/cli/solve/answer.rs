@@ -37,7 +37,8 @@ impl States {
             return format!("contact in {sticks} of {all} boundary nodes (arcs run anticlockwise)");
         }
         format!(
-            "{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down\n(arcs run anticlockwise)"
+            "{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down\n(arcs run \
+             anticlockwise)"
         )
     }
 }

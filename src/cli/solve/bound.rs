@@ -43,7 +43,8 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<St
     if !(low - explained <= energy && energy <= high + explained) {
         let remedy = request.remedies.load;
         warnings.push(format!(
-            "the energy is further from the true one than the error explains: the load vector is not that of f; {remedy}"
+            "the energy is further from the true one than the error explains: the load vector is not that of f; \
+             {remedy}"
         ));
     }
     let relative = bound.relative();

@@ -76,7 +76,8 @@ impl Answer {
         {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
             self.warnings.push(format!(
-                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; choose 1/(2^k m), such as 1/64, or --solver multigrid",
+                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; \
+                 choose 1/(2^k m), such as 1/64, or --solver multigrid",
                 tolerance(count)
             ));
         }
@@ -139,8 +140,8 @@ impl Answer {
         }
     }
 
-    /// Warns if the flux through the boundary does not balance the load: at the discrete solution their sum is zero up to
-    /// rounding.
+    /// Warns if the flux through the boundary does not balance the load: at the discrete solution their sum is zero up
+    /// to rounding.
     ///
     /// A difference counts where it exceeds the error of the grid and the error that the user accepts.
     fn warn_of_force(&mut self, request: &Request) {
@@ -158,8 +159,8 @@ impl Answer {
     }
 }
 
-/// Returns the difference of forces that the finest level explains: the square of h over the size of the domain, times the
-/// integral of |f|.
+/// Returns the difference of forces that the finest level explains: the square of h over the size of the domain, times
+/// the integral of |f|.
 fn slack(problem: &Problem) -> f64 {
     let levels = problem.levels();
     levels.integrals().of_size.abs() * (levels.width() / levels.extent()).powi(2)
@@ -178,7 +179,8 @@ fn load_slack(problem: &Problem) -> Option<f64> {
     (!integrals.is_known).then_some(slack)
 }
 
-/// Returns the names of the levels of the ends with a property, if there are any; the first end is on the coarsest level.
+/// Returns the names of the levels of the ends with a property, if there are any; the first end is on the coarsest
+/// level.
 fn named(
     problem: &Problem,
     ends: &[Outcome],

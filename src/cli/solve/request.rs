@@ -440,7 +440,8 @@ fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
     Err(Error::input(format!("{} {reason}; {remedy}", option(times))))
 }
 
-/// Returns the cells per side of the coarsest mesh of the cube, and the number of refinements to as many as are asked for.
+/// Returns the cells per side of the coarsest mesh of the cube, and the number of refinements to as many as are asked
+/// for.
 fn cube(cells: usize) -> Result<[usize; 2]> {
     /// Largest number of cells per side, a power of two aside, of a coarsest mesh that is solved directly.
     const MOST_ODD: usize = 7;
@@ -470,8 +471,9 @@ fn curve(text: &str) -> Result<(String, Vec<f64>)> {
     })
 }
 
-/// Returns the quadrature of the load vector that the options ask for: an accuracy concerns the solution for f, whatever
-/// load vector a scene takes; with the bilinear rule the bounds are closest, and the grids that they need coarsest.
+/// Returns the quadrature of the load vector that the options ask for: an accuracy concerns the solution for f,
+/// whatever load vector a scene takes; with the bilinear rule the bounds are closest, and the grids that they need
+/// coarsest.
 fn load_rule(args: &SolveArgs) -> Option<LoadRule> {
     args.load.map(|rule| rule.0).or(args.accuracy().map(|_| LoadRule::Bilinear {}))
 }

@@ -44,7 +44,8 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
             "grids": null,
             "grids_reason": "the spectral solver uses no grid",
             "bound": null,
-            "bound_reason": "the spectral solver checks its digits, see `checks`; --accuracy-energy gives guaranteed bounds",
+            "bound_reason": "the spectral solver checks its digits, see `checks`; --accuracy-energy gives guaranteed \
+                bounds",
             "value": {
                 "centre": finer.value(0.0, 0.0),
                 "lower_left": lower_left,

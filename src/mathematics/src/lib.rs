@@ -1,10 +1,11 @@
-//! The semicoercive scalar Signorini problem and its relatives: discretisation, solvers, true solutions, guaranteed bounds.
+//! The semicoercive scalar Signorini problem and its relatives: discretisation, solvers, true solutions, guaranteed
+//! bounds.
 //!
 //! A membrane v over a domain in the plane or in space solves `-Laplacian v = f`. On the boundary a [law](problem::law)
-//! relates v to its flux dv/dn: in the paper `v >= 0`, `dv/dn >= 0`, `v dv/dn = 0`, under friction `|dv/dn| <= g`. Nothing
-//! holds the membrane but the boundary, so that there is a solution only if the flux can balance f: in the paper, if the
-//! integral of f is negative. See N. N. Maksimova, *A study of the semicoercive scalar Signorini problem by the
-//! Arrow-Hurwicz method*.
+//! relates v to its flux dv/dn: in the paper `v >= 0`, `dv/dn >= 0`, `v dv/dn = 0`, under friction `|dv/dn| <= g`.
+//! Nothing holds the membrane but the boundary, so that there is a solution only if the flux can balance f: in the
+//! paper, if the integral of f is negative. See N. N. Maksimova, *A study of the semicoercive scalar Signorini problem
+//! by the Arrow-Hurwicz method*.
 //!
 //! | to | use |
 //! | --- | --- |

@@ -41,8 +41,8 @@ pub(super) fn task(project: &Project) -> Option<Task> {
 
 /// Table with one row per problem, stopping rule, r and grid.
 ///
-/// Columns: `problem` (the name of its scene), `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and `tolerance` identify
-/// the solve.
+/// Columns: `problem` (the name of its scene), `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
+/// `tolerance` identify the solve.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of

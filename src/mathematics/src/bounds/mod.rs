@@ -89,8 +89,8 @@ use std::f64::consts::PI;
 pub struct Bounds {
     /// Ends of an interval that contains the energy J(u) of the true solution u.
     pub energy: [f64; 2],
-    /// Ends of an interval that contains the L2 norm of `grad (u - v)`, v piecewise linear: on the square on triangles cut
-    /// by rising diagonals.
+    /// Ends of an interval that contains the L2 norm of `grad (u - v)`, v piecewise linear: on the square on triangles
+    /// cut by rising diagonals.
     pub error: [f64; 2],
     /// Upper bound of the L2 norm of `grad (u - w)`, w the recovery of v, which is piecewise quadratic; none on meshes,
     /// which have no recovery.

@@ -9,16 +9,17 @@ use serde::{Deserialize, Serialize};
 /// End of an iteration on one grid or mesh, as the solver knows it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct End {
-    /// Steps of the multiplier, the iterations of the paper; cycles on the finest level; or linear systems, one for each
-    /// contact set.
+    /// Steps of the multiplier, the iterations of the paper; cycles on the finest level; or linear systems, one for
+    /// each contact set.
     pub iterations: usize,
-    /// Work in Gauss-Seidel sweeps of this level: their number, where a method consists of them, else all visits of unknowns
-    /// over the number of unknowns. Multiplications count as visits of as many unknowns as a sweep takes them for.
+    /// Work in Gauss-Seidel sweeps of this level: their number, where a method consists of them, else all visits of
+    /// unknowns over the number of unknowns. Multiplications count as visits of as many unknowns as a sweep takes them
+    /// for.
     pub work_units: f64,
     /// Reason for the end. A solver need not measure the solution; [`Outcome::kkt`] does.
     pub stop: Stop,
-    /// Last change of the multiplier, the paper's Delta a, NaN if a value was no longer finite; none without steps of the
-    /// multiplier.
+    /// Last change of the multiplier, the paper's Delta a, NaN if a value was no longer finite; none without steps of
+    /// the multiplier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delta_a: Option<f64>,
 }
@@ -65,14 +66,14 @@ pub struct Outcome {
     pub kkt: Kkt,
     /// Sum over the boundary nodes of y times the gradient of the energy, with the law's term: zero at the solution.
     pub work: f64,
-    /// True if the discrete problem has a solution, see [`has_solution`](super::kkt::has_solution); under the paper's law
-    /// without fixed parts, if the sum of the load is negative.
+    /// True if the discrete problem has a solution, see [`has_solution`](super::kkt::has_solution); under the paper's
+    /// law without fixed parts, if the sum of the load is negative.
     pub has_solution: bool,
 }
 
 impl Outcome {
-    /// End with this judgement, on a uniform grid with so many `cells` per side or on a mesh, where the discrete problem with
-    /// this load vector has a solution or none.
+    /// End with this judgement, on a uniform grid with so many `cells` per side or on a mesh, where the discrete
+    /// problem with this load vector has a solution or none.
     pub(crate) fn new(
         end: End,
         judgement: &Judgement,

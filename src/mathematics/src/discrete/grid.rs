@@ -24,7 +24,8 @@ pub enum GridError {
     )]
     TooCoarse(usize),
     /// A grid that is not the halving of the one before it.
-    #[error("grid 1/{fine} does not nest in 1/{coarse}: each grid must halve the one before; use 1/{want}", want = 2 * coarse)]
+    #[error("grid 1/{fine} does not nest in 1/{coarse}: each grid must halve the one before; use \
+        1/{want}", want = 2 * coarse)]
     NotNested {
         /// Cells per side of the grid before.
         coarse: usize,

@@ -55,8 +55,9 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// Contact at the boundary nodes, in the order of the flux: the nodes that stick. Under the paper's law, where the flux
-    /// is no less than `y`, up to rounding errors; both are zero in a corner without load between nodes in contact.
+    /// Contact at the boundary nodes, in the order of the flux: the nodes that stick. Under the paper's law, where the
+    /// flux is no less than `y`, up to rounding errors; both are zero in a corner without load between nodes in
+    /// contact.
     pub fn in_contact(&self) -> Vec<bool> {
         self.states.iter().map(|state| *state == BoundaryState::Sticks).collect()
     }
@@ -191,8 +192,8 @@ pub fn judge(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> 
     judge.judgement(JudgedValues { law, cells, y, contact: shape.contact, flux })
 }
 
-/// True if the discrete problem with this load vector has a solution: over each connected component, y = 0 at some nodes,
-/// or the flux through the boundary can balance the load.
+/// True if the discrete problem with this load vector has a solution: over each connected component, y = 0 at some
+/// nodes, or the flux through the boundary can balance the load.
 ///
 /// # Panics
 /// If the load is not a nodal vector of the domain.

@@ -100,8 +100,8 @@ pub fn integrals(f: &Source) -> [f64; 2] {
     found.map_or([f64::NAN; 2], |of| [of.integral, of.size])
 }
 
-/// Returns the part of the integral of |f|, f smooth, that the formula of degree 5 misses on a grid with n cells along each
-/// side; none if f is not finite at some point.
+/// Returns the part of the integral of |f|, f smooth, that the formula of degree 5 misses on a grid with n cells along
+/// each side; none if f is not finite at some point.
 pub fn missed_on(f: &Source, n: usize) -> Option<f64> {
     let found = sampled(&triangles(n), &|point| f.at(point)).ok()?;
     Some(found.missed.max(found.unsettled) / found.size)

@@ -1,8 +1,8 @@
 //! The discrete problem on any triangulation: nodes, the couplings between them, and their parts of the boundary.
 //!
 //! The energy of a nodal vector y is half the sum of `weight (y_i - y_j)^2` over all couplings, less `<F, y>`: the
-//! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero. In (7)-(12) the part of the boundary
-//! at a node takes the place of h.
+//! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero. In (7)-(12) the part of the
+//! boundary at a node takes the place of h.
 
 use crate::problem::law::ContactNode;
 
@@ -264,8 +264,8 @@ impl Network {
         Row { others: &self.others[range.clone()], weights: &self.weights[range] }
     }
 
-    /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation, those at fixed nodes
-    /// become zero; `at_contact` gives the value of the contact node in this position from its row.
+    /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation, those at fixed
+    /// nodes become zero; `at_contact` gives the value of the contact node in this position from its row.
     #[inline(always)]
     pub fn sweep(
         &self,

@@ -11,8 +11,8 @@ impl Network {
         Self::uniform(grid.cells(), grid.contact_nodes())
     }
 
-    /// Network of the five-point matrix with `n` cells per side, with all boundary nodes in contact. Their measures are in
-    /// cells, as many as the halves of sides around the node.
+    /// Network of the five-point matrix with `n` cells per side, with all boundary nodes in contact. Their measures are
+    /// in cells, as many as the halves of sides around the node.
     pub(crate) fn of_stencil(n: usize) -> Self {
         let mut network = Self::uniform(n, Vec::new());
         let mut contact = Vec::with_capacity(4 * n);

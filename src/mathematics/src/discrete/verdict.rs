@@ -1,7 +1,7 @@
 //! Verdict on a nodal vector that a solver returned: a solution, a rough one, or none.
 //!
-//! One rule for all solvers and commands. It reads the conditions of the solution, not the stopping rule, which may hold
-//! far from the solution.
+//! One rule for all solvers and commands. It reads the conditions of the solution, not the stopping rule, which may
+//! hold far from the solution.
 
 use super::kkt::Kkt;
 use super::stop::Stop;
@@ -16,8 +16,8 @@ const ROUGH: f64 = 0.1;
 /// Verdict on a nodal vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// The flux through the boundary cannot balance the load vector, so that the discrete problem has no solution; under the
-    /// paper's law, since it sums to a non-negative number.
+    /// The flux through the boundary cannot balance the load vector, so that the discrete problem has no solution;
+    /// under the paper's law, since it sums to a non-negative number.
     NoSolution,
     /// The conditions of the solution are violated.
     NotSolved(Violation),
@@ -34,7 +34,8 @@ pub enum Violation {
     Residual(f64),
     /// The energy, this one, is above that of v = 0.
     Energy(f64),
-    /// The sum over the boundary of v r, r the gradient of the energy, and of the law's term is not small beside the energy.
+    /// The sum over the boundary of v r, r the gradient of the energy, and of the law's term is not small beside the
+    /// energy.
     Work {
         /// This sum, zero at the solution.
         work: f64,
@@ -44,8 +45,8 @@ pub enum Violation {
 }
 
 impl Verdict {
-    /// Judges a nodal vector of a problem that has a solution or none by its `kkt`, its `energy`, and its `work`, which is
-    /// the sum of v r over the boundary, r the gradient of the energy, with the law's term.
+    /// Judges a nodal vector of a problem that has a solution or none by its `kkt`, its `energy`, and its `work`, which
+    /// is the sum of v r over the boundary, r the gradient of the energy, with the law's term.
     pub fn new(has_solution: bool, kkt: &Kkt, energy: f64, work: f64) -> Self {
         if !has_solution {
             Self::NoSolution
@@ -67,8 +68,8 @@ impl Verdict {
         matches!(self, Self::NoSolution | Self::NotSolved(_))
     }
 
-    /// Name of the end of a solve whose solver reports the reason `stop`: `no-solution` or `not-solved` takes its place,
-    /// but a limit that cut an iteration off stays a limit if the problem has a solution.
+    /// Name of the end of a solve whose solver reports the reason `stop`: `no-solution` or `not-solved` takes its
+    /// place, but a limit that cut an iteration off stays a limit if the problem has a solution.
     pub fn end(self, stop: Stop) -> &'static str {
         match self {
             Self::NoSolution => "no-solution",

@@ -28,8 +28,8 @@ pub struct FrictionProblem {
     pub g: f64,
 }
 
-/// Problems with friction. In the first three v has one sign, and so it has in the last two; in the fourth both. The flux of
-/// the last one is nearly at its bound everywhere.
+/// Problems with friction. In the first three v has one sign, and so it has in the last two; in the fourth both. The
+/// flux of the last one is nearly at its bound everywhere.
 pub const FRICTION: [FrictionProblem; 6] = [
     FrictionProblem { f: "quadrant(ll)=3; else=-1.002", g: 0.3 },
     FrictionProblem { f: "quadrant(ll)=-6; else=1.998", g: 0.6 },

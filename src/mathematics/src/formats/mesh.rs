@@ -24,16 +24,16 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
         npy(DOUBLE, &[self.v.len()], doubles(self.v))
     }
 
-    /// Mesh and solution in NPZ format, not compressed: `points`, one row of coordinates a node; `cells`, one row of nodes a
-    /// cell, in the positive sense; `v` and `multiplier` at the nodes; `f` on the cells.
+    /// Mesh and solution in NPZ format, not compressed: `points`, one row of coordinates a node; `cells`, one row of
+    /// nodes a cell, in the positive sense; `v` and `multiplier` at the nodes; `f` on the cells.
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
     pub fn npz(&self) -> Option<Vec<u8>> {
         npz(self.mesh, self)
     }
 
-    /// VTK XML unstructured grid: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from 0
-    /// on; raw little-endian numbers. In the plane z = 0.
+    /// VTK XML unstructured grid: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from
+    /// 0 on; raw little-endian numbers. In the plane z = 0.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
         vtu(self.mesh, self, name)
     }
@@ -67,8 +67,8 @@ fn vtu<const D: usize, const V: usize>(
 ) -> Vec<u8> {
     let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
     let ends = (1..=cells).map(|cell| ((V * cell) as i64).to_le_bytes());
-    // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes, and takes
-    // the first one in the text.
+    // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes,
+    // and takes the first one in the text.
     let mut arrays = Appended::default();
     let region = mesh.regions().iter().map(|region| region.to_le_bytes());
     let region = arrays.array("type=\"UInt16\" Name=\"region\"", region);

@@ -1,5 +1,5 @@
-//! ZIP archives (APPNOTE 6.3), without dates. Files are compressed where that makes them a quarter as long: values with all
-//! their digits hardly get shorter, and stored as they are they are read in place.
+//! ZIP archives (APPNOTE 6.3), without dates. Files are compressed where that makes them a quarter as long: values with
+//! all their digits hardly get shorter, and stored as they are they are read in place.
 
 use miniz_oxide::deflate::compress_to_vec;
 

@@ -102,11 +102,11 @@ impl<'a> Evaluator<'a> {
         &self.entered
     }
 
-    /// Iterates on a grid in the lanes that have a limit, up to it; returns the ends, and in `pairs`, if they are wanted,
-    /// the last pairs.
+    /// Iterates on a grid in the lanes that have a limit, up to it; returns the ends, and in `pairs`, if they are
+    /// wanted, the last pairs.
     ///
-    /// `judge` is called in each iteration, when the variant evaluates the gradient, with the number of the iteration and
-    /// the lanes that are under way; it returns the lanes that end.
+    /// `judge` is called in each iteration, when the variant evaluates the gradient, with the number of the iteration
+    /// and the lanes that are under way; it returns the lanes that end.
     fn iterate(
         &mut self,
         level: usize,

@@ -1,4 +1,5 @@
-//! Findings about a recovered f: which other f explains its table, how far it may move, and that a blind search finds it.
+//! Findings about a recovered f: which other f explains its table, how far it may move, and that a blind search finds
+//! it.
 
 use super::evaluate::{Evaluator, grid};
 use super::found::{Found, found};

@@ -1,9 +1,9 @@
 //! Problems: a domain with f, a law and the conditions on the parts of the boundary, and its nested discrete problems.
 //!
-//! Central is [`Problem`], which is checked once, when it is made. What solvers, judges, bounds, pictures and files need
-//! of a grid or a mesh is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the square,
-//! without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has asks
-//! [`Levels::lattices`].
+//! Central is [`Problem`], which is checked once, when it is made. What solvers, judges, bounds, pictures and files
+//! need of a grid or a mesh is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the
+//! square, without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has
+//! asks [`Levels::lattices`].
 
 mod error;
 mod lattices;
@@ -92,15 +92,16 @@ pub trait Levels: Send + Sync {
     /// Connected components of the domain, with f.
     fn components(&self) -> Vec<Component>;
 
-    /// True if the flux that a law allows can balance a load vector of a level: then the discrete problem has a solution.
+    /// True if the flux that a law allows can balance a load vector of a level: then the discrete problem has a
+    /// solution.
     fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool;
 
-    /// Contact at the nodes in [`Levels::contact`]: where the multiplier is inside the interval of the law or v is zero, up
-    /// to rounding errors.
+    /// Contact at the nodes in [`Levels::contact`]: where the multiplier is inside the interval of the law or v is
+    /// zero, up to rounding errors.
     fn in_contact(&self, law: Law, pair: &Pair) -> Vec<bool>;
 
-    /// Arcs in contact on the boundary of a domain in the plane, for a nodal vector of the finest level and its judgement;
-    /// none in space.
+    /// Arcs in contact on the boundary of a domain in the plane, for a nodal vector of the finest level and its
+    /// judgement; none in space.
     fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>>;
 
     /// Errors of a nodal vector of the finest level; none if the solution has no formula.
@@ -115,8 +116,8 @@ pub trait Levels: Send + Sync {
     /// Copy of the mesh of the finest level.
     fn mesh(&self) -> AnyMesh;
 
-    /// Picture of a domain in the plane, with so many cells across at most, with the means of f over its triangles; none
-    /// in space.
+    /// Picture of a domain in the plane, with so many cells across at most, with the means of f over its triangles;
+    /// none in space.
     ///
     /// # Errors
     /// [`SourceError::NoValue`] if f is not finite at a point of a mesh coarser than the finest.

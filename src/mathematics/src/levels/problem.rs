@@ -4,7 +4,6 @@ use super::{Lattices, Levels, NodalVectors, ProblemError, Triangulations};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
-use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load::LoadRule;
 use crate::discrete::nested::NestedNetwork;
 use crate::mesh::AnyMesh;
@@ -13,8 +12,8 @@ use crate::problem::source::Source;
 use serde::Serialize;
 use std::borrow::Cow;
 
-/// Domain with f, the conditions on the parts of its boundary and the law where it is in contact, and its nested discrete
-/// problems. The flux can balance f: it has a unique solution.
+/// Domain with f, the conditions on the parts of its boundary and the law where it is in contact, and its nested
+/// discrete problems. The flux can balance f: it has a unique solution.
 pub struct Problem {
     levels: Box<dyn Levels>,
     law: Law,
@@ -75,8 +74,8 @@ impl Problem {
         }
     }
 
-    /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding errors
-    /// of integrals.
+    /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding
+    /// errors of integrals.
     fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
         let rounding = ROUNDING * levels.integrals().of_size.abs();
         for component in levels.components() {
@@ -111,11 +110,6 @@ impl Problem {
     /// [`ProblemError::Source`] if f is not finite at a point of a coarser level.
     pub fn loads(&self) -> Result<Vec<Cow<'_, [f64]>>, ProblemError> {
         (0..self.levels.count()).map(|level| Ok(self.levels.load(level)?)).collect()
-    }
-
-    /// Law and load vector of the finest level.
-    pub fn law_and_load(&self) -> LawAndLoad<'_> {
-        self.law.with_load(self.load())
     }
 
     /// Grids and f on the square; none on a mesh.

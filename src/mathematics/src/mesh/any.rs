@@ -47,7 +47,8 @@ pub enum PartError {
     },
     /// A curve with a wrong number of coordinates, or with some that are no numbers.
     #[error(
-        "`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: x, y, z, dx, dy, dz, radius; all finite, the radius above 0"
+        "`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: \
+         x, y, z, dx, dy, dz, radius; all finite, the radius above 0"
     )]
     Curve(String),
     /// A node of the part that is off the curve.

@@ -251,7 +251,8 @@ mod tests {
     fn cells_that_overlap_or_hang_on_another_are_named() {
         assert_eq!(
             after(|data| data.cells.push([0, 1, 2])),
-            "elements 21 and 23 overlap: both lie on one side of their facet [12, 13]; remove what is there twice, and mesh again"
+            "elements 21 and 23 overlap: both lie on one side of their facet [12, 13]; remove what is there twice, \
+             and mesh again"
         );
         let third = after(|data| {
             data.points.push([0.9, 0.2]);
@@ -270,7 +271,8 @@ mod tests {
         });
         assert_eq!(
             hanging,
-            "node 15 hangs on a side of element 21: neighbours must share whole sides; fragment the surfaces in Gmsh, and mesh again"
+            "node 15 hangs on a side of element 21: neighbours must share whole sides; fragment the surfaces in \
+             Gmsh, and mesh again"
         );
         // Two tetrahedra above the halves of the base of a third one.
         let data = MeshData::<3, 4> {
@@ -287,7 +289,8 @@ mod tests {
         };
         assert_eq!(
             message(data),
-            "node 4 hangs on a side of element 0: neighbours must share whole sides; fragment the volumes in Gmsh, and mesh again"
+            "node 4 hangs on a side of element 0: neighbours must share whole sides; fragment the volumes in Gmsh, \
+             and mesh again"
         );
     }
 
@@ -325,7 +328,8 @@ mod tests {
     fn bad_names_are_named() {
         assert_eq!(
             after(|data| data.facets[0].nodes = [1, 3]),
-            "part `south` names the facet [12, 14], which is no side of an element; embed it in the mesh, or leave its name out"
+            "part `south` names the facet [12, 14], which is no side of an element; embed it in the mesh, or leave \
+             its name out"
         );
         let two = after(|data| {
             data.facets.push(Facet { nodes: [0, 1], part: 1 });

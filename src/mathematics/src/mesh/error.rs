@@ -40,7 +40,8 @@ pub enum MeshError {
     },
     /// Two cells on one side of a facet.
     #[error(
-        "elements {} and {} overlap: both lie on one side of their facet {nodes:?}; remove what is there twice, and mesh again", .cells[0], .cells[1]
+        "elements {} and {} overlap: both lie on one side of their facet {nodes:?}; remove what is there twice, and \
+         mesh again", .cells[0], .cells[1]
     )]
     Fold {
         /// Cells.
@@ -62,7 +63,8 @@ pub enum MeshError {
     },
     /// A node inside a facet.
     #[error(
-        "node {node} hangs on a side of element {cell}: neighbours must share whole sides; fragment the {domains} in Gmsh, and mesh again"
+        "node {node} hangs on a side of element {cell}: neighbours must share whole sides; fragment the {domains} in \
+         Gmsh, and mesh again"
     )]
     Hanging {
         /// Cell on whose side the node lies.
@@ -74,7 +76,8 @@ pub enum MeshError {
     },
     /// A named facet that no cell has.
     #[error(
-        "part `{part}` names the facet {nodes:?}, which is no side of an element; embed it in the mesh, or leave its name out"
+        "part `{part}` names the facet {nodes:?}, which is no side of an element; embed it in the mesh, or leave its \
+         name out"
     )]
     NoSide {
         /// Name of the part.

@@ -270,7 +270,8 @@ mod tests {
         let fold = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 1.0], [0.5, 0.4]];
         assert_eq!(
             data(fold, vec![[0, 1, 2], [0, 1, 3]]),
-            "elements 0 and 1 overlap: both lie on one side of their facet [0, 1]; remove what is there twice, and mesh again"
+            "elements 0 and 1 overlap: both lie on one side of their facet [0, 1]; remove what is there twice, and \
+             mesh again"
         );
         let data = MeshData::<3, 4> {
             points: vec![

@@ -201,7 +201,8 @@ mod tests {
 
     #[test]
     fn parts_that_are_not_joined_are_told_with_their_common_edges() {
-        let said = "nodes 2 and 5 have the same place: the domain is in two parts, in contact along 1 edge; in Gmsh, `Coherence`, fragments or `removeDuplicateNodes` join them";
+        let said = "nodes 2 and 5 have the same place: the domain is in two parts, in contact along 1 edge; in Gmsh, \
+            `Coherence`, fragments or `removeDuplicateNodes` join them";
         for unit in [1e-40, 1e-6, 1.0, 1e40] {
             for apart in [0.0, 1e-15, -1e-12, 1e-9] {
                 let found = after(|data| {
@@ -240,7 +241,8 @@ mod tests {
             ..MeshData::default()
         };
         let said = data.mesh().unwrap().touching().unwrap().to_string();
-        assert!(said.starts_with("nodes 1 and 5 have the same place: the domain has a slit along 1 edge, whose sides are boundary; in Gmsh, "), "{said}");
+        assert!(said.starts_with("nodes 1 and 5 have the same place: the domain has a slit along 1 edge, whose sides \
+            are boundary; in Gmsh, "), "{said}");
     }
 
     #[test]

@@ -31,8 +31,8 @@ pub fn lattice_mesh(lines: &[f64]) -> PlaneMesh {
 
 /// Kuhn's triangulation of the unit cube with `n` cells per side: six tetrahedra in each cell, along the paths from its
 /// lowest to its highest corner (H. W. Kuhn, IBM J. Res. Dev. 4, 1960). Its stiffness matrix is that of the seven-point
-/// stencil times 1 / n, but along the edges of the cube, where neighbours are coupled by a third or a sixth of 1 / n, not
-/// by a quarter.
+/// stencil times 1 / n, but along the edges of the cube, where neighbours are coupled by a third or a sixth of 1 / n,
+/// not by a quarter.
 ///
 /// # Panics
 /// If `n` is zero.
@@ -46,7 +46,8 @@ pub fn uniform_cube(n: usize) -> SpaceMesh {
     let mut cells = Vec::with_capacity(6 * n.pow(3));
     for node in (0..side.pow(3)).filter(|&node| place(node).iter().all(|&i| i < n)) {
         for axes in AXES {
-            // In the order of the path, from which refinement makes cells of the same kind; the checks turn every other one.
+            // In the order of the path, from which refinement makes cells of the same kind; the checks turn every other
+            // one.
             let mut cell = [node as u32; 4];
             for (step, &axis) in axes.iter().enumerate() {
                 cell[step + 1] = cell[step] + side.pow(axis as u32) as u32;

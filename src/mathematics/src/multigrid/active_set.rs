@@ -10,11 +10,11 @@
 //! # Algorithm
 //! 1. See the problem as one under the law `[0, limit]`, and take all boundary nodes to stick.
 //! 2. Solve the linear problem with `y = 0` at the nodes that stick, and the flux `limit` at those that slip down.
-//! 3. Let nodes that stick with a multiplier below zero slip up, those above the limit slip down, and nodes whose value has
-//!    the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
+//! 3. Let nodes that stick with a multiplier below zero slip up, those above the limit slip down, and nodes whose value
+//!    has the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
 //!    of least energy: otherwise the next system is singular.
-//! 4. Stop if no state has changed. If all have returned to earlier ones, stop under the paper's law, where only rounding
-//!    errors can be the reason; under others, where the steps may go round in circles, relax the solution by
+//! 4. Stop if no state has changed. If all have returned to earlier ones, stop under the paper's law, where only
+//!    rounding errors can be the reason; under others, where the steps may go round in circles, relax the solution by
 //!    Gauss-Seidel sweeps, which lower the energy, and take the states from there. Go to step 2.
 //!
 //! # Cost
@@ -36,7 +36,8 @@ pub const MOST_CELLS: usize = 256;
 
 /// Most nodes of a mesh in the plane whose matrix and factors are worth their time: as many as on the square.
 pub const MOST_NODES_IN_PLANE: usize = (MOST_CELLS + 1) * (MOST_CELLS + 1);
-/// Most nodes of a mesh in space whose matrix and factors are worth their time: those of the cube with 24 cells per side.
+/// Most nodes of a mesh in space whose matrix and factors are worth their time: those of the cube with 24 cells per
+/// side.
 pub const MOST_NODES_IN_SPACE: usize = 25 * 25 * 25;
 
 /// Limit on the number of times that relaxation ends a return to earlier states.
@@ -46,8 +47,9 @@ const RESTART_SWEEPS: usize = 20;
 /// Limit on the number of linear systems.
 const MAX_STEPS: usize = 200;
 
-/// Minimises the energy `1/2 y'Ay - F'y` with the law's term on the boundary; see [`solve_square`](super::solve_square) for
-/// `A` and the layout of `load` and the solution. Starts with all boundary nodes at zero. Ends as [`active_set_on`].
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term on the boundary; see [`solve_square`](super::solve_square)
+/// for `A` and the layout of `load` and the solution. Starts with all boundary nodes at zero. Ends as
+/// [`active_set_on`].
 ///
 /// # Errors
 /// If `n` is below 2, a length is wrong, a number is not finite, or the flux cannot balance the load.
@@ -59,14 +61,15 @@ pub fn active_set(n: usize, law: Law, load: &[f64]) -> Result<(Vec<f64>, End), I
     on_network(&Network::of_square(grid), BandOrder::Natural, law, load)
 }
 
-/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its fixed
-/// nodes. Starts with all contact nodes at zero.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its
+/// fixed nodes. Starts with all contact nodes at zero.
 ///
-/// Ends `Converged` if a step left all states as they were, and at the `RoundingFloor` if a step led to earlier states, which
-/// was seen only where multipliers or values are zero up to rounding errors.
+/// Ends `Converged` if a step left all states as they were, and at the `RoundingFloor` if a step led to earlier states,
+/// which was seen only where multipliers or values are zero up to rounding errors.
 ///
 /// # Errors
-/// If the length is wrong, a number is not finite, or in a component without fixed nodes the flux cannot balance the load.
+/// If the length is wrong, a number is not finite, or in a component without fixed nodes the flux cannot balance the
+/// load.
 pub fn active_set_on(
     network: &Network,
     law: Law,
@@ -154,8 +157,8 @@ fn solve(problem: &StateProblem<'_>, direct: &mut Direct, states: &[BoundaryStat
     }
 }
 
-/// Problem under the law `[0, limit]`, whose solution is known from the states of its nodes. Inner nodes count as slipping
-/// up, fixed nodes as sticking.
+/// Problem under the law `[0, limit]`, whose solution is known from the states of its nodes. Inner nodes count as
+/// slipping up, fixed nodes as sticking.
 pub(crate) struct StateProblem<'a> {
     pub network: &'a Network,
     /// Connected component of each node.
@@ -212,8 +215,9 @@ impl StateProblem<'_> {
     /// Returns the states of the next step of the primal-dual active set method, where `y` is the solution with the
     /// present ones.
     ///
-    /// A solution whose nodes could then not balance the load of a connected component, or of which none would stick, is
-    /// shifted by the constant of least energy: the node that it [sets to zero](place_at_zero) sticks, and the others slip.
+    /// A solution whose nodes could then not balance the load of a connected component, or of which none would stick,
+    /// is shifted by the constant of least energy: the node that it [sets to zero](place_at_zero) sticks, and the
+    /// others slip.
     pub(crate) fn next_states(&self, states: &[BoundaryState], y: &[f64]) -> Vec<BoundaryState> {
         let mut next = vec![BoundaryState::SlipsUp; states.len()];
         let count = count_components(self.components);

@@ -76,8 +76,8 @@ impl Multigrid {
     }
 
     /// Finds the correction for level `l`, whose residual has been restricted, on the next coarser level. This is the
-    /// central function of multigrid; with a pass that adds the correction, smooths, and restricts the new residual, it is
-    /// one cycle.
+    /// central function of multigrid; with a pass that adds the correction, smooths, and restricts the new residual, it
+    /// is one cycle.
     ///
     /// Grids are visited twice from `double_visits_below` grids below `l` on.
     pub(super) fn find_correction(&mut self, l: usize, double_visits_below: usize) {
@@ -164,10 +164,11 @@ impl Multigrid {
         balance.holds(self.needed)
     }
 
-    /// Subtracts the constant of least energy, and puts the node that the constant [sets to zero](place_at_zero) in contact.
+    /// Subtracts the constant of least energy, and puts the node that the constant [sets to zero](place_at_zero) in
+    /// contact.
     ///
-    /// With an empty contact set the corrections would be unbounded. Since the flux can balance the load, the solution is
-    /// zero somewhere on the boundary.
+    /// With an empty contact set the corrections would be unbounded. Since the flux can balance the load, the solution
+    /// is zero somewhere on the boundary.
     fn shift_into_contact(&mut self, l: usize) {
         let level = &mut self.levels[l];
         let mut nodes = Vec::with_capacity(level.in_contact.len());
@@ -189,7 +190,8 @@ impl Multigrid {
         in_contact[at] |= !in_contact.contains(&true);
     }
 
-    /// Runs a pass on the problem under the law, whose last stage restricts; returns the natural residual of the red nodes.
+    /// Runs a pass on the problem under the law, whose last stage restricts; returns the natural residual of the red
+    /// nodes.
     pub(super) fn pass_under_law(&mut self, l: usize, stages: &[Stage]) -> f64 {
         self.pass(l, BoundaryLaw, stages).expect("the last stage restricts")
     }

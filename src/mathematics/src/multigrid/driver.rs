@@ -7,12 +7,12 @@
 //!    1. Stop with `Diverged` if the residual is not finite or has grown by [`DIVERGENCE`].
 //!    2. Stop with `Converged` if the goal is met. A step leaves rounding errors in the residual that it returns. Where
 //!       these may matter, the residual is computed from the nodal vector first.
-//!    3. If the residual has hardly fallen, or is computed by a recurrence, compare it with [`ROUNDING_FLOOR`] roundings;
-//!       if it is below, compute it from the nodal vector, and stop with `RoundingFloor` if it still is.
+//!    3. If the residual has hardly fallen, or is computed by a recurrence, compare it with [`ROUNDING_FLOOR`]
+//!       roundings; if it is below, compute it from the nodal vector, and stop with `RoundingFloor` if it still is.
 //!
 //! # Easily broken
-//! A residual from the nodal vector costs a sweep of the finest level, so it is computed only where the result may depend
-//! on it.
+//! A residual from the nodal vector costs a sweep of the finest level, so it is computed only where the result may
+//! depend on it.
 
 use super::input::InputError;
 use super::{Goal, MultigridParams};
@@ -31,7 +31,8 @@ const DIVERGENCE: f64 = 1e12;
 /// Nested levels, coarsest first, with a nodal vector on one of them: a problem under a law `[0, limit]`, whose load is
 /// divided by a power of two. Residuals are natural ones of this load.
 pub(crate) trait Hierarchy {
-    /// True if a step computes the residual by a recurrence, which goes on falling where that of the nodal vector does not.
+    /// True if a step computes the residual by a recurrence, which goes on falling where that of the nodal vector does
+    /// not.
     const BY_RECURRENCE: bool;
 
     /// Number of the finest level, from 0.
@@ -113,14 +114,15 @@ pub(crate) fn solve(
     Ok(End { iterations, work_units: levels.work_units(), stop, delta_a: None })
 }
 
-/// True if the flux of the solution without a limit somewhere exceeds this one: otherwise it is the solution with it, too.
+/// True if the flux of the solution without a limit somewhere exceeds this one: otherwise it is the solution with it,
+/// too.
 fn exceeds(levels: &mut impl Hierarchy, limit: f64) -> Result<bool, InputError> {
     let without = levels.residual_under(f64::INFINITY)?;
     Ok(levels.residual_under(limit)? > without)
 }
 
-/// Solves the problem with this limit, which may be infinite; returns the reason for the end, and the number of steps on the
-/// finest level.
+/// Solves the problem with this limit, which may be infinite; returns the reason for the end, and the number of steps
+/// on the finest level.
 fn solve_with(
     levels: &mut impl Hierarchy,
     limit: f64,
@@ -147,7 +149,8 @@ fn nested_iteration(levels: &mut impl Hierarchy) -> Result<f64, InputError> {
     levels.refine(levels.finest())
 }
 
-/// Applies steps on the finest level until the goal is reached; returns the reason for the end, and the number of steps.
+/// Applies steps on the finest level until the goal is reached; returns the reason for the end, and the number of
+/// steps.
 fn iterate<H: Hierarchy>(
     levels: &mut H,
     LoadScale { scale, largest }: LoadScale,

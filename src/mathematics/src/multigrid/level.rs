@@ -8,8 +8,9 @@ use crate::machine::simd::{Largest, vectorised};
 /// Values and load on a grid with `n` cells per side.
 ///
 /// Each entry of the load is divided by the part of the cell around its node that lies inside. With values mirrored at
-/// the boundary the stencil is then the same at all nodes: four times the value, less the neighbours. All neighbours of a node have the other colour, and the neighbours of
-/// a row of nodes lie in contiguous rows, so that the stencil is plain arithmetic on contiguous slices.
+/// the boundary the stencil is then the same at all nodes: four times the value, less the neighbours. All neighbours of
+/// a node have the other colour, and the neighbours of a row of nodes lie in contiguous rows, so that the stencil is
+/// plain arithmetic on contiguous slices.
 pub(super) struct MultigridLevel {
     pub(super) n: usize,
     pub(super) nodes: usize,

@@ -1,14 +1,14 @@
-//! Full multigrid for the scalar problem of a law on the unit square, at optimal cost, and the direct method that checks
-//! it.
+//! Full multigrid for the scalar problem of a law on the unit square, at optimal cost, and the direct method that
+//! checks it.
 //!
 //! # Idea
-//! The finest grid is smoothed by red-black Gauss-Seidel sweeps that minimise the energy exactly at each node, under the
-//! paper's law by projection to `y >= 0` on the boundary. Boundary nodes in contact, `y = 0` with the flux inside the
-//! interval of the law, are then *truncated*, that is excluded from the correction, and the other nodes get a linear
-//! coarse-grid correction (Kornhuber 1994; Gräser and Kornhuber 2009; Gräser, Sack and Sander 2009; the projected scheme
-//! is due to Brandt and Cryer 1983). New here is the representation of the contact set on coarse grids: not as a set of
-//! nodes but as intervals whose ends lie between nodes, through springs (see `springs.rs`). The rate of convergence is
-//! then that of multigrid for the Poisson equation, for any contact set down to a single node.
+//! The finest grid is smoothed by red-black Gauss-Seidel sweeps that minimise the energy exactly at each node, under
+//! the paper's law by projection to `y >= 0` on the boundary. Boundary nodes in contact, `y = 0` with the flux inside
+//! the interval of the law, are then *truncated*, that is excluded from the correction, and the other nodes get a
+//! linear coarse-grid correction (Kornhuber 1994; Gräser and Kornhuber 2009; Gräser, Sack and Sander 2009; the
+//! projected scheme is due to Brandt and Cryer 1983). New here is the representation of the contact set on coarse
+//! grids: not as a set of nodes but as intervals whose ends lie between nodes, through springs (see `springs.rs`). The
+//! rate of convergence is then that of multigrid for the Poisson equation, for any contact set down to a single node.
 //!
 //! # Algorithm
 //! 1. See the problem as one under a law `[0, limit]`, solved first without the limit; check the load, scale it by a
@@ -97,8 +97,8 @@ pub enum Goal {
     /// is nearly always enough.
     DiscretisationError,
     /// Upper limit of the natural residual: of `|A y - F|` inside, and on the boundary of the least change of the value
-    /// or of the flux that satisfies the law, under the paper's law `|min(y, A y - F)|`. Not relative: in the units of the
-    /// load, those of f h^2.
+    /// or of the flux that satisfies the law, under the paper's law `|min(y, A y - F)|`. Not relative: in the units of
+    /// the load, those of f h^2.
     Kkt(f64),
     /// Smallest residual that double precision allows.
     RoundingFloor,

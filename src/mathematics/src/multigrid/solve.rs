@@ -1,4 +1,5 @@
-//! The grids of the square as the levels of the driver: the input of the load, the steps, and the output of the solution.
+//! The grids of the square as the levels of the driver: the input of the load, the steps, and the output of the
+//! solution.
 //!
 //! If the residual is that of two cycles before, two contact sets alternate: the next cycle applies half a correction.
 //! Where the law limits the flux, and two cycles have hardly lowered the residual, all later ones apply the part of the
@@ -234,7 +235,8 @@ impl Hierarchy for SquareRun<'_> {
     fn step(&mut self, residual: f64) -> f64 {
         let (finest, grids) = (self.finest(), &mut *self.grids);
         let is_last = self.goal == Goal::DiscretisationError;
-        // Near-constant modes must converge in a cycle that is expected to be the last: double visits begin on a finer grid.
+        // Near-constant modes must converge in a cycle that is expected to be the last: double visits begin on a finer
+        // grid.
         let double_visits_below =
             if is_last { DOUBLE_VISITS_BELOW.min(2) } else { DOUBLE_VISITS_BELOW };
         grids.find_correction(finest, double_visits_below);

@@ -17,8 +17,8 @@ pub(super) const MULTIPLICATIONS_PER_VISIT: f64 = DIAGONAL + 1.0;
 /// Boundary condition of a level.
 #[derive(Clone, Copy)]
 pub(super) enum Boundary<'a> {
-    /// The law `[0, limit]`: the problem itself. The limit is that of a node on one side, in units of the load; infinite for
-    /// the paper's law.
+    /// The law `[0, limit]`: the problem itself. The limit is that of a node on one side, in units of the load;
+    /// infinite for the paper's law.
     Law { limit: f64 },
     /// A linear correction problem; `1 / (4 + spring)` for each boundary node, 0 in contact.
     Springs(&'a [f64]),

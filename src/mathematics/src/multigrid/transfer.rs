@@ -65,7 +65,8 @@ impl Buffers {
         }
     }
 
-    /// Adds a correction to the black values of a row, except at nodes in contact; under the law no value changes its sign.
+    /// Adds a correction to the black values of a row, except at nodes in contact; under the law no value changes its
+    /// sign.
     #[inline(always)]
     pub(super) fn correct(
         &mut self,

@@ -16,8 +16,8 @@ struct CycleLevel {
     values: Vec<f64>,
 }
 
-/// V-cycle with one symmetric Gauss-Seidel sweep, half before and half after the coarser levels, whose functions leave out
-/// what is held: a coarse node is held if the same node is held on the finest level in use.
+/// V-cycle with one symmetric Gauss-Seidel sweep, half before and half after the coarser levels, whose functions leave
+/// out what is held: a coarse node is held if the same node is held on the finest level in use.
 pub(super) struct Cycle<'a> {
     levels: &'a [NestedNetwork],
     vectors: Vec<CycleLevel>,

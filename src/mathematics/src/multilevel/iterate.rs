@@ -99,8 +99,8 @@ impl<'a> Iterate<'a> {
         self.work += self.y.len() as f64;
     }
 
-    /// Subtracts the constant of least energy in each component without fixed nodes that cannot balance its load, and holds
-    /// the node that the constant [sets to zero](place_at_zero).
+    /// Subtracts the constant of least energy in each component without fixed nodes that cannot balance its load, and
+    /// holds the node that the constant [sets to zero](place_at_zero).
     ///
     /// True if there was such a component.
     fn shift_into_contact(&mut self) -> bool {

@@ -16,9 +16,9 @@ use crate::multigrid::driver::{self, Hierarchy, LoadScale};
 use crate::multigrid::input::{InputError, check_length, check_load};
 use crate::problem::law::Law;
 
-/// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error is
-/// the goal. Each step lowers the distance to the least energy by ten and more, so that a hundredth of the discretisation
-/// error, a tenth in the energy norm, is left.
+/// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error
+/// is the goal. Each step lowers the distance to the least energy by ten and more, so that a hundredth of the
+/// discretisation error, a tenth in the energy norm, is left.
 const LAST_STEP: f64 = 0.1;
 /// Steps in which the residual has to halve; if it does not, no further step may raise the energy.
 const PATIENCE: usize = 10;
@@ -27,8 +27,8 @@ const PATIENCE: usize = 10;
 /// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.
 ///
 /// # Errors
-/// If the length of `load` is wrong, a number is not finite, or the flux cannot balance the load over a connected component
-/// without fixed nodes; for the paper's law, if its sum is not negative there.
+/// If the length of `load` is wrong, a number is not finite, or the flux cannot balance the load over a connected
+/// component without fixed nodes; for the paper's law, if its sum is not negative there.
 ///
 /// # Panics
 /// If there are no levels.
@@ -109,8 +109,8 @@ impl Components {
         Ok(Self { has_fixed, of_contact, of_nodes })
     }
 
-    /// Measure of the boundary of each component that balances this load on the finest level if it slips down, with this
-    /// limit of the flux.
+    /// Measure of the boundary of each component that balances this load on the finest level if it slips down, with
+    /// this limit of the flux.
     fn needed(&self, load: &[f64], limit: f64) -> Vec<f64> {
         let mut needed = vec![0.0; self.has_fixed.len()];
         for (&component, load) in self.of_nodes.iter().zip(load) {
@@ -236,8 +236,8 @@ impl Hierarchy for NetworkRun<'_> {
         residual
     }
 
-    /// The energy's error falls by four from one network to the next. On a curved boundary the domain changes as well, by
-    /// as much.
+    /// The energy's error falls by four from one network to the next. On a curved boundary the domain changes as well,
+    /// by as much.
     fn is_within_discretisation_error(&mut self) -> bool {
         let discretisation = (self.coarse_energy - self.fine().energy()).abs() / 3.0;
         self.lowered <= LAST_STEP * discretisation

@@ -1,4 +1,5 @@
-//! Springs: additions to the diagonals of coarser networks, where fine nodes are held between coarse nodes that are not.
+//! Springs: additions to the diagonals of coarser networks, where fine nodes are held between coarse nodes that are
+//! not.
 
 use crate::discrete::nested::NestedNetwork;
 
@@ -12,10 +13,10 @@ pub(super) struct HeldLevel<'a> {
 
 /// Computes the springs of the network coarser than `level`; returns the work in visits of unknowns.
 ///
-/// Let u be the sum of the coarse functions that are not held. On the fine network it loses its values at the held nodes:
-/// its energy, and that of each coarse function with it, is then another one than on the coarse network. A spring at a
-/// coarse node is this difference for its function and u, so that the nearly constant corrections, on which the problem
-/// without fixed nodes depends most, have the right size.
+/// Let u be the sum of the coarse functions that are not held. On the fine network it loses its values at the held
+/// nodes: its energy, and that of each coarse function with it, is then another one than on the coarse network. A
+/// spring at a coarse node is this difference for its function and u, so that the nearly constant corrections, on which
+/// the problem without fixed nodes depends most, have the right size.
 pub(super) fn set_coarse_springs(
     level: &NestedNetwork,
     fine: &HeldLevel<'_>,

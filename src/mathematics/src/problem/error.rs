@@ -52,7 +52,8 @@ pub enum SourceError {
     Empty(String),
     /// A disc or ball too large or too far away.
     #[error(
-        "`{shape}` in f: the centre and the radius of what is round are at most {}; write a straight border as a half-plane or half-space",
+        "`{shape}` in f: the centre and the radius of what is round are at most {}; write a straight border as a \
+         half-plane or half-space",
         Written(*most)
     )]
     Vast {

@@ -53,10 +53,16 @@ impl Exact {
             Self::FullContact => r"v = -\cos \pi x \, \cos \pi y",
             Self::Torsion => r"-v = \text{the torsion function of the square}",
             Self::FreeSegment => {
-                r"v = -(1 - 4 x^2) \left\{ (1 - t^2) \, \operatorname{Im} [(z - a)(z - b)]^{3/2} + 4 t^2 (1 - t) \right\}, \; t = y + \tfrac12, \; z = x + i t"
+                concat!(
+                    r"v = -(1 - 4 x^2) \left\{ (1 - t^2) \, \operatorname{Im} [(z - a)(z - b)]^{3/2}",
+                    r" + 4 t^2 (1 - t) \right\}, \; t = y + \tfrac12, \; z = x + i t"
+                )
             }
             Self::FreeCorner => {
-                r"v = -(1 - X^2)(1 - Y^2) \operatorname{Im} [(\zeta + b^2)(\zeta - a^2)]^{3/2} - 60 X^2 (1 - X) Y^2 (1 - Y), \; \zeta = (X + i Y)^2"
+                concat!(
+                    r"v = -(1 - X^2)(1 - Y^2) \operatorname{Im} [(\zeta + b^2)(\zeta - a^2)]^{3/2}",
+                    r" - 60 X^2 (1 - X) Y^2 (1 - Y), \; \zeta = (X + i Y)^2"
+                )
             }
         }
     }

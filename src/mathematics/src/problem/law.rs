@@ -305,8 +305,8 @@ impl Law {
         if flux.is_finite() { -flux * v } else { 0.0 }
     }
 
-    /// Integrals of f that the flux through a boundary of this `perimeter` (in space, area) can balance: all between these
-    /// two, both left out.
+    /// Integrals of f that the flux through a boundary of this `perimeter` (in space, area) can balance: all between
+    /// these two, both left out.
     pub fn balanced(self, perimeter: f64) -> [f64; 2] {
         // By subtraction, since the negative of zero is another zero.
         [0.0 - self.hi * perimeter, 0.0 - self.lo * perimeter]

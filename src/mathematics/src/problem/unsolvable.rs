@@ -22,7 +22,8 @@ pub enum Unsolvable {
     },
     /// The integral of f is one that the flux under another law cannot balance.
     #[error(
-        "the integral of f{} is {integral:.4e}, but the flux through the boundary can only balance one between {least:.4e} and {most:.4e}; change f, or widen the law",
+        "the integral of f{} is {integral:.4e}, but the flux through the boundary can only balance one between \
+         {least:.4e} and {most:.4e}; change f, or widen the law",
         over(*component)
     )]
     Unbalanced {
@@ -72,8 +73,8 @@ impl Component {
         Self { number: None, has_fixed: false, has_parts: false, measure, integral }
     }
 
-    /// Checks the condition (2): the flux that the law allows can balance f by more than `rounding`, the largest rounding
-    /// error of the integral. A fixed part of the boundary balances every f.
+    /// Checks the condition (2): the flux that the law allows can balance f by more than `rounding`, the largest
+    /// rounding error of the integral. A fixed part of the boundary balances every f.
     ///
     /// # Errors
     /// [`Unsolvable`]. An integral within `rounding` is said to be zero.

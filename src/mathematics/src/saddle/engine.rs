@@ -15,7 +15,8 @@ use std::borrow::Cow;
 
 /// Iterates of up to `K` runs, and the steps of the method on them.
 pub trait Engine<const K: usize> {
-    /// Minimises M(., a) of (7) over one component of y after the other, with the proximal term: (9)-(11), in every lane.
+    /// Minimises M(., a) of (7) over one component of y after the other, with the proximal term: (9)-(11), in every
+    /// lane.
     fn sweep(&mut self);
 
     /// Replaces a by `P(a - r y)` (12) in these lanes; returns the largest change in each, NaN if a value is no longer
@@ -76,8 +77,8 @@ pub trait Goals<E: ?Sized, const K: usize> {
     /// Called after the sweeps over y, before the multiplier's step (12).
     fn before_step(&mut self, _engine: &mut E, _runs: &[Option<RunState>; K]) {}
 
-    /// True in each lane whose run has reached its goal; asked after each sweep of the `runs` that have then taken the step
-    /// (12).
+    /// True in each lane whose run has reached its goal; asked after each sweep of the `runs` that have then taken the
+    /// step (12).
     fn reached(&mut self, engine: &mut E, runs: [Option<&RunState>; K]) -> [bool; K];
 
     /// Takes the end of the run in a lane, and returns the run that enters this lane instead.

@@ -4,14 +4,14 @@
 //! 2. Update the multiplier by (12), and evaluate the stopping rule.
 //!
 //! Uzawa's algorithm sweeps in step 1 until the gradient of M(., a) is small (the paper's references use gradient
-//! descent there). The paper's method sweeps once: Arrow-Hurwicz is Uzawa's algorithm with one inner sweep. The sweep is
-//! the unit in which all methods are compared.
+//! descent there). The paper's method sweeps once: Arrow-Hurwicz is Uzawa's algorithm with one inner sweep. The sweep
+//! is the unit in which all methods are compared.
 //!
 //! Requirements: r > 0, and a load vector with negative sum. M(., a) then has a minimum: as the constant part of y
 //! grows, M grows at least linearly, and as it falls, quadratically. M(., a) is not strongly convex: while
 //! `r y >= a` at every boundary node its Hessian is the singular matrix A, and a sweep only moves y down by `h^2 / 2`
-//! times the sum of F. If F sums to zero or more, M(., a) has no minimum: y grows without bound, and the run ends at the
-//! limit on sweeps. With the proximal term each inner problem has a minimum for every F, and the sequence y^k grows
+//! times the sum of F. If F sums to zero or more, M(., a) has no minimum: y grows without bound, and the run ends at
+//! the limit on sweeps. With the proximal term each inner problem has a minimum for every F, and the sequence y^k grows
 //! instead.
 //!
 //! References: N. N. Maksimova, equations (7)-(13), with the misprints corrected as in the book.

@@ -20,7 +20,6 @@ pub use solve::{Iteration, JobGoal, OnIteration, Params, SaddleDomain, arrow_hur
 pub use stopping::{GradientMeasure, StopRule};
 
 use crate::discrete::kkt::{DiscreteDomain, rounding};
-use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
 use crate::problem::law::Law;
 
@@ -29,8 +28,8 @@ use crate::problem::law::Law;
 pub struct Pair {
     /// Nodal vector.
     pub y: Vec<f64>,
-    /// Boundary vector, in the order of the contact nodes. After a step (12) its entries are in the interval of the law:
-    /// under the paper's law, non-negative.
+    /// Boundary vector, in the order of the contact nodes. After a step (12) its entries are in the interval of the
+    /// law: under the paper's law, non-negative.
     pub a: Vec<f64>,
 }
 
@@ -41,8 +40,8 @@ impl Pair {
         Self { y: vec![0.0; shape.nodes], a: vec![0.0; shape.contact.len()] }
     }
 
-    /// Contact at the boundary nodes: where the multiplier is inside the interval of the law or v is zero, up to rounding
-    /// errors. Under the paper's law both are zero in a corner without load between nodes in contact.
+    /// Contact at the boundary nodes: where the multiplier is inside the interval of the law or v is zero, up to
+    /// rounding errors. Under the paper's law both are zero in a corner without load between nodes in contact.
     pub fn in_contact(&self, domain: impl DiscreteDomain, law: Law) -> Vec<bool> {
         let shape = domain.shape();
         let nodes = || shape.contact.iter().zip(&self.a);
@@ -59,23 +58,4 @@ impl Pair {
         }
         in_contact
     }
-
-    /// Multiplier at all nodes of a network, zero where there is no contact condition.
-    pub fn multiplier_on(&self, network: &Network) -> Vec<f64> {
-        on_nodes(network, &self.a)
-    }
-
-    /// Contact at all nodes of a network, nowhere but at nodes with a contact condition.
-    pub fn in_contact_on(&self, network: &Network, law: Law) -> Vec<bool> {
-        on_nodes(network, &self.in_contact(network, law))
-    }
-}
-
-/// Nodal vector of a network with the entries of a boundary vector, and zero elsewhere.
-fn on_nodes<T: Copy + Default>(network: &Network, boundary: &[T]) -> Vec<T> {
-    let mut nodal = vec![T::default(); network.nodes()];
-    for (contact, value) in network.contact().iter().zip(boundary) {
-        nodal[contact.node] = *value;
-    }
-    nodal
 }

@@ -8,9 +8,9 @@
 //! [`run`](super::engine::run). Every other engine of this loop gives the same numbers to the last bit; the order of
 //! additions, that of [`Network`], is therefore part of the definition, and so is the numbering of the nodes.
 //!
-//! H has the derivative 2 P, where P is the projection onto the interval of the [law](crate::problem::law). The paper's law
-//! has `[0, inf)`: there P is `( )^+` and H its square. For friction P cuts off at both ends, and H is twice Huber's
-//! function.
+//! H has the derivative 2 P, where P is the projection onto the interval of the [law](crate::problem::law). The paper's
+//! law has `[0, inf)`: there P is `( )^+` and H its square. For friction P cuts off at both ends, and H is twice
+//! Huber's function.
 
 use super::Pair;
 use crate::discrete::network::{ContactRow, Network, NodeCondition};
@@ -82,8 +82,8 @@ pub(super) struct Duality {
 }
 
 impl Duality {
-    /// Replaces `a` by `P(a - r y)` (12), where `nodes` are the contact nodes; returns the largest change, NaN if a value
-    /// is no longer finite.
+    /// Replaces `a` by `P(a - r y)` (12), where `nodes` are the contact nodes; returns the largest change, NaN if a
+    /// value is no longer finite.
     pub(super) fn step(self, nodes: impl Iterator<Item = usize>, pair: &mut Pair) -> f64 {
         let (mut delta_a, mut finite) = (0.0f64, true);
         for (a, node) in pair.a.iter_mut().zip(nodes) {

@@ -41,7 +41,8 @@ impl fmt::Display for Checks {
         let Self { least_multiplier, least_value, green, rellich, moments, resolution } = self;
         write!(
             out,
-            "least multiplier {least_multiplier:.1e}, least value {least_value:.1e}, Green {green:.1e}, Rellich {rellich:.1e}, moments {moments:.1e}"
+            "least multiplier {least_multiplier:.1e}, least value {least_value:.1e}, Green {green:.1e}, Rellich \
+             {rellich:.1e}, moments {moments:.1e}"
         )?;
         resolution.map_or(Ok(()), |resolution| write!(out, ", two resolutions {resolution:.1e}"))
     }

@@ -172,7 +172,8 @@ pub enum SpectralError {
     Unsolvable(#[from] Unsolvable),
     /// v has both signs on the boundary, and no arcs that stick were found for which all signs are right.
     #[error(
-        "v has both signs on the boundary, and the arcs that stick between were not found under the law {0}: they may be too short; widen the interval of the flux, or use multigrid"
+        "v has both signs on the boundary, and the arcs that stick between were not found under the law {0}: they \
+         may be too short; widen the interval of the flux, or use multigrid"
     )]
     ShortArcs(Law),
     /// No contact set was found for which all signs are right.

@@ -31,8 +31,8 @@ pub(super) fn sweep(claims: &Claims) -> Picture {
     charts(true, &panels)
 }
 
-/// Draws the counts on the finest grid against r, a panel per problem: under the printed rule, under the signed rule, and
-/// in rings of their own the published ones.
+/// Draws the counts on the finest grid against r, a panel per problem: under the printed rule, under the signed rule,
+/// and in rings of their own the published ones.
 pub(super) fn rules(claims: &Claims, paper: &Paper) -> Picture {
     let mut panels = Vec::new();
     for problem in &claims.problems {

@@ -46,7 +46,8 @@ struct Tree {
 /// Connected cells, each after a neighbour nearer to the first.
 struct ConnectedCells {
     numbers: Vec<u32>,
-    /// Position of the side to that neighbour among the sides of each cell, of the first cell of a side of the boundary.
+    /// Position of the side to that neighbour among the sides of each cell, of the first cell of a side of the
+    /// boundary.
     slots: Vec<u8>,
 }
 

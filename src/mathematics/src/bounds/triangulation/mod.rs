@@ -62,14 +62,14 @@ use std::borrow::Cow;
 use stream::circulate;
 use sums::Summands;
 
-/// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a law
-/// on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present conditions. There
-/// is no recovery, and the lower bound of the error is zero.
+/// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a
+/// law on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present
+/// conditions. There is no recovery, and the lower bound of the error is zero.
 ///
 /// # Errors
-/// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the flux
-/// cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the range of double
-/// precision.
+/// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the
+/// flux cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the range of
+/// double precision.
 ///
 /// # Panics
 /// If `y`, `network` and `mesh` have not the same number of nodes, or `f` and `mesh` not the same number of cells.

@@ -6,8 +6,8 @@ use crate::mesh::{Mesh, sides_of, sorted};
 pub(super) struct Sides<const V: usize> {
     /// Numbers of the sides of each cell: opposite to the first vertex, to the second, and so on.
     of_cell: Vec<[u32; V]>,
-    /// Exclusive or of the numbers of the two cells of each side, from which each cell finds the other. At the boundary the
-    /// second number is the number of cells plus the position of the facet.
+    /// Exclusive or of the numbers of the two cells of each side, from which each cell finds the other. At the boundary
+    /// the second number is the number of cells plus the position of the facet.
     both_cells: Vec<u32>,
     /// Side of each facet of the boundary.
     of_facet: Vec<BoundarySide>,
@@ -150,8 +150,8 @@ fn places_in_order<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<u32
     places
 }
 
-/// First cell around each node, from which the fan of the node is found. The lists of all cells around the nodes would be
-/// as long as those of the vertices of the cells.
+/// First cell around each node, from which the fan of the node is found. The lists of all cells around the nodes would
+/// be as long as those of the vertices of the cells.
 pub(super) struct FirstCells {
     /// Lowest number of a cell with the node; the number of cells if there is none.
     first: Vec<u32>,

@@ -190,8 +190,8 @@ impl<'a> ClaimCase<'a> {
         (*end, kkt(grid, self.law, &pair.y, load).relative)
     }
 
-    /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for which
-    /// there is time, one count per weight of the proximal term.
+    /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for
+    /// which there is time, one count per weight of the proximal term.
     pub(super) fn weights(&self, plan: &ClaimsPlan) -> WeightRow {
         let KktTarget { kkt: target, cells: finest } = plan.targets[0];
         let fits = |grid: &Grid| grid.cells() <= finest.min(MOST_FOR_WEIGHTS);

@@ -45,8 +45,8 @@ pub struct DiscLevel {
     pub multiplier: f64,
     /// Largest distance of an end of contact from the true one over the longest edge; none if all is in contact.
     pub ends: Option<f64>,
-    /// Orders of the errors of the energy, at the centre, on the rim and of the multiplier against the mesh before; none
-    /// of an error that is zero.
+    /// Orders of the errors of the energy, at the centre, on the rim and of the multiplier against the mesh before;
+    /// none of an error that is zero.
     pub orders: Option<[Option<f64>; 4]>,
 }
 

@@ -1,5 +1,5 @@
-//! The paper's method and multigrid on other domains than the square: convergence on the disc and the cube, counts of iterations on
-//! nested meshes and for other numberings of the nodes, cost.
+//! The paper's method and multigrid on other domains than the square: convergence on the disc and the cube, counts of
+//! iterations on nested meshes and for other numberings of the nodes, cost.
 
 mod counts;
 mod cube;
@@ -114,8 +114,8 @@ pub struct DomainCost {
     pub algebraic: f64,
     /// KKT residual over the largest load, at the second goal.
     pub relative: f64,
-    /// Guaranteed bound of the error over an estimate of the error, extrapolated from the energies on three meshes; none
-    /// where the domain changes with the mesh.
+    /// Guaranteed bound of the error over an estimate of the error, extrapolated from the energies on three meshes;
+    /// none where the domain changes with the mesh.
     pub effectivity: Option<f64>,
 }
 

@@ -27,8 +27,8 @@ pub struct LoadNoise {
 }
 
 impl LoadNoise {
-    /// Repeats the runs of each table with random errors in the entries of all load vectors, of greater and greater size,
-    /// until a count changes.
+    /// Repeats the runs of each table with random errors in the entries of all load vectors, of greater and greater
+    /// size, until a count changes.
     pub(super) fn of(tables: &[TableProblem]) -> Result<Self, String> {
         let tables: Vec<Undisturbed> =
             tables.iter().map(Undisturbed::new).collect::<Result<_, _>>()?;
@@ -75,8 +75,8 @@ impl<'a> Undisturbed<'a> {
     fn changes(&self, size: f64) -> bool {
         (0..REPETITIONS).into_par_iter().any(|repetition| {
             let repeated = self.disturbed(size, repetition);
-            // One sweep more than the count would show a late stop; with the others a finer grid starts from about where
-            // a run without a limit would end.
+            // One sweep more than the count would show a late stop; with the others a finer grid starts from about
+            // where a run without a limit would end.
             let runs = self.runs(&repeated, |row, grid| self.counts[row][grid] + 10);
             let wanted = self.counts.iter().flatten().map(|&count| Some(count));
             !runs.into_iter().flatten().eq(wanted)

@@ -137,7 +137,8 @@ mod tests {
             (
                 "23 2 2",
                 "23 9 2",
-                "$Elements, line 20: element 23 has second order; open the mesh in Gmsh, and save it after `SetOrder 1;`",
+                "$Elements, line 20: element 23 has second order; open the mesh in Gmsh, and save it after `SetOrder \
+                 1;`",
             ),
             (
                 "23 2 2",
@@ -147,12 +148,15 @@ mod tests {
             (
                 "13 1 1 0",
                 "13 1 1 1",
-                "nodes 11 and 13 differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z = 0",
+                "nodes 11 and 13 differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh \
+                 the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z \
+                 = 0",
             ),
             (
                 "24 2 2 2 1 11 13 14",
                 "24 2 2 2 1 11 12 13",
-                "elements 23 and 24 have the same nodes; remove one, e.g. with `gmsh.model.mesh.removeDuplicateElements()` in Python",
+                "elements 23 and 24 have the same nodes; remove one, e.g. with \
+                 `gmsh.model.mesh.removeDuplicateElements()` in Python",
             ),
             (
                 "23 2 2 2 1 11 12 13",
@@ -162,7 +166,8 @@ mod tests {
             (
                 "22 1 2 1 1 11 12",
                 "22 1 2 1 1 12 14",
-                "part `south` names the facet [12, 14], which is no side of an element; embed it in the mesh, or leave its name out",
+                "part `south` names the facet [12, 14], which is no side of an element; embed it in the mesh, or \
+                 leave its name out",
             ),
         ] {
             assert_eq!(after(SQUARE_22, from, to), message);
@@ -209,7 +214,8 @@ mod tests {
         let refused = mesh.set_condition("diagonal", Condition::Free).unwrap_err();
         assert_eq!(
             refused.to_string(),
-            "`diagonal` lies inside the domain, where no condition holds; the parts of the boundary are south, loaded, boundary"
+            "`diagonal` lies inside the domain, where no condition holds; the parts of the boundary are south, \
+             loaded, boundary"
         );
         assert!(matches!(
             mesh.set_curve("diagonal", &[0.0, 0.0, 1.0]),
@@ -234,7 +240,8 @@ mod tests {
         let said = read(text.as_bytes()).unwrap_err().to_string();
         assert_eq!(
             said,
-            "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical Surface, in space a Physical Volume, or set `Mesh.SaveAll = 1`"
+            "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical \
+             Surface, in space a Physical Volume, or set `Mesh.SaveAll = 1`"
         );
         let (before, _) = text.split_once("$PhysicalNames").unwrap();
         let (_, after) = text.split_once("$EndPhysicalNames\n").unwrap();

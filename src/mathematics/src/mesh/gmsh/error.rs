@@ -25,12 +25,14 @@ pub enum GmshError {
     Missing(&'static str),
     /// Physical groups, and no cell in one of them.
     #[error(
-        "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical Surface, in space a Physical Volume, or set `Mesh.SaveAll = 1`"
+        "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical Surface, \
+         in space a Physical Volume, or set `Mesh.SaveAll = 1`"
     )]
     NoCellsInGroups,
     /// A surface that is not in one plane z = const.
     #[error(
-        "nodes {one} and {two} differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z = 0"
+        "nodes {one} and {two} differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh \
+         the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z = 0"
     )]
     NotPlane {
         /// Node.
@@ -52,7 +54,8 @@ pub enum GmshError {
     },
     /// Two elements on the same nodes.
     #[error(
-        "elements {one} and {two} have the same nodes; remove one, e.g. with `gmsh.model.mesh.removeDuplicateElements()` in Python"
+        "elements {one} and {two} have the same nodes; remove one, e.g. with \
+         `gmsh.model.mesh.removeDuplicateElements()` in Python"
     )]
     Twice {
         /// Element.
@@ -194,7 +197,8 @@ mod tests {
             (
                 "\"south\"",
                 "south",
-                "$PhysicalNames, line 6: the name of group 1 is not one to 127 printed letters in quotes; change the name",
+                "$PhysicalNames, line 6: the name of group 1 is not one to 127 printed letters in quotes; change the \
+                 name",
             ),
             ("13 1 1 0", "13 1 1,5 0", "$Nodes, line 13: `1,5` stands in the place of a number"),
             (

@@ -191,7 +191,8 @@ impl<'a> Reader<'a> {
             return self.push(FormulaStep::Binary(function));
         }
         Err(format!(
-            "`{}` is not known; there are {}, the constants pi and e, and sin, cos, tan, exp, ln, sqrt, abs, min, max, atan2",
+            "`{}` is not known; there are {}, the constants pi and e, and sin, cos, tan, exp, ln, sqrt, abs, min, \
+             max, atan2",
             quoted(name),
             self.coordinates.join(", ")
         ))

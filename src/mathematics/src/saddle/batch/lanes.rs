@@ -28,8 +28,8 @@ pub(super) struct LaneEdge {
     pub(super) node: u32,
     /// Place in a boundary vector.
     pub(super) place: u32,
-    /// Neighbours in the order of [`Network`], with the weights of their couplings; a corner has two, and itself with the
-    /// weight zero.
+    /// Neighbours in the order of [`Network`], with the weights of their couplings; a corner has two, and itself with
+    /// the weight zero.
     pub(super) around: [u32; 3],
     pub(super) weights: [f64; 3],
     pub(super) is_corner: bool,
