@@ -13,6 +13,9 @@ const INDIRECT_DOCUMENTATION: usize = 10;
 /// Most arguments of a function, `self` included.
 const ARGUMENTS: usize = 5;
 
+/// Most types of the mathematics that say how a run ended: `Stop`, and those with a public field that says so.
+const ENDS_OF_RUNS: usize = 6;
+
 /// Most columns of a line, strings and comments included.
 const COLUMNS: usize = 120;
 
@@ -224,6 +227,33 @@ fn lines_end_at_120_columns() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
+/// Names of the types of a text with a public field that says how a run ended, by itself or for each level.
+fn types_with_an_end(text: &str) -> BTreeSet<&str> {
+    let (mut found, mut inside) = (BTreeSet::new(), "");
+    for line in text.lines() {
+        inside = defined_type(line).unwrap_or(inside);
+        let field = line.trim_start().strip_prefix("pub ").and_then(|rest| rest.split_once(": "));
+        let Some((name, kind)) = field else { continue };
+        let kind = kind.trim_start_matches("Option<").trim_start_matches("Vec<");
+        let is_end = ["Stop", "End", "Outcome"]
+            .iter()
+            .any(|end| kind.strip_prefix(end).is_some_and(|rest| rest.starts_with([',', '>'])));
+        if is_end && !name.contains(' ') {
+            found.insert(inside);
+        }
+    }
+    found
+}
+
+#[test]
+fn few_types_say_how_a_run_ended() {
+    let mut found = vec!["Stop".to_owned()];
+    for source in sources().iter().filter(|source| source.path.starts_with("src/mathematics/")) {
+        found.extend(types_with_an_end(&source.text).into_iter().map(String::from));
+    }
+    assert!(found.len() > 1 && found.len() <= ENDS_OF_RUNS, "{found:#?}");
+}
+
 #[test]
 fn few_places_ask_which_kind_of_domain_there_is() {
     let found = lines_where(|source, line| {
@@ -251,4 +281,7 @@ fn the_counts_see_what_they_count() {
     let text = "fn dual_step() { plain.dual_step(pair) }\nfn run() {\n    // e.dual_step()\n    e.dual_step(k);\n}\n\
         fn other() {\n    // e.dual_step()\n}\nmod tests {\nfn of_test() { e.dual_step(k) }";
     assert_eq!(stepping_functions(text), ["run"]);
+    let text = "pub struct Trial {\n    pub stop: Option<Stop>,\n}\npub struct Run {\n    pub ends: Vec<Outcome>,\n}\n\
+        pub struct Panel {\n    pub ends: Ends,\n    pub(super) end: End,\n}";
+    assert_eq!(types_with_an_end(text), BTreeSet::from(["Trial", "Run"]));
 }
