@@ -1,39 +1,74 @@
 //! Places in a built page to which links may lead.
 
-use regex::Regex;
 use std::collections::BTreeSet;
-use std::sync::LazyLock;
-
-/// Comment or script, in which nothing is a tag; or a tag with its attributes.
-static TAG: LazyLock<Regex> = LazyLock::new(|| {
-    let pattern = concat!(
-        r"(?si)<!--.*?-->|<(?:script|style)\b.*?</(?:script|style)|",
-        r#"<([a-z][^\s/>]*)((?:[^>"']|"[^"]*"|'[^']*')*)>"#
-    );
-    Regex::new(pattern).expect("the pattern is tested")
-});
-
-/// Attribute that names a place.
-static NAME: LazyLock<Regex> = LazyLock::new(|| {
-    let pattern = r#"(?si)(?:^|[\s"'/])(id|name)\s*=\s*(?:"([^"]*)"|'([^']*)'|([^\s"'>]+))"#;
-    Regex::new(pattern).expect("the pattern is tested")
-});
 
 /// Returns the names of the places in a page: every `id`, and the `name` of links.
 pub(super) fn anchors(html: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
-    for tag in TAG.captures_iter(html) {
-        let (Some(element), Some(attributes)) = (tag.get(1), tag.get(2)) else { continue };
-        for name in NAME.captures_iter(attributes.as_str()) {
-            let is_place =
-                name[1].eq_ignore_ascii_case("id") || element.as_str().eq_ignore_ascii_case("a");
-            let value = (2..=4).find_map(|k| name.get(k)).map_or("", |value| value.as_str());
-            if is_place {
-                found.insert(unescaped(value));
+    let mut rest = html;
+    while let Some(at) = rest.find('<') {
+        rest = &rest[at + 1..];
+        if let Some(comment) = rest.strip_prefix("!--") {
+            rest = after(comment, "-->");
+        } else if rest.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            let element = word(rest);
+            rest = &rest[element.len()..];
+            while let Some(attribute) = next_attribute(&mut rest) {
+                let is_place = attribute.name.eq_ignore_ascii_case("id")
+                    || attribute.name.eq_ignore_ascii_case("name")
+                        && element.eq_ignore_ascii_case("a");
+                if is_place && !attribute.value.is_empty() {
+                    found.insert(unescaped(attribute.value));
+                }
+            }
+            // Nothing in these two is a tag.
+            for verbatim in ["script", "style"] {
+                if element.eq_ignore_ascii_case(verbatim) {
+                    rest = after(rest, &format!("</{verbatim}"));
+                }
             }
         }
     }
     found
+}
+
+/// Attribute of a tag.
+struct Attribute<'a> {
+    name: &'a str,
+    /// Value as written; empty if there is none.
+    value: &'a str,
+}
+
+/// Takes an attribute from the rest of a tag; `None` at the bracket that ends the tag.
+///
+/// Pages have megabytes of paths in their pictures: of a value in quotes, only its end is looked for.
+fn next_attribute<'a>(rest: &mut &'a str) -> Option<Attribute<'a>> {
+    let text = rest.trim_start_matches(|c: char| c.is_ascii_whitespace() || c == '/');
+    // Whatever comes first belongs to the name: a browser reads on in the same way.
+    let first = text.chars().next().filter(|&c| c != '>')?.len_utf8();
+    let name = &text[..first + word(&text[first..]).len()];
+    let text = text[name.len()..].trim_ascii_start();
+    let Some(text) = text.strip_prefix('=').map(str::trim_ascii_start) else {
+        *rest = text;
+        return Some(Attribute { name, value: "" });
+    };
+    let value = match text.chars().next() {
+        Some(quote @ ('"' | '\'')) => text[1..].split(quote).next().unwrap_or_default(),
+        _ => text.split(|c: char| c.is_ascii_whitespace() || c == '>').next().unwrap_or_default(),
+    };
+    let quotes = if text.starts_with(['"', '\'']) { 2 } else { 0 };
+    *rest = text.get(value.len() + quotes..).unwrap_or_default();
+    Some(Attribute { name, value })
+}
+
+/// Returns the name of an element or of an attribute at the beginning of a text.
+fn word(text: &str) -> &str {
+    text.split(|c: char| c.is_ascii_whitespace() || "/>=".contains(c)).next().unwrap_or_default()
+}
+
+/// Returns what follows an end, or nothing if there is none.
+fn after<'a>(text: &'a str, end: &str) -> &'a str {
+    text.split_once(end).map_or("", |(_, rest)| rest)
 }
 
 /// Replaces the references to characters that mdBook writes in attributes.

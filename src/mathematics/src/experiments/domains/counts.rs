@@ -151,7 +151,7 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
         let levels = RenumberedNetworks::new(networks, orders(&made, numbering)?);
         let loads: Vec<_> =
             loads.iter().zip(&levels.orders).map(|(load, places)| moved(load, places)).collect();
-        for &r in &plan.r {
+        for &r in &plan.numbered_r {
             let max_iterations = plan.max_iterations;
             let params = Params { r, rule: StopRule::Signed, max_iterations, ..Params::default() };
             let (outcomes, _) =

@@ -25,6 +25,8 @@ pub struct DomainsPlan {
     pub domains: Vec<DomainPlan>,
     /// Values of the duality parameter.
     pub r: Vec<f64>,
+    /// Values of the duality parameter for the numberings.
+    pub numbered_r: Vec<f64>,
     /// Number of nested meshes for the counts.
     pub levels: usize,
     /// Limit on iterations.
@@ -65,10 +67,11 @@ impl Default for DomainsPlan {
                 domain("cube", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
                 domain("ball", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
             ],
-            r: vec![0.1, 1.0, 10.0, 100.0, 1e4],
+            r: vec![0.1, 1.0, 10.0, 1e4],
+            numbered_r: vec![1.0, 10.0, 1e4],
             levels: 5,
             max_iterations: 200_000,
-            disc: 8,
+            disc: 7,
             cube: 5,
         }
     }
