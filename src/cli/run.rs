@@ -1,7 +1,7 @@
 //! `run`: brings everything up to date, and says what that took.
 
 use super::CacheArgs;
-use super::output::{cut, say, talk, warn_of_outside};
+use super::output::{cut, moved_jumps, say, talk, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited};
 use super::report::first_page;
 use crate::pipeline::error::{Error, Result};
@@ -123,13 +123,19 @@ impl RunArgs {
         Progress::new(self.verbose, self.quiet)
     }
 
-    /// Warns of files that look like scenes and are none, and of pieces of f that lie outside of the domain and change
-    /// nothing.
+    /// Warns of files that look like scenes and are none, of pieces of f that lie outside of the domain and change
+    /// nothing, and of nodal loads that move the jumps of f.
     fn warn(&self, project: &Project) -> Result<()> {
         if !self.quiet {
             project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
             for scene in project.select(&self.scenes)? {
                 warn_of_outside(Some(&scene.name), &scene.problem.outside());
+                // The load of a published table is the paper's.
+                let moved = scene.problem.moved_jumps().filter(|_| scene.paper_table.is_none());
+                if let Some(moved) = moved {
+                    let moved = moved_jumps(moved, "load = { rule = \"bilinear\" }");
+                    talk(&format!("warning: scene `{}`: {moved}", scene.name));
+                }
             }
         }
         Ok(())

@@ -2,7 +2,6 @@
 //!
 //! Central is [`solve`]: read the problem, solve, judge, print, write.
 
-mod accuracy;
 mod answer;
 mod bound;
 mod files;
@@ -13,7 +12,7 @@ mod spectral;
 use super::output::{OutputFile, say, say_json};
 use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
-use accuracy::{Accuracy, FIRST, TriedGrid};
+use crate::replication::accuracy::Accuracy;
 use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -230,7 +229,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         if file.is_none() {
             return Ok(0);
         }
-        let pair = spectral::on_grid(&solution, lattices.finest(), request.problem.law());
+        let pair = spectral::on_grid(&solution, lattices.finest());
         return args.write(&request, file, (lattices, &pair));
     }
     let answer = match request.accuracy {
@@ -262,26 +261,24 @@ fn answer(request: &Request) -> Result<Answer> {
     Ok(Answer::new(request, run, [setup, start.elapsed().as_secs_f64()]))
 }
 
-/// Solves on one grid of the square after the other until the guaranteed bound is small enough. All coarser grids
-/// together cost less than the last one.
+/// Solves on one grid of the square after the other until the guaranteed bound is small enough.
 fn answer_to(request: &mut Request, accuracy: Accuracy) -> Result<Answer> {
-    accuracy.check()?;
-    let (mut finest, mut tried, mut ends) = (FIRST, Vec::new(), Vec::new());
-    loop {
-        request.set_grid(finest)?;
+    let (mut last, mut ends, written) = (None, Vec::new(), request.written);
+    accuracy.reach(written, |cells| {
+        request.set_grid(cells)?;
         let mut answer = answer(request)?;
         ends.append(&mut answer.run.ends);
-        let bounds = answer.bounds.as_ref().map_err(|reason| {
-            Error::input(format!("{accuracy}: no bound of the error: {reason}; scale f"))
+        let bounds = answer.bounds.clone().map_err(|reason| {
+            let asked = written.text(accuracy);
+            Error::input(format!("{asked}: no bound of the error: {reason}; scale f"))
         })?;
-        let reached = accuracy.reached(bounds);
-        if reached <= accuracy.wanted() || answer.failure.is_some() {
-            answer.run.ends = ends;
-            return Ok(answer);
-        }
-        tried.push(TriedGrid { cells: finest, reached });
-        finest = accuracy.next(&tried)?;
-    }
+        let bounds = answer.failure.is_none().then_some(bounds);
+        last = Some(answer);
+        Ok(bounds)
+    })?;
+    let mut answer = last.expect("at least one grid is tried");
+    answer.run.ends = ends;
+    Ok(answer)
 }
 
 /// Returns the recovered solution, on the grid of half the width.

@@ -44,6 +44,8 @@ pub(crate) struct Picture {
     not_finite: bool,
     /// Data shown, as CSV with a header line; `None` if the input of the drawing function is a file of its own.
     pub(crate) table: Option<String>,
+    /// Sentences for the description of the picture, each with a space behind it.
+    pub(crate) note: String,
 }
 
 impl Picture {

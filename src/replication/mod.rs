@@ -2,11 +2,13 @@
 //!
 //! Central are `stages::plan`, which turns scenes into tasks, and `Paper::compare`, which compares the tables.
 
+pub mod accuracy;
 pub mod comparison;
 pub mod domain;
 pub(crate) mod identified;
 pub mod paper;
 pub mod project;
+pub mod saddle;
 pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;

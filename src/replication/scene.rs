@@ -1,9 +1,11 @@
-//! Scenes: a problem with its grids, duality parameters, stopping rules and wanted outputs, read from TOML.
+//! Scenes: a problem with its grids, solver and wanted outputs, read from TOML.
 
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
+use crate::replication::accuracy::{Accuracy, FIRST, Written};
 use crate::replication::domain::{DomainSettings, name_or_table};
+use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings};
 use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
@@ -15,6 +17,7 @@ use signorini_mathematics::mesh::Touching;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::Solver;
 use std::fmt;
 use std::path::Path;
 
@@ -55,18 +58,17 @@ pub struct Scene {
     /// Problem as its file states it.
     #[serde(flatten)]
     pub problem: StatedProblem,
-    /// Interpolation to the next grid of the square.
-    pub prolongation: Prolongation,
-    /// Duality parameters.
-    pub r: Vec<f64>,
-    /// Stopping rules; the first is the one compared with the paper.
-    pub stop: Vec<StopRule>,
-    /// Limit on iterations per level.
-    pub max_iterations: usize,
+    /// Solver.
+    pub solver: Solver,
+    /// Accuracy by which the grid of the square is chosen, beginning with that of the problem; none if the scene has
+    /// its grids.
+    #[serde(flatten)]
+    pub accuracy: Option<Accuracy>,
+    /// Settings of a saddle-point method; none for other solvers.
+    #[serde(flatten)]
+    pub settings: Option<SaddleSettings>,
     /// Wanted outputs, sorted.
     pub outputs: Vec<Output>,
-    /// The r whose solution is drawn.
-    draw_r: f64,
 }
 
 /// Keys of a file of a scene, with f as text or, on the square, read.
@@ -80,17 +82,17 @@ struct SceneFile<F> {
     f: F,
     law: Option<LawParameter>,
     load: Option<LoadRule>,
-    prolongation: Option<Prolongation>,
+    solver: Option<Solver>,
     #[serde(default, deserialize_with = "some_grids")]
     grids: Option<Vec<Grid>>,
-    #[serde(default = "paper_r")]
-    r: Vec<f64>,
-    #[serde(default = "paper_stop")]
-    stop: Vec<StopRule>,
-    #[serde(default = "default_limit")]
-    max_iterations: usize,
-    outputs: Vec<Output>,
+    accuracy: Option<f64>,
+    accuracy_energy: Option<f64>,
+    prolongation: Option<Prolongation>,
+    r: Option<Vec<f64>>,
+    stop: Option<Vec<StopRule>>,
+    max_iterations: Option<usize>,
     draw_r: Option<f64>,
+    outputs: Vec<Output>,
 }
 
 /// Outputs of a scene on the square that other domains do not have, each with the reason.
@@ -105,33 +107,93 @@ impl<F> SceneFile<F> {
         let keys = [
             ("grids", self.grids.is_some()),
             ("load", self.load.is_some()),
+            ("accuracy", self.accuracy.is_some()),
+            ("accuracy_energy", self.accuracy_energy.is_some()),
             ("prolongation", self.prolongation.is_some()),
             ("paper_table", self.paper_table.is_some()),
         ];
         keys.into_iter().find(|(_, given)| *given).map(|(key, _)| key)
     }
 
-    /// Returns the scene with this name and problem.
-    fn scene(self, name: &str, problem: StatedProblem) -> Scene {
-        let Self { title, paper_table, r, stop, max_iterations, outputs, .. } = self;
-        let draw_r = self.draw_r.unwrap_or(r.get(r.len() / 2).copied().unwrap_or(f64::NAN));
-        Scene {
-            name: name.into(),
-            title,
-            paper_table,
-            problem,
-            prolongation: self.prolongation.unwrap_or_default(),
-            r,
-            stop,
-            max_iterations,
-            outputs,
-            draw_r,
-        }
+    /// Name of a key that means nothing but for a saddle-point method, if there is one.
+    fn key_of_saddle_points(&self) -> Option<&'static str> {
+        let keys = [
+            ("r", self.r.is_some()),
+            ("stop", self.stop.is_some()),
+            ("max_iterations", self.max_iterations.is_some()),
+            ("draw_r", self.draw_r.is_some()),
+            ("prolongation", self.prolongation.is_some()),
+        ];
+        keys.into_iter().find(|(_, given)| *given).map(|(key, _)| key)
     }
-}
 
-fn paper_grids() -> Vec<Grid> {
-    nested(&[4, 8, 16, 32, 64]).expect("each halves the one before")
+    /// Returns the solver: the one that the scene names, or else the paper's for a published table and that of `solve`
+    /// for any other problem.
+    fn solver(&self) -> Result<Solver> {
+        let papers = Solver::ArrowHurwicz;
+        if let Some(solver) = self.solver.filter(|&solver| solver != papers)
+            && self.paper_table.is_some()
+        {
+            return Err(Error::input(format!(
+                "the published tables are those of {papers}; leave out solver = \"{solver}\", or `paper_table`"
+            )));
+        }
+        let usual = if self.paper_table.is_some() { papers } else { StatedProblem::SOLVER };
+        let solver = self.solver.unwrap_or(usual);
+        let Some(key) = self.key_of_saddle_points().filter(|_| !solver.is_nested()) else {
+            return Ok(solver);
+        };
+        let load = match self.solver.is_none() && self.domain.is_none() && self.load.is_none() {
+            true => {
+                "; a scene that names no `load` has the bilinear one, where earlier versions took \
+                 { rule = \"nodal\", diagonal = \"rising\" }"
+            }
+            false => "",
+        };
+        Err(Error::input(format!(
+            "`{key}` is for the saddle-point methods, not for {solver}; add solver = \"{papers}\", or leave `{key}` \
+             out{load}"
+        )))
+    }
+
+    /// Returns the accuracy that the scene asks for in place of grids.
+    fn accuracy(&self, solver: Solver) -> Result<Option<Accuracy>> {
+        let asked = match (self.accuracy, self.accuracy_energy) {
+            (Some(_), Some(_)) => {
+                return Err(Error::input(
+                    "`accuracy` and `accuracy_energy` both choose the grid; leave one of them out",
+                ));
+            }
+            (Some(wanted), None) => Accuracy::Error(wanted),
+            (None, Some(wanted)) => Accuracy::Energy(wanted),
+            (None, None) => return Ok(None),
+        };
+        let written = Written::Key.text(asked);
+        if self.grids.is_some() {
+            return Err(Error::input(format!(
+                "{written} chooses the grid; leave out `grids`, or the accuracy"
+            )));
+        }
+        if solver != Solver::Multigrid {
+            return Err(Error::input(format!(
+                "{written} is reached by {}, not by {solver}; change `solver`, or leave the accuracy out",
+                Solver::Multigrid
+            )));
+        }
+        asked.check(Written::Key)?;
+        Ok(Some(asked))
+    }
+
+    /// Returns the scene with this name, problem and solver.
+    fn scene(self, name: &str, problem: StatedProblem, solver: Solver) -> Result<Scene> {
+        let accuracy = self.accuracy(solver)?;
+        let Self { title, paper_table, outputs, .. } = self;
+        let Self { prolongation, r, stop, max_iterations, draw_r, .. } = self;
+        let keys = SaddleKeys { prolongation, r, stop, max_iterations, draw_r };
+        let settings = solver.is_nested().then(|| keys.settings(paper_table.is_some()));
+        let name = name.to_owned();
+        Ok(Scene { name, title, paper_table, problem, solver, accuracy, settings, outputs })
+    }
 }
 
 fn some_grids<'de, D: Deserializer<'de>>(
@@ -144,18 +206,6 @@ fn some_name_or_table<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> std::result::Result<Option<DomainSettings>, D::Error> {
     name_or_table(deserializer).map(Some)
-}
-
-fn paper_r() -> Vec<f64> {
-    vec![1e6, 10.0, 5.0, 1.0, 0.5]
-}
-
-fn paper_stop() -> Vec<StopRule> {
-    vec![StopRule::Signed]
-}
-
-fn default_limit() -> usize {
-    signorini_mathematics::saddle::Params::default().max_iterations
 }
 
 impl Scene {
@@ -182,13 +232,20 @@ impl Scene {
                 "`{key}` is for meshes; the square has `grids`, and is in contact everywhere"
             )));
         }
+        let solver = file.solver()?;
         let square = OnSquare {
             f: file.f.clone(),
-            load: file.load.unwrap_or_default(),
-            grids: file.grids.clone().unwrap_or_else(paper_grids),
+            load: file.load.unwrap_or(match file.paper_table {
+                Some(_) => LoadRule::default(),
+                None => OnSquare::LOAD,
+            }),
+            grids: match file.accuracy(solver)? {
+                Some(_) => nested(&[FIRST]).expect("one grid"),
+                None => file.grids.clone().unwrap_or_else(OnSquare::usual_grids),
+            },
         };
         let problem = StatedProblem::on_square(square, file.law);
-        Ok(file.scene(name, problem))
+        file.scene(name, problem, solver)
     }
 
     fn on_mesh(name: &str, mut file: SceneFile<String>) -> Result<Self> {
@@ -197,10 +254,16 @@ impl Scene {
                 "`{key}` is for the square; leave it out beside `domain`, whose meshes are its refinements"
             )));
         }
+        let solver = file.solver()?;
+        if !solver.entry().on_meshes {
+            return Err(Error::input(format!(
+                "solver = \"{solver}\" is for the square; choose another, or leave it out"
+            )));
+        }
         let domain = file.domain.take().expect("a scene on a mesh names its domain");
         let f = file.f.split_whitespace().collect::<Vec<_>>().join(" ");
         let problem = StatedProblem::on_mesh(domain, f, file.law);
-        Ok(file.scene(name, problem))
+        file.scene(name, problem, solver)
     }
 
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
@@ -223,7 +286,11 @@ impl Scene {
     /// [`Error::Input`] if it does not; [`Error::Io`].
     pub(crate) fn check_mesh(&self) -> Result<Option<Touching>> {
         let checked = self.problem.check_mesh().map_err(|e| in_scene(&self.name, e))?;
-        let Some(CheckedMesh { dimension, touching }) = checked else { return Ok(None) };
+        let Some(CheckedMesh { dimension, nodes, touching }) = checked else { return Ok(None) };
+        self.solver.check_nodes(dimension, nodes).map_err(|e| {
+            let remedy = "choose another `solver`, or fewer refinements";
+            Error::input(format!("scene `{}`: {e}; {remedy}", self.name))
+        })?;
         let mut pictures = [Output::Source, Output::Surface, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(touching),
@@ -245,25 +312,15 @@ impl Scene {
             );
         }
         self.check_on_domain()?;
-        if self.r.is_empty() || self.stop.is_empty() {
-            let example = "r = [10], stop = [\"signed\"]";
-            return Err(format!("`r` and `stop` must not be empty; e.g. {example}").into());
-        }
-        for &r in &self.r {
-            positive_r(r)?;
-        }
-        if let Some(r) = repeated(&self.r) {
-            return Err(format!("`r` lists {r} twice; remove one").into());
-        }
-        if let Some(rule) = repeated(&self.stop) {
-            return Err(format!("`stop` lists {rule} twice; remove one").into());
-        }
-        if self.max_iterations == 0 {
-            return Err("`max_iterations` must be at least 1".into());
-        }
-        let drawn = self.draw_r;
-        if !self.r.contains(&drawn) {
-            return Err(format!("`draw_r` = {drawn} is not among `r`; add it there").into());
+        if let Some(settings) = &self.settings {
+            settings.check()?;
+        } else if self.wants(Output::History) {
+            return Err(format!(
+                "`history` is of the saddle-point methods, not of {}; add solver = \"{}\", or drop it from `outputs`",
+                self.solver,
+                Solver::ArrowHurwicz
+            )
+            .into());
         }
         if let Some(output) = repeated(&self.outputs) {
             return Err(format!("`outputs` lists {output} twice; remove one").into());
@@ -303,7 +360,16 @@ impl Scene {
             )
             .into());
         }
+        if self.solver == Solver::Spectral && square.f.is_smooth() {
+            return Err(
+                "solver = \"spectral\" takes an f of constant pieces; choose another `solver`"
+                    .into(),
+            );
+        }
         let finest = square.finest().cells();
+        if let Err(e) = self.solver.check_cells(finest) {
+            return Err(format!("`grids`: {e}").into());
+        }
         if finest > MAX_CELLS {
             return Err(format!(
                 "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
@@ -318,9 +384,40 @@ impl Scene {
         self.problem.law().expect("validated: a law with this parameter")
     }
 
-    /// Returns the r whose solution is drawn: the middle one, unless the scene names another.
-    pub(crate) fn drawn_r(&self) -> f64 {
-        self.draw_r
+    /// Returns the settings of the saddle-point method of a scene, as those of published tables have one.
+    ///
+    /// # Panics
+    /// If the scene has another solver.
+    pub fn saddle(&self) -> &SaddleSettings {
+        self.settings.as_ref().expect("a scene with a saddle-point method")
+    }
+
+    /// Returns the stopping rules of the scene, each of which has a table of its own; none for a solver without.
+    pub(crate) fn rules(&self) -> Vec<Option<StopRule>> {
+        match &self.settings {
+            Some(settings) => settings.stop.iter().copied().map(Some).collect(),
+            None => vec![None],
+        }
+    }
+
+    /// Returns the first rule of the scene, that of its pictures.
+    pub(crate) fn first_rule(&self) -> Option<StopRule> {
+        self.settings.as_ref().map(|settings| settings.stop[0])
+    }
+
+    /// Returns the runs of the solver under a rule: of a saddle-point method one for each r.
+    pub(crate) fn runs(&self, rule: Option<StopRule>) -> Vec<Option<RuleAndR>> {
+        match (&self.settings, rule) {
+            (Some(settings), Some(rule)) => {
+                settings.r.iter().map(|&r| Some(RuleAndR { rule, r })).collect()
+            }
+            _ => vec![None],
+        }
+    }
+
+    /// Returns the run of the solver under a rule that is drawn.
+    pub(crate) fn drawn(&self, rule: Option<StopRule>) -> Option<RuleAndR> {
+        Some(RuleAndR { rule: rule?, r: self.settings.as_ref()?.draw_r })
     }
 
     /// True if the scene asks for this output.
@@ -341,10 +438,10 @@ impl Scene {
             f: square.f.to_string(),
             law: self.problem.law,
             load: square.load,
-            prolongation: self.prolongation,
+            prolongation: self.saddle().prolongation,
             grids: square.grids.iter().map(|grid| grid.cells()).collect(),
-            r: self.r.clone(),
-            max_iterations: self.max_iterations,
+            r: self.saddle().r.clone(),
+            max_iterations: self.saddle().max_iterations,
         })
     }
 
@@ -391,16 +488,6 @@ pub(super) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
     items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
-/// Checks that r is a positive number that the name of a task can show without an exponent.
-pub(crate) fn positive_r(r: f64) -> Result<f64> {
-    if (1e-12..=1e12).contains(&r) {
-        return Ok(r);
-    }
-    Err(Error::input(format!(
-        "r = {r:?} must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6"
-    )))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -413,12 +500,72 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_the_papers() {
-        let scene = Scene::parse("s", GOOD).unwrap();
-        assert_eq!(scene.finest().cells(), 64);
-        assert_eq!(scene.r, [1e6, 10.0, 5.0, 1.0, 0.5]);
-        assert_eq!(scene.stop, [StopRule::Signed]);
-        assert!(scene.wants(Output::Table) && !scene.wants(Output::Surface));
+    fn defaults_are_the_papers_for_its_tables_and_else_those_of_solve() {
+        let papers = Scene::parse("s", &format!("{GOOD}paper_table = 1\n")).unwrap();
+        assert_eq!(papers.finest().cells(), 64);
+        assert_eq!(papers.solver, Solver::ArrowHurwicz);
+        assert_eq!(papers.on_grids().load, LoadRule::default());
+        assert_eq!(papers.saddle().r, [1e6, 10.0, 5.0, 1.0, 0.5]);
+        assert_eq!(papers.saddle().stop, [StopRule::Signed]);
+        assert!(papers.wants(Output::Table) && !papers.wants(Output::Surface));
+        let own = Scene::parse("s", GOOD).unwrap();
+        assert_eq!((own.finest().cells(), own.solver), (64, Solver::Multigrid));
+        assert_eq!(own.on_grids().load, LoadRule::Bilinear {});
+        assert!(own.settings.is_none());
+        let method = Scene::parse("s", &format!("{GOOD}solver = \"uzawa\"\n")).unwrap();
+        assert_eq!(method.on_grids().load, own.on_grids().load);
+        assert_eq!(
+            (&*method.saddle().r, &*method.saddle().stop),
+            (&[10.0][..], &[StopRule::Printed][..])
+        );
+    }
+
+    #[test]
+    fn each_solver_has_its_own_keys() {
+        for key in [
+            "r = [10]",
+            "stop = [\"signed\"]",
+            "draw_r = 1",
+            "max_iterations = 9",
+            "prolongation = \"bilinear\"",
+        ] {
+            for solver in [
+                "",
+                "solver = \"multigrid\"\n",
+                "solver = \"active-set\"\n",
+                "solver = \"spectral\"\n",
+            ] {
+                let text = error(&format!("{GOOD}{solver}{key}\n"));
+                assert!(text.contains("add solver = \"arrow-hurwicz\", or leave `"), "{text}");
+                // Without a solver the text may be one for an earlier version, which had another load.
+                assert_eq!(text.contains("earlier versions"), solver.is_empty(), "{text}");
+            }
+        }
+        let history = error(&GOOD.replace("\"table\"", "\"history\""));
+        assert!(history.contains("add solver = \"arrow-hurwicz\", or drop it"), "{history}");
+        for (keys, words) in [
+            (
+                "solver = \"multigrid\"\npaper_table = 1",
+                "the published tables are those of arrow-hurwicz",
+            ),
+            ("accuracy = 0.01\naccuracy_energy = 0.01", "leave one of them out"),
+            ("accuracy = 0.01\ngrids = [4]", "leave out `grids`"),
+            ("accuracy = 0.01\nsolver = \"uzawa\"", "reached by multigrid, not by uzawa"),
+            ("accuracy = 0.01\npaper_table = 1", "reached by multigrid, not by arrow-hurwicz"),
+            ("accuracy = 2", "accuracy = 2.0: must be between 0 and 1"),
+            ("accuracy_energy = 0", "accuracy_energy = 0.0: must be between 0 and 1"),
+            ("accuracy = 0.01\ndomain = \"disc\"", "`accuracy` is for the square"),
+            ("accuracy_energy = 0.01\ndomain = \"disc\"", "`accuracy_energy` is for the square"),
+            ("solver = \"spectral\"\ndomain = \"disc\"", "is for the square; choose another"),
+            ("solver = \"active-set\"\ngrids = [512]", "1/256 is the finest"),
+            ("grids = [11, 22, 44]", "the nearest: 40 and 48"),
+            ("solver = \"jacobi\"", "unknown variant `jacobi`"),
+        ] {
+            let text = error(&format!("{GOOD}{keys}\n"));
+            assert!(text.contains(words), "{words}: {text}");
+        }
+        let smooth = GOOD.replace("else=-1", "formula(x - 1)") + "solver = \"spectral\"\n";
+        assert!(error(&smooth).contains("takes an f of constant pieces"));
     }
 
     #[test]
@@ -430,7 +577,8 @@ mod tests {
 
     #[test]
     fn mistakes_have_their_own_messages() {
-        assert!(error(&format!("{GOOD}stop = [\"signed\", \"signed\"]\n")).contains("twice"));
+        let method = format!("{GOOD}solver = \"arrow-hurwicz\"\n");
+        assert!(error(&format!("{method}stop = [\"signed\", \"signed\"]\n")).contains("twice"));
         assert!(error(&GOOD.replace("[\"table\"]", "[\"table\", \"table\"]")).contains("twice"));
         let no_table = error(&format!("{GOOD}load = \"exact\"\n"));
         assert!(no_table.contains("a table such as { rule = \"exact\" }"), "{no_table}");
@@ -439,9 +587,9 @@ mod tests {
             assert!(error(&format!("{GOOD}{load}")).contains("diagonal"));
         }
         assert!(error(&format!("{GOOD}grids = [1]\n")).contains("at least 2 cells"));
-        assert!(error(&format!("{GOOD}draw_r = 3\n")).contains("not among `r`"));
-        assert!(error(&format!("{GOOD}draw_r = nan\n")).contains("not among `r`"));
-        assert!(error(&format!("{GOOD}max_iterations = 0\n")).contains("at least 1"));
+        assert!(error(&format!("{method}draw_r = 3\n")).contains("not among `r`"));
+        assert!(error(&format!("{method}draw_r = nan\n")).contains("not among `r`"));
+        assert!(error(&format!("{method}max_iterations = 0\n")).contains("at least 1"));
         assert!(error(&GOOD.replace("table", "identify")).contains("add `paper_table`"));
         let other_grids = format!("{GOOD}paper_table = 1\ngrids = [3, 6, 12, 24, 48]\n");
         assert!(error(&other_grids).contains("let `grids` begin with 4"));

@@ -5,12 +5,14 @@ use crate::pipeline::files::is_plain;
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::domain::{DomainSettings, nodes_after};
 use serde::Serialize;
-use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::load::{LoadRule, moved_on};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Touching};
+use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::solvers::Solver;
 use std::path::Path;
 
 /// Problem as a scene or the options of `solve` state it.
@@ -62,6 +64,8 @@ pub struct OnMesh {
 pub(crate) struct CheckedMesh {
     /// Number of dimensions.
     pub dimension: u8,
+    /// Number of nodes of the finest level, about.
+    pub nodes: f64,
     /// Place where the domain touches itself with nodes of both sides, if there is one.
     pub touching: Option<Touching>,
 }
@@ -74,6 +78,10 @@ fn cells<S: serde::Serializer>(
     serializer.collect_seq(grids.iter().map(|grid| grid.cells()))
 }
 
+/// Cells per side of the grids of `solve` and of a scene, unless others are named: those of the paper.
+const USUAL_CELLS: [usize; 5] = [4, 8, 16, 32, 64];
+/// Part of the integral of |f| by which the nodal load may move jumps of f.
+const MOVED: f64 = 1e-3;
 /// Number of nodes up to which a scene on a mesh is checked whenever the project is read.
 const CHECKED_NODES: f64 = super::domain::USUAL_NODES;
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
@@ -82,6 +90,9 @@ const MOST_NODES: f64 = 1e7;
 const FOLDER: &str = "pipeline";
 
 impl StatedProblem {
+    /// Solver of `solve` and of a scene without a published table, unless another is named.
+    pub(crate) const SOLVER: Solver = Solver::Multigrid;
+
     /// Problem on the square.
     pub(crate) fn on_square(square: OnSquare, law: Option<LawParameter>) -> Self {
         Self { place: Place::Square(square), law }
@@ -133,7 +144,28 @@ impl StatedProblem {
             self.on_coarsest(place, &coarsest)?;
         }
         let (dimension, touching) = (coarsest.dimension(), coarsest.touching().cloned());
-        Ok(Some(CheckedMesh { dimension, touching }))
+        Ok(Some(CheckedMesh { dimension, nodes, touching }))
+    }
+
+    /// Part of the integral of |f| by which a nodal load moves jumps of f, half a cell where grid lines lie on them; none
+    /// if it is too small to matter.
+    pub(crate) fn moved_jumps(&self) -> Option<f64> {
+        let square = self.square()?;
+        moved_on(square.finest(), &square.f, square.load).filter(|&moved| moved > MOVED)
+    }
+
+    /// Known solution of a problem on the square.
+    pub(crate) fn known_solution(&self) -> Option<Exact> {
+        self.square()?.f.exact()
+    }
+
+    /// f and the finest grid of a problem on the square.
+    ///
+    /// # Errors
+    /// [`Error::Input`] on a mesh, for a solver that only the square has.
+    pub(crate) fn on_finest(&self) -> Result<(&Source, Grid)> {
+        let square = self.square().ok_or_else(|| Error::input("this solver is for the square"))?;
+        Ok((&square.f, square.finest()))
     }
 
     /// Finds the mesh in the project in `root`, as [`OnMesh::find_mesh`] does; true if a mesh is built in, and can be
@@ -182,6 +214,14 @@ impl StatedProblem {
 }
 
 impl OnSquare {
+    /// Quadrature of `solve` and of a scene without a published table, unless another is named.
+    pub(crate) const LOAD: LoadRule = LoadRule::Bilinear {};
+
+    /// Grids of `solve` and of a scene, unless others are named.
+    pub(crate) fn usual_grids() -> Vec<Grid> {
+        nested(&USUAL_CELLS).expect("each halves the one before")
+    }
+
     /// Finest grid.
     pub(crate) fn finest(&self) -> Grid {
         *self.grids.last().expect("validated: at least one grid")

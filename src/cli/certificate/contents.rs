@@ -178,7 +178,9 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
             so that the agreement tests the method and not the values of f, and a cell may differ because f does.",
         );
     }
-    if compared.any(|scene| matches!(scene.stop[0], StopRule::Signed | StopRule::SignedDual)) {
+    if compared
+        .any(|scene| matches!(scene.first_rule(), Some(StopRule::Signed | StopRule::SignedDual)))
+    {
         sentences.push(
             "The counts come out with the stopping criterion (13) read without its absolute value; \
             as printed, it gives these tables for no f that was tried.",
@@ -230,19 +232,27 @@ pub(super) fn files(
             "Table {} of the paper: {} of {} counts exact",
             table.table, table.exact, table.cells
         );
-        let bytes = table_of(workplace, summary, &tabulate::id(scene, scene.stop[0]))?;
+        let bytes = table_of(workplace, summary, &tabulate::id(scene, scene.first_rule()))?;
         let path = format!("tables/table{}.csv", table.table);
         files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
     }
     for scene in &workplace.project.scenes {
         let compared = tables.iter().any(|table| table.scene == scene.name);
-        for stop in scene.stop.iter().skip(usize::from(compared)) {
+        for rule in scene.rules().into_iter().skip(usize::from(compared)) {
             let name = &scene.name;
-            let comment = format!(
-                "iteration counts and Delta a of scene `{name}` with the stopping rule `{stop}`"
-            );
-            let bytes = table_of(workplace, summary, &tabulate::id(scene, *stop))?;
-            let path = format!("tables/{name}-{stop}.csv");
+            let (path, comment) = match rule {
+                Some(rule) => (
+                    format!("tables/{name}-{rule}.csv"),
+                    format!(
+                        "iteration counts and Delta a of scene `{name}` with the stopping rule `{rule}`"
+                    ),
+                ),
+                None => (
+                    format!("tables/{name}.csv"),
+                    format!("energy and bounds of scene `{name}` by {}", scene.solver),
+                ),
+            };
+            let bytes = table_of(workplace, summary, &tabulate::id(scene, rule))?;
             files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
         }
     }

@@ -1,9 +1,10 @@
 //! Judgement of an answer: the failure, if it is no solution, and the warnings.
 
-use super::accuracy::Accuracy;
 use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
+use crate::cli::output::moved_jumps;
+use crate::replication::accuracy::Accuracy;
 use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
@@ -137,6 +138,8 @@ impl Answer {
             self.warnings.push(format!(
                 "the quadrature of f on {grid} misses {missed:.1e} of the integral of |f|; {remedy}"
             ));
+        } else if let Some(moved) = request.moved_jumps() {
+            self.warnings.push(moved_jumps(moved, "--load bilinear"));
         }
     }
 

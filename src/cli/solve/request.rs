@@ -1,15 +1,16 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
-use super::accuracy::Accuracy;
 use super::files::{Format, Solution};
 use super::{SolveArgs, cells, rule_name};
 use crate::cli::current_folder;
 use crate::cli::output::{check_options, warn_of_outside};
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
+use crate::replication::accuracy::{Accuracy, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
 use crate::replication::project::Project;
-use crate::replication::scene::{MAX_CELLS, Scene, positive_r};
+use crate::replication::saddle::{SaddleSettings, positive_r};
+use crate::replication::scene::{MAX_CELLS, Scene};
 use crate::replication::stated::{OnMesh, OnSquare, Place, StatedProblem};
 use crate::timing::machine;
 use serde_json::{Value, json};
@@ -24,9 +25,6 @@ use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
 use signorini_mathematics::solvers::{self, Refusal, Run, Settings, Solver};
 use std::io::ErrorKind;
-
-/// Cells per side of the finest grid, if neither the user nor a scene gives a number.
-const DEFAULT_CELLS: usize = 64;
 
 /// Data that determine an answer.
 pub(super) struct Request {
@@ -47,6 +45,10 @@ pub(super) struct Request {
     pub tolerance: Option<f64>,
     /// Guaranteed bound of the error, by which the grids are chosen.
     pub accuracy: Option<Accuracy>,
+    /// Way in which the accuracy is written.
+    pub written: Written,
+    /// True for a scene of a published table.
+    is_papers: bool,
     /// Options that differ from the scene, in words.
     pub overridden: Vec<String>,
     /// Warnings of f that are printed already.
@@ -91,7 +93,11 @@ impl Request {
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
         let mut overridden = Vec::new();
-        let solver = args.solver.unwrap_or(default_solver(args));
+        let usual = default_solver(args, scene);
+        let solver = args.solver.unwrap_or(usual);
+        let solver_of_scene = scene.map(|scene| scene.solver);
+        choose("solver", Some(solver), solver_of_scene, Solver::to_string, &mut overridden);
+        let accuracy = accuracy(args, scene, solver, &mut overridden);
         let stated = match scene {
             Some(scene) => of_scene(args, scene, &mut overridden)?,
             None => of_options(args)?,
@@ -99,7 +105,7 @@ impl Request {
         check_solver_options(args, solver)?;
         // Measured: a file's fields, and the recovered solution on four times as many nodes.
         let bytes_to_write = if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) };
-        let memory = Memory { solver, bytes_to_write, accuracy: args.accuracy() };
+        let memory = Memory { solver, bytes_to_write, accuracy, written: written(args) };
         let (domain, load, problem, remedies) = match &stated.place {
             Place::Square(square) => {
                 check_domain_options(args, None)?;
@@ -116,9 +122,10 @@ impl Request {
         };
         let name = args.scene.as_deref().unwrap_or(domain).to_owned();
         let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
+        let settings = scene.and_then(|scene| scene.settings.as_ref());
         let settings = Settings {
-            params: params(args, scene, &mut overridden)?,
-            prolongation: scene.map(|scene| scene.prolongation).unwrap_or_default(),
+            params: params(args, settings, &mut overridden)?,
+            prolongation: settings.map(|settings| settings.prolongation).unwrap_or_default(),
             ..Settings::of(solver)
         };
         Ok(Self {
@@ -130,7 +137,9 @@ impl Request {
             problem,
             settings,
             tolerance: args.tolerance()?,
-            accuracy: args.accuracy(),
+            accuracy,
+            written: written(args),
+            is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
             warnings,
             bytes_to_write,
@@ -140,10 +149,9 @@ impl Request {
     /// Solves, without an answer in words.
     pub(super) fn run(&self) -> Result<Run> {
         let goal = match (self.accuracy, self.tolerance) {
-            (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
+            (Some(accuracy), _) => accuracy.goal(),
             (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(self.problem.load())),
-            // The bracket of the energy is much narrower than the error.
-            _ => Goal::RoundingFloor,
+            (None, None) => Goal::RoundingFloor,
         };
         let settings = Settings { goal, ..self.settings };
         let run = solvers::solve(&self.problem, &settings).map_err(|e| self.refused(&e))?;
@@ -164,8 +172,8 @@ impl Request {
 
     /// Puts the problem on the square on one grid with as many cells per side.
     pub(super) fn set_grid(&mut self, cells: usize) -> Result<()> {
-        let (solver, accuracy) = (self.settings.solver, self.accuracy);
-        Memory { solver, bytes_to_write: self.bytes_to_write, accuracy }.check(cells)?;
+        let (solver, accuracy, written) = (self.settings.solver, self.accuracy, self.written);
+        Memory { solver, bytes_to_write: self.bytes_to_write, accuracy, written }.check(cells)?;
         self.stated.set_grid(grid(cells)?);
         self.problem = self.stated.problem(&InputFiles::new())?;
         Ok(())
@@ -180,6 +188,12 @@ impl Request {
     pub(super) fn lattices(&self, option: &str) -> Result<&Lattices> {
         let on_mesh = || Error::input(format!("{option} is for the square; leave it out"));
         self.problem.lattices().ok_or_else(on_mesh)
+    }
+
+    /// Part of the integral of |f| by which the load moves jumps of f; none for a published table, whose load is the
+    /// paper's.
+    pub(super) fn moved_jumps(&self) -> Option<f64> {
+        if self.is_papers { None } else { self.stated.moved_jumps() }
     }
 
     /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
@@ -267,6 +281,7 @@ struct Memory {
     /// Memory per node for writing the solution, besides that of the solver.
     bytes_to_write: u64,
     accuracy: Option<Accuracy>,
+    written: Written,
 }
 
 impl Memory {
@@ -275,7 +290,7 @@ impl Memory {
         let solver = self.solver;
         let most = solver.entry().most_on_square.unwrap_or(MAX_CELLS);
         let asked = match self.accuracy {
-            Some(accuracy) => format!("{accuracy}: grid 1/{finest}"),
+            Some(accuracy) => format!("{}: grid 1/{finest}", self.written.text(accuracy)),
             None => format!("--h 1/{finest}"),
         };
         if finest > most {
@@ -316,10 +331,14 @@ fn of_scene(
     match &mut stated.place {
         Place::Square(square) => {
             let given = args.h.as_deref().map(cells).transpose()?;
-            let of_scene = Some(square.finest().cells());
+            // An accuracy begins with a grid of its own, and gives way to options that name a grid or a solver.
+            if scene.accuracy.is_some() {
+                square.grids = OnSquare::usual_grids();
+            }
+            let of_scene = Some(square.finest().cells()).filter(|_| scene.accuracy.is_none());
             let finest = choose("finest grid", given, of_scene, |n| format!("1/{n}"), overridden);
-            square.grids =
-                hierarchy(finest.unwrap_or(DEFAULT_CELLS), Some(square.grids[0].cells()))?;
+            let finest = finest.unwrap_or(square.finest().cells());
+            square.grids = hierarchy(finest, Some(square.grids[0].cells()))?;
             let rule = choose("load", load_rule(args), Some(square.load), rule_name, overridden);
             square.load = rule.unwrap_or(square.load);
         }
@@ -345,8 +364,8 @@ fn of_options(args: &SolveArgs) -> Result<StatedProblem> {
     let finest = args.h.as_deref().map(cells).transpose()?;
     let square = OnSquare {
         f: f.parse().map_err(|e| Error::input(format!("--f: {e}")))?,
-        load: load_rule(args).unwrap_or(LoadRule::Bilinear {}),
-        grids: hierarchy(finest.unwrap_or(DEFAULT_CELLS), None)?,
+        load: load_rule(args).unwrap_or(OnSquare::LOAD),
+        grids: finest.map_or_else(|| Ok(OnSquare::usual_grids()), |n| hierarchy(n, None))?,
     };
     Ok(StatedProblem::on_square(square, law))
 }
@@ -540,19 +559,54 @@ fn check_domain_options(args: &SolveArgs, on_mesh: Option<&OnMesh>) -> Result<()
     }
 }
 
-/// Returns the default solver: the paper's method for a scene or with an option that only this method takes, else
-/// multigrid.
-fn default_solver(args: &SolveArgs) -> Solver {
+/// Returns the solver if no option names one: that for an accuracy, the paper's for an option that only saddle-point
+/// methods take, else that of the scene or the usual one.
+fn default_solver(args: &SolveArgs, scene: Option<&Scene>) -> Solver {
     let of_the_paper = args.r.is_some() || args.stop.is_some() || args.max_iterations.is_some();
-    if args.accuracy().is_none() && (args.scene.is_some() || of_the_paper) {
-        Solver::ArrowHurwicz
-    } else {
-        Solver::Multigrid
+    match scene.map(|scene| scene.solver) {
+        _ if args.accuracy().is_some() => Solver::Multigrid,
+        Some(solver) if solver.is_nested() || !of_the_paper => solver,
+        None if !of_the_paper => StatedProblem::SOLVER,
+        _ => Solver::ArrowHurwicz,
     }
 }
 
-fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>) -> Result<Params> {
-    let r = choose("r", args.r, scene.map(Scene::drawn_r), f64::to_string, overridden);
+/// Returns the accuracy by which the grids are chosen: that of the options or else of the scene, unless an option names
+/// a grid, a tolerance or another solver.
+fn accuracy(
+    args: &SolveArgs,
+    scene: Option<&Scene>,
+    solver: Solver,
+    overridden: &mut Vec<String>,
+) -> Option<Accuracy> {
+    let of_scene = scene.and_then(|scene| scene.accuracy);
+    if let Some(accuracy) = args.accuracy() {
+        return choose(
+            "accuracy",
+            Some(accuracy),
+            of_scene,
+            |of| Written::Key.text(*of),
+            overridden,
+        );
+    }
+    let is_free = args.h.is_none() && args.tolerance.is_none() && solver == Solver::Multigrid;
+    if let Some(accuracy) = of_scene.filter(|_| !is_free) {
+        overridden.push(format!("without {}", Written::Key.text(accuracy)));
+    }
+    of_scene.filter(|_| is_free)
+}
+
+/// Returns the way in which the accuracy is written: as an option, unless the scene asks for it.
+fn written(args: &SolveArgs) -> Written {
+    if args.scene.is_some() && args.accuracy().is_none() { Written::Key } else { Written::Option }
+}
+
+fn params(
+    args: &SolveArgs,
+    scene: Option<&SaddleSettings>,
+    overridden: &mut Vec<String>,
+) -> Result<Params> {
+    let r = choose("r", args.r, scene.map(|s| s.draw_r), f64::to_string, overridden);
     let stop = args.stop.as_deref().map(stop_rule).transpose()?;
     let rule = choose("stop", stop, scene.map(|s| s.stop[0]), StopRule::to_string, overridden);
     let given = args.max_iterations.map(|n| n as usize);
@@ -560,8 +614,8 @@ fn params(args: &SolveArgs, scene: Option<&Scene>, overridden: &mut Vec<String>)
     let limit = choose("max-iterations", given, of_scene, usize::to_string, overridden);
     let defaults = Params::default();
     Ok(Params {
-        r: positive_r(r.unwrap_or(10.0))?,
-        rule: rule.unwrap_or(StopRule::Printed),
+        r: positive_r(r.unwrap_or(SaddleSettings::R))?,
+        rule: rule.unwrap_or(SaddleSettings::RULE),
         max_iterations: limit.unwrap_or(defaults.max_iterations),
         ..defaults
     })

@@ -14,7 +14,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::unsolvable::shown_integral;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{
-    Checks, Solution, SpectralError, SpectralParams, spectral_under,
+    Checks, Solution, SpectralError, TrueSolution, true_solution,
 };
 use std::time::{Duration, Instant};
 
@@ -23,9 +23,8 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
     let (name, f, law) = (&request.name, lattices.source(), request.problem.law());
     let integral = lattices.integrals().of_f;
     let start = Instant::now();
-    let solution =
-        spectral_under(law, f, SpectralParams::default()).map_err(|e| failed(name, &e))?;
-    let finer = solution.at_resolution(SpectralParams::FINER).map_err(|e| failed(name, &e))?;
+    let TrueSolution { solution: finer, steps } =
+        true_solution(law, f).map_err(|e| failed(name, &e))?;
     let seconds = start.elapsed().as_secs_f64();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
@@ -35,7 +34,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
             "f": f.to_string(),
             "dimension": 2,
             "solver": "spectral",
-            "iterations": solution.steps,
+            "iterations": steps,
             "stop": "converged",
             "energy": finer.energy,
             "integral_f": integral,
@@ -71,28 +70,21 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
     text += &table(&finer, &words);
     text += &words.force(force(&finer, law), 0.0 - integral, 16);
     text += &checks(&finer.checks);
-    text += &format!("solved in {seconds:.4} s, {} Newton steps\n", solution.steps);
+    text += &format!("solved in {seconds:.4} s, {steps} Newton steps\n");
     say(&text)?;
     Ok(finer)
 }
 
 /// Returns v at the nodes of a grid, and the multiplier at its boundary nodes.
-pub(super) fn on_grid(solution: &Solution, grid: Grid, law: Law) -> Pair {
-    let mut a = Vec::new();
-    for b in 0..grid.boundary_nodes() {
-        let (i, j) = grid.boundary_node(b);
-        let [_, multiplier] = solution.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
-        // A value beyond the interval of the law is a rounding error.
-        a.push(law.project(multiplier));
-    }
+pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
     let bar = bar("{spinner} v at {msg} nodes, {elapsed}");
     if let Some(bar) = &bar {
         bar.set_message(grid.nodes().to_string());
         bar.enable_steady_tick(Duration::from_millis(200));
     }
-    let y = solution.at_nodes(grid.cells());
+    let pair = solution.on_grid(grid);
     bar.inspect(ProgressBar::finish_and_clear);
-    Pair { y, a }
+    pair
 }
 
 /// Returns the total contact force; under another law than the paper's the flux through all of the boundary.

@@ -7,8 +7,8 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{NodalVectors, Problem, ProblemError, SaddleRun};
 use crate::multigrid::active_set::{MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE};
-use crate::multigrid::{Goal, InputError, MultigridParams};
-use crate::saddle::{Method, Params};
+use crate::multigrid::{Goal, InputError, MultigridParams, check_size};
+use crate::saddle::{Method, Monitor, Params};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
@@ -163,6 +163,35 @@ impl Solver {
         SOLVERS.iter().find(|entry| entry.name == name).map(|entry| entry.solver)
     }
 
+    /// Refuses a grid of the square with so many cells per side that the solver cannot do with.
+    ///
+    /// # Errors
+    /// [`SizeRefusal`].
+    pub fn check_cells(self, cells: usize) -> Result<(), SizeRefusal> {
+        if let Some(most) = self.entry().most_on_square.filter(|&most| cells > most) {
+            return Err(SizeRefusal::TooFine { solver: self, cells, most });
+        }
+        if self.entry().run == SolverRun::Multigrid {
+            check_size(cells)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a mesh in `dimension` dimensions with about so many nodes that the solver cannot do with.
+    ///
+    /// # Errors
+    /// [`SizeRefusal`].
+    pub fn check_nodes(self, dimension: u8, nodes: f64) -> Result<(), SizeRefusal> {
+        let entry = self.entry();
+        if !entry.on_meshes {
+            return Err(SizeRefusal::NotOnMeshes(self));
+        }
+        match entry.most_nodes[usize::from(dimension - 2)].filter(|&most| nodes > most as f64) {
+            Some(most) => Err(SizeRefusal::TooManyNodes { solver: self, nodes, most }),
+            None => Ok(()),
+        }
+    }
+
     /// Saddle-point method whose minimisations end at this bound on the gradient, `loose` or not as in
     /// [`Method::Uzawa`]; none for other solvers.
     pub fn method(self, inner: f64, loose: bool) -> Option<Method> {
@@ -236,15 +265,58 @@ pub enum Refusal {
     NotOnMeshes(Solver),
 }
 
+/// Reason for which a solver does not run on a grid or mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SizeRefusal {
+    /// Finer than the table of solvers allows.
+    #[error("grid 1/{cells} is too fine for {solver}; 1/{most} is the finest")]
+    TooFine {
+        /// Solver.
+        solver: Solver,
+        /// Cells per side.
+        cells: usize,
+        /// Most cells per side.
+        most: usize,
+    },
+    /// More nodes than the table of solvers allows.
+    #[error("about {nodes:.0} nodes are too many for {solver}; {most} are the most")]
+    TooManyNodes {
+        /// Solver.
+        solver: Solver,
+        /// Number of nodes, about.
+        nodes: f64,
+        /// Most nodes.
+        most: usize,
+    },
+    /// The domain does not have the solver.
+    #[error("{0} is for the square alone")]
+    NotOnMeshes(Solver),
+    /// A number of cells that cannot be halved to a coarse grid.
+    #[error(transparent)]
+    Cells(#[from] InputError),
+}
+
 /// Solves a problem.
 ///
 /// # Errors
 /// [`Refusal`]. A limit that was reached, and values that are not finite, are ends of a run.
 pub fn solve(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
+    solve_watched(problem, settings, &mut ())
+}
+
+/// Solves a problem; a saddle-point method shows its iterations, and its pair on each level, to the monitor.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_watched(
+    problem: &Problem,
+    settings: &Settings,
+    monitor: &mut dyn Monitor,
+) -> Result<Run, Refusal> {
     let Settings { solver, goal, .. } = *settings;
     let (levels, law, load) = (problem.levels(), problem.law(), problem.load());
     let (y, end) = match solver.entry().run {
-        SolverRun::Nested { .. } => return solve_nested(problem, settings),
+        SolverRun::Nested { .. } => return solve_nested(problem, settings, monitor),
         SolverRun::ActiveSet => levels.active_set(law)?,
         SolverRun::Multigrid => {
             levels.multigrid(law, &MultigridParams { goal, ..MultigridParams::default() })?
@@ -258,11 +330,15 @@ pub fn solve(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
 }
 
 /// Runs a saddle-point method over all levels.
-fn solve_nested(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
+fn solve_nested(
+    problem: &Problem,
+    settings: &Settings,
+    monitor: &mut dyn Monitor,
+) -> Result<Run, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
     let method = settings.solver.method(0.0, false).expect("a saddle-point method");
     let params = &Params { method, ..settings.params };
-    let run = SaddleRun { params, prolongation: settings.prolongation, monitor: &mut () };
+    let run = SaddleRun { params, prolongation: settings.prolongation, monitor };
     let (ends, pair) = problem.levels().saddle(problem.law().with_loads(&loads), run);
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });

@@ -21,7 +21,7 @@ pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task>
         .published(number)
         .map_err(|e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name)))?;
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
-    let needs: Vec<String> = solve::ids(scene, scene.stop[0]).collect();
+    let needs: Vec<String> = solve::ids(scene, scene.first_rule()).collect();
     let name = scene.name.clone();
     let parameters = parameters(&serde_json::json!({ "r": paper.r, "table": table }));
     Ok(Task::new(id(scene), parameters, needs.clone(), move |inputs| {

@@ -14,6 +14,7 @@ use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use serde_json::json;
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use std::collections::BTreeMap;
 
@@ -95,7 +96,13 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     }
     let needs = scenes.iter().flat_map(|scene| needs(output, scene)).collect();
     let files = scenes.iter().flat_map(|scene| scene.problem.files()).collect();
-    let task = drawing(name, title, needs, move |inputs| draw(output, &scenes, inputs));
+    let task = drawing(name, title, needs, move |inputs| {
+        let mut picture = draw(output, &scenes, inputs)?;
+        if [Output::Surface, Output::Contact].contains(&output) {
+            picture.note = bounds(inputs, &scenes)?;
+        }
+        Ok(picture)
+    });
     Task { parameters: hashed, files, ..task }
 }
 
@@ -103,9 +110,10 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
 fn needs(output: Output, scene: &Scene) -> Vec<String> {
     match output {
         Output::Surface => vec![surface(scene)],
-        Output::History => solve::ids(scene, scene.stop[0]).collect(),
+        Output::History => solve::ids(scene, scene.first_rule()).collect(),
         Output::Contact => {
-            scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.drawn_r())).collect()
+            let drawn = scene.rules().into_iter().map(|rule| scene.drawn(rule));
+            drawn.map(|run| solve::id_of(scene, run)).collect()
         }
         Output::Identify => vec![identify::id(scene)],
         Output::Source | Output::Table => Vec::new(),
@@ -126,7 +134,7 @@ pub(super) fn drawing(
         let description =
             format!("Made by `signorini run --only figures` from inputs {digest} (blake3).");
         let drawn = draw(inputs)?;
-        let svg = drawn.svg(&title, &description)?;
+        let svg = drawn.svg(&title, &(drawn.note.clone() + &description))?;
         let mut made = Artifacts::from([(picture.clone(), svg.into_bytes())]);
         made.extend(drawn.table.map(|text| (table.clone(), text.into_bytes())));
         Ok(made)
@@ -140,7 +148,7 @@ pub(super) fn id(name: &str) -> String {
 
 /// The task whose pair is drawn as a surface.
 fn surface(scene: &Scene) -> String {
-    solve::id(scene, scene.stop[0], scene.drawn_r())
+    solve::id_of(scene, scene.drawn(scene.first_rule()))
 }
 
 fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
@@ -175,8 +183,8 @@ fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
 fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     let mut drawn = Vec::new();
     for scene in scenes {
-        let problem = scene.problem.problem(inputs.files)?;
-        let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
+        let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
+        let pair = solve::pair(inputs, scene, rule, &problem)?;
         let title = title_with_end(inputs, scene)?;
         drawn.push(DrawnSolution::of(title, &problem, &pair, 2)?);
     }
@@ -184,18 +192,32 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> 
     Ok(surfaces(2, &panels))
 }
 
-/// Returns the title of a scene, with the end of its iteration unless that is a solution.
+/// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error.
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    let end = solve::no_solution(inputs, scene, scene.stop[0])?;
-    Ok(match end {
-        Some(end) => format!("{} ({end})", scene.title),
-        None => scene.title.clone(),
+    let (title, rule) = (&scene.title, scene.first_rule());
+    if let Some(end) = solve::no_solution(inputs, scene, rule)? {
+        return Ok(format!("{title} ({end})"));
+    }
+    let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
+    let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
+    Ok(match relative {
+        Some(error) => format!("{title}, error at most {}", solve::percent(error)),
+        None => title.clone(),
     })
+}
+
+/// Returns the guaranteed bounds of the scenes in a picture, in sentences.
+fn bounds(inputs: &Inputs, scenes: &[Scene]) -> Result<String, String> {
+    let mut sentences = String::new();
+    for scene in scenes {
+        sentences += &solve::bounds_in_words(inputs, scene)?;
+    }
+    Ok(sentences)
 }
 
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
     let mut runs = Vec::new();
-    for (task, r) in solve::ids(scene, scene.stop[0]).zip(&scene.r) {
+    for (task, r) in solve::ids(scene, scene.first_rule()).zip(&scene.saddle().r) {
         let levels = from_json(inputs, &task, HISTORY)?;
         runs.push(HistoryCurve { label: format!("r = {r}"), levels });
     }
@@ -206,11 +228,11 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
 fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     let mut panels = Vec::new();
     for scene in scenes {
-        let problem = scene.problem.problem(inputs.files)?;
+        let problem = solve::problem(inputs, scene)?;
         let mut solutions = Vec::new();
-        for &stop in &scene.stop {
-            let pair = solve::pair(inputs, scene, stop, &problem)?;
-            solutions.push((solve::label(inputs, scene, stop)?, pair));
+        for rule in scene.rules() {
+            let pair = solve::pair(inputs, scene, rule, &problem)?;
+            solutions.push((solve::label(inputs, scene, rule)?, pair));
         }
         panels.extend(ContactPanel::of(&scene.title, &problem, &solutions)?);
     }

@@ -35,7 +35,7 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
     };
     let variant = Variant {
         load: scene.on_grids().load,
-        prolongation: scene.prolongation,
+        prolongation: scene.saddle().prolongation,
         ..Variant::default()
     };
     let (f, target) = (scene.on_grids().f.clone(), project.paper.target(table)?);

@@ -26,7 +26,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Stage {
-    /// One (problem, stopping rule, r) column over all grids.
+    /// One problem by its solver; by a saddle-point method one column of a rule and an r, over all grids.
     Solve,
     /// One table per scene and stopping rule.
     Tabulate,
@@ -66,10 +66,10 @@ const PROGRAM: &str = env!("SIGNORINI_PROGRAM");
 pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Plan> {
     let mut tasks: Vec<Task> = Vec::new();
     for scene in scenes {
-        for &stop in &scene.stop {
-            tasks.extend(solve::tasks(scene, stop));
+        for rule in scene.rules() {
+            tasks.extend(solve::tasks(scene, rule));
             if scene.wants(Output::Table) {
-                tasks.push(tabulate::task(scene, stop));
+                tasks.push(tabulate::task(scene, rule));
             }
         }
         if let Some(number) = scene.paper_table.filter(|_| scene.wants(Output::Table)) {

@@ -41,7 +41,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
         );
     }
     problems.iter().find_map(|scene| {
-        if scene.r != project.paper.r {
+        if scene.saddle().r != project.paper.r {
             let (name, r) = (&scene.name, &project.paper.r);
             return Some(format!(
                 "they show scene `{name}` for the paper's r; let it have r = {r:?}"
@@ -54,7 +54,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
 
 /// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
 fn missing_setting(scene: &Scene) -> Option<String> {
-    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.stop.contains(rule)) {
+    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.saddle().stop.contains(rule)) {
         return Some(format!("\"{rule}\" to `stop`"));
     }
     let mut outputs = figures::KINDS.iter().map(|kind| kind.output).chain([Output::Table]);

@@ -2,17 +2,20 @@
 //! read, and the joins and aggregates of it that the book shows.
 
 use super::from_json;
-use super::solve::{self, OUTCOMES, Outcomes};
+use super::solve::{self, OUTCOMES, Outcomes, WithoutGrid};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
+use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::saddle::{StopRule, tolerance};
 use std::io::Cursor;
 
@@ -23,15 +26,18 @@ pub(super) const FILE: &str = "results.csv";
 /// The task that joins the results of all scenes that ask for a table; none if no scene does.
 pub(super) fn task(project: &Project) -> Option<Task> {
     let scenes = project.scenes.iter().filter(|scene| scene.wants(Output::Table));
-    let parts: Vec<(Scene, StopRule)> =
-        scenes.flat_map(|scene| scene.stop.iter().map(|&rule| (scene.clone(), rule))).collect();
+    let parts: Vec<(Scene, Option<StopRule>)> = scenes
+        .flat_map(|scene| scene.rules().into_iter().map(|rule| (scene.clone(), rule)))
+        .collect();
     let needs = parts.iter().flat_map(|(scene, rule)| solve::ids(scene, *rule)).collect();
     let paper = project.paper.clone();
     let tables: Vec<_> = parts.iter().map(|(scene, _)| scene.paper_table).collect();
     let printed: Vec<_> =
         paper.table.iter().map(|table| (table.number, &table.counts, &table.delta_a)).collect();
-    let parameters =
-        parameters(&serde_json::json!({ "r": paper.r, "tables": tables, "published": printed }));
+    let solvers: Vec<_> = parts.iter().map(|(scene, _)| scene.solver).collect();
+    let parameters = parameters(&serde_json::json!({
+        "r": paper.r, "solvers": solvers, "tables": tables, "published": printed,
+    }));
     let task = Task::new(ID, parameters, needs, move |inputs| {
         let results = joined(&solved(inputs, &parts)?, &paper)?;
         Ok(Artifacts::from([(FILE.into(), csv(results)?)]))
@@ -39,10 +45,12 @@ pub(super) fn task(project: &Project) -> Option<Task> {
     (!task.needs.is_empty()).then(|| Task { export: Some("report"), ..task })
 }
 
-/// Table with one row per problem, stopping rule, r and grid.
+/// Table with one row per problem, stopping rule, r and grid on which the solver ended.
 ///
-/// Columns: `problem` (the name of its scene), `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
-/// `tolerance` identify the solve.
+/// Columns: `problem` (the name of its scene), `solver`, `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
+/// `tolerance` identify the solve; `rule`, `r` and `tolerance` are empty for solvers without. `energy_lower`,
+/// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were computed.
+/// The spectral solver has an energy alone.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
@@ -62,8 +70,9 @@ struct Aggregate {
 }
 
 /// Columns with their types. CSV has no types, and names of scenes may look like numbers, or like no value.
-const COLUMNS: [(&str, DataType); 22] = [
+const COLUMNS: [(&str, DataType); 27] = [
     ("problem", DataType::String),
+    ("solver", DataType::String),
     ("rule", DataType::String),
     ("r", DataType::Float64),
     ("cells", DataType::Int64),
@@ -76,6 +85,10 @@ const COLUMNS: [(&str, DataType); 22] = [
     ("gradient_abs", DataType::Float64),
     ("delta_a", DataType::Float64),
     ("energy", DataType::Float64),
+    ("energy_lower", DataType::Float64),
+    ("energy_upper", DataType::Float64),
+    ("error_bound", DataType::Float64),
+    ("reserve", DataType::String),
     ("sum_load", DataType::Float64),
     ("kkt_stationarity", DataType::Float64),
     ("kkt_min_y", DataType::Float64),
@@ -159,21 +172,27 @@ fn schema() -> Schema {
     COLUMNS.into_iter().map(|(name, kind)| Field::new(name.into(), kind)).collect()
 }
 
-/// Solve on one grid.
+/// Solve on one grid, or without a grid.
 struct GridSolve<'a> {
     scene: &'a Scene,
-    rule: StopRule,
-    r: f64,
-    /// Number of the grid, from 1.
+    run: Option<RuleAndR>,
+    /// Number of the grid among those where the solver ended, from 1.
     level: usize,
-    outcome: Outcome,
+    /// End on the grid; none for the spectral solver.
+    outcome: Option<Outcome>,
+    bounds: Option<Bounds>,
+    /// Approximations that the bounds leave out.
+    reserve: String,
+    /// End of the spectral solver.
+    without_grid: Option<WithoutGrid>,
 }
 
 impl GridSolve<'_> {
     /// Place in the published table of the scene, if the paper prints r: the table and the number of its row.
     fn published_row<'p>(&self, paper: &'p Paper) -> Option<(&'p PublishedTable, usize)> {
         let table = paper.published(self.scene.paper_table?).ok()?;
-        Some((table, paper.r.iter().position(|&printed| printed == self.r)?))
+        let r = self.run?.r;
+        Some((table, paper.r.iter().position(|&printed| printed == r)?))
     }
 
     /// Published count, if the paper prints one.
@@ -188,18 +207,64 @@ impl GridSolve<'_> {
         let (table, row) = self.published_row(paper)?;
         (self.level == self.scene.on_grids().grids.len()).then_some(table.delta_a[row])
     }
+
+    fn iterations(&self) -> Option<i64> {
+        let on_grid = self.outcome.map(|outcome| outcome.end.iterations);
+        on_grid.or(self.without_grid.map(|end| end.steps)).map(|count| count as i64)
+    }
+
+    fn energy(&self) -> Option<f64> {
+        let on_grid = self.outcome.map(|outcome| outcome.energy);
+        on_grid.or(self.without_grid.map(|end| end.energy))
+    }
+
+    /// True if the stopping rule was met; none for a solver without.
+    fn met(&self) -> Option<bool> {
+        self.run?;
+        Some(self.outcome?.end.stop == Stop::Converged)
+    }
 }
 
 fn solved<'a>(
     inputs: &Inputs,
-    parts: &'a [(Scene, StopRule)],
+    parts: &'a [(Scene, Option<StopRule>)],
 ) -> Result<Vec<GridSolve<'a>>, String> {
     let mut solves = Vec::new();
     for (scene, rule) in parts {
-        for &r in &scene.r {
-            let solved: Outcomes = from_json(inputs, &solve::id(scene, *rule, r), OUTCOMES)?;
-            for (level, outcome) in (1..).zip(solved.levels) {
-                solves.push(GridSolve { scene, rule: *rule, r, level, outcome });
+        for run in scene.runs(*rule) {
+            let solved: Outcomes = from_json(inputs, &solve::id_of(scene, run), OUTCOMES)?;
+            let Outcomes { levels, bounds, reserve, without_grid, .. } = solved;
+            let mut words = Vec::new();
+            for reserve in reserve {
+                words.push(match reserve {
+                    Reserve::Quadrature => "quadrature",
+                    Reserve::Polygon => "polygon",
+                });
+            }
+            let reserve = words.join(" ");
+            let on_grid = GridSolve {
+                scene,
+                run,
+                level: 1,
+                outcome: None,
+                bounds: None,
+                reserve,
+                without_grid,
+            };
+            if without_grid.is_some() {
+                solves.push(on_grid);
+                continue;
+            }
+            let bounds = bounds.into_iter().chain(std::iter::repeat(None));
+            for ((level, outcome), bounds) in (1..).zip(levels).zip(bounds) {
+                let reserve = on_grid.reserve.clone();
+                solves.push(GridSolve {
+                    level,
+                    outcome: Some(outcome),
+                    bounds,
+                    reserve,
+                    ..on_grid
+                });
             }
         }
     }
@@ -210,25 +275,32 @@ fn solved<'a>(
 fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
     df!(
         "problem" => column(solves, |solve| &*solve.scene.name),
-        "rule" => column(solves, |solve| solve.rule.name()),
-        "r" => column(solves, |solve| solve.r),
-        "cells" => column(solves, |solve| solve.outcome.cells.map(|cells| cells as i64)),
-        "nodes" => column(solves, |solve| solve.outcome.nodes as i64),
-        "tolerance" => column(solves, |solve| tolerance(solve.level)),
-        "iterations" => column(solves, |solve| solve.outcome.end.iterations as i64),
-        "stop" => column(solves, |solve| solve.outcome.name()),
-        "met" => column(solves, |solve| solve.outcome.end.stop == Stop::Converged),
-        "gradient_signed" => column(solves, |solve| solve.outcome.gradient_signed),
-        "gradient_abs" => column(solves, |solve| solve.outcome.gradient_abs),
-        "delta_a" => column(solves, |solve| solve.outcome.end.delta_a),
-        "energy" => column(solves, |solve| solve.outcome.energy),
-        "sum_load" => column(solves, |solve| solve.outcome.sum_load),
-        "kkt_stationarity" => column(solves, |solve| solve.outcome.kkt.stationarity),
-        "kkt_min_y" => column(solves, |solve| solve.outcome.kkt.min_y),
-        "kkt_min_lambda" => column(solves, |solve| solve.outcome.kkt.min_lambda),
-        "kkt_complementarity" => column(solves, |solve| solve.outcome.kkt.complementarity),
-        "kkt_natural" => column(solves, |solve| solve.outcome.kkt.natural),
-        "kkt_relative" => column(solves, |solve| solve.outcome.kkt.relative),
+        "solver" => column(solves, |solve| solve.scene.solver.entry().name),
+        "rule" => column(solves, |solve| solve.run.map(|run| run.rule.name())),
+        "r" => column(solves, |solve| solve.run.map(|run| run.r)),
+        "cells" => column(solves, |solve| solve.outcome?.cells.map(|cells| cells as i64)),
+        "nodes" => column(solves, |solve| Some(solve.outcome?.nodes as i64)),
+        "tolerance" => column(solves, |solve| solve.run.map(|_| tolerance(solve.level))),
+        "iterations" => column(solves, |solve| solve.iterations()),
+        "stop" => column(solves, |solve| solve.outcome.map_or(Stop::Converged.name(), |of| of.name())),
+        "met" => column(solves, |solve| solve.met()),
+        "gradient_signed" => column(solves, |solve| solve.outcome?.gradient_signed),
+        "gradient_abs" => column(solves, |solve| solve.outcome?.gradient_abs),
+        "delta_a" => column(solves, |solve| solve.outcome?.end.delta_a),
+        "energy" => column(solves, |solve| solve.energy()),
+        "energy_lower" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[0])),
+        "energy_upper" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[1])),
+        "error_bound" => column(solves, |solve| Some(solve.bounds.as_ref()?.error[1])),
+        "reserve" => column(solves, |solve| {
+            (solve.bounds.is_some() && !solve.reserve.is_empty()).then_some(&*solve.reserve)
+        }),
+        "sum_load" => column(solves, |solve| Some(solve.outcome?.sum_load)),
+        "kkt_stationarity" => column(solves, |solve| Some(solve.outcome?.kkt.stationarity)),
+        "kkt_min_y" => column(solves, |solve| Some(solve.outcome?.kkt.min_y)),
+        "kkt_min_lambda" => column(solves, |solve| Some(solve.outcome?.kkt.min_lambda)),
+        "kkt_complementarity" => column(solves, |solve| Some(solve.outcome?.kkt.complementarity)),
+        "kkt_natural" => column(solves, |solve| Some(solve.outcome?.kkt.natural)),
+        "kkt_relative" => column(solves, |solve| Some(solve.outcome?.kkt.relative)),
         "published" => column(solves, |solve| solve.published_count(paper)),
         "published_delta_a" => column(solves, |solve| solve.published_delta_a(paper)),
     )
@@ -290,7 +362,8 @@ mod tests {
         let mut csv = COLUMNS.map(|(name, _)| name).join(",") + "\n";
         for name in names {
             let name = name.replace('"', "\"\"");
-            csv += &format!("\"{name}\",signed,1.0,,25,0.1,7,converged,true{}\n", ",".repeat(13));
+            let rest = ",".repeat(COLUMNS.len() - 10);
+            csv += &format!("\"{name}\",uzawa,signed,1.0,,25,0.1,7,converged,true{rest}\n");
         }
         let results = Results::read(csv.as_bytes()).unwrap();
         for name in names {

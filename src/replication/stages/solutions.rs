@@ -19,7 +19,7 @@ pub(super) struct Solutions {
 
 impl Solutions {
     /// Gathers, of the paper's problems, the pair where the first rule stops and the discrete solution; of the other
-    /// scenes with a picture of the surface, the pair where their first rule stops.
+    /// scenes with a picture of the surface, the solution or the pair where their first rule stops.
     pub(super) fn of(
         inputs: &Inputs,
         problems: &[Scene],
@@ -28,18 +28,18 @@ impl Solutions {
         let mut solutions = Self::default();
         for scene in problems {
             let problem = scene.problem.problem(inputs.files)?;
-            let stop = format!("where the published rule stops, r = {}", scene.drawn_r());
-            let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
+            let stop = format!("where the published rule stops, r = {}", scene.saddle().draw_r);
+            let pair = solve::pair(inputs, scene, scene.first_rule(), &problem)?;
             solutions.add(scene, &problem, State { ending: "-stop", words: &stop, pair: &pair });
             let pair = solve::solution(scene)?;
             let words = "the solution";
             solutions.add(scene, &problem, State { ending: "-solution", words, pair: &pair });
         }
         for scene in others.iter().filter(|scene| scene.wants(Output::Surface)) {
-            let problem = scene.problem.problem(inputs.files)?;
-            let stop = format!("where the rule {} stops, r = {}", scene.stop[0], scene.drawn_r());
-            let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
-            solutions.add(scene, &problem, State { ending: "", words: &stop, pair: &pair });
+            let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
+            let pair = solve::pair(inputs, scene, rule, &problem)?;
+            let words = &solve::state(inputs, scene, rule)?;
+            solutions.add(scene, &problem, State { ending: "", words, pair: &pair });
         }
         Ok(solutions)
     }

@@ -1,13 +1,17 @@
-//! The `solve` stage: one cell is a problem, a stopping rule and an r, solved on all nested grids.
+//! The `solve` stage: one cell is a problem with a solver, solved once; for a saddle-point method, a problem, a stopping
+//! rule and an r, solved on all nested levels.
 //!
-//! Central is `solve`, which runs the paper's method for one cell.
+//! Central is [`Cell::run`], which solves as the command `solve` does.
 
 use super::{artifact, from_json, to_json};
-use crate::pipeline::error::Failure;
+use crate::pipeline::error::{Error, Failure, Result as Read};
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task, parameters};
+use crate::replication::accuracy::{Accuracy, Written};
+use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stated::{OnSquare, StatedProblem};
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
@@ -15,10 +19,11 @@ use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::levels::{Problem, SaddleRun};
+use signorini_mathematics::levels::{Problem, Reserve};
+use signorini_mathematics::multigrid::Goal;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
-use std::borrow::Cow;
+use signorini_mathematics::spectral::{TrueSolution, true_solution};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Parameters that determine the artifacts of a cell.
@@ -26,25 +31,58 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) struct Cell {
     #[serde(flatten)]
     problem: StatedProblem,
-    prolongation: Prolongation,
-    r: f64,
-    stop: StopRule,
-    max_iterations: usize,
+    solver: Solver,
+    /// Accuracy by which the grid is chosen, in place of that of the problem.
+    #[serde(flatten)]
+    accuracy: Option<Accuracy>,
+    /// Settings of a saddle-point method; none for other solvers.
+    #[serde(flatten)]
+    settings: Option<CellSettings>,
     /// True if the pair on the finest grid is drawn.
     keep_pair: bool,
     /// True if the history of residuals is drawn.
     keep_history: bool,
 }
 
+/// Settings of a saddle-point method in one cell.
+#[derive(Clone, Debug, Serialize)]
+struct CellSettings {
+    prolongation: Prolongation,
+    r: f64,
+    stop: StopRule,
+    max_iterations: usize,
+}
+
 /// Contents of the artifact [`OUTCOMES`].
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Outcomes {
     schema: u8,
-    pub(super) r: f64,
-    /// Per grid, coarsest first.
+    /// Duality parameter of a saddle-point method.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) r: Option<f64>,
+    /// Per grid on which the solver ended, coarsest first; empty for the spectral solver.
     pub(super) levels: Vec<Outcome>,
     /// Greatest nodal error per grid; empty if no exact solution is known.
     pub(super) errors: Vec<f64>,
+    /// Guaranteed bounds per grid, or none where there are none; empty for the saddle-point methods, which end where
+    /// their rule says so, and the spectral solver.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) bounds: Vec<Option<Bounds>>,
+    /// What the bounds leave out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) reserve: Vec<Reserve>,
+    /// End of the spectral solver.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) without_grid: Option<WithoutGrid>,
+}
+
+/// End of the spectral solver.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct WithoutGrid {
+    /// Newton steps.
+    pub(super) steps: usize,
+    /// Energy of the solution.
+    pub(super) energy: f64,
 }
 
 /// Artifact with an [`Outcomes`].
@@ -54,22 +92,31 @@ pub(super) const PAIR: &str = "pair.f64";
 /// Artifact with every [`Iteration`], per grid.
 pub(super) const HISTORY: &str = "history.json";
 
-pub(super) fn id(scene: &Scene, stop: StopRule, r: f64) -> String {
-    format!("solve/{}/{stop}/r={r}", scene.name)
+/// Id of the task of a run of a scene.
+pub(super) fn id_of(scene: &Scene, run: Option<RuleAndR>) -> String {
+    match run {
+        Some(RuleAndR { rule, r }) => id(scene, rule, r),
+        None => format!("solve/{}", scene.name),
+    }
+}
+
+/// Id of the task of a saddle-point method under a rule with this r.
+pub(super) fn id(scene: &Scene, rule: StopRule, r: f64) -> String {
+    format!("solve/{}/{rule}/r={r}", scene.name)
 }
 
 /// Ids of the tasks that solve a scene under a rule, one per r.
-pub(super) fn ids(scene: &Scene, stop: StopRule) -> impl Iterator<Item = String> {
-    scene.r.iter().map(move |&r| id(scene, stop, r))
+pub(super) fn ids(scene: &Scene, rule: Option<StopRule>) -> impl Iterator<Item = String> {
+    scene.runs(rule).into_iter().map(|run| id_of(scene, run))
 }
 
 /// The tasks that solve those cells of a scene under a rule for which a table or a figure asks.
-pub(super) fn tasks(scene: &Scene, stop: StopRule) -> Vec<Task> {
+pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
     let mut tasks = Vec::new();
-    for &r in &scene.r {
-        let cell = cell(scene, stop, r);
+    for run in scene.runs(rule) {
+        let cell = cell(scene, run);
         if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
-            tasks.push(task(scene, cell));
+            tasks.push(task(id_of(scene, run), cell));
         }
     }
     tasks
@@ -94,70 +141,145 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let cell = Cell { keep_history: false, ..drawn(scene) };
-    let (_, Recorder { pairs, .. }) = run(&cell, &InputFiles::new())?;
+    let Solved { pairs, .. } = cell.run(&InputFiles::new())?;
     Ok(scene.on_grids().grids.iter().copied().zip(pairs).collect())
 }
 
 /// Returns the cell of a scene that is drawn: its first rule, with the drawn r.
 pub(super) fn drawn(scene: &Scene) -> Cell {
-    cell(scene, scene.stop[0], scene.drawn_r())
+    cell(scene, scene.drawn(scene.first_rule()))
 }
 
-fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
-    let drawn_rule = stop == scene.stop[0];
+fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
+    let rule = run.map(|run| run.rule);
+    let is_first_rule = rule == scene.first_rule();
+    let settings = scene.settings.as_ref().zip(run);
     Cell {
         problem: scene.problem.clone(),
-        prolongation: scene.prolongation,
-        r,
-        stop,
-        max_iterations: scene.max_iterations,
-        keep_pair: r == scene.drawn_r()
-            && ((scene.wants(Output::Surface) && drawn_rule) || scene.wants(Output::Contact)),
-        keep_history: scene.wants(Output::History) && drawn_rule,
+        solver: scene.solver,
+        accuracy: scene.accuracy,
+        settings: settings.map(|(settings, RuleAndR { rule, r })| CellSettings {
+            prolongation: settings.prolongation,
+            r,
+            stop: rule,
+            max_iterations: settings.max_iterations,
+        }),
+        keep_pair: run == scene.drawn(rule)
+            && ((scene.wants(Output::Surface) && is_first_rule) || scene.wants(Output::Contact)),
+        keep_history: scene.wants(Output::History) && is_first_rule,
     }
 }
 
-fn task(scene: &Scene, cell: Cell) -> Task {
-    let (id, files) = (id(scene, cell.stop, cell.r), cell.problem.files());
-    let parameters = parameters(&cell);
-    let task = Task::new(id, parameters, Vec::new(), move |inputs| solve(&cell, inputs.files));
+fn task(id: String, cell: Cell) -> Task {
+    let (files, parameters) = (cell.problem.files(), parameters(&cell));
+    let task = Task::new(id, parameters, Vec::new(), move |inputs| cell.artifacts(inputs.files));
     Task { files, ..task }
 }
 
-/// Runs the paper's method for a cell, its mesh read from these files. Returns the outcome on each level, and what was
-/// recorded.
-fn run(cell: &Cell, files: &InputFiles) -> Result<(Vec<Outcome>, Recorder), Failure> {
-    let problem = cell.problem.problem(files)?;
-    let loads: Vec<_> =
-        problem.loads().map_err(|e| e.to_string())?.into_iter().map(Cow::into_owned).collect();
-    let loaded = problem.law().with_loads(&loads);
-    let params = Params {
-        r: cell.r,
-        rule: cell.stop,
-        max_iterations: cell.max_iterations,
-        ..Params::default()
-    };
-    let mut recorder = Recorder { keep_history: cell.keep_history, ..Recorder::default() };
-    let prolongation = cell.prolongation;
-    let run = SaddleRun { params: &params, prolongation, monitor: &mut recorder };
-    let (outcomes, _) = problem.levels().saddle(loaded, run);
-    Ok((outcomes, recorder))
+/// Results of a cell.
+#[derive(Default)]
+struct Solved {
+    outcomes: Outcomes,
+    /// Pairs on the levels where the solver ended, the finest last.
+    pairs: Vec<Pair>,
+    /// Every iteration of a saddle-point method, per level, if it is kept.
+    history: Vec<Vec<Iteration>>,
 }
 
-fn solve(cell: &Cell, files: &InputFiles) -> Result<Artifacts, Failure> {
-    let (levels, Recorder { history, pairs, .. }) = run(cell, files)?;
-    let mut errors = Vec::new();
-    if let Some((square, exact)) = cell.problem.square().and_then(|on| Some((on, on.f.exact()?))) {
-        for (&grid, pair) in square.grids.iter().zip(&pairs) {
-            errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
+impl Cell {
+    /// Solves; a mesh is read from these files.
+    fn run(&self, files: &InputFiles) -> Result<Solved, Failure> {
+        match (self.solver, self.accuracy) {
+            (Solver::Spectral, _) => self.without_grid(),
+            (_, Some(accuracy)) => Ok(self.on_finer_grids(accuracy)?),
+            (_, None) => Ok(self.on(&self.problem, files)?),
         }
     }
-    let outcomes = Outcomes { schema: 1, r: cell.r, levels, errors };
-    let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| cell.keep_pair))?;
-    if cell.keep_history {
-        artifacts.insert(HISTORY.into(), to_json(&history));
+
+    /// Solves the problem as it is stated.
+    fn on(&self, stated: &StatedProblem, files: &InputFiles) -> Read<Solved> {
+        let problem = stated.problem(files)?;
+        let mut recorder = Recorder { keep_history: self.keep_history, ..Recorder::default() };
+        let run = solvers::solve_watched(&problem, &self.settings(), &mut recorder)
+            .map_err(|e| Error::input(format!("{e}; choose another `solver`, or change f")))?;
+        let Recorder { history, mut pairs, .. } = recorder;
+        let mut outcomes =
+            Outcomes { schema: 1, r: self.settings.as_ref().map(|of| of.r), ..Outcomes::default() };
+        if self.settings.is_none() {
+            outcomes.bounds.push(problem.bounds(&run.y).ok());
+            outcomes.reserve = problem.reserves();
+            pairs.push(Pair { a: run.judgement.multiplier(&run.y), y: run.y });
+        }
+        outcomes.levels = run.ends;
+        if let Some(exact) = stated.known_solution() {
+            for (level, pair) in outcomes.levels.iter().zip(&pairs) {
+                let cells = level.cells.expect("known solutions are on the square");
+                let grid = Grid::new(cells).expect("a grid that was solved on");
+                outcomes.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
+            }
+        }
+        Ok(Solved { outcomes, pairs, history })
     }
-    Ok(artifacts)
+
+    /// Solves on one grid of the square after the other until an accuracy is reached.
+    fn on_finer_grids(&self, accuracy: Accuracy) -> Read<Solved> {
+        let mut all = Solved::default();
+        accuracy.reach(Written::Key, |cells| {
+            let mut stated = self.problem.clone();
+            stated.set_grid(Grid::new(cells).map_err(|e| Error::input(e.to_string()))?);
+            let Solved { mut outcomes, pairs, .. } = self.on(&stated, &InputFiles::new())?;
+            let bounds = outcomes.bounds.last().cloned().flatten();
+            outcomes.levels.splice(0..0, std::mem::take(&mut all.outcomes.levels));
+            outcomes.errors.splice(0..0, std::mem::take(&mut all.outcomes.errors));
+            outcomes.bounds.splice(0..0, std::mem::take(&mut all.outcomes.bounds));
+            let is_ended = outcomes.levels.last().is_some_and(|level| !is_at_rest(level));
+            all = Solved { outcomes, pairs, ..Solved::default() };
+            match bounds {
+                _ if is_ended => Ok(None),
+                Some(bounds) => Ok(Some(bounds)),
+                None => {
+                    let asked = Written::Key.text(accuracy);
+                    Err(Error::input(format!("{asked}: there is no bound of the error; scale f")))
+                }
+            }
+        })?;
+        Ok(all)
+    }
+
+    /// Finds the solution without a grid, and its values at the nodes of the finest grid if they are drawn.
+    fn without_grid(&self) -> Result<Solved, Failure> {
+        let (f, finest) = self.problem.on_finest()?;
+        let found = true_solution(self.problem.law()?, f).map_err(|e| e.to_string())?;
+        let TrueSolution { solution, steps } = found;
+        let end = WithoutGrid { steps, energy: solution.energy };
+        let outcomes = Outcomes { schema: 1, without_grid: Some(end), ..Outcomes::default() };
+        let pair = self.keep_pair.then(|| solution.on_grid(finest));
+        Ok(Solved { outcomes, pairs: pair.into_iter().collect(), history: Vec::new() })
+    }
+
+    /// Returns the settings of the solver.
+    fn settings(&self) -> Settings {
+        let usual = Settings::of(self.solver);
+        let goal = self.accuracy.map_or(Goal::RoundingFloor, Accuracy::goal);
+        let Some(settings) = &self.settings else { return Settings { goal, ..usual } };
+        let &CellSettings { prolongation, r, stop, max_iterations } = settings;
+        let params = Params { r, rule: stop, max_iterations, ..Params::default() };
+        Settings { params, prolongation, ..usual }
+    }
+
+    fn artifacts(&self, files: &InputFiles) -> Result<Artifacts, Failure> {
+        let Solved { outcomes, pairs, history } = self.run(files)?;
+        let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair))?;
+        if self.keep_history {
+            artifacts.insert(HISTORY.into(), to_json(&history));
+        }
+        Ok(artifacts)
+    }
+}
+
+/// True if a solver ended neither at its limit nor without finite values.
+fn is_at_rest(level: &Outcome) -> bool {
+    matches!(level.end.stop, Stop::Converged | Stop::RoundingFloor)
 }
 
 impl Outcomes {
@@ -168,9 +290,13 @@ impl Outcomes {
                 Some(cells) => format!("grid 1/{cells}"),
                 None => format!("the mesh of {} nodes", last.nodes),
             };
+            let (r, remedy) = match self.r {
+                Some(r) => (format!(" at r = {r}"), "choose a smaller r or scale f down"),
+                None => (String::new(), "scale f down"),
+            };
             return Err(format!(
-                "diverged on {place} after {} iterations at r = {}; choose a smaller r or scale f down",
-                last.end.iterations, self.r
+                "diverged on {place} after {} iterations{r}; {remedy}",
+                last.end.iterations
             )
             .into());
         }
@@ -205,28 +331,113 @@ impl Monitor for Recorder {
     }
 }
 
-/// Returns, in words, how the iteration on the finest grid with the r that is drawn ended, unless with a solution.
+impl Outcomes {
+    /// Name of the end on the finest level, or of that of the spectral solver.
+    pub(super) fn end(&self) -> &'static str {
+        self.levels.last().map_or(Stop::Converged.name(), Outcome::name)
+    }
+
+    /// Guaranteed bounds on the finest level, if there are any.
+    pub(super) fn last_bounds(&self) -> Option<&Bounds> {
+        self.bounds.last()?.as_ref()
+    }
+
+    /// Returns, in words, how the solver of a scene ended on the finest level, unless with a solution.
+    fn no_solution(&self, scene: &Scene) -> Option<String> {
+        let solved = self.levels.last().is_none_or(|last| is_solved(scene, last));
+        (!solved).then(|| self.end().replace('-', " "))
+    }
+}
+
+/// True if the solver of a scene ended with a solution. A guaranteed bound that was asked for has been reached:
+/// residuals of single nodes do not contradict it.
+fn is_solved(scene: &Scene, level: &Outcome) -> bool {
+    is_at_rest(level) && (scene.accuracy.is_some() || level.name() == level.end.stop.name())
+}
+
+/// Returns, in words, how the solver ended on the finest grid, with the r that is drawn, unless with a solution.
 pub(super) fn no_solution(
     inputs: &Inputs,
     scene: &Scene,
-    stop: StopRule,
+    rule: Option<StopRule>,
 ) -> Result<Option<String>, String> {
-    let outcomes: Outcomes = from_json(inputs, &id(scene, stop, scene.drawn_r()), OUTCOMES)?;
-    let end = outcomes.levels.last().map_or(CONVERGED, Outcome::name);
-    Ok((end != CONVERGED).then(|| end.replace('-', " ")))
+    Ok(drawn_outcomes(inputs, scene, rule)?.no_solution(scene))
+}
+
+/// Returns the outcomes of a scene under a rule, with the r that is drawn.
+pub(super) fn drawn_outcomes(
+    inputs: &Inputs,
+    scene: &Scene,
+    rule: Option<StopRule>,
+) -> Result<Outcomes, String> {
+    from_json(inputs, &id_of(scene, scene.drawn(rule)), OUTCOMES)
+}
+
+/// Returns, in words, what the pair of a scene under a rule is that is drawn.
+pub(super) fn state(
+    inputs: &Inputs,
+    scene: &Scene,
+    rule: Option<StopRule>,
+) -> Result<String, String> {
+    if let Some(RuleAndR { rule, r }) = scene.drawn(rule) {
+        return Ok(format!("where the rule {rule} stops, r = {r}"));
+    }
+    let outcomes = drawn_outcomes(inputs, scene, rule)?;
+    Ok(match (outcomes.no_solution(scene), scene.accuracy) {
+        (Some(end), _) => end,
+        // The solver stops where its error is that of the grid.
+        (None, Some(Accuracy::Error(wanted))) => format!("with an error of {}", percent(wanted)),
+        (None, _) => "the solution".into(),
+    })
+}
+
+/// Returns the guaranteed bounds of a scene in a sentence with a space behind it; nothing if it has none.
+pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
+    let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
+    let Some(bounds) = outcomes.last_bounds() else { return Ok(String::new()) };
+    let ([low, high], [_, most]) = (bounds.energy, bounds.error);
+    let mut reserves = String::new();
+    for reserve in &outcomes.reserve {
+        reserves += match reserve {
+            Reserve::Polygon => ", on the polygon or polyhedron of the mesh",
+            Reserve::Quadrature => ", but for the quadrature of f",
+        };
+    }
+    let relative = match bounds.relative() {
+        part if part < 1.0 => format!(", {} of the solution", percent(part)),
+        _ => String::new(),
+    };
+    Ok(format!(
+        "{}: guaranteed{reserves}: true energy in [{low:.6e}, {high:.6e}], error in the energy norm at most \
+         {most:.3e}{relative}. ",
+        scene.title
+    ))
+}
+
+/// Returns a part of one as a percentage with two digits, rounded upwards.
+pub(super) fn percent(part: f64) -> String {
+    let percent = 100.0 * part;
+    let unit = 10f64.powi(percent.log10().floor() as i32 - 1);
+    let digits = (-unit.log10().round()).max(0.0) as usize;
+    // A value that the decimals meet stays as it is.
+    format!("{:.digits$} %", ((percent / unit) * (1.0 - 1e-12)).ceil() * unit)
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
-pub(super) fn label(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<String, String> {
-    let label = format!("stop: {stop}, r = {}", scene.drawn_r());
-    Ok(match no_solution(inputs, scene, stop)? {
+pub(super) fn label(
+    inputs: &Inputs,
+    scene: &Scene,
+    rule: Option<StopRule>,
+) -> Result<String, String> {
+    let label = match scene.drawn(rule) {
+        Some(RuleAndR { rule, r }) => format!("stop: {rule}, r = {r}"),
+        None => scene.solver.entry().in_words.to_owned(),
+    };
+    Ok(match no_solution(inputs, scene, rule)? {
         Some(end) => format!("{label}, {end}"),
         None => label,
     })
 }
-
-/// [End](Outcome::name) of an iteration with a solution.
-const CONVERGED: &str = "converged";
 
 /// Returns a line that counts the grids on which solves of a scene ended without a solution, if one of them is the
 /// finest; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is not concerned.
@@ -236,18 +447,17 @@ pub(crate) fn without_solution(
 ) -> Option<String> {
     let mut grids: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
     let mut solved = true;
-    for id in scene.stop.iter().flat_map(|&stop| ids(scene, stop)) {
+    for id in scene.rules().into_iter().flat_map(|rule| ids(scene, rule)) {
         let Some(bytes) = outcomes(&id) else { continue };
-        let Ok(Outcomes { levels, .. }) = serde_json::from_slice(&bytes) else { continue };
-        solved &= levels.last().is_none_or(|level| level.name() == CONVERGED);
-        for level in &levels {
+        let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
+        solved &= outcomes.no_solution(scene).is_none();
+        for level in outcomes.levels.iter().filter(|level| !is_solved(scene, level)) {
             grids.entry(level.name()).or_default().insert(level.nodes);
         }
     }
     if solved {
         return None;
     }
-    grids.remove(CONVERGED);
     let mut ends = Vec::new();
     for (end, cells) in grids {
         let plural = if cells.len() == 1 { "" } else { "s" };
@@ -257,20 +467,35 @@ pub(crate) fn without_solution(
     Some(format!("{name}: {}; `signorini solve {name}` says why", ends.join("; ")))
 }
 
-/// Returns the pair of a scene where a rule stops on the finest level of its `problem`, with the r that is drawn.
+/// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the
+/// grid that reached it.
+pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure> {
+    let mut stated = scene.problem.clone();
+    if scene.accuracy.is_some() {
+        let outcomes = drawn_outcomes(inputs, scene, None)?;
+        let cells = outcomes.levels.last().and_then(|level| level.cells);
+        let grid = cells.map(Grid::new).transpose().map_err(|e| e.to_string())?;
+        grid.into_iter().for_each(|grid| stated.set_grid(grid));
+    }
+    Ok(stated.problem(inputs.files)?)
+}
+
+/// Returns the pair of a scene on the finest level of its `problem`: the solution or, under a rule, where that stops with
+/// the r that is drawn.
 pub(super) fn pair(
     inputs: &Inputs,
     scene: &Scene,
-    stop: StopRule,
+    rule: Option<StopRule>,
     problem: &Problem,
 ) -> Result<Pair, String> {
-    pair_of(inputs, &id(scene, stop, scene.drawn_r()), problem.lengths())
+    pair_of(inputs, &id_of(scene, scene.drawn(rule)), problem.lengths())
 }
 
-/// Returns the pair of a scene on the square where a rule stops on the finest grid, with the r that is drawn.
-pub(super) fn pair_on_grid(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<Pair, String> {
+/// Returns the pair of a scene on the square where its first rule stops on the finest grid, with the r that is drawn.
+pub(super) fn pair_on_grid(inputs: &Inputs, scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
-    pair_of(inputs, &id(scene, stop, scene.drawn_r()), [grid.nodes(), grid.boundary_nodes()])
+    let drawn = id_of(scene, scene.drawn(scene.first_rule()));
+    pair_of(inputs, &drawn, [grid.nodes(), grid.boundary_nodes()])
 }
 
 /// Returns the pair of a task, y and a of these lengths.
@@ -292,10 +517,11 @@ fn pair_bytes(pair: &Pair) -> Vec<u8> {
 /// Returns the components of the gradient (8) at the nodes of the finest grid where the first rule stops, with the r
 /// that is drawn.
 pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, String> {
-    let (grid, pair) = (scene.finest(), pair_on_grid(inputs, scene, scene.stop[0])?);
+    let (grid, pair) = (scene.finest(), pair_on_grid(inputs, scene)?);
     let square = scene.on_grids();
     let load = load(grid, &square.f, square.load);
     let network = Network::of_square(grid);
-    let functional = Plain { network: &network, law: scene.law(), load: &load, r: scene.drawn_r() };
+    let functional =
+        Plain { network: &network, law: scene.law(), load: &load, r: scene.saddle().draw_r };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
 }

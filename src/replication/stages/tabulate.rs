@@ -1,7 +1,7 @@
 //! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table.
 
 use super::from_json;
-use super::solve::{self, Outcomes};
+use super::solve::{self, Outcomes, WithoutGrid};
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
@@ -13,30 +13,61 @@ use signorini_mathematics::saddle::StopRule;
 /// Artifact in the paper's layout.
 pub(crate) const TABLE: &str = "table.csv";
 
-pub(crate) fn id(scene: &Scene, stop: StopRule) -> String {
-    format!("tabulate/{}/{stop}", scene.name)
+/// Id of the task that makes the table of a scene, under a rule if its solver has one.
+pub(crate) fn id(scene: &Scene, rule: Option<StopRule>) -> String {
+    let name = &scene.name;
+    rule.map_or_else(|| format!("tabulate/{name}"), |rule| format!("tabulate/{name}/{rule}"))
 }
 
-pub(crate) fn task(scene: &Scene, stop: StopRule) -> Task {
-    let needs: Vec<String> = solve::ids(scene, stop).collect();
-    let parameters = parameters(&serde_json::json!({ "r": scene.r }));
-    Task::new(id(scene, stop), parameters, needs.clone(), move |inputs| {
-        let names = names(inputs, &needs[0])?;
-        Ok(Artifacts::from([(
-            TABLE.into(),
-            table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names).csv().into_bytes(),
-        )]))
+pub(crate) fn task(scene: &Scene, rule: Option<StopRule>) -> Task {
+    let needs: Vec<String> = solve::ids(scene, rule).collect();
+    let r = scene.settings.as_ref().map(|settings| &settings.r);
+    let parameters = parameters(&serde_json::json!({ "r": r }));
+    Task::new(id(scene, rule), parameters, needs.clone(), move |inputs| {
+        let first: Outcomes = from_json(inputs, &needs[0], solve::OUTCOMES)?;
+        let table = match first.r {
+            Some(_) => {
+                let names: Vec<_> = first.levels.iter().map(name).collect();
+                table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names)
+            }
+            None => table_of_levels(&first),
+        };
+        Ok(Artifacts::from([(TABLE.into(), table.csv().into_bytes())]))
     })
 }
 
-/// Names of the levels of a solve: `1/64`, or the number of nodes of a mesh.
-fn names(inputs: &Inputs, task: &str) -> Result<Vec<String>, String> {
-    let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
-    let name = |level: &Outcome| match level.cells {
+/// Name of a level: `1/64`, or the number of nodes of a mesh.
+fn name(level: &Outcome) -> String {
+    match level.cells {
         Some(cells) => format!("1/{cells}"),
         None => format!("{} nodes", level.nodes),
-    };
-    Ok(levels.iter().map(name).collect())
+    }
+}
+
+/// Table of a solver without r: a row per level on which it ended, with the guaranteed bounds there; of the spectral
+/// solver one row, without a grid.
+fn table_of_levels(outcomes: &Outcomes) -> Table {
+    let head = ["grid", "iterations", "stop", "energy"];
+    let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative", "kkt_relative"];
+    let mut table = Table::new(head.into_iter().chain(bounds).map(str::to_owned), &[]);
+    if let Some(WithoutGrid { steps, energy }) = outcomes.without_grid {
+        let row = [String::new(), steps.to_string(), outcomes.end().into(), decimal(energy)];
+        table.rows.push(row.into_iter().chain(bounds.map(|_| String::new())).collect());
+    }
+    for (level, bounds) in outcomes.levels.iter().zip(&outcomes.bounds) {
+        let iterations = level.end.iterations.to_string();
+        let mut row = vec![name(level), iterations, level.name().into(), decimal(level.energy)];
+        row.extend(match bounds {
+            Some(bounds) => {
+                let ([low, high], [_, most]) = (bounds.energy, bounds.error);
+                [low, high, most, bounds.relative()].map(decimal)
+            }
+            None => Default::default(),
+        });
+        row.push(decimal(level.kkt.relative));
+        table.rows.push(row);
+    }
+    table
 }
 
 /// The rows of a table, one from each of the tasks `solves`.
@@ -46,6 +77,7 @@ pub(super) fn rows(inputs: &Inputs, solves: &[String]) -> Result<Vec<Row>, Strin
 
 fn row(inputs: &Inputs, task: &str) -> Result<Row, String> {
     let Outcomes { r, levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
+    let r = r.ok_or_else(|| format!("{task} has no r"))?;
     let finest = levels.last().ok_or_else(|| format!("{task} has solved on no grid"))?;
     Ok(Row {
         r,

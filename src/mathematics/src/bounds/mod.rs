@@ -81,11 +81,12 @@ use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::{Component, Unsolvable};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// Guaranteed bounds for a finite element solution, up to the quadrature error of an f that is not piecewise constant.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
     /// Ends of an interval that contains the energy J(u) of the true solution u.
     pub energy: [f64; 2],

@@ -107,6 +107,19 @@ pub fn missed_on(f: &Source, n: usize) -> Option<f64> {
     Some(found.missed.max(found.unsettled) / found.size)
 }
 
+/// Returns the part of the integral of |f| by which the nodal rule moves the jumps of f on this grid, half a cell where
+/// nodes lie on them; none for other rules, which move none, and for a smooth f.
+pub fn moved_on(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
+    let LoadRule::Nodal { diagonal, .. } = rule else { return None };
+    if f.is_smooth() {
+        return None;
+    }
+    // A node on a jump takes f from one side under one rule, and from the other under the other.
+    let [lower, upper] = [Tie::LowerLeft, Tie::UpperRight].map(|tie| nodal(grid, f, tie, diagonal));
+    let moved: f64 = lower.iter().zip(&upper).map(|(a, b)| (a - b).abs()).sum();
+    Some(0.5 * moved / integral(&f.absolute()))
+}
+
 /// Fills a nodal vector in blocks of rows, which are worked on in parallel; `fill` gets the number of the
 /// first row and the block.
 fn by_rows(grid: Grid, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
@@ -396,6 +409,19 @@ mod tests {
             assert_eq!(corner("halfplane(-1,-1,1)=1; else=2"), 1.0);
             assert_eq!(corner("halfplane(1,0,-0.5)=1; else=2"), 2.0);
         }
+    }
+
+    #[test]
+    fn jumps_on_grid_lines_alone_are_moved() {
+        let moved = |f: &str, n, rule| moved_on(Grid::new(n).unwrap(), &f.parse().unwrap(), rule);
+        let plate = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
+        // A border of length 2, a jump of 5.5 and half a cell, over the integral of |f|.
+        let found = moved(plate, 64, LoadRule::default()).unwrap();
+        assert!((found - 2.0 * 5.5 / 128.0 / 2.125).abs() < 1e-3, "{found}");
+        let beside = "rect(-0.26,0.24,-0.26,0.24)=4; else=-1.5";
+        assert_eq!(moved(beside, 64, LoadRule::default()), Some(0.0));
+        assert_eq!(moved(plate, 64, LoadRule::Bilinear {}), None);
+        assert_eq!(moved("formula(x - 1)", 64, LoadRule::default()), None);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Domain with f, the conditions on the parts of its boundary and the law where it is in contact, and its nested
@@ -25,7 +25,7 @@ pub struct Problem {
 const ROUNDING: f64 = 1e-12;
 
 /// Approximation that guaranteed bounds leave out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reserve {
     /// Of integrals of f, by formulas.

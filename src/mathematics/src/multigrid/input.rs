@@ -43,15 +43,27 @@ fn in_words(numbers: &[usize]) -> String {
 const ODD_FACTORS: [usize; 4] = [1, 3, 5, 7];
 
 /// Returns the cells per side of the coarsest grid for `n` cells per side, or `None` if `n` cannot be used.
-pub(super) fn coarsest_cells(n: usize) -> Option<usize> {
+fn coarsest_cells(n: usize) -> Option<usize> {
     let odd = n.checked_shr(n.trailing_zeros())?;
     // Four cells per side are solved directly, which is cheaper than a further coarsening to two.
     let coarsest = if odd == 1 { n.min(4) } else { 2 * odd };
     (n.is_multiple_of(2) && ODD_FACTORS.contains(&odd)).then_some(coarsest)
 }
 
+/// Returns the cells per side of the coarsest grid below one with `n` cells per side.
+///
+/// # Errors
+/// [`InputError::GridSize`] if `n` is not a power of two (at least 2) times 1, 3, 5 or 7.
+pub fn check_size(n: usize) -> Result<usize, InputError> {
+    coarsest_cells(n).ok_or_else(|| InputError::GridSize {
+        cells: n,
+        rule: "a power of two (at least 2) times 1, 3, 5 or 7",
+        nearest: nearest_sizes(n),
+    })
+}
+
 /// Next smaller and next larger number of cells per side than `n` that can be used.
-pub(super) fn nearest_sizes(n: usize) -> Vec<usize> {
+fn nearest_sizes(n: usize) -> Vec<usize> {
     let powers = (1..usize::BITS).map(|k| 1_usize << k);
     let sizes = powers.flat_map(|power| ODD_FACTORS.map(|odd| power.checked_mul(odd)));
     let sizes: Vec<usize> = sizes.flatten().collect();

@@ -87,7 +87,7 @@ mod weighting;
 mod workspace;
 
 pub(crate) use driver::ROUNDING_FLOOR;
-pub use input::InputError;
+pub use input::{InputError, check_size};
 pub use workspace::{Multigrid, solve_square};
 
 /// Goal at which multigrid stops.

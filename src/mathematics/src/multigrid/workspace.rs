@@ -2,7 +2,7 @@
 
 use super::MultigridParams;
 use super::coarsest::Coarsest;
-use super::input::{InputError, coarsest_cells, nearest_sizes};
+use super::input::{InputError, check_size};
 use super::level::MultigridLevel;
 use crate::discrete::end::End;
 use crate::discrete::law_and_load::LawAndLoad;
@@ -44,11 +44,7 @@ impl Multigrid {
     /// # Errors
     /// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7.
     pub fn square(n: usize) -> Result<Self, InputError> {
-        let coarsest = coarsest_cells(n).ok_or_else(|| InputError::GridSize {
-            cells: n,
-            rule: "a power of two (at least 2) times 1, 3, 5 or 7",
-            nearest: nearest_sizes(n),
-        })?;
+        let coarsest = check_size(n)?;
         let cells = std::iter::successors(Some(coarsest), |cells| Some(2 * cells));
         Ok(Self {
             levels: cells.take_while(|&cells| cells <= n).map(MultigridLevel::new).collect(),

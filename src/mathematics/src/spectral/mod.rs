@@ -120,6 +120,7 @@ use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::{Component, Unsolvable};
+use crate::saddle::Pair;
 pub use checks::Checks;
 use contact::ContactStart;
 use energy::Energies;
@@ -205,6 +206,14 @@ pub struct Solution {
     trace: Trace,
 }
 
+/// Solution at the finer of two resolutions, by which the energies were compared.
+pub struct TrueSolution {
+    /// Solution at [`SpectralParams::FINER`].
+    pub solution: Solution,
+    /// Number of Newton steps of the solution at the usual resolution, from which the finer one starts.
+    pub steps: usize,
+}
+
 /// v and the multiplier dv/dn at a point of the boundary.
 #[derive(Clone, Copy, Debug)]
 pub struct BoundaryPoint {
@@ -237,6 +246,17 @@ pub struct BoundaryPoint {
 /// solution fails a check.
 pub fn spectral(f: &Source, params: SpectralParams) -> Result<Solution, SpectralError> {
     spectral_under(Law::SIGNORINI, f, params)
+}
+
+/// Solves the problem under a law at the usual resolution, and from there at the finer one, with twelve digits of the
+/// energy or more.
+///
+/// # Errors
+/// As [`spectral_under`], or if the finer solution fails a check.
+pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError> {
+    let usual = spectral_under(law, f, SpectralParams::default())?;
+    let solution = usual.at_resolution(SpectralParams::FINER)?;
+    Ok(TrueSolution { solution, steps: usual.steps })
 }
 
 /// Solves the problem under any law on the boundary, as [`spectral`] does under the paper's.
@@ -342,6 +362,18 @@ impl Solution {
         assert!(x.abs() <= 0.5 && y.abs() <= 0.5, "({x}, {y}) lies outside of the square");
         let z = Complex::new(x, y);
         self.problem.psi(z, &self.trace.rules) + self.trace.harmonic(z)
+    }
+
+    /// v at the nodes of a grid, and the multiplier at its boundary nodes.
+    pub fn on_grid(&self, grid: Grid) -> Pair {
+        let mut a = Vec::new();
+        for b in 0..grid.boundary_nodes() {
+            let (i, j) = grid.boundary_node(b);
+            let [_, multiplier] = self.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
+            // A value beyond the interval of the law is a rounding error.
+            a.push(self.problem.law.project(multiplier));
+        }
+        Pair { y: self.at_nodes(grid.cells()), a }
     }
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.

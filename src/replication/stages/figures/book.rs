@@ -47,7 +47,7 @@ pub(super) fn stops(scenes: &[&Scene]) -> Task {
 /// Surfaces of one problem: where the paper stopped, the solution, and the difference.
 fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<[DrawnSolution; 3], Failure> {
     let on = (scene.finest(), Law::SIGNORINI);
-    let stop = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
+    let stop = solve::pair_on_grid(inputs, scene)?;
     let solution = solve::solution(scene)?;
     let difference = Pair {
         y: solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect(),
@@ -148,7 +148,7 @@ pub(super) fn gradients(scenes: &[&Scene]) -> Task {
     for scene in &scenes {
         let read = json!({
             "title": scene.title, "f": scene.on_grids().f.to_string(),
-            "load": scene.on_grids().load, "grids": scene.on_grids().grids.len(), "r": scene.drawn_r(),
+            "load": scene.on_grids().load, "grids": scene.on_grids().grids.len(), "r": scene.saddle().draw_r,
         });
         hashed.insert(scene.name.clone(), read.to_string());
     }

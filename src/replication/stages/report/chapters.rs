@@ -14,7 +14,7 @@ use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
 use serde_json::{Value, json};
-use signorini_mathematics::discrete::end::Outcome;
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::load::integral;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::truth::{Elements, Truth};
@@ -112,7 +112,7 @@ fn problem(
             }));
         }
     }
-    let stopped = solve::pair_on_grid(inputs, scene, scene.stop[0])?;
+    let stopped = solve::pair_on_grid(inputs, scene)?;
     let delta_a = table.rows.iter().map(|row| row.delta_a_paper).fold(0.0, f64::max);
     let gap = delta_a * scene.finest().h();
     let Findings { alternatives, search, identifiability, .. } =
@@ -196,7 +196,7 @@ fn values(f: &Source) -> Value {
 fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec<Value>, String> {
     let mut misses = Vec::new();
     for row in table.rows.iter().filter(|row| !row.delta_a_exact()) {
-        let id = solve::id(scene, scene.stop[0], row.r);
+        let id = solve::id(scene, scene.saddle().stop[0], row.r);
         let levels: Vec<Vec<Iteration>> = from_json(inputs, &id, HISTORY)?;
         let finest = levels.last().map_or(&[][..], |level| &level[level.len().saturating_sub(3)..]);
         let last =
@@ -211,20 +211,33 @@ fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec
 fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Failure> {
     let path = format!("pipeline/scenes/{}.toml", scene.name);
     let text = inputs.file(&path)?.ok_or_else(|| format!("{path} is missing"))?;
-    let solved = solve::id(scene, scene.stop[0], scene.drawn_r());
-    let outcomes: Outcomes = from_json(inputs, &solved, OUTCOMES)?;
-    let problem = scene.problem.problem(inputs.files)?;
+    let rule = scene.first_rule();
+    let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
+    let problem = solve::problem(inputs, scene)?;
     let (f, integral_f) = (problem.levels().f(), problem.levels().integrals().of_f);
-    let exact = scene.problem.square().and_then(|square| square.f.exact());
+    let exact = scene.problem.known_solution();
+    let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
     let more = json!({
         "text": std::str::from_utf8(text)?,
         "f": f,
         "integral_f": integral_f,
         // The exact solution in LaTeX, if it is known.
         "exact": exact.map(Exact::latex),
-        // Per grid, as `solve` names it.
-        "ends": outcomes.levels.iter().map(Outcome::name).collect::<Vec<_>>(),
-        "outcomes": outcomes,
+        // On the finest level, as `solve` names it.
+        "end": outcomes.end(),
+        // What is drawn: the solution, or where a rule stops.
+        "state": solve::state(inputs, scene, rule)?,
+        // Guaranteed bounds in a sentence; empty without.
+        "bounds_in_words": solve::bounds_in_words(inputs, scene)?.trim_end(),
+        "bounds": bounds,
+        // Bound of the error over the solution, if it is less than that.
+        "relative": bounds.map(Bounds::relative).filter(|&error| error < 1.0),
+        "rule": rule,
+        // The finest level; none for the spectral solver.
+        "level": level,
+        "energy": level.map(|level| level.energy).or(outcomes.without_grid.map(|end| end.energy)),
+        "iterations": level.map(|level| level.end.iterations).or(outcomes.without_grid.map(|end| end.steps)),
+        "nodal_error": outcomes.errors.last(),
     });
     Ok(extended(scene, more))
 }

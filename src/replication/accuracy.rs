@@ -1,40 +1,105 @@
-//! `solve --accuracy` and `--accuracy-energy`: the guaranteed bounds, and the grids that are tried to reach them.
+//! Accuracy that a scene or an option asks for: the guaranteed bounds, and the grids that are tried to reach them.
 
 use crate::pipeline::error::{Error, Result};
 use crate::replication::scene::MAX_CELLS;
+use serde::Serialize;
 use signorini_mathematics::bounds::Bounds;
+use signorini_mathematics::multigrid::Goal;
 
 /// Cells per side of the first grid.
-pub(super) const FIRST: usize = 16;
+pub(crate) const FIRST: usize = 16;
 /// Cells per side from which on errors fall like a power of the width of the grid.
 const SETTLED: usize = 128;
 /// Largest ratio of the widths of a grid and the next one.
 const STRIDE: usize = 8;
 
 /// Largest value that a guaranteed bound may have.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Accuracy {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub enum Accuracy {
     /// Error in the energy norm, relative to that of the solution.
+    #[serde(rename = "accuracy")]
     Error(f64),
     /// Width of the bracket of the energy, relative to the energy.
+    #[serde(rename = "accuracy_energy")]
     Energy(f64),
 }
 
+/// Way in which an accuracy is written, for messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Written {
+    /// As an option of `solve`.
+    Option,
+    /// As a key of a scene.
+    Key,
+}
+
+impl Written {
+    /// Accuracy as the user wrote it.
+    pub(crate) fn text(self, accuracy: Accuracy) -> String {
+        let (option, wanted) = (accuracy.option(), accuracy.wanted());
+        match self {
+            Self::Option => format!("--{option} {wanted:?}"),
+            Self::Key => format!("{} = {wanted:?}", option.replace('-', "_")),
+        }
+    }
+
+    /// Choice of the solver without grids.
+    fn spectral(self) -> &'static str {
+        match self {
+            Self::Option => "--solver spectral",
+            Self::Key => "solver = \"spectral\"",
+        }
+    }
+}
+
 impl Accuracy {
+    /// Solves on one grid of the square after the other until the guaranteed bounds are small enough. `solve` gets the
+    /// cells per side, and returns the bounds, or none if it failed and no finer grid is to be tried. All coarser
+    /// grids together cost less than the last one.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if no grid reaches the accuracy, and those of `solve`.
+    pub(crate) fn reach(
+        self,
+        written: Written,
+        mut solve: impl FnMut(usize) -> Result<Option<Bounds>>,
+    ) -> Result<()> {
+        self.check(written)?;
+        let (mut finest, mut tried) = (FIRST, Vec::new());
+        while let Some(bounds) = solve(finest)? {
+            let reached = self.reached(&bounds);
+            if reached <= self.wanted() {
+                break;
+            }
+            tried.push(TriedGrid { cells: finest, reached });
+            finest = self.next(written, &tried)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the goal of multigrid on a grid.
+    pub(crate) fn goal(self) -> Goal {
+        match self {
+            Self::Error(_) => Goal::DiscretisationError,
+            // The bracket of the energy is much narrower than the error.
+            Self::Energy(_) => Goal::RoundingFloor,
+        }
+    }
+
     /// Returns the name of the option.
-    pub(super) fn option(self) -> &'static str {
+    pub(crate) fn option(self) -> &'static str {
         match self {
             Self::Error(_) => "accuracy",
             Self::Energy(_) => "accuracy-energy",
         }
     }
 
-    pub(super) fn wanted(self) -> f64 {
+    pub(crate) fn wanted(self) -> f64 {
         let (Self::Error(wanted) | Self::Energy(wanted)) = self;
         wanted
     }
 
-    pub(super) fn reached(self, bounds: &Bounds) -> f64 {
+    pub(crate) fn reached(self, bounds: &Bounds) -> f64 {
         match self {
             Self::Error(_) => bounds.relative(),
             Self::Energy(_) => bounds.relative_energy(),
@@ -42,7 +107,7 @@ impl Accuracy {
     }
 
     /// Returns the accepted relative error in the energy norm, whose square is that of the energy.
-    pub(super) fn error(self) -> f64 {
+    pub(crate) fn error(self) -> f64 {
         match self {
             Self::Error(wanted) => wanted,
             Self::Energy(wanted) => wanted.sqrt(),
@@ -58,7 +123,7 @@ impl Accuracy {
     }
 
     /// Refuses a value that is not between 0 and 1.
-    pub(super) fn check(self) -> Result<()> {
+    pub(crate) fn check(self, written: Written) -> Result<()> {
         let wanted = self.wanted();
         if wanted > 0.0 && wanted < 1.0 {
             return Ok(());
@@ -67,11 +132,13 @@ impl Accuracy {
             Self::Error(_) => "1e-3 for an error of 0.1 % in the energy norm",
             Self::Energy(_) => "1e-6 for six digits of the energy",
         };
-        Err(Error::input(format!("{self}: must be between 0 and 1, e.g. {example}")))
+        let asked = written.text(self);
+        Err(Error::input(format!("{asked}: must be between 0 and 1, e.g. {example}")))
     }
 
     /// Returns the cells per side of the grid after the last of those `tried`, whose bounds are too large.
-    pub(super) fn next(self, tried: &[TriedGrid]) -> Result<usize> {
+    fn next(self, written: Written, tried: &[TriedGrid]) -> Result<usize> {
+        let (asked, spectral) = (written.text(self), written.spectral());
         let TriedGrid { cells: finest, reached } = tried[tried.len() - 1];
         // Of two grids of nearly the same width the coarser may be better, if the borders of f are among its lines.
         let before = tried.iter().filter(|grid| 2 * grid.cells <= finest);
@@ -80,7 +147,7 @@ impl Accuracy {
         let settled = finest >= SETTLED && reached.is_finite();
         if settled && finest > SETTLED && reached >= before {
             return Err(Error::input(format!(
-                "{self}: rounding errors leave {before:.1e}; ask for less, or use --solver spectral"
+                "{asked}: rounding errors leave {before:.1e}; ask for less, or use {spectral}"
             )));
         }
         let order = self.order();
@@ -96,25 +163,18 @@ impl Accuracy {
                 false => "finer than 1/1000000".into(),
             };
             return Err(Error::input(format!(
-                "{self} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} {best}, and --solver spectral needs \
-                 no grid"
+                "{asked} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} {best}, and {spectral} needs no grid"
             )));
         }
         Ok(size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MAX_CELLS))
     }
 }
 
-impl std::fmt::Display for Accuracy {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(out, "--{} {:?}", self.option(), self.wanted())
-    }
-}
-
 /// Grid that was tried, with the bound that it gave.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TriedGrid {
-    pub cells: usize,
-    pub reached: f64,
+struct TriedGrid {
+    cells: usize,
+    reached: f64,
 }
 
 /// Returns the least number of cells per side from 1.003 times `needed` on that multigrid takes: four to seven times a
