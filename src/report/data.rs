@@ -1,142 +1,202 @@
-//! Data of the tables on the pages: CSV with all digits, made from the values that a template shows.
+//! Data of the tables on the pages: CSV with all digits, made from the tables themselves, so that the file behind a
+//! table has the columns, the names and the rows of the table; and JSON of the values of which a table shows a part.
+//!
+//! Between the rendering of a template and the page, a number is in the text twice, as it is shown and with all its
+//! digits: [`with_digits`].
 
 use crate::table::quoted;
-use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
-use serde_json::Value;
+use regex::Regex;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, LazyLock, Mutex};
 use tera::{Kwargs, State, Tera, TeraResult};
 
-/// Characters that must be escaped in a link.
-const RESERVED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'_').remove(b'.').remove(b'~');
+/// Characters around a number as it is shown, and its digits. Unicode leaves them to private use.
+const MARKS: [char; 3] = ['\u{E000}', '\u{E001}', '\u{E002}'];
 
-/// CSV files for which the templates asked, by name.
+/// A number as it is shown, and its digits.
+static NUMBER: LazyLock<Regex> = LazyLock::new(|| {
+    Regex::new("\u{E000}([^\u{E001}]*)\u{E001}([^\u{E002}]*)\u{E002}").expect("the pattern is tested")
+});
+
+/// A table of a page: its name, and what is between its tags.
+static TABLE: LazyLock<Regex> = LazyLock::new(|| {
+    let pattern = r#"(?s)<figure id="table-([A-Za-z0-9_.-]+)"[^>]*>(.*?)</figure>"#;
+    Regex::new(pattern).expect("the pattern is tested")
+});
+
+/// A tag of HTML; the end of a line in a cell is one.
+static TAG: LazyLock<Regex> =
+    LazyLock::new(|| Regex::new("</?[a-z][^>]*>").expect("the pattern is tested"));
+
+/// A formula in a cell.
+static FORMULA: LazyLock<Regex> =
+    LazyLock::new(|| Regex::new(r"\$([^$]*)\$").expect("the pattern is tested"));
+
+/// Returns a number as it is shown together with its digits.
+pub(super) fn with_digits(shown: &str, digits: &str) -> String {
+    let [start, middle, end] = MARKS;
+    format!("{start}{shown}{middle}{digits}{end}")
+}
+
+/// Returns a text with its numbers as they are shown.
+pub(super) fn as_shown(text: &str) -> String {
+    NUMBER.replace_all(text, "$1").into_owned()
+}
+
+/// JSON for which the templates asked, by the name of its file.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Data(Arc<Mutex<BTreeMap<String, String>>>);
+pub(super) struct Trees(Arc<Mutex<BTreeMap<String, String>>>);
 
-impl Data {
-    /// Registers the filter `data`: `{{ ROWS | data(name="NAME") }}` makes `data/NAME.csv` of the rows, objects
-    /// with equal fields, and returns the path of the file in the book.
-    ///
-    /// `keys=["a", "b"]` keeps only these fields.
+impl Trees {
+    /// Registers the filter `tree`: `{{ VALUE | tree(name="NAME") }}` makes `data/NAME.json` of the value, and returns
+    /// the path of the file in the book.
     pub(super) fn register(&self, tera: &mut Tera) {
-        let data = self.clone();
-        tera.register_filter("data", move |rows: tera::Value, kwargs: Kwargs, _: &State| {
-            data.add(&rows, &kwargs)
+        let trees = self.clone();
+        tera.register_filter("tree", move |value: tera::Value, kwargs: Kwargs, _: &State| {
+            trees.add(&value, &kwargs)
         });
     }
 
-    fn add(&self, rows: &tera::Value, kwargs: &Kwargs) -> TeraResult<String> {
-        let name = kwargs.must_get::<String>("name")?.replace(' ', "-");
-        let mut rows = serde_json::to_value(rows).map_err(tera::Error::message)?;
-        if let Some(keys) = kwargs.get::<Vec<String>>("keys")? {
-            keep(&mut rows, &keys);
-        }
-        let csv = csv(&rows);
+    fn add(&self, value: &tera::Value, kwargs: &Kwargs) -> TeraResult<String> {
+        let file = format!("{}.json", kwargs.must_get::<String>("name")?);
+        let json = serde_json::to_string(value).map_err(tera::Error::message)? + "\n";
         let mut files = self.0.lock().expect("no panic while it is held");
-        if files.get(&name).is_some_and(|there| *there != csv) {
-            return Err(tera::Error::message(format!("two different data are named `{name}`")));
+        if files.get(&file).is_some_and(|there| *there != json) {
+            return Err(tera::Error::message(format!("two different data are named `{file}`")));
         }
-        files.insert(name.clone(), csv);
-        Ok(format!("data/{}.csv", utf8_percent_encode(&name, RESERVED)))
+        files.insert(file.clone(), json);
+        Ok(format!("data/{file}"))
     }
 
-    /// Returns the files so far, by their names with ending.
+    /// Returns the files so far, by name.
     pub(super) fn files(&self) -> BTreeMap<String, String> {
-        let files = self.0.lock().expect("no panic while it is held");
-        files.iter().map(|(name, csv)| (format!("{name}.csv"), csv.clone())).collect()
+        self.0.lock().expect("no panic while it is held").clone()
     }
 }
 
-/// Removes all fields but `keys` from an object, or from each of a list.
-fn keep(value: &mut Value, keys: &[String]) {
-    match value {
-        Value::Array(items) => items.iter_mut().for_each(|item| keep(item, keys)),
-        Value::Object(fields) => fields.retain(|key, _| keys.contains(key)),
-        _ => {}
-    }
-}
-
-/// Cells of a row of a data file, each with the name of its column.
-type DataRow = Vec<(String, Value)>;
-
-/// Returns CSV with a line for each element of a list, or one line for an object.
-///
-/// Fields of objects in objects have a column each, `outer.inner`, and so do elements of a list without objects,
-/// `list.1`. A list with objects has a line for each element, which repeats the other fields.
-fn csv(value: &Value) -> String {
-    let rows: Vec<DataRow> = match value {
-        Value::Array(items) => items.iter().flat_map(|item| rows("", item)).collect(),
-        other => rows("", other),
-    };
-    let mut columns: Vec<&String> = Vec::new();
-    for (name, _) in rows.iter().flatten() {
-        if !columns.contains(&name) {
-            columns.push(name);
+/// Returns the CSV of each table of a rendered page that links to it as `data/NAME.csv`, by the name of its file.
+pub(super) fn of_tables(page: &str) -> BTreeMap<String, String> {
+    let mut files = BTreeMap::new();
+    for found in TABLE.captures_iter(page) {
+        let (file, table) = (format!("{}.csv", &found[1]), &found[2]);
+        if table.contains(&format!("\"data/{file}\"")) {
+            files.insert(file, csv(table));
         }
     }
-    let header: Vec<String> = columns.iter().map(|name| quoted(name)).collect();
-    let mut csv = header.join(",") + "\n";
-    for row in &rows {
-        let cells: Vec<String> = columns.iter().map(|name| cell(row, name)).collect();
-        csv += &(cells.join(",") + "\n");
+    files
+}
+
+/// Returns the CSV of a table in Markdown.
+fn csv(table: &str) -> String {
+    let mut lines = table.lines().filter(|line| line.starts_with('|')).map(cells);
+    let heads = lines.next().unwrap_or_default();
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    // The second line has the alignments.
+    for row in lines.skip(1) {
+        rows.push(row.iter().map(|text| Cell::of(text)).collect());
+    }
+    let mut columns: Vec<(String, Vec<String>)> = Vec::new();
+    for (k, name) in names(&heads).into_iter().enumerate() {
+        let of_column: Vec<Cell> = rows.iter().map(|row| row.get(k).cloned().unwrap_or_default()).collect();
+        let has_numbers = of_column.iter().any(|cell| !cell.number.is_empty());
+        let words = of_column.iter().map(|cell| cell.words.clone()).collect();
+        match has_numbers {
+            false => columns.push((name, words)),
+            true => {
+                let has_words = of_column.iter().any(|cell| !cell.words.is_empty());
+                let numbers = of_column.iter().map(|cell| cell.number.clone()).collect();
+                columns.push((name.clone(), numbers));
+                // A column of numbers has no words, so that programs read it as numbers.
+                columns.extend(has_words.then(|| (format!("{name}, remark"), words)));
+            }
+        }
+    }
+    let line = |cells: Vec<String>| cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n";
+    let mut csv = line(columns.iter().map(|(name, _)| name.clone()).collect());
+    for k in 0..rows.len() {
+        csv += &line(columns.iter().map(|(_, cells)| cells[k].clone()).collect());
     }
     csv
 }
 
-fn cell(row: &DataRow, column: &str) -> String {
-    match row.iter().find(|(name, _)| name == column).map(|(_, value)| value) {
-        None => String::new(),
-        Some(Value::String(text)) => quoted(text),
-        Some(other) => other.to_string(),
+/// Cell of a table as data.
+#[derive(Clone, Debug, Default)]
+struct Cell {
+    /// The number with all its digits; empty if the cell has none, or more.
+    number: String,
+    /// What else it says.
+    words: String,
+}
+
+impl Cell {
+    fn of(text: &str) -> Self {
+        let all = plain(&NUMBER.replace_all(text, "$2"));
+        if all == "–" {
+            return Self::default();
+        }
+        if all.parse::<f64>().is_ok() {
+            return Self { number: all, words: String::new() };
+        }
+        let mut numbers = NUMBER.captures_iter(text).map(|found| found[2].to_owned());
+        let rest = plain(&NUMBER.replace_all(text, ""));
+        // As in "> 5000": more than signs beside a number make a sentence, which stays whole.
+        if let (Some(number), None) = (numbers.next(), numbers.next())
+            && !rest.contains(char::is_alphanumeric)
+        {
+            return Self { number, words: rest };
+        }
+        Self { number: String::new(), words: all }
     }
 }
 
-/// Returns the rows of a value whose name is `name`.
-fn rows(name: &str, value: &Value) -> Vec<DataRow> {
-    match value {
-        Value::Array(items) if has_object(value) => {
-            items.iter().flat_map(|item| rows(name, item)).collect()
-        }
-        Value::Array(items) => {
-            let numbered = (1..).zip(items);
-            joined(numbered.map(|(k, item)| (inner_name(name, &format!("{k}")), item)).collect())
-        }
-        Value::Object(fields) => {
-            joined(fields.iter().map(|(key, field)| (inner_name(name, key), field)).collect())
-        }
-        Value::Null => vec![DataRow::new()],
-        scalar => vec![vec![(name.to_owned(), scalar.clone())]],
-    }
+/// Returns the cells of a line of a table.
+fn cells(line: &str) -> Vec<String> {
+    let line = line.trim().trim_start_matches('|').trim_end_matches('|');
+    let line = line.replace(r"\|", "\u{0}");
+    line.split('|').map(|cell| cell.trim().replace('\u{0}', "|")).collect()
 }
 
-/// Returns the name of the part `key` of a value.
-fn inner_name(outer: &str, key: &str) -> String {
-    if outer.is_empty() { key.to_owned() } else { format!("{outer}.{key}") }
-}
-
-/// Returns the rows of an object with these fields: the rows of its lists of objects, each with all other fields.
-fn joined(fields: Vec<(String, &Value)>) -> Vec<DataRow> {
-    let (mut same, mut lines) = (DataRow::new(), Vec::new());
-    for (name, field) in fields {
-        let of_field = rows(&name, field);
-        match field {
-            _ if has_object(field) && field.is_array() => lines.extend(of_field),
-            _ if of_field.len() > 1 => lines.extend(of_field),
-            _ => same.extend(of_field.into_iter().flatten()),
+/// Returns the names of columns with these heads, each another: a head that occurs twice begins with that of its group,
+/// as in "problem 1: stop | solution", or else with the last head that occurs once.
+fn names(heads: &[String]) -> Vec<String> {
+    let heads: Vec<String> = heads.iter().map(|head| plain(&as_shown(head))).collect();
+    let (mut group, mut before) = (None, "");
+    let mut names: Vec<String> = Vec::new();
+    for head in &heads {
+        let occurs = heads.iter().filter(|other| *other == head).count();
+        if let Some((of, _)) = head.split_once(": ") {
+            group = Some(of);
         }
+        let name = match group {
+            _ if occurs == 1 => head.clone(),
+            Some(of) => format!("{of}: {head}"),
+            None => format!("{before}, {head}").trim_start_matches(", ").to_owned(),
+        };
+        if occurs == 1 {
+            before = head;
+        }
+        names.push(name);
     }
-    if lines.is_empty() {
-        return vec![same];
-    }
-    lines.into_iter().map(|line| same.clone().into_iter().chain(line).collect()).collect()
+    names
 }
 
-fn has_object(value: &Value) -> bool {
-    match value {
-        Value::Object(_) => true,
-        Value::Array(items) => items.iter().any(has_object),
-        _ => false,
+/// Returns Markdown without its marks.
+fn plain(markdown: &str) -> String {
+    let text = TAG.replace_all(markdown, " ");
+    let text = FORMULA.replace_all(&text, |found: &regex::Captures| {
+        let mut latex = found[1].to_owned();
+        for (from, to) in [(r"\ge", ">="), (r"\le", "<="), (r"\cdot", "·"), (r"\infty", "inf")] {
+            latex = latex.replace(from, to);
+        }
+        latex.replace(['\\', '{', '}'], "")
+    });
+    let text = text.replace("&gt;", ">").replace("&lt;", "<").replace("&ge;", ">=");
+    let text = text.replace("**", "").replace(['`', '\u{202f}'], "");
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    match text.strip_prefix('*').and_then(|text| text.strip_suffix('*')) {
+        Some(emphasised) => emphasised.to_owned(),
+        None => text,
     }
 }
 
@@ -145,44 +205,72 @@ mod tests {
     use super::*;
     use serde_json::json;
 
+    /// The table of a page with these lines.
+    fn made(lines: &str) -> String {
+        let page = format!(
+            "<figure id=\"table-a\" class=\"table\">\n<a href=\"data/a.csv\">Data</a>\n\n{lines}\n</figure>\n"
+        );
+        of_tables(&page)["a.csv"].clone()
+    }
+
     #[test]
-    fn nested_values_become_columns_and_lines() {
-        let value = json!([
-            { "name": "a,b", "range": { "least": 0.1, "greatest": null }, "of": [1, 2],
-              "levels": [{ "cells": 4, "error": 1.0 / 3.0 }, { "cells": 8, "error": 1e-300 }] },
-            { "name": "c", "range": { "least": 0.2, "greatest": 7.0 }, "of": [3, 4], "levels": [] },
-        ]);
+    fn a_file_has_the_columns_and_rows_of_its_table_and_all_digits() {
+        let third = with_digits("$0.33$", "0.3333333333333333");
+        let many = with_digits("10\u{202f}000", "10000");
+        let table = format!(
+            "| $h$ | error of `v` | count | what |\n| ---: | ---: | ---: | --- |\n\
+             | {half} | {third} | &gt; {many} | a, \\|b\\| |\n\
+             | {half} | – | refused | <b>{third} to {third}</b> |\n",
+            half = with_digits("$1/2$", "0.5")
+        );
         expect_test::expect![[r#"
-            name,of.1,of.2,range.least,levels.cells,levels.error,range.greatest
-            "a,b",1,2,0.1,4,0.3333333333333333,
-            "a,b",1,2,0.1,8,1e-300,
-            c,3,4,0.2,,,7.0
+            h,error of v,count,"count, remark",what
+            0.5,0.3333333333333333,10000,>,"a, |b|"
+            0.5,,,refused,0.3333333333333333 to 0.3333333333333333
         "#]]
-        .assert_eq(&csv(&value));
+        .assert_eq(&made(&table));
+        assert!(as_shown(&table).contains("| &gt; 10\u{202f}000 | a"));
     }
 
     #[test]
-    fn lists_in_lists_and_several_lists_are_all_there() {
-        assert_eq!(csv(&json!([[{ "x": 1 }, { "x": 2 }], [{ "x": 3 }]])), "x\n1\n2\n3\n");
-        assert_eq!(csv(&json!([[1, [2, 3]]])), "1,2.1,2.2\n1,2,3\n");
-        let two = json!({ "r": 5, "a": [{ "x": 1 }], "b": [{ "y": 2 }] });
-        assert_eq!(csv(&two), "r,a.x,b.y\n5,1,\n5,,2\n");
+    fn names_of_columns_are_those_of_the_heads_and_no_two_are_equal() {
+        let heads = |line: &str| names(&cells(line));
+        assert_eq!(heads("| $L_2$ | order | at nodes | order |"), [
+            "L_2",
+            "L_2, order",
+            "at nodes",
+            "at nodes, order"
+        ]);
+        assert_eq!(heads("| x | problem 1: stop | solution | problem 2: stop | solution |"), [
+            "x",
+            "problem 1: stop",
+            "problem 1: solution",
+            "problem 2: stop",
+            "problem 2: solution"
+        ]);
+        assert_eq!(heads(r"| $\Delta a^{(n)}$ | $r \ge 10$ |"), ["Delta a^(n)", "r >= 10"]);
     }
 
     #[test]
-    fn a_name_stands_for_one_file() {
-        let (mut tera, data) = (Tera::new(), Data::default());
-        data.register(&mut tera);
-        let context = tera::Context::from_serialize(&json!({ "a": [{ "x": 1, "y": 2 }], "b": [] }));
+    fn tables_without_a_link_to_data_have_none() {
+        let page = "<figure id=\"table-a\">\n\n| a |\n| --- |\n| 1 |\n</figure>\n";
+        assert_eq!(of_tables(page), BTreeMap::new());
+    }
+
+    #[test]
+    fn a_name_stands_for_one_tree() {
+        let (mut tera, trees) = (Tera::new(), Trees::default());
+        trees.register(&mut tera);
+        let context = tera::Context::from_serialize(&json!({ "a": [{ "x": 1 }], "b": [] }));
         let context = context.unwrap();
         tera.add_raw_templates([
-            ("first", "{{ a | data(name=\"a b\", keys=[\"x\"]) }}"),
-            ("second", "{{ b | data(name=\"a b\") }}"),
+            ("first", "{{ a | tree(name=\"a\") }}"),
+            ("second", "{{ b | tree(name=\"a\") }}"),
         ])
         .unwrap();
-        assert_eq!(tera.render("first", &context).unwrap(), "data/a-b.csv");
-        assert_eq!(data.files(), BTreeMap::from([("a-b.csv".into(), "x\n1\n".into())]));
+        assert_eq!(tera.render("first", &context).unwrap(), "data/a.json");
+        assert_eq!(trees.files(), BTreeMap::from([("a.json".into(), "[{\"x\":1}]\n".into())]));
         let error = tera.render("second", &context).unwrap_err().to_string();
-        assert!(error.contains("two different data are named `a-b`"), "{error}");
+        assert!(error.contains("two different data are named `a.json`"), "{error}");
     }
 }

@@ -1,23 +1,26 @@
 //! Template filters for numbers in the book, which write LaTeX between dollars.
 
+use super::data::{as_shown, with_digits};
 use tera::{Kwargs, State, Tera, TeraResult, Value};
 
 pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("sci", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
-        Ok(math(scientific(x, kwargs.get::<usize>("digits")?.unwrap_or(2))))
+        Ok(number(scientific(x, kwargs.get::<usize>("digits")?.unwrap_or(2)), x))
     });
-    tera.register_filter("num", |x: f64, kwargs: Kwargs, _: &State| equation(kwargs, plain(x)));
-    tera.register_filter("times", |x: f64, _: Kwargs, _: &State| math(factor(x)));
-    tera.register_filter("ratio", |x: f64, _: Kwargs, _: &State| math(ratio(x)));
-    tera.register_filter("two", |x: f64, _: Kwargs, _: &State| math(plain(two_digits(x))));
+    tera.register_filter("num", |x: f64, kwargs: Kwargs, _: &State| equation(kwargs, plain(x), x));
+    tera.register_filter("times", |x: f64, _: Kwargs, _: &State| number(factor(x), x));
+    tera.register_filter("ratio", |x: f64, _: Kwargs, _: &State| number(ratio(x), x));
+    tera.register_filter("two", |x: f64, _: Kwargs, _: &State| number(plain(two_digits(x)), x));
     tera.register_filter("fix", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
         let places = kwargs.get::<usize>("to")?.unwrap_or(1);
-        Ok(math(format!("{x:.places$}")))
+        Ok(number(format!("{x:.places$}"), x))
     });
-    tera.register_filter("int", |n: usize, _: Kwargs, _: &State| grouped(n));
+    tera.register_filter("int", |n: usize, _: Kwargs, _: &State| {
+        with_digits(&grouped(n), &n.to_string())
+    });
     tera.register_filter("word", |n: usize, _: Kwargs, _: &State| word(n));
     tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {
-        equation(kwargs, format!("1/{cells}"))
+        equation(kwargs, format!("1/{cells}"), 1.0 / cells as f64)
     });
     // For the scripts of a page: text, lists and numbers as JSON; numbers in the form of JavaScript.
     tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));
@@ -43,6 +46,8 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("total", |n: Vec<usize>, _: Kwargs, _: &State| n.iter().sum::<usize>());
     tera.register_function("require", require);
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
+    // Two numbers that are shown alike are compared as they are shown.
+    tera.register_filter("shown", |text: String, _: Kwargs, _: &State| as_shown(&text));
     tera.register_filter("text", |text: String, _: Kwargs, _: &State| plain_text(&text));
 }
 
@@ -86,8 +91,13 @@ fn require(kwargs: Kwargs, _: &State) -> TeraResult<String> {
     }
 }
 
-fn math(latex: String) -> String {
+fn math(latex: &str) -> String {
     format!("${latex}$")
+}
+
+/// Returns a number as it is shown, with its digits for the data of the table in which it may stand.
+fn number(latex: String, x: f64) -> String {
+    with_digits(&math(&latex), &format!("{x:?}"))
 }
 
 /// Returns JSON for a `<script>`, in which `</` is escaped because it could end the script.
@@ -95,12 +105,12 @@ fn json(value: &Value) -> String {
     serde_json::to_string(value).expect("plain data").replace("</", r"<\/")
 }
 
-/// Returns `$x = value$` if the filter is called with `eq="x"`, else `$value$`.
-fn equation(kwargs: Kwargs, value: String) -> TeraResult<String> {
-    Ok(math(match kwargs.get::<String>("eq")? {
-        Some(name) => format!("{name} = {value}"),
-        None => value,
-    }))
+/// Returns `$name = latex$` if the filter is called with `eq="name"`, else the number.
+fn equation(kwargs: Kwargs, latex: String, x: f64) -> TeraResult<String> {
+    Ok(match kwargs.get::<String>("eq")? {
+        Some(name) => math(&format!("{name} = {latex}")),
+        None => number(latex, x),
+    })
 }
 
 /// Returns x with this number of significant digits, with a power of ten where that is shorter, as in the paper's last

@@ -1,10 +1,11 @@
 //! Equations, figures and tables that pages refer to, with their numbers.
 //!
 //! Equations carry their numbers themselves. Figures are elements `<figure id="figure-NAME">` and tables elements
-//! `<figure id="table-NAME">`; they are numbered in the order of the pages in `SUMMARY.md`.
+//! `<figure id="table-NAME">`; they are numbered by the chapters of `SUMMARY.md`, as 5.1, so that a figure of the book
+//! is not taken for one of a paper that it speaks of. Pages without a number are chapter 0.
 
 use super::markdown::{parse, place, split_tag};
-use pulldown_cmark::{Event, Tag};
+use pulldown_cmark::{Event, Tag, TagEnd};
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -30,8 +31,6 @@ struct Label {
 #[derive(Default)]
 pub(super) struct Labels {
     by_target: BTreeMap<String, Label>,
-    figures: usize,
-    tables: usize,
 }
 
 impl Labels {
@@ -41,9 +40,10 @@ impl Labels {
         for (name, text) in pages {
             labels.add_equations(name, text)?;
         }
-        for name in listed(pages) {
+        let mut counts = Counts::new();
+        for (name, chapter) in listed(pages) {
             if let Some((name, text)) = pages.get_key_value(name.as_str()) {
-                labels.add_figures(name, text)?;
+                labels.add_figures(name, text, |kind| numbered(&mut counts, kind, &chapter))?;
             }
         }
         Ok(labels)
@@ -71,21 +71,18 @@ impl Labels {
         Ok(())
     }
 
-    fn add_figures(&mut self, page: &str, markdown: &str) -> Result<(), String> {
+    /// Adds the figures and tables of a page; `text` returns the text of links to the next one of a kind.
+    fn add_figures(
+        &mut self,
+        page: &str,
+        markdown: &str,
+        mut text: impl FnMut(&str) -> String,
+    ) -> Result<(), String> {
         for (event, range) in parse(markdown) {
             let (Event::Html(html) | Event::InlineHtml(html)) = event else { continue };
             for found in FIGURE.captures_iter(&html) {
                 let (kind, name) = (&found[1], &found[2]);
-                let text = match kind {
-                    "figure" => {
-                        self.figures += 1;
-                        format!("Figure {}", self.figures)
-                    }
-                    _ => {
-                        self.tables += 1;
-                        format!("Table {}", self.tables)
-                    }
-                };
+                let text = text(kind);
                 let label = Label { page: page.into(), id: format!("{kind}-{name}"), text };
                 if let Some(first) = self.by_target.insert(format!("{kind}:{name}"), label) {
                     return Err(format!(
@@ -119,12 +116,37 @@ impl Labels {
     }
 }
 
-/// Returns the paths of the pages in the order of `SUMMARY.md`.
-fn listed(pages: &BTreeMap<&str, &str>) -> Vec<String> {
-    let mut listed = Vec::new();
+/// How many figures, or tables, a chapter has so far, by kind and number of the chapter.
+type Counts = BTreeMap<(String, String), usize>;
+
+/// Returns the text of links to the next figure, or table, of a chapter.
+fn numbered(counts: &mut Counts, kind: &str, chapter: &str) -> String {
+    let count = counts.entry((kind.into(), chapter.into())).or_default();
+    *count += 1;
+    let what = if kind == "figure" { "Figure" } else { "Table" };
+    format!("{what} {chapter}.{count}")
+}
+
+/// Returns the paths of the pages in the order of `SUMMARY.md`, each with the number that mdBook gives to its chapter,
+/// or 0.
+fn listed(pages: &BTreeMap<&str, &str>) -> Vec<(String, String)> {
+    let (mut listed, mut depth) = (Vec::new(), 0);
+    // Numbers of the chapter and of those in which it is. The first goes on after the title of a part.
+    let mut numbers: Vec<usize> = Vec::new();
     for (event, _) in parse(pages.get(SUMMARY).unwrap_or(&"")) {
-        if let Event::Start(Tag::Link { dest_url, .. }) = event {
-            listed.push(format!("src/{}", dest_url.trim_start_matches("./")));
+        match event {
+            Event::Start(Tag::List(_)) => depth += 1,
+            Event::End(TagEnd::List(_)) => depth -= 1,
+            Event::Start(Tag::Item) => {
+                numbers.resize(depth, 0);
+                numbers[depth - 1] += 1;
+            }
+            Event::Start(Tag::Link { dest_url, .. }) => {
+                let texts: Vec<String> = numbers.iter().map(usize::to_string).collect();
+                let number = if depth == 0 { "0".into() } else { texts.join(".") };
+                listed.push((format!("src/{}", dest_url.trim_start_matches("./")), number));
+            }
+            _ => {}
         }
     }
     listed
@@ -149,16 +171,21 @@ mod tests {
     }
 
     #[test]
-    fn figures_and_tables_are_numbered_in_the_order_of_the_summary() {
-        let summary = "# Summary\n\n[Z](z.md)\n\n- [A](a.md)\n";
+    fn figures_and_tables_are_numbered_by_chapter() {
+        let summary = "# Summary\n\n[Z](z.md)\n\n- [A](a.md)\n\n# Part\n\n- [B](b.md)\n  - [C](c.md)\n";
         let z =
             "<figure id=\"figure-z\">\n</figure>\n\n```text\n<figure id=\"figure-code\">\n```\n";
         let a = "<figure id=\"table-a\" class=\"table\">\n</figure>\n\n<figure id=\"figure-a\">\n</figure>\n";
-        let labels = of(&[(SUMMARY, summary), ("src/a.md", a), ("src/z.md", z)]).unwrap();
+        let b = "<figure id=\"figure-b\">\n</figure>\n\n<figure id=\"figure-b2\">\n</figure>\n";
+        let c = "<figure id=\"figure-c\">\n</figure>\n";
+        let pages = [("src/a.md", a), ("src/b.md", b), ("src/c.md", c), ("src/z.md", z)];
+        let labels = of(&[&[(SUMMARY, summary)], &pages[..]].concat()).unwrap();
         let link = |target| labels.link("src/z.md", target).unwrap().unwrap();
-        assert_eq!(link("figure:z"), "[Figure 1](<z.md#figure-z>)");
-        assert_eq!(link("figure:a"), "[Figure 2](<a.md#figure-a>)");
-        assert_eq!(link("table:a"), "[Table 1](<a.md#table-a>)");
+        assert_eq!(link("figure:z"), "[Figure 0.1](<z.md#figure-z>)");
+        assert_eq!(link("figure:a"), "[Figure 1.1](<a.md#figure-a>)");
+        assert_eq!(link("table:a"), "[Table 1.1](<a.md#table-a>)");
+        assert_eq!(link("figure:b2"), "[Figure 2.2](<b.md#figure-b2>)");
+        assert_eq!(link("figure:c"), "[Figure 2.1.1](<c.md#figure-c>)");
         assert!(labels.link("src/z.md", "figure:code").unwrap().is_err());
     }
 

@@ -99,7 +99,61 @@ fn set(latex: &str, display_mode: DisplayMode) -> Result<String, String> {
     let mut mathml = String::new();
     push_mathml(&mut mathml, events.into_iter().map(Ok::<_, std::convert::Infallible>), config)
         .map_err(|error| not_set(latex, &error.to_string()))?;
-    Ok(shield(&mathml))
+    if let DisplayMode::Block = display_mode {
+        // The limit stands below the slope of a large integral sign: without its width there would be a hole.
+        let narrow = r#"<msub style="margin-inline-end:-0.35em"><mo movablelimits="false">∫</mo>"#;
+        mathml = mathml.replace(r#"<msub><mo movablelimits="false">∫</mo>"#, narrow);
+    }
+    Ok(shield(&without_depth(&with_lines(mathml))))
+}
+
+/// Lines above and below a formula: the element, the mark that the renderer writes, its symbol, and its side.
+const LINES: [(&str, &str, &str, &str); 2] = [
+    ("mover", "<mi>‾</mi>", "‾", "top"),
+    ("munder", r#"<mo stretchy="true">_</mo>"#, "_", "bottom"),
+];
+
+/// Draws the marks of lines as borders of what they belong to.
+///
+/// Chromium does not stretch a mark: it would cover one letter of a longer formula, which then is another. The mark
+/// stays in the text, unseen, for whoever hears or copies it.
+fn with_lines(mut mathml: String) -> String {
+    for (element, mark, symbol, side) in LINES {
+        let (open, close) = (format!("<{element}>"), format!("</{element}>"));
+        let (any, end) = (format!("<{element}"), format!("{mark}{close}"));
+        while let Some(at) = mathml.find(&end) {
+            let is_whole = |(start, _): &(usize, &str)| {
+                let inside = &mathml[start + open.len()..at];
+                inside.matches(&any).count() == inside.matches(&close).count()
+            };
+            let mut starts = mathml[..at].rmatch_indices(&open);
+            let (start, _) = starts.find(is_whole).expect("every element that ends has begun");
+            let inside = &mathml[start + open.len()..at];
+            let with = format!(
+                "<{element} class=\"line\"><mrow style=\"border-{side}:0.055em solid;padding-{side}:0.1em\">\
+                 {inside}</mrow><mo style=\"visibility:hidden;font-size:1px\">{symbol}</mo></{element}>"
+            );
+            mathml.replace_range(start..at + end.len(), &with);
+        }
+    }
+    mathml
+}
+
+/// Letters that reach below the line.
+const DEEP: &str = "fgjpqyQβγζημξρςφχψ";
+
+/// Puts subscripts of letters that reach below the line where those of other letters are, as TeX does; a browser puts
+/// them lower.
+fn without_depth(mathml: &str) -> String {
+    let mut mathml = mathml.to_owned();
+    for script in ["<msub>", "<msubsup>"] {
+        for letter in DEEP.chars() {
+            let letter = format!("<mi>{letter}</mi>");
+            let with = format!(r#"{script}<mpadded depth="0">{letter}</mpadded>"#);
+            mathml = mathml.replace(&format!("{script}{letter}"), &with);
+        }
+    }
+    mathml
 }
 
 fn not_set(latex: &str, message: &str) -> String {
@@ -165,6 +219,37 @@ mod tests {
     }
 
     #[test]
+    fn a_line_covers_all_that_it_belongs_to() {
+        let line = "<mrow style=\"border-top:0.055em solid;padding-top:0.1em\">";
+        for (latex, lines) in [
+            (r"\overline{\log (b / a)}", 1),
+            (r"\bar t a", 1),
+            (r"\overline{a + \overline{b c}} \overline{d}", 3),
+            (r"\overline{\hat a b}", 1),
+        ] {
+            let text = converted(&format!("${latex}$")).unwrap();
+            assert!(!text.contains("<mi>‾</mi>"), "{text}");
+            assert_eq!(text.matches(line).count(), lines, "{text}");
+            assert_eq!(text.matches(">‾</mo></mover>").count(), lines, "{text}");
+        }
+        let text = converted(r"$\overline{a b} c$").unwrap();
+        let covered = text.split(line).nth(1).unwrap().split(">‾<").next().unwrap();
+        assert!(covered.contains("<mi>b</mi>") && !covered.contains("<mi>c</mi>"), "{text}");
+        let text = converted(r"$\underline{\lambda}$").unwrap();
+        assert!(text.contains("border-bottom") && !text.contains("stretchy=\"true\""), "{text}");
+    }
+
+    #[test]
+    fn subscripts_are_at_one_height_and_integrals_have_no_hole() {
+        let text = converted(r"$y_i \psi_i^n a_i$").unwrap();
+        assert_eq!(text.matches("<mpadded depth=\"0\">").count(), 2, "{text}");
+        assert!(text.contains("<msub><mi>a</mi>"), "{text}");
+        let hole = "<msub style=\"margin-inline-end:-0.35em\">";
+        assert!(converted("$$\\int_\\Omega f$$").unwrap().contains(hole));
+        assert!(!converted("$\\int_\\Omega f$").unwrap().contains(hole));
+    }
+
+    #[test]
     fn code_and_escaped_dollars_stay() {
         let text = "Pay \\$5 for `$x$`.\n\n```sh\necho $HOME $x$\n```\n\n    $indented$\n";
         assert_eq!(converted(text).unwrap(), text);
@@ -187,7 +272,7 @@ mod tests {
         let page = "<figure id=\"figure-x\">\n\n**[](figure:x).** Text\n\n</figure>\n";
         let pages = BTreeMap::from([("src/SUMMARY.md", "[A](a.md)"), ("src/a.md", page)]);
         let shown = convert("src/a.md", page, &Labels::of(&pages).unwrap()).unwrap();
-        assert!(shown.contains("**[Figure 1](<a.md#figure-x>).** Text"), "{shown}");
+        assert!(shown.contains("**[Figure 0.1](<a.md#figure-x>).** Text"), "{shown}");
     }
 
     fn message(markdown: &str) -> String {

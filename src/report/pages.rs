@@ -1,6 +1,6 @@
 //! Pages in Markdown, made from templates and data.
 
-use super::data::Data;
+use super::data::{Trees, as_shown, of_tables};
 use super::filters;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
@@ -21,15 +21,20 @@ pub fn pages(
 ) -> Result<BTreeMap<String, String>, String> {
     let mut tera = Tera::new();
     filters::register(&mut tera);
-    let data = Data::default();
-    data.register(&mut tera);
+    let trees = Trees::default();
+    trees.register(&mut tera);
     tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))
         .map_err(|error| located("", &error))?;
     let mut pages = made(templates, |name, _| {
         tera.render(name, context).map_err(|error| located(name, &error))
     })?;
-    for (name, csv) in data.files() {
-        pages.insert(format!("src/data/{name}"), csv);
+    let mut data = trees.files();
+    for page in pages.values_mut() {
+        data.extend(of_tables(page));
+        *page = as_shown(page);
+    }
+    for (name, text) in data {
+        pages.insert(format!("src/data/{name}"), text);
     }
     Ok(pages)
 }

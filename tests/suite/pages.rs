@@ -277,7 +277,7 @@ fn figures_and_tables_are_numbered_and_a_reference_to_none_is_refused() {
     study.write(PAGE, format!("{page}\n{figure}\nSee [](figure:mine).\n"));
     study.run(&["run"]).lines();
     let html = study.read("report/book/plate.html");
-    assert_eq!(html.matches("\">Figure 1</a>").count(), 2, "{html}");
+    assert_eq!(html.matches("\">Figure 1.1</a>").count(), 2, "{html}");
     let error = study.refusal(&format!("{page}\n[](table:none)\n"));
     let lines = page.lines().count();
     assert_eq!(

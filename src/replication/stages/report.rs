@@ -14,7 +14,8 @@ use crate::replication::scene::{Output, Scene};
 use crate::report;
 pub(crate) use crate::report::TEMPLATE;
 use crate::timing::recorded;
-use std::collections::BTreeMap;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The task that makes the pages and the book.
 pub(crate) const ID: &str = "report/book";
@@ -96,10 +97,24 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
             context.insert("solutions", &listed);
             context.insert("commands", &commands());
             context.insert("mermaid", &graph.mermaid());
+            context.insert("origins", &origins(&graph));
             Ok(report::pages(templates, &context)?)
         })
     });
     Task { files, export: Some("report"), ..task }
+}
+
+/// Returns, for each figure, its name, the id of its task, and what that needs: the stage with the scene or the
+/// experiment, as in `solve/plate`, of all runs together.
+fn origins(graph: &Graph) -> Vec<Value> {
+    let mut origins = Vec::new();
+    for GraphNode { id, needs } in &graph.0 {
+        let Some(name) = id.strip_prefix("figures/") else { continue };
+        let parts = |id: &String| id.split('/').take(2).collect::<Vec<_>>().join("/");
+        let needs: BTreeSet<String> = needs.iter().map(parts).collect();
+        origins.push(json!({ "name": name, "task": id, "needs": needs }));
+    }
+    origins
 }
 
 /// Makes the pages from the templates, and the book from the pages and from `data`; all are files by name.
