@@ -1,13 +1,14 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
 mod book;
+pub(super) mod gallery;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
     ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, MOST_CELLS,
-    Picture, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
+    Picture, SolutionMap, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -15,35 +16,38 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use serde_json::json;
 use signorini_mathematics::identify::Findings;
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::spectral::{SpectralParams, spectral_under};
 use std::collections::BTreeMap;
 
 /// Kind of figure.
 pub(super) struct Kind {
     /// Output with which a scene asks for it.
     pub(super) output: Output,
-    /// Name of the figure that the paper's problems share.
-    shared_name: &'static str,
+    /// Name of the figure that the paper's problems share and the chapters show; none where each scene has its own.
+    pub(super) shared_name: Option<&'static str>,
     /// Words for the contents of the figure, in its title.
     caption: &'static str,
 }
 
 /// All kinds of figure.
-pub(super) const KINDS: [Kind; 5] = [
-    Kind { output: Output::Source, shared_name: "figure1", caption: "Right-hand side f" },
-    Kind { output: Output::Surface, shared_name: "figure2", caption: "Surface v" },
+pub(super) const KINDS: [Kind; 6] = [
+    Kind { output: Output::Source, shared_name: Some("figure1"), caption: "Right-hand side f" },
+    Kind { output: Output::Surface, shared_name: Some("figure2"), caption: "Surface v" },
+    Kind { output: Output::Map, shared_name: None, caption: "Map of v" },
     Kind {
         output: Output::History,
-        shared_name: "histories",
+        shared_name: Some("histories"),
         caption: "Gradient against iterations",
     },
     Kind {
         output: Output::Contact,
-        shared_name: "contact",
+        shared_name: Some("contact"),
         caption: "Trace and multiplier along the boundary",
     },
     Kind {
         output: Output::Identify,
-        shared_name: "identifiability",
+        shared_name: Some("identifiability"),
         caption: "Published counts that come out, around the recovered f",
     },
 ];
@@ -58,11 +62,14 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
     for kind in &KINDS {
         let output = kind.output;
-        let shared = sharing(project, scenes, output);
-        if !shared.is_empty() {
-            tasks.push(task(kind, kind.shared_name, &shared));
+        let is_own = |scene: &Scene| kind.shared_name.is_none() || !scene.is_problem();
+        if let Some(name) = kind.shared_name {
+            let shared = sharing(project, scenes, output);
+            if !shared.is_empty() {
+                tasks.push(task(kind, name, &shared));
+            }
         }
-        for scene in scenes.iter().filter(|scene| !scene.is_problem() && scene.wants(output)) {
+        for scene in scenes.iter().filter(|scene| is_own(scene) && scene.wants(output)) {
             tasks.push(task(kind, &format!("{}-{output}", scene.name), &[scene]));
         }
     }
@@ -71,6 +78,7 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         tasks.extend([book::stops(&shared), book::gradients(&shared)]);
         tasks.extend(shared.last().map(|scene| book::iterates(scene)));
         tasks.extend(book::drawings());
+        tasks.extend(gallery::tasks(project));
     }
     tasks
 }
@@ -86,7 +94,9 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     for scene in &scenes {
         let mut read = json!({ "title": scene.title });
         match output {
-            Output::Source | Output::Identify => read["problem"] = json!(scene.problem),
+            Output::Source | Output::Identify | Output::Contact => {
+                read["problem"] = json!(scene.problem);
+            }
             _ => read["place"] = json!(scene.problem.place),
         }
         for (key, value) in parameters(&read) {
@@ -102,7 +112,7 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
 /// Ids of the tasks from whose artifacts the figure of a scene is drawn.
 fn needs(output: Output, scene: &Scene) -> Vec<String> {
     match output {
-        Output::Surface => vec![surface(scene)],
+        Output::Surface | Output::Map => vec![surface(scene)],
         Output::History => solve::ids(scene, scene.stop[0]).collect(),
         Output::Contact => {
             scene.stop.iter().map(|&stop| solve::id(scene, stop, scene.drawn_r())).collect()
@@ -147,6 +157,7 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
     match output {
         Output::Source | Output::Table => draw_maps(scenes, inputs),
         Output::Surface => draw_surfaces(scenes, inputs),
+        Output::Map => draw_map(scenes, inputs),
         Output::History => {
             let panels = scenes.iter().map(|scene| history(scene, inputs));
             Ok(histories(&panels.collect::<Result<Vec<_>, _>>()?))
@@ -184,6 +195,15 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> 
     Ok(surfaces(2, &panels))
 }
 
+/// Draws the map of the solution of one scene.
+fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
+    let [scene] = scenes else { return Err("each scene has a map of its own".into()) };
+    let problem = scene.problem.problem(inputs.files)?;
+    let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;
+    let (title, on) = (title_with_end(inputs, scene)?, (problem.levels(), problem.law()));
+    Ok(SolutionMap::of(title, on, &pair)?.picture())
+}
+
 /// Returns the title of a scene, with the end of its iteration unless that is a solution.
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let end = solve::no_solution(inputs, scene, scene.stop[0])?;
@@ -197,24 +217,57 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
     let mut runs = Vec::new();
     for (task, r) in solve::ids(scene, scene.stop[0]).zip(&scene.r) {
         let levels = from_json(inputs, &task, HISTORY)?;
-        runs.push(HistoryCurve { label: format!("r = {r}"), levels });
+        let is_drawn = *r == scene.drawn_r();
+        runs.push(HistoryCurve { label: format!("r = {r}"), is_drawn, levels });
     }
     Ok(HistoryPanel { title: &scene.title, grids: &scene.on_grids().grids, runs })
 }
 
-/// Draws, for each closed curve of the boundaries, the trace and the multiplier where each rule stops.
+/// Draws, for each closed curve of the boundaries, the trace and the multiplier where each rule stops, and, of the
+/// paper's problems, the true ones.
 fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     let mut panels = Vec::new();
     for scene in scenes {
         let problem = scene.problem.problem(inputs.files)?;
-        let mut solutions = Vec::new();
+        let mut ends = Vec::new();
         for &stop in &scene.stop {
-            let pair = solve::pair(inputs, scene, stop, &problem)?;
-            solutions.push((solve::label(inputs, scene, stop)?, pair));
+            ends.push(solve::no_solution(inputs, scene, stop)?);
         }
-        panels.extend(ContactPanel::of(&scene.title, &problem, &solutions)?);
+        // An end that all rules have is said once.
+        let common = ends[0].as_deref().filter(|_| ends.iter().all(|end| *end == ends[0]));
+        let title = match common {
+            Some(end) => format!("{} ({end} on this grid)", scene.title),
+            None => scene.title.clone(),
+        };
+        let mut solutions = Vec::new();
+        for (&stop, end) in scene.stop.iter().zip(&ends) {
+            let mut label = format!("stop: {stop}, r = {}", scene.drawn_r());
+            if let Some(end) = end.as_ref().filter(|_| common.is_none()) {
+                label += &format!(", {end}");
+            }
+            solutions.push((label, solve::pair(inputs, scene, stop, &problem)?));
+        }
+        if scene.is_problem() {
+            solutions.push(("true solution".into(), true_trace(scene)?));
+        }
+        panels.extend(ContactPanel::of(&title, &problem, &solutions)?);
     }
     Ok(contact(&panels))
+}
+
+/// Returns the true solution of a scene on the square on the boundary of its finest grid, with zeros inside.
+fn true_trace(scene: &Scene) -> Result<Pair, String> {
+    let (grid, law) = (scene.finest(), scene.law());
+    let solution = spectral_under(law, &scene.on_grids().f, SpectralParams::default())
+        .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
+    let mut pair = Pair { y: vec![0.0; grid.nodes()], a: Vec::new() };
+    for (b, node) in grid.boundary().enumerate() {
+        let (i, j) = grid.boundary_node(b);
+        let [value, flux] = solution.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
+        pair.y[node] = value;
+        pair.a.push(law.project(flux));
+    }
+    Ok(pair)
 }
 
 fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {

@@ -19,7 +19,7 @@ pub(super) struct Solutions {
 
 impl Solutions {
     /// Gathers, of the paper's problems, the pair where the first rule stops and the discrete solution; of the other
-    /// scenes with a picture of the surface, the pair where their first rule stops.
+    /// scenes with a picture of the solution, the pair where their first rule stops.
     pub(super) fn of(
         inputs: &Inputs,
         problems: &[Scene],
@@ -35,7 +35,9 @@ impl Solutions {
             let words = "the solution";
             solutions.add(scene, &problem, State { ending: "-solution", words, pair: &pair });
         }
-        for scene in others.iter().filter(|scene| scene.wants(Output::Surface)) {
+        for scene in
+            others.iter().filter(|scene| scene.wants(Output::Surface) || scene.wants(Output::Map))
+        {
             let problem = scene.problem.problem(inputs.files)?;
             let stop = format!("where the rule {} stops, r = {}", scene.stop[0], scene.drawn_r());
             let pair = solve::pair(inputs, scene, scene.stop[0], &problem)?;

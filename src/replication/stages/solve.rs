@@ -112,7 +112,8 @@ fn cell(scene: &Scene, stop: StopRule, r: f64) -> Cell {
         stop,
         max_iterations: scene.max_iterations,
         keep_pair: r == scene.drawn_r()
-            && ((scene.wants(Output::Surface) && drawn_rule) || scene.wants(Output::Contact)),
+            && (((scene.wants(Output::Surface) || scene.wants(Output::Map)) && drawn_rule)
+                || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && drawn_rule,
     }
 }
@@ -214,15 +215,6 @@ pub(super) fn no_solution(
     let outcomes: Outcomes = from_json(inputs, &id(scene, stop, scene.drawn_r()), OUTCOMES)?;
     let end = outcomes.levels.last().map_or(CONVERGED, Outcome::name);
     Ok((end != CONVERGED).then(|| end.replace('-', " ")))
-}
-
-/// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
-pub(super) fn label(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<String, String> {
-    let label = format!("stop: {stop}, r = {}", scene.drawn_r());
-    Ok(match no_solution(inputs, scene, stop)? {
-        Some(end) => format!("{label}, {end}"),
-        None => label,
-    })
 }
 
 /// [End](Outcome::name) of an iteration with a solution.
