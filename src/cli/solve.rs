@@ -16,7 +16,7 @@ use crate::replication::accuracy::Accuracy;
 use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
-use files::Format;
+use files::{Format, View};
 use request::Request;
 use signorini_mathematics::bounds::recovery;
 use signorini_mathematics::discrete::grid::Grid;
@@ -117,9 +117,16 @@ pub(super) struct SolveArgs {
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
     /// An .npz has v, multiplier and f, an .npy v alone. The ending alone, `vti`, names the file after the scene. The
-    /// spectral solver's solution is written at the nodes of --h.
+    /// spectral solver's solution is written at the nodes of --h. A picture is a shaded surface on the square, and a map
+    /// on every other domain in the plane, unless --map or --surface says otherwise.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
+    #[arg(long, requires = "out", conflicts_with = "surface")]
+    map: bool,
+    /// With --out FILE.svg, draw a shaded surface [default on the square]
+    #[arg(long, hide_short_help = true, requires = "out")]
+    surface: bool,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
     #[arg(long, hide_short_help = true)]
     recover: bool,
@@ -135,7 +142,22 @@ impl SolveArgs {
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
         format.check(request.problem.levels())?;
+        if self.view().is_some() && format != Format::Svg {
+            let option = if self.map { "--map" } else { "--surface" };
+            return Err(Error::input(format!(
+                "{option} is for a picture; let --out end with .svg, or leave {option} out"
+            )));
+        }
         Ok(Some((OutputFile::check(&path)?, format)))
+    }
+
+    /// Returns the kind of picture, if the user says which.
+    fn view(&self) -> Option<View> {
+        match (self.map, self.surface) {
+            (true, _) => Some(View::Map),
+            (false, true) => Some(View::Surface),
+            (false, false) => None,
+        }
     }
 
     /// Returns the law on the boundary, if it is another than the paper's.

@@ -1,10 +1,12 @@
-//! Boxes around surfaces: panels with a floor, two walls, axes and a colour bar, above a key common to all.
+//! Boxes around surfaces: panels with a floor, two walls and axes, a colour bar for each scale, above a key common to all.
 
 use super::axes::{colour_bar, key};
 use super::camera::{Camera, UNIT, View};
 use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, INK, MUTED, RULE, SHADE};
-use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, italic, plain};
+use super::picture::{
+    END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, fitting, italic, plain,
+};
 use super::range_with_zero;
 use super::text::{Ticks, number_width, power_of_ten};
 
@@ -12,6 +14,10 @@ use super::text::{Ticks, number_width, power_of_ten};
 const PANEL: (f64, f64) = (390.0, 392.0);
 /// Height of the title and the colour bar of a panel, which do not shrink with it.
 const TEXT: f64 = 80.0;
+/// Height of the colour bar alone, which panels lack whose scale has one below.
+const BAR: f64 = 44.0;
+/// Widest colour bar common to several panels.
+const COMMON_BAR: f64 = 420.0;
 /// Height of a row of the key below the panels.
 const KEY: f64 = 22.0;
 /// Distance of the numbers from the vertical axis.
@@ -57,25 +63,33 @@ pub(super) fn range_of_colours(given: Option<(f64, f64)>, values: &[f64]) -> (f6
     if range.0 < range.1 { range } else { (-1.0, 1.0) }
 }
 
-/// Draws one box per panel, in rows of `columns`, each with a scale and a colour bar; `paint` draws what is inside.
+/// Draws one box per panel, in rows of `columns`; `paint` draws what is inside, and the words are those for the boundary
+/// that is marked.
+///
+/// Panels with scales of their own have a colour bar each; rows with one scale have one bar together.
 pub(super) fn in_boxes(
     columns: usize,
-    panels: &[Boxed],
+    (panels, words): (&[Boxed], &str),
     paint: impl Fn(&mut Picture, &Inside),
 ) -> Picture {
     let columns = columns.min(panels.len());
-    let rows = panels.len().div_ceil(columns);
+    let rows: Vec<Row> = rows(columns, panels);
     let scale = (2.0 / columns as f64).min(1.0);
     let (wide, high) = (scale * PANEL.0, scale * (PANEL.1 - TEXT) + TEXT);
     let margin = 10.0;
-    let key_rows = if columns > 1 { 1.0 } else { 2.0 };
-    let mut picture = Picture::new(
-        2.0 * margin + columns as f64 * wide,
-        2.0 * margin + rows as f64 * high + KEY * key_rows,
-    );
+    let heights = rows.iter().map(|row| if row.bars == Bars::Below { high - BAR } else { high });
+    let width = 2.0 * margin + columns as f64 * wide;
+    let all: f64 = heights.clone().sum();
+    let mut picture = Picture::new(width, 2.0 * margin + all + KEY);
+    let mut tops = Vec::new();
+    let mut top = margin;
+    for height in heights {
+        tops.push(top);
+        top += height;
+    }
     for (k, panel) in panels.iter().enumerate() {
         let left = margin + (k % columns) as f64 * wide;
-        let top = margin + (k / columns) as f64 * high;
+        let top = tops[k / columns];
         let data = panel.values;
         let span = data.1 - data.0;
         let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
@@ -89,7 +103,8 @@ pub(super) fn in_boxes(
         };
         make_room(&mut view, (left, left + wide), Room::around(&panel.floor, &ticks));
         let colours = ColourScale::Viridis { low: data.0, high: data.1 };
-        picture.text(panel.title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
+        let title = fitting(panel.title, LARGE, wide);
+        picture.text(&title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
         walls(&mut picture, &view, &panel.floor, &ticks);
         paint(&mut picture, &Inside { panel: k, view: &view, colours });
         axes(&mut picture, &view, &panel.floor, &ticks);
@@ -98,18 +113,52 @@ pub(super) fn in_boxes(
             let text = format!("x, y / {}", power_of_ten(power));
             picture.text(&text, (left + 8.0, top + high - 58.0), plain(SMALL).pos(START));
         }
-        let bar = (left + 76.0 * scale, left + wide - 36.0 * scale);
-        colour_bar(&mut picture, bar, top + high - 44.0, colours, "v");
+        let half = 0.5 * COMMON_BAR.min(width - 160.0);
+        let bar = match rows[k / columns].bars {
+            Bars::Each => (left + 76.0 * scale, left + wide - 36.0 * scale),
+            Bars::Common if k % columns == 0 => (0.5 * width - half, 0.5 * width + half),
+            Bars::Common | Bars::Below => continue,
+        };
+        colour_bar(&mut picture, bar, top + high - BAR, colours, "v");
     }
     picture.group("stroke-linecap=\"round\"", |picture| {
-        let y = margin + rows as f64 * high + 12.0;
-        let x = margin + 76.0;
+        let (x, y) = (margin + 76.0, top + 12.0);
         picture.path([(x, y), (x + 28.0, y)], CONTACT, CONTACT_WIDTH);
-        key(picture, (x + 38.0, y), "boundary in contact (multiplier a > 0)");
-        let units = if columns > 1 { (x + 390.0, y) } else { (x, y + 20.0) };
-        key(picture, units, "x, y and v are dimensionless");
+        key(picture, (x + 38.0, y), words);
     });
     picture
+}
+
+/// Row of panels.
+struct Row {
+    /// Range of colours, if all panels of the row have the same one.
+    common: Option<(f64, f64)>,
+    bars: Bars,
+}
+
+/// Colour bars of a row.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bars {
+    /// One below each panel.
+    Each,
+    /// One for the row, and for the rows above it with the same scale.
+    Common,
+    /// None: the row below has the same scale.
+    Below,
+}
+
+/// Returns the rows of panels, `columns` in each.
+fn rows(columns: usize, panels: &[Boxed]) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    for row in panels.chunks(columns) {
+        let is_common = row.len() > 1 && row.iter().all(|panel| panel.values == row[0].values);
+        let common = is_common.then_some(row[0].values);
+        if let Some(above) = rows.last_mut().filter(|above| is_common && above.common == common) {
+            above.bars = Bars::Below;
+        }
+        rows.push(Row { common, bars: if is_common { Bars::Common } else { Bars::Each } });
+    }
+    rows
 }
 
 /// Draws the floor and the two far walls, with rules at the ticks.

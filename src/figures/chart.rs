@@ -1,4 +1,4 @@
-//! Charts of measured numbers: panels side by side under one legend, logarithmic axes.
+//! Charts of measured numbers: panels side by side under one legend, logarithmic axes or a linear one across.
 
 use super::axes::{Entry, Frame, LEGEND_ROW, LONE, Legend, Sample};
 use super::palette::{INK, MUTED, RULE, series, solver};
@@ -6,8 +6,8 @@ use super::picture::{
     END, LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain,
 };
 use super::table::of_charts;
-use super::text::power_of_ten;
-use super::{Chart, Curve, Stroke, decade};
+use super::text::{Ticks, power_of_ten};
+use super::{Chart, Curve, Scale, Stroke, decade};
 use signorini_mathematics::experiments::Range;
 
 /// Height of a plot in display pixels.
@@ -35,14 +35,15 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let rows = panels.len().div_ceil(columns);
     let mut picture = Picture::new(WIDTH, head + high * rows as f64);
     legend.draw(&mut picture, (LEFT, 18.0));
-    let heights = extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
+    let heights =
+        Scale::Logarithmic.extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
     for (k, panel) in panels.iter().enumerate() {
         let (left, top) = (wide * (k % columns) as f64, head + high * (k / columns) as f64);
         let frame = Frame {
             across: (left + LEFT, left + wide - RIGHT),
             down: (top + ABOVE, top + ABOVE + PLOT),
-            x: extent(points(panel).map(|p| p.0)),
-            y: if alike { heights } else { extent(points(panel).map(|p| p.1)) },
+            x: panel.across.extent(points(panel).map(|p| p.0)),
+            y: if alike { heights } else { Scale::Logarithmic.extent(points(panel).map(|p| p.1)) },
         };
         draw(&mut picture, panel, &frame, &entries);
     }
@@ -97,17 +98,19 @@ fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) 
     ground(picture, panel, frame);
     picture.group("stroke-dasharray=\"16 12\"", |picture| {
         for curve in &references {
-            picture.path(places(frame, curve), MUTED, 1.0);
+            picture.path(panel.places(frame, curve), MUTED, 1.0);
         }
     });
     picture.group("stroke-dasharray=\"28 16\"", |picture| {
-        lines(picture, frame, &measured, Sample::Dashed);
+        lines(picture, (panel, frame), &measured, Sample::Dashed);
     });
-    lines(picture, frame, &measured, Sample::Line);
+    lines(picture, (panel, frame), &measured, Sample::Line);
+    let mut marks = Vec::new();
     for Measured { curve, entry } in measured {
+        marks.extend(panel.places(frame, curve));
         if curve.stroke == Stroke::Marked {
             let radius = if curve.points.len() > 1 { 3.5 } else { LONE };
-            for at in places(frame, curve) {
+            for at in panel.places(frame, curve) {
                 picture.ring(at, radius, entry.color);
             }
         }
@@ -115,17 +118,23 @@ fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) 
     // Names are above the curves that they meet, with a white edge that keeps them legible.
     picture.group("stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"", |picture| {
         for curve in references {
-            name_reference(picture, frame, curve);
+            let ends = panel.places(frame, curve);
+            name_reference(picture, &curve.label, &ends, &marks);
         }
     });
     frame.outline(picture);
 }
 
 /// Draws the lines of the curves whose entry has this sample.
-fn lines(picture: &mut Picture, frame: &Frame, measured: &[Measured], sample: Sample) {
+fn lines(
+    picture: &mut Picture,
+    (panel, frame): (&Chart, &Frame),
+    measured: &[Measured],
+    sample: Sample,
+) {
     for Measured { curve, entry } in measured {
         if entry.sample == sample && curve.points.len() > 1 {
-            picture.path(places(frame, curve), entry.color, 2.0);
+            picture.path(panel.places(frame, curve), entry.color, 2.0);
         }
     }
 }
@@ -134,19 +143,39 @@ fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
     panel.curves.iter().flat_map(|curve| &curve.points)
 }
 
-/// Returns the ends of an axis, as powers of ten: around all values with a margin, whole decades if these are few.
-fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let whole = Range { least: 0.0, greatest: 1.0 };
-    let Range { least: low, greatest: high } = Range::of(values.map(decade)).unwrap_or(whole);
-    let margin = 0.03 * (high - low);
-    match high - low < 2.0 {
-        true => (libm::floor(low), libm::ceil(high).max(libm::floor(low) + 1.0)),
-        false => (low - margin, high + margin),
+impl Scale {
+    /// Number on the axis that stands for a value: its decimal logarithm, or the value itself.
+    fn number(self, value: f64) -> f64 {
+        match self {
+            Self::Linear => value,
+            Self::Logarithmic => decade(value),
+        }
+    }
+
+    /// Returns the ends of an axis, as numbers on it: around all values with a margin; on a logarithmic axis whole
+    /// decades if these are few.
+    fn extent(self, values: impl Iterator<Item = f64>) -> (f64, f64) {
+        let whole = Range { least: 0.0, greatest: 1.0 };
+        let numbers = Range::of(values.map(|value| self.number(value)));
+        let Range { least: low, greatest: high } = numbers.unwrap_or(whole);
+        let margin = 0.03 * (high - low);
+        match self == Self::Logarithmic && high - low < 2.0 {
+            true => (libm::floor(low), libm::ceil(high).max(libm::floor(low) + 1.0)),
+            false => (low - margin, high + margin),
+        }
+    }
+
+    /// Returns the numbers to mark on an axis, with their texts, in at most about `most` steps.
+    fn ticks(self, ends: (f64, f64), most: usize) -> Vec<(f64, String)> {
+        match self {
+            Self::Linear => Ticks::inside(ends.0, ends.1, most).labelled().collect(),
+            Self::Logarithmic => powers(ends, most),
+        }
     }
 }
 
 /// Returns the powers of ten to mark on an axis, in at most about `most` steps.
-fn ticks((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
+fn powers((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
     let (first, last) = (libm::ceil(low - 1e-9) as i32, libm::floor(high + 1e-9) as i32);
     let step = ((last - first) as usize).div_ceil(most.max(1)).max(1);
     // Counted from zero, so that panels with different ends are marked alike.
@@ -169,13 +198,16 @@ fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     let title = (frame.across.0, frame.down.0 - 14.0);
     picture.text(&panel.title, title, bold(LARGE).pos(START));
     let across = ((frame.across.1 - frame.across.0) / 62.0) as usize;
-    let (x, y) = (ticks(frame.x, across), ticks(frame.y, 8));
+    let x = panel.across.ticks(frame.x, across);
+    let y = Scale::Logarithmic.ticks(frame.y, 8);
     frame.rules(picture, y.iter().map(|tick| tick.0));
     frame.verticals(picture, x.iter().map(|tick| tick.0), RULE);
     frame.label_left(picture, y);
     frame.label_below(picture, x);
-    for x in multiples(frame.x).map(|x| frame.right(x)) {
-        picture.path([(x, frame.down.1), (x, frame.down.1 + 2.5)], INK, 0.75);
+    if panel.across == Scale::Logarithmic {
+        for x in multiples(frame.x).map(|x| frame.right(x)) {
+            picture.path([(x, frame.down.1), (x, frame.down.1 + 2.5)], INK, 0.75);
+        }
     }
     for y in multiples(frame.y).map(|y| frame.up(y)) {
         picture.path([(frame.across.0 - 2.5, y), (frame.across.0, y)], INK, 0.75);
@@ -185,19 +217,26 @@ fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
     picture.text(panel.axes[1], (frame.across.0 - 55.0, y), plain(NORMAL).transform(UPWARDS));
 }
 
-fn places(frame: &Frame, curve: &Curve) -> Vec<Place> {
-    curve.points.iter().map(|p| frame.at(decade(p.0), decade(p.1))).collect()
+impl Chart {
+    /// Places of the points of a curve.
+    fn places(&self, frame: &Frame, curve: &Curve) -> Vec<Place> {
+        let points = curve.points.iter();
+        points.map(|p| frame.at(self.across.number(p.0), decade(p.1))).collect()
+    }
 }
 
-/// Writes the name of a reference beside its middle, on the side that the line leaves free.
-fn name_reference(picture: &mut Picture, frame: &Frame, curve: &Curve) {
-    let ends = places(frame, curve);
-    let (&[(x0, y0), ..], &[.., (x1, y1)]) = (&ends[..], &ends[..]) else { return };
-    let (x, y) = (0.5 * (x0 + x1), 0.5 * (y0 + y1) - 9.0);
+/// Writes the name of a reference beside its middle, on the side that has fewer of the `marks`.
+fn name_reference(picture: &mut Picture, name: &str, ends: &[Place], marks: &[Place]) {
+    let (&[(x0, y0), ..], &[.., (x1, y1)]) = (ends, ends) else { return };
+    let slope = if x1 == x0 { 0.0 } else { (y1 - y0) / (x1 - x0) };
+    let above = marks.iter().filter(|(x, y)| *y < y0 + slope * (x - x0)).count();
+    let is_below = 2 * above > marks.len();
+    let (x, y) = (0.5 * (x0 + x1), 0.5 * (y0 + y1) + if is_below { 11.0 } else { -9.0 });
     let kind = plain(SMALL).color(&MUTED);
-    if (y1 - y0) * (x1 - x0) < 0.0 {
-        picture.text(&curve.label, (x - 6.0, y), kind.pos(END));
+    // Left of a line that falls, in the picture, is below it; left of one that rises is above it.
+    if (slope > 0.0) == is_below {
+        picture.text(name, (x - 6.0, y), kind.pos(END));
     } else {
-        picture.text(&curve.label, (x + 6.0, y), kind.pos(START));
+        picture.text(name, (x + 6.0, y), kind.pos(START));
     }
 }

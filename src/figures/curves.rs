@@ -16,7 +16,7 @@ impl ContactPanel {
     ) -> Result<Vec<Self>, String> {
         let mut panels = Vec::new();
         let curves = problem.levels().curves().ok_or("a solution in space has no picture")?;
-        for ClosedCurve { parts, nodes, places, length } in curves {
+        for ClosedCurve { parts, nodes, places, length, .. } in curves {
             let lines = solutions.iter().map(|(label, pair)| {
                 let in_contact = problem.levels().in_contact(problem.law(), pair);
                 ContactLine {

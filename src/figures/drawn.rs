@@ -17,10 +17,11 @@ pub(crate) const MOST_CELLS: usize = 32;
 /// Solution on the mesh of a picture.
 pub(crate) struct DrawnSolution {
     title: String,
+    law: Law,
     mesh: PlaneMesh,
     /// Heights at the nodes.
     pub(crate) y: Vec<f64>,
-    /// Nodes in contact.
+    /// Nodes with v = 0 by the law.
     in_contact: Vec<bool>,
 }
 
@@ -69,7 +70,7 @@ impl DrawnSolution {
         }
         let y = nodes.iter().map(|&node| pair.y[node]).collect();
         let in_contact = nodes.iter().map(|&node| in_contact[node]).collect();
-        Ok(Self { title, mesh, y, in_contact })
+        Ok(Self { title, law, mesh, y, in_contact })
     }
 
     /// This surface without marks of contact.
@@ -85,7 +86,7 @@ impl DrawnSolution {
 
     /// Panel with a range of heights and colours, none for that of the data and zero.
     pub(crate) fn panel(&self, azimuth: f64, range: Option<(f64, f64)>) -> Surface<'_> {
-        let Self { title, mesh, y, in_contact } = self;
-        Surface { title, mesh, y, in_contact, azimuth, range }
+        let Self { title, law, mesh, y, in_contact } = self;
+        Surface { title, mesh, law: *law, y, in_contact, azimuth, range }
     }
 }

@@ -1,24 +1,27 @@
 //! Convergence histories: both readings of the stopping criterion against the iterations.
 
-use super::HistoryPanel;
-use super::axes::{Frame, LEGEND_ROW, Legend, key};
-use super::palette::{INK, MUTED, RULE, series};
+use super::axes::{Entry, Frame, LEGEND_ROW, Legend, Sample, key};
+use super::palette::{INK, MUTED, RGBColor, RULE};
 use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain};
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
+use super::{HistoryCurve, HistoryPanel};
 use signorini_mathematics::saddle::{Iteration, tolerance};
 
 /// Height of a plot in display pixels.
 const PLOT: f64 = 250.0;
 /// Left and right end of the plots.
 const ACROSS: (f64, f64) = (66.0, 690.0);
+/// Colours of the run that is drawn and of the others.
+const DRAWN: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
+const OTHERS: RGBColor = RGBColor(0x9a, 0xa0, 0xa8);
 /// Dash patterns of tolerances and of the criterion as printed.
 const DOTTED: &str = "stroke-dasharray=\"4 8\"";
 const DASHED: &str = "stroke-dasharray=\"18 10\"";
 
 /// Draws the residuals of every run, one panel below the other.
 ///
-/// Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
+/// One run is in colour, the others are grey behind it. Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
 /// zero, negative or far below the last tolerance lie on the lower edge. Rings mark the iteration at
 /// which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
 pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
@@ -45,9 +48,24 @@ pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
     picture
 }
 
+/// Returns the runs with their colours: first the others, then the one in colour, which lies on top.
+fn in_order<'a>(
+    panel: &'a HistoryPanel,
+) -> impl Iterator<Item = (&'a HistoryCurve, RGBColor)> + use<'a> {
+    let others = panel.runs.iter().filter(|run| !run.is_drawn).map(|run| (run, OTHERS));
+    others.chain(panel.runs.iter().filter(|run| run.is_drawn).map(|run| (run, DRAWN)))
+}
+
 /// Draws a panel, and returns the top of the next one.
 fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
-    let legend = Legend::new(panel.runs.iter().map(|run| &*run.label), WIDTH - 90.0);
+    let others: Vec<_> =
+        panel.runs.iter().filter(|run| !run.is_drawn).map(|run| &*run.label).collect();
+    let others = others.join(", ");
+    let drawn = panel.runs.iter().find(|run| run.is_drawn).map(|run| (&*run.label, DRAWN));
+    let entries = drawn.into_iter().chain(Some((&*others, OTHERS)));
+    let entries = entries.filter(|(label, _)| !label.is_empty());
+    let entries = entries.map(|(label, color)| Entry { label, color, sample: Sample::Line });
+    let legend = Legend::of(entries, WIDTH - 90.0);
     let (mut longest, mut largest) = (0, tolerance(1));
     for run in &panel.runs {
         longest = longest.max(run.levels.iter().map(Vec::len).sum());
@@ -76,12 +94,12 @@ fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
     });
     picture.group(DASHED, |picture| curves(picture, panel, &frame, 1.0, |i| i.gradient_abs));
     curves(picture, panel, &frame, 2.0, |i| i.gradient_signed);
-    for (k, run) in panel.runs.iter().enumerate() {
+    for (run, color) in in_order(panel) {
         let mut number = 0;
         for level in &run.levels {
             number += level.len();
             if let Some(last) = level.last() {
-                picture.ring(place(&frame, number, last.gradient_signed), 4.0, series(k));
+                picture.ring(place(&frame, number, last.gradient_signed), 4.0, color);
             }
         }
     }
@@ -130,14 +148,14 @@ fn curves(
     width: f64,
     residual: fn(&Iteration) -> f64,
 ) {
-    for (k, run) in panel.runs.iter().enumerate() {
+    for (run, color) in in_order(panel) {
         let mut places = Vec::new();
         for (number, iteration) in (1..).zip(run.levels.iter().flatten()) {
             places.push(place(frame, number, residual(iteration)));
         }
         let thinned = thinned(&places);
         if thinned.len() > 1 {
-            picture.path(thinned, series(k), width);
+            picture.path(thinned, color, width);
         }
     }
 }

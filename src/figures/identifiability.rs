@@ -23,6 +23,7 @@ pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
 
     let layout = Panels {
         count: panels.len(),
+        columns: 2,
         side: SIDE,
         margin: 10.0,
         left: 78.0,
@@ -74,7 +75,7 @@ fn draw_panel(
     frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
     frame.label_left(picture, Ticks::inside(frame.y.0, frame.y.1, 6).labelled());
     let (x, y) = frame.middle();
-    picture.text("f on the odd quadrant", (x, frame.down.1 + 32.0), plain(NORMAL));
+    picture.text("f on the quadrant", (x, frame.down.1 + 32.0), plain(NORMAL));
     picture.text("f elsewhere", (frame.across.0 - 64.0, y), plain(NORMAL).transform(UPWARDS));
 }
 
@@ -120,7 +121,7 @@ fn cross(picture: &mut Picture, (x, y): Place) {
 /// Explains the marks, centred.
 fn legend(picture: &mut Picture, (middle, y): Place, most: usize, width: f64) {
     let outline = format!("all {most} counts come out");
-    let texts = [outline.as_str(), "recovered f", "other f of the book"];
+    let texts = [outline.as_str(), "recovered f", "others with two values"];
     let wide: f64 = texts.iter().map(|text| 22.0 + text_width(text, SMALL) + 14.0).sum();
     let mut x = (middle - 0.5 * wide).max(0.02 * width);
     for (k, text) in texts.into_iter().enumerate() {

@@ -14,6 +14,7 @@ mod floor;
 mod gradient;
 mod history;
 mod identifiability;
+mod isolines;
 mod maps;
 mod mesh_map;
 mod palette;
@@ -21,6 +22,7 @@ mod panels;
 mod picture;
 mod plan;
 mod regions;
+mod solution_map;
 mod square;
 mod surface;
 pub(crate) mod table;
@@ -36,6 +38,7 @@ pub(crate) use maps::maps_of_f;
 pub(crate) use mesh_map::mesh_map;
 pub(crate) use picture::Picture;
 pub(crate) use plan::mesh_picture;
+pub(crate) use solution_map::SolutionMap;
 pub(crate) use square::{grid, membrane};
 pub(crate) use surface::surfaces;
 pub(crate) use table::of_surfaces as table_of_surfaces;
@@ -51,9 +54,11 @@ use signorini_mathematics::saddle::Iteration;
 pub(crate) struct Surface<'a> {
     pub(crate) title: &'a str,
     pub(crate) mesh: &'a PlaneMesh,
-    /// Heights at the nodes, dimensionless.
+    /// Law on the boundary.
+    pub(crate) law: Law,
+    /// Heights at the nodes.
     pub(crate) y: &'a [f64],
-    /// Nodes that are drawn as in contact.
+    /// Nodes with v = 0 by the law.
     pub(crate) in_contact: &'a [bool],
     /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis; [`uphill`](camera::uphill) hides
     /// least.
@@ -76,6 +81,8 @@ pub(crate) struct HistoryPanel<'a> {
 pub(crate) struct HistoryCurve {
     /// Name in the legend.
     pub(crate) label: String,
+    /// True for the run that is drawn in colour, before the others.
+    pub(crate) is_drawn: bool,
     /// Iterations on each grid; fewer grids if the run ended early.
     pub(crate) levels: Vec<Vec<Iteration>>,
 }
@@ -132,12 +139,14 @@ pub(crate) struct IdentifiabilityPanel<'a> {
     pub(crate) others: Vec<[f64; 2]>,
 }
 
-/// One panel of [`charts`], with logarithmic axes.
+/// One panel of [`charts`], with a logarithmic axis up.
 #[derive(Clone, Debug)]
 pub(crate) struct Chart {
     pub(crate) title: String,
     /// Names of the axes, with their units: across, up.
     pub(crate) axes: [&'static str; 2],
+    /// Scale of the axis across.
+    pub(crate) across: Scale,
     /// Curves; one without points is left out.
     pub(crate) curves: Vec<Curve>,
 }
@@ -148,8 +157,20 @@ impl Chart {
         axes: [&'static str; 2],
         curves: Vec<Curve>,
     ) -> Self {
-        Self { title: title.into(), axes, curves }
+        Self { title: title.into(), axes, across: Scale::Logarithmic, curves }
     }
+
+    /// This chart with a linear axis across.
+    pub(crate) fn linear_across(self) -> Self {
+        Self { across: Scale::Linear, ..self }
+    }
+}
+
+/// Scale of an axis of a [`Chart`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scale {
+    Linear,
+    Logarithmic,
 }
 
 /// A curve of a [`Chart`].
@@ -180,6 +201,11 @@ pub(crate) enum Stroke {
     Line,
     /// Thin dashed line in secondary ink, named at its middle and not in the legend: a bound, a slope.
     Reference,
+}
+
+/// Returns the words for nodes of the boundary with v = 0 by a law.
+fn held(law: Law) -> &'static str {
+    if law.is_signorini() { "in contact (multiplier a > 0)" } else { "sticks (v = 0)" }
 }
 
 /// Returns the decimal logarithm of a value; NaN if the value is not positive, so that the picture is refused.

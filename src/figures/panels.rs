@@ -1,4 +1,4 @@
-//! Square panels, two in a row, each with room for its title and axes, above a foot common to all.
+//! Square panels in rows, each with room for its title and axes, above a foot common to all.
 
 use super::axes::Frame;
 use super::picture::{LARGE, Picture, bold};
@@ -7,6 +7,8 @@ use super::picture::{LARGE, Picture, bold};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panels {
     pub(super) count: usize,
+    /// Most panels in a row.
+    pub(super) columns: usize,
     pub(super) side: f64,
     /// Empty width on the left and on the right of the picture.
     pub(super) margin: f64,
@@ -26,18 +28,18 @@ impl Panels {
     }
 
     pub(super) fn size(&self) -> (f64, f64) {
-        let columns = self.count.min(2) as f64;
+        let columns = self.count.min(self.columns) as f64;
         (2.0 * self.margin + columns * self.cell().0, self.foot_top() + self.foot)
     }
 
     pub(super) fn foot_top(&self) -> f64 {
-        self.count.div_ceil(2) as f64 * self.cell().1
+        self.count.div_ceil(self.columns) as f64 * self.cell().1
     }
 
     /// Returns the square of panel `k`, with the ranges of its axes.
     pub(super) fn frame(&self, k: usize, x: (f64, f64), y: (f64, f64)) -> Frame {
-        let left = self.margin + (k % 2) as f64 * self.cell().0 + self.left;
-        let top = (k / 2) as f64 * self.cell().1 + ABOVE;
+        let left = self.margin + (k % self.columns) as f64 * self.cell().0 + self.left;
+        let top = (k / self.columns) as f64 * self.cell().1 + ABOVE;
         Frame { across: (left, left + self.side), down: (top, top + self.side), x, y }
     }
 }

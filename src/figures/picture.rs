@@ -29,6 +29,15 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }
 
+/// Returns a text without its end if it would be wider in bold letters of this size than the width.
+pub(super) fn fitting(text: &str, size: f64, width: f64) -> String {
+    let letters = (width / (0.66 * size)) as usize;
+    match text.char_indices().nth(letters) {
+        Some(_) => format!("{}…", text.chars().take(letters.saturating_sub(1)).collect::<String>()),
+        None => text.into(),
+    }
+}
+
 fn filled(color: RGBColor) -> ShapeStyle {
     ShapeStyle { color: color.to_rgba(), filled: true, stroke_width: 1 }
 }
@@ -104,23 +113,47 @@ impl Picture {
     }
 
     /// Fills a closed polygon.
-    ///
-    /// A surface has thousands of them: written with moves from corner to corner, where plotters writes places, the
-    /// file is a fifth smaller.
     pub(super) fn polygon(&mut self, places: impl IntoIterator<Item = Place>, color: RGBColor) {
+        self.region([places], color);
+    }
+
+    /// Fills the region between closed polygons.
+    ///
+    /// A surface has thousands of triangles: written with moves from corner to corner, where plotters writes places,
+    /// the file is a fifth smaller.
+    pub(super) fn region<P: IntoIterator<Item = Place>>(
+        &mut self,
+        polygons: impl IntoIterator<Item = P>,
+        color: RGBColor,
+    ) {
         let RGBColor(red, green, blue) = color;
-        let _ = write!(self.body, "<path fill=\"#{red:02X}{green:02X}{blue:02X}\" d=\"m");
-        let mut last = (0, 0);
-        for place in places {
-            let (x, y) = self.fine(place);
-            for (number, before) in [(x, last.0), (y, last.1)] {
-                // A minus sign ends the number before it.
-                let space = if number >= before && !self.body.ends_with('m') { " " } else { "" };
-                let _ = write!(self.body, "{space}{}", number - before);
+        let _ = write!(self.body, "<path fill=\"#{red:02X}{green:02X}{blue:02X}\" d=\"");
+        // A polygon that is closed leaves the pen at its first corner.
+        let mut first = (0, 0);
+        for places in polygons {
+            self.body.push('m');
+            let mut last = first;
+            for (k, place) in places.into_iter().enumerate() {
+                let (x, y) = self.fine(place);
+                for (number, before) in [(x, last.0), (y, last.1)] {
+                    // A minus sign ends the number before it.
+                    let space =
+                        if number >= before && !self.body.ends_with('m') { " " } else { "" };
+                    let _ = write!(self.body, "{space}{}", number - before);
+                }
+                last = (x, y);
+                if k == 0 {
+                    first = last;
+                }
             }
-            last = (x, y);
+            self.body.push('z');
         }
-        self.body += "z\"/>\n";
+        self.body += "\"/>\n";
+    }
+
+    /// Refuses the picture if one of these values, which need not have a place, is not finite.
+    pub(super) fn refuse_unless_finite(&mut self, values: &[f64]) {
+        self.not_finite |= values.iter().any(|value| !value.is_finite());
     }
 
     /// Fills the rectangle between opposite corners.

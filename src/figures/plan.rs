@@ -8,12 +8,12 @@ use super::panels::{Panels, title};
 use super::picture::Picture;
 use signorini_mathematics::mesh::{Condition, PlaneMesh};
 
-/// Side of a panel in display pixels.
-const SIDE: f64 = 288.0;
+/// Sides of a panel in display pixels, where two are in a row and where three are.
+const SIDES: [f64; 2] = [288.0, 180.0];
 /// Room around a mesh over its size.
 const ROOM: f64 = 0.05;
-/// Width of a key below a panel.
-const KEY: f64 = 350.0;
+/// Widths of a key below a panel, where two are in a row and where three are.
+const KEYS: [f64; 2] = [350.0, 240.0];
 /// Distance of the key from the panel.
 const KEY_GAP: f64 = 54.0;
 /// Most letters of a name in a key.
@@ -21,20 +21,28 @@ const LETTERS: usize = 28;
 /// Number of the first shade of regions among the series, unlike the colours of the first parts.
 const FIRST_SHADE: usize = 4;
 
-/// Draws one mesh per panel, below its title, two in a row, each above a key of its parts and, if there are more than
+/// Draws one mesh per panel, below its title, two in a row or, if there are three, all three, each above a key of its parts and, if there are more than
 /// one, its regions.
 ///
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
 pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
     let keys: Vec<_> = panels.iter().map(|(_, mesh)| MeshKey::new(mesh)).collect();
-    let legends: Vec<_> = keys.iter().map(MeshKey::legend).collect();
+    let [side, left, key] = match panels.len() {
+        3 => [SIDES[1], 62.0, KEYS[1]],
+        _ => [SIDES[0], 66.0, KEYS[0]],
+    };
+    let legends: Vec<_> = keys.iter().map(|one| one.legend(key)).collect();
     let rows = legends.iter().map(|legend| legend.rows).max().unwrap_or(0);
     let layout = Panels {
         count: panels.len(),
-        side: SIDE,
-        margin: 20.0,
-        left: 66.0,
-        around: (92.0, 48.0 + KEY_GAP + LEGEND_ROW * rows as f64),
+        columns: if panels.len() == 3 { 3 } else { 2 },
+        side,
+        margin: if panels.len() == 3 { 10.0 } else { 20.0 },
+        left,
+        around: (
+            left + 18.0 + if panels.len() == 3 { 0.0 } else { 8.0 },
+            48.0 + KEY_GAP + LEGEND_ROW * rows as f64,
+        ),
         foot: 8.0,
     };
     let (width, height) = layout.size();
@@ -102,7 +110,8 @@ impl MeshKey {
         Self { parts: parts.collect(), regions }
     }
 
-    fn legend(&self) -> Legend<'_> {
+    /// Returns the legend, no wider than `width`.
+    fn legend(&self, width: f64) -> Legend<'_> {
         let parts = self.parts.iter().enumerate().map(|(k, label)| Entry {
             label,
             color: series(k),
@@ -113,7 +122,7 @@ impl MeshKey {
             color: light(FIRST_SHADE + k),
             sample: Sample::Swatch,
         });
-        Legend::of(parts.chain(regions), KEY)
+        Legend::of(parts.chain(regions), width)
     }
 }
 

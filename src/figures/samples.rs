@@ -127,7 +127,11 @@ fn unusual_scenes() -> Vec<(String, String)> {
         .collect();
     let levels = vec![vec![long[0]; 7], long];
     let runs = (1..=9)
-        .map(|k| HistoryCurve { label: format!("curve number {k}"), levels: levels.clone() })
+        .map(|k| HistoryCurve {
+            label: format!("curve number {k}"),
+            is_drawn: k == 1,
+            levels: levels.clone(),
+        })
         .collect();
     let panel = HistoryPanel { title, grids: &grids, runs };
     figures.push(("long".into(), svg(&histories(&[panel]))));

@@ -1,11 +1,11 @@
 //! Figure 2: solutions on domains in the plane as shaded surfaces, painted from the far triangles to the near ones.
 
-use super::Surface;
 use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
 use super::camera::{Vector, View, between, cross, dot};
 use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
 use super::picture::Picture;
+use super::{Surface, held};
 use signorini_mathematics::mesh::{Condition, centroid};
 use std::collections::BTreeSet;
 
@@ -15,7 +15,8 @@ use std::collections::BTreeSet;
 /// contact, are marked on the surface. All triangles are drawn: a fine mesh makes a large file, see [`DrawnMesh`].
 pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     let boxes: Vec<_> = panels.iter().map(boxed).collect();
-    in_boxes(columns, &boxes, |picture, inside| {
+    let words = panels.first().map_or("", |panel| held(panel.law));
+    in_boxes(columns, (&boxes, words), |picture, inside| {
         let floor = &boxes[inside.panel].floor;
         let surface = PaintedMesh::new(&panels[inside.panel], floor, inside);
         let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
@@ -138,6 +139,7 @@ mod tests {
     use super::*;
     use crate::figures::samples::svg;
     use signorini_mathematics::mesh::{BuiltIn, PlaneMesh, refine};
+    use signorini_mathematics::problem::law::Law;
 
     fn refined(domain: BuiltIn, times: usize) -> PlaneMesh {
         let coarse = domain.plane().unwrap();
@@ -145,7 +147,8 @@ mod tests {
     }
 
     fn drawn(mesh: &PlaneMesh, y: &[f64], in_contact: &[bool]) -> String {
-        let panel = Surface { title: "t", mesh, y, in_contact, azimuth: -37.5, range: None };
+        let law = Law::SIGNORINI;
+        let panel = Surface { title: "t", mesh, law, y, in_contact, azimuth: -37.5, range: None };
         svg(&surfaces(2, &[panel]))
     }
 

@@ -9,7 +9,7 @@ use crate::table::quoted;
 /// Returns the points of all curves but references.
 pub(super) fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
-    for Chart { title, axes: [across, up], curves } in panels {
+    for Chart { title, axes: [across, up], curves, .. } in panels {
         for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
             let names = [title, *across, *up, &curve.label].map(quoted).join(",");
             for (x, y) in &curve.points {
@@ -23,7 +23,7 @@ pub(super) fn of_charts(panels: &[&Chart]) -> String {
 pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     let mut csv = "panel,run,cells,iteration,gradient_signed,gradient_abs,delta_a\n".to_owned();
     for panel in panels {
-        for HistoryCurve { label, levels } in &panel.runs {
+        for HistoryCurve { label, levels, .. } in &panel.runs {
             let names = [panel.title, label].map(quoted).join(",");
             for (grid, iterations) in panel.grids.iter().zip(levels) {
                 for i in iterations {
@@ -93,7 +93,7 @@ fn rounded(value: f64, digits: usize) -> f64 {
 
 /// Returns the number of counts that come out for each f.
 pub(super) fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
-    let mut csv = "panel,f there,f elsewhere,counts\n".to_owned();
+    let mut csv = "panel,f on the quadrant,f elsewhere,counts\n".to_owned();
     for panel in panels {
         let title = quoted(panel.title);
         for (y, row) in panel.slice.y.iter().zip(&panel.slice.exact) {

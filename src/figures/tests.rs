@@ -169,7 +169,7 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let panels = ContactPanel::of("t", &on_grid(grid), &[("l".into(), pair.clone())]).unwrap();
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
-    let run = HistoryCurve { label: "r".into(), levels };
+    let run = HistoryCurve { label: "r".into(), is_drawn: true, levels };
     let history = HistoryPanel { title: "t", grids: &grids, runs: vec![run] };
     [
         ("source", maps_of_f(&[("t", &f), ("u", &f)])),
@@ -221,6 +221,7 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
                 let panels = [-37.5, 52.5, 142.5].map(|azimuth| Surface {
                     title: "t",
                     mesh,
+                    law: Law::SIGNORINI,
                     y,
                     in_contact,
                     azimuth,

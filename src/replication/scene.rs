@@ -31,6 +31,8 @@ pub enum Output {
     Source,
     /// Surface of the solution on the finest grid.
     Surface,
+    /// Map of the solution on the finest grid, with the boundary in contact.
+    Map,
     /// Residuals against iterations.
     History,
     /// Trace and multiplier along the unrolled boundary.
@@ -291,7 +293,7 @@ impl Scene {
             let remedy = "choose another `solver`, or fewer refinements";
             Error::input(format!("scene `{}`: {e}; {remedy}", self.name))
         })?;
-        let mut pictures = [Output::Source, Output::Surface, Output::Contact].iter();
+        let mut pictures = [Output::Source, Output::Surface, Output::Map, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(touching),
             Some(output) => Err(Error::input(format!(

@@ -204,6 +204,12 @@ impl StatedProblem {
         }
     }
 
+    /// Name of the file with the mesh, without folders, if there is one.
+    pub(crate) fn file_name(&self) -> Option<&str> {
+        let Place::Mesh(OnMesh { domain, .. }) = &self.place else { return None };
+        domain.is_file().then(|| Path::new(&domain.name).file_name()?.to_str()).flatten()
+    }
+
     /// Files on which the problem depends, by path.
     pub(crate) fn files(&self) -> InputFiles {
         match &self.place {

@@ -1,6 +1,6 @@
 //! Files that `solve --out` writes.
 
-use crate::figures::{DrawnSolution, surfaces};
+use crate::figures::{DrawnSolution, SolutionMap, surfaces};
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
 use signorini_mathematics::levels::Levels;
@@ -23,12 +23,23 @@ pub(super) enum Format {
 pub(super) struct Solution<'a> {
     /// Levels of whose finest one this is the solution.
     pub levels: &'a dyn Levels,
-    /// Name of the problem.
+    /// Name of the problem, for files of data.
     pub name: &'a str,
+    /// Title of a picture.
+    pub title: &'a str,
+    /// Kind of a picture.
+    pub view: View,
     /// Law on the boundary.
     pub law: Law,
     /// Nodal values and multipliers.
     pub pair: &'a Pair,
+}
+
+/// Kind of picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum View {
+    Map,
+    Surface,
 }
 
 /// Panels of a row for which a picture has room.
@@ -75,7 +86,7 @@ impl Format {
 impl Solution<'_> {
     /// Returns the bytes of a file.
     pub(super) fn file(&self, format: Format) -> Result<Vec<u8>> {
-        let Self { levels, name, law, pair } = *self;
+        let Self { levels, name, title, view, law, pair } = *self;
         match format {
             Format::Npy => Ok(levels.npy(pair)),
             Format::Npz => levels.npz(pair).ok_or_else(|| {
@@ -84,10 +95,14 @@ impl Solution<'_> {
             }),
             Format::Vti | Format::Vtu => Ok(levels.vtk(name, pair)),
             Format::Svg => {
-                let drawn = DrawnSolution::on_levels(name.into(), (levels, law), pair, COLUMNS);
-                let drawn = drawn.map_err(Error::input)?;
-                let picture = surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]);
-                let svg = picture.svg(name, "Made by `signorini solve`.");
+                let on = (levels, law);
+                let picture = match view {
+                    View::Map => SolutionMap::of(title.into(), on, pair).map(|map| map.picture()),
+                    View::Surface => DrawnSolution::on_levels(title.into(), on, pair, COLUMNS)
+                        .map(|drawn| surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)])),
+                };
+                let picture = picture.map_err(Error::input)?;
+                let svg = picture.svg(title, "Made by `signorini solve`.");
                 svg.map(String::into_bytes).map_err(Error::input)
             }
         }

@@ -1,6 +1,6 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
-use super::files::{Format, Solution};
+use super::files::{Format, Solution, View};
 use super::{SolveArgs, cells, rule_name};
 use crate::cli::current_folder;
 use crate::cli::output::{check_options, warn_of_outside};
@@ -32,6 +32,10 @@ pub(super) struct Request {
     pub name: String,
     /// Name of the scene, if f is that of a scene.
     pub scene: Option<String>,
+    /// Title of a picture: that of the scene, the name of the mesh's file, or f.
+    title: String,
+    /// Kind of a picture.
+    view: View,
     /// Quadrature of the load vector; none on meshes, which have one alone.
     load: Option<LoadRule>,
     /// Remedies in the words of the options that the domain has.
@@ -121,6 +125,13 @@ impl Request {
             }
         };
         let name = args.scene.as_deref().unwrap_or(domain).to_owned();
+        let title = match (scene, stated.file_name()) {
+            (Some(scene), _) => scene.title.clone(),
+            (None, Some(file)) => file.to_owned(),
+            (None, None) => problem.levels().f(),
+        };
+        // Meshes have no choice of load vectors.
+        let usual = if load.is_some() { View::Surface } else { View::Map };
         let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
         let settings = scene.and_then(|scene| scene.settings.as_ref());
         let settings = Settings {
@@ -131,6 +142,8 @@ impl Request {
         Ok(Self {
             name,
             scene: args.scene.clone(),
+            title,
+            view: args.view().unwrap_or(usual),
             load,
             remedies,
             stated,
@@ -181,7 +194,9 @@ impl Request {
 
     /// Returns the bytes of a file with a solution on the finest of these levels.
     pub(super) fn file(&self, format: Format, levels: &dyn Levels, pair: &Pair) -> Result<Vec<u8>> {
-        Solution { levels, name: &self.name, law: self.problem.law(), pair }.file(format)
+        let Self { name, title, view, .. } = self;
+        let law = self.problem.law();
+        Solution { levels, name, title, view: *view, law, pair }.file(format)
     }
 
     /// Grids and f on the square; refuses meshes, for an option that only the square has.

@@ -17,7 +17,7 @@ use serde::de::DeserializeOwned;
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::claims::ClaimsPlan;
 use signorini_mathematics::experiments::problems::TableProblem;
-use signorini_mathematics::experiments::{self, accuracy, stress, truth};
+use signorini_mathematics::experiments::{self, accuracy, sticking, stress, truth};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -44,6 +44,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
             experiments::domains::DomainsPlan::default(),
             experiments::domains::domains,
         ),
+        task("sticking", sticking::StickingPlan::default(), sticking::sticking),
         task("truth", truth, truth::truth),
         task("stress", stress, stress::stress),
     ]
@@ -76,6 +77,12 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             "uzawa",
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
             claims::uzawa,
+        ),
+        picture(
+            "sticking",
+            "sticking",
+            "Length of the arcs that stick against one over the bound of the friction",
+            claims::sticking,
         ),
         picture(
             "stress",

@@ -1,13 +1,14 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
 mod book;
+pub(super) mod gallery;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
     ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, MOST_CELLS,
-    Picture, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
+    Picture, SolutionMap, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs, Task, parameters};
@@ -16,35 +17,38 @@ use crate::replication::scene::{Output, Scene};
 use serde_json::json;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::spectral::{SpectralParams, spectral_under};
 use std::collections::BTreeMap;
 
 /// Kind of figure.
 pub(super) struct Kind {
     /// Output with which a scene asks for it.
     pub(super) output: Output,
-    /// Name of the figure that the paper's problems share.
-    shared_name: &'static str,
+    /// Name of the figure that the paper's problems share and the chapters show; none where each scene has its own.
+    pub(super) shared_name: Option<&'static str>,
     /// Words for the contents of the figure, in its title.
     caption: &'static str,
 }
 
 /// All kinds of figure.
-pub(super) const KINDS: [Kind; 5] = [
-    Kind { output: Output::Source, shared_name: "figure1", caption: "Right-hand side f" },
-    Kind { output: Output::Surface, shared_name: "figure2", caption: "Surface v" },
+pub(super) const KINDS: [Kind; 6] = [
+    Kind { output: Output::Source, shared_name: Some("figure1"), caption: "Right-hand side f" },
+    Kind { output: Output::Surface, shared_name: Some("figure2"), caption: "Surface v" },
+    Kind { output: Output::Map, shared_name: None, caption: "Map of v" },
     Kind {
         output: Output::History,
-        shared_name: "histories",
+        shared_name: Some("histories"),
         caption: "Gradient against iterations",
     },
     Kind {
         output: Output::Contact,
-        shared_name: "contact",
+        shared_name: Some("contact"),
         caption: "Trace and multiplier along the boundary",
     },
     Kind {
         output: Output::Identify,
-        shared_name: "identifiability",
+        shared_name: Some("identifiability"),
         caption: "Published counts that come out, around the recovered f",
     },
 ];
@@ -59,11 +63,14 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     let mut tasks = Vec::new();
     for kind in &KINDS {
         let output = kind.output;
-        let shared = sharing(project, scenes, output);
-        if !shared.is_empty() {
-            tasks.push(task(kind, kind.shared_name, &shared));
+        let is_own = |scene: &Scene| kind.shared_name.is_none() || !scene.is_problem();
+        if let Some(name) = kind.shared_name {
+            let shared = sharing(project, scenes, output);
+            if !shared.is_empty() {
+                tasks.push(task(kind, name, &shared));
+            }
         }
-        for scene in scenes.iter().filter(|scene| !scene.is_problem() && scene.wants(output)) {
+        for scene in scenes.iter().filter(|scene| is_own(scene) && scene.wants(output)) {
             tasks.push(task(kind, &format!("{}-{output}", scene.name), &[scene]));
         }
     }
@@ -72,6 +79,7 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         tasks.extend([book::stops(&shared), book::gradients(&shared)]);
         tasks.extend(shared.last().map(|scene| book::iterates(scene)));
         tasks.extend(book::drawings());
+        tasks.extend(gallery::tasks(project));
     }
     tasks
 }
@@ -87,7 +95,9 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     for scene in &scenes {
         let mut read = json!({ "title": scene.title });
         match output {
-            Output::Source | Output::Identify => read["problem"] = json!(scene.problem),
+            Output::Source | Output::Identify | Output::Contact => {
+                read["problem"] = json!(scene.problem);
+            }
             _ => read["place"] = json!(scene.problem.place),
         }
         for (key, value) in parameters(&read) {
@@ -109,7 +119,7 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
 /// Ids of the tasks from whose artifacts the figure of a scene is drawn.
 fn needs(output: Output, scene: &Scene) -> Vec<String> {
     match output {
-        Output::Surface => vec![surface(scene)],
+        Output::Surface | Output::Map => vec![surface(scene)],
         Output::History => solve::ids(scene, scene.first_rule()).collect(),
         Output::Contact => {
             let drawn = scene.rules().into_iter().map(|rule| scene.drawn(rule));
@@ -155,6 +165,7 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
     match output {
         Output::Source | Output::Table => draw_maps(scenes, inputs),
         Output::Surface => draw_surfaces(scenes, inputs),
+        Output::Map => draw_map(scenes, inputs),
         Output::History => {
             let panels = scenes.iter().map(|scene| history(scene, inputs));
             Ok(histories(&panels.collect::<Result<Vec<_>, _>>()?))
@@ -192,6 +203,15 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> 
     Ok(surfaces(2, &panels))
 }
 
+/// Draws the map of the solution of one scene.
+fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
+    let [scene] = scenes else { return Err("each scene has a map of its own".into()) };
+    let problem = solve::problem(inputs, scene)?;
+    let pair = solve::pair(inputs, scene, scene.first_rule(), &problem)?;
+    let (title, on) = (title_with_end(inputs, scene)?, (problem.levels(), problem.law()));
+    Ok(SolutionMap::of(title, on, &pair)?.picture())
+}
+
 /// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error.
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (&scene.title, scene.first_rule());
@@ -217,26 +237,60 @@ fn bounds(inputs: &Inputs, scenes: &[Scene]) -> Result<String, String> {
 
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
     let mut runs = Vec::new();
+    let drawn = scene.drawn(scene.first_rule()).map(|drawn| drawn.r);
     for (task, r) in solve::ids(scene, scene.first_rule()).zip(&scene.saddle().r) {
         let levels = from_json(inputs, &task, HISTORY)?;
-        runs.push(HistoryCurve { label: format!("r = {r}"), levels });
+        let is_drawn = drawn == Some(*r);
+        runs.push(HistoryCurve { label: format!("r = {r}"), is_drawn, levels });
     }
     Ok(HistoryPanel { title: &scene.title, grids: &scene.on_grids().grids, runs })
 }
 
-/// Draws, for each closed curve of the boundaries, the trace and the multiplier where each rule stops.
+/// Draws, for each closed curve of the boundaries, the trace and the multiplier where each rule stops, and, of the
+/// paper's problems, the true ones.
 fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     let mut panels = Vec::new();
     for scene in scenes {
         let problem = solve::problem(inputs, scene)?;
-        let mut solutions = Vec::new();
+        let mut ends = Vec::new();
         for rule in scene.rules() {
-            let pair = solve::pair(inputs, scene, rule, &problem)?;
-            solutions.push((solve::label(inputs, scene, rule)?, pair));
+            ends.push(solve::no_solution(inputs, scene, rule)?);
         }
-        panels.extend(ContactPanel::of(&scene.title, &problem, &solutions)?);
+        // An end that all rules have is said once.
+        let common = ends[0].as_deref().filter(|_| ends.iter().all(|end| *end == ends[0]));
+        let title = match common {
+            Some(end) => format!("{} ({end} on this grid)", scene.title),
+            None => scene.title.clone(),
+        };
+        let mut solutions = Vec::new();
+        for (rule, end) in scene.rules().into_iter().zip(&ends) {
+            let mut label = solve::label(scene, rule);
+            if let Some(end) = end.as_ref().filter(|_| common.is_none()) {
+                label += &format!(", {end}");
+            }
+            solutions.push((label, solve::pair(inputs, scene, rule, &problem)?));
+        }
+        if scene.is_problem() {
+            solutions.push(("true solution".into(), true_trace(scene)?));
+        }
+        panels.extend(ContactPanel::of(&title, &problem, &solutions)?);
     }
     Ok(contact(&panels))
+}
+
+/// Returns the true solution of a scene on the square on the boundary of its finest grid, with zeros inside.
+fn true_trace(scene: &Scene) -> Result<Pair, String> {
+    let (grid, law) = (scene.finest(), scene.law());
+    let solution = spectral_under(law, &scene.on_grids().f, SpectralParams::default())
+        .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
+    let mut pair = Pair { y: vec![0.0; grid.nodes()], a: Vec::new() };
+    for (b, node) in grid.boundary().enumerate() {
+        let (i, j) = grid.boundary_node(b);
+        let [value, flux] = solution.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
+        pair.y[node] = value;
+        pair.a.push(law.project(flux));
+    }
+    Ok(pair)
 }
 
 fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {

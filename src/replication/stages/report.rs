@@ -58,7 +58,11 @@ fn missing_setting(scene: &Scene) -> Option<String> {
     if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.saddle().stop.contains(rule)) {
         return Some(format!("\"{rule}\" to `stop`"));
     }
-    let mut outputs = figures::KINDS.iter().map(|kind| kind.output).chain([Output::Table]);
+    let mut outputs = figures::KINDS
+        .iter()
+        .filter(|kind| kind.shared_name.is_some())
+        .map(|kind| kind.output)
+        .chain([Output::Table]);
     let missing = outputs.find(|output| !scene.wants(*output))?;
     Some(format!("\"{missing}\" to `outputs`"))
 }

@@ -19,7 +19,7 @@ pub(super) struct Solutions {
 
 impl Solutions {
     /// Gathers, of the paper's problems, the pair where the first rule stops and the discrete solution; of the other
-    /// scenes with a picture of the surface, the solution or the pair where their first rule stops.
+    /// scenes with a picture of the solution, the solution or the pair where their first rule stops.
     pub(super) fn of(
         inputs: &Inputs,
         problems: &[Scene],
@@ -35,7 +35,9 @@ impl Solutions {
             let words = "the solution";
             solutions.add(scene, &problem, State { ending: "-solution", words, pair: &pair });
         }
-        for scene in others.iter().filter(|scene| scene.wants(Output::Surface)) {
+        for scene in
+            others.iter().filter(|scene| scene.wants(Output::Surface) || scene.wants(Output::Map))
+        {
             let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
             let pair = solve::pair(inputs, scene, rule, &problem)?;
             let words = &solve::state(inputs, scene, rule)?;

@@ -165,7 +165,8 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
             max_iterations: settings.max_iterations,
         }),
         keep_pair: run == scene.drawn(rule)
-            && ((scene.wants(Output::Surface) && is_first_rule) || scene.wants(Output::Contact)),
+            && ((is_first_rule && (scene.wants(Output::Surface) || scene.wants(Output::Map)))
+                || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && is_first_rule,
     }
 }
@@ -424,19 +425,11 @@ pub(super) fn percent(part: f64) -> String {
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
-pub(super) fn label(
-    inputs: &Inputs,
-    scene: &Scene,
-    rule: Option<StopRule>,
-) -> Result<String, String> {
-    let label = match scene.drawn(rule) {
+pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
+    match scene.drawn(rule) {
         Some(RuleAndR { rule, r }) => format!("stop: {rule}, r = {r}"),
         None => scene.solver.entry().in_words.to_owned(),
-    };
-    Ok(match no_solution(inputs, scene, rule)? {
-        Some(end) => format!("{label}, {end}"),
-        None => label,
-    })
+    }
 }
 
 /// Returns a line that counts the grids on which solves of a scene ended without a solution, if one of them is the

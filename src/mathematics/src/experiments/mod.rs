@@ -4,7 +4,7 @@
 //! other results. Run times are measured elsewhere, by `signorini bench`.
 //!
 //! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
-//! [`claims::claims`], [`domains::domains`], [`stress::stress`], [`truth::truth`].
+//! [`claims::claims`], [`domains::domains`], [`sticking::sticking`], [`stress::stress`], [`truth::truth`].
 
 pub mod accuracy;
 pub mod claims;
@@ -13,6 +13,7 @@ pub mod known;
 mod numbers;
 pub mod problems;
 pub mod saddle;
+pub mod sticking;
 pub mod stress;
 pub mod trial;
 pub mod truth;

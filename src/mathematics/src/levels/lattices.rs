@@ -221,8 +221,19 @@ impl Levels for Lattices {
     fn curves(&self) -> Option<Vec<ClosedCurve>> {
         let grid = self.finest();
         let places = (0..grid.boundary_nodes()).map(|b| b as f64 * grid.h()).collect();
-        let (nodes, length) = (grid.boundary().collect(), Grid::PERIMETER);
-        Some(vec![ClosedCurve { parts: None, nodes, places, length }])
+        let numbers = 0..grid.boundary_nodes();
+        let points = numbers.map(|b| {
+            let (i, j) = grid.boundary_node(b);
+            [grid.coordinate(i), grid.coordinate(j)]
+        });
+        Some(vec![ClosedCurve {
+            parts: None,
+            nodes: grid.boundary().collect(),
+            points: points.collect(),
+            has_law: vec![true; grid.boundary_nodes()],
+            places,
+            length: Grid::PERIMETER,
+        }])
     }
 
     fn vtk_ending(&self) -> &'static str {

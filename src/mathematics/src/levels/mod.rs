@@ -194,6 +194,10 @@ pub struct ClosedCurve {
     pub parts: Option<String>,
     /// Nodes of the finest level in their order along the curve.
     pub nodes: Vec<usize>,
+    /// Coordinates of these nodes.
+    pub points: Vec<[f64; 2]>,
+    /// True if the law holds on the edge from the node to the next one, the first after the last.
+    pub has_law: Vec<bool>,
     /// Arc lengths of the nodes, from 0 on.
     pub places: Vec<f64>,
     /// Length of the curve.

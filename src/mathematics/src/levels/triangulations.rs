@@ -14,8 +14,8 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
-    AnyMesh, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh,
-    Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
+    AnyMesh, Condition, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes,
+    PlaneMesh, Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
@@ -265,13 +265,24 @@ where
 
     fn curves(&self) -> Option<Vec<ClosedCurve>> {
         let mesh = plane(self.finest())?;
+        let mut has_law = vec![false; mesh.points().len()];
+        for facet in mesh.facets() {
+            has_law[facet.nodes[0] as usize] = mesh.condition(facet) == Condition::Contact;
+        }
         let mut curves = Vec::new();
         for curve in boundary_curves(mesh) {
             let parts = curve.parts.iter().map(|&part| mesh.parts()[part].names.to_string());
             let parts = Some(parts.collect::<Vec<_>>().join(", "));
             let mut places = arc_lengths(mesh, &curve.nodes);
             let length = places.pop().unwrap_or_default();
-            curves.push(ClosedCurve { parts, nodes: curve.nodes, places, length });
+            curves.push(ClosedCurve {
+                parts,
+                points: curve.nodes.iter().map(|&node| mesh.points()[node]).collect(),
+                has_law: curve.nodes.iter().map(|&node| has_law[node]).collect(),
+                nodes: curve.nodes,
+                places,
+                length,
+            });
         }
         Some(curves)
     }

@@ -9,6 +9,7 @@ use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, TRUTH};
 use crate::replication::scene::Scene;
 use crate::replication::stages::diff::{self, DIFF};
+use crate::replication::stages::figures::gallery;
 use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
@@ -66,6 +67,7 @@ pub(super) fn context(
     let text = inputs.file(TRUTH)?.ok_or("no true solutions")?;
     context.insert("digits", &compared(&mut references, text)?);
     context.insert("references", &references);
+    context.insert("gallery", &gallery::shown(inputs)?);
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs)?);
     let timings = bench::times(inputs)?;

@@ -1,0 +1,261 @@
+//! The gallery: maps of problems of all kinds, each with the one command that makes it and three numbers.
+
+use super::{drawing, id};
+use crate::figures::SolutionMap;
+use crate::pipeline::error::Failure;
+use crate::pipeline::{InputFile, InputFiles, Inputs, Task, parameters};
+use crate::replication::domain::DomainSettings;
+use crate::replication::project::Project;
+use crate::replication::stages::artifact;
+use crate::replication::stated::{OnSquare, StatedProblem};
+use serde_json::{Value, json};
+use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::solvers::{self, Run, Settings, Solver};
+use signorini_mathematics::spectral::{SpectralParams, spectral_under};
+
+/// Problem of the gallery, with what `solve` is told of it.
+struct Shown {
+    name: &'static str,
+    title: &'static str,
+    f: &'static str,
+    /// Domain with its number of refinements; none for the square.
+    mesh: Option<(&'static str, u8)>,
+    /// Options about parts of the boundary, each with a part.
+    parts: &'static [(&'static str, &'static str)],
+    law: Option<LawParameter>,
+    solver: Solver,
+}
+
+/// Problem on the square under the paper's law, by multigrid; the others differ in what they name.
+const PLAIN: Shown = Shown {
+    name: "",
+    title: "",
+    f: "",
+    mesh: None,
+    parts: &[],
+    law: None,
+    solver: Solver::Multigrid,
+};
+
+/// Mesh from a file, as a path in the project.
+const GEAR: &str = "pipeline/meshes/gear.msh";
+
+/// Problems of the gallery, in its order.
+const GALLERY: [Shown; 8] = [
+    Shown {
+        name: "gallery-source",
+        title: "A round source in the square",
+        f: "disc(0.1,0.1,0.25)=5; else=-1.5",
+        ..PLAIN
+    },
+    Shown {
+        name: "gallery-regions",
+        title: "Sources and sinks of every shape",
+        f: "quadrant(ur)=1; halfplane(1,1,-0.3)=-6; rect(-0.42,-0.12,-0.05,0.38)=4; disc(0.2,-0.1,0.18)=6; else=-1",
+        ..PLAIN
+    },
+    Shown {
+        name: "gallery-lshape",
+        title: "The L-shape, with its re-entrant corner",
+        f: "rect(-1,0,-1,0)=3; else=-2",
+        mesh: Some(("lshape", 4)),
+        ..PLAIN
+    },
+    Shown {
+        name: "gallery-annulus",
+        title: "An annulus whose inner circle is held at zero",
+        f: "halfplane(1,0,0)=3; else=-3",
+        mesh: Some(("annulus", 3)),
+        parts: &[("--fixed", "inner")],
+        ..PLAIN
+    },
+    Shown {
+        name: "gallery-gear",
+        title: "A gear from Gmsh, its hole free",
+        f: "disc(0.5,0.3,0.4)=4; else=-1.5",
+        mesh: Some((GEAR, 2)),
+        parts: &[("--free", "hole")],
+        ..PLAIN
+    },
+    Shown {
+        name: "gallery-friction",
+        title: "Friction: up on one side, down on the other",
+        f: "halfplane(1,1,0)=8; else=-8",
+        law: Some(LawParameter::Friction(1.5)),
+        ..PLAIN
+    },
+    Shown {
+        name: "gallery-limit",
+        title: "A disc that lets at most a given flow in",
+        f: "rect(-1,0,-1,0)=-6; else=1",
+        mesh: Some(("disc", 4)),
+        law: Some(LawParameter::Limit(2.0)),
+        ..PLAIN
+    },
+    Shown {
+        name: "gallery-truth",
+        title: "Problem 2 of the paper, solved to rounding",
+        f: "quadrant(ll)=-6; else=1.998",
+        solver: Solver::Spectral,
+        ..PLAIN
+    },
+];
+
+/// Columns of the table beside a picture.
+const COLUMNS: [&str; 3] = ["energy", "error", "held"];
+
+/// Solution of a problem of the gallery.
+struct Solved {
+    pair: Pair,
+    energy: f64,
+    /// Guaranteed bound of the error in the energy norm over the size of the solution; of a true solution, the
+    /// difference of the energy at two resolutions over the latter.
+    error: f64,
+    /// Share of the boundary under the law on which v is held at zero.
+    held: f64,
+}
+
+impl Shown {
+    /// Command that solves the problem and draws the picture.
+    fn command(&self) -> String {
+        let mut command = format!("solve --f '{}'", self.f);
+        if let Some((domain, refine)) = self.mesh {
+            command += &format!(" --domain {domain} --refine {refine}");
+        }
+        for (option, part) in self.parts {
+            command += &format!(" {option} {part}");
+        }
+        command += &match self.law {
+            Some(LawParameter::Friction(g)) => format!(" --friction {g}"),
+            Some(LawParameter::Limit(limit)) => format!(" --limit {limit}"),
+            None => String::new(),
+        };
+        if self.solver != Solver::Multigrid {
+            command += &format!(" --solver {}", self.solver);
+        }
+        format!("{command} --map --out target/{}.svg", self.name)
+    }
+
+    /// Problem as the command states it.
+    fn stated(&self) -> Result<StatedProblem, Failure> {
+        if let Some((name, refine)) = self.mesh {
+            let all = |wanted: &str| {
+                let parts = self.parts.iter().filter(|(option, _)| *option == wanted);
+                parts.map(|(_, part)| (*part).to_owned()).collect()
+            };
+            let domain = DomainSettings {
+                refine: Some(refine),
+                free: all("--free"),
+                fixed: all("--fixed"),
+                ..DomainSettings::named(name.trim_start_matches("pipeline/"))
+            };
+            return Ok(StatedProblem::on_mesh(domain, self.f.into(), self.law));
+        }
+        let square = OnSquare {
+            f: self.f.parse::<Source>().map_err(|e| e.to_string())?,
+            load: LoadRule::Bilinear {},
+            grids: nested(&[4, 8, 16, 32, 64]).map_err(|e| e.to_string())?,
+        };
+        Ok(StatedProblem::on_square(square, self.law))
+    }
+
+    fn solve(&self, problem: &Problem) -> Result<Solved, Failure> {
+        if self.solver == Solver::Spectral {
+            return self.solve_truly(problem);
+        }
+        let run = solvers::solve(problem, &Settings::of(self.solver));
+        let Run { y, ends, judgement, .. } = run.map_err(|e| format!("{}: {e}", self.name))?;
+        let bounds = problem.bounds(&y).map_err(|e| format!("{}: {e}", self.name))?;
+        let energy = ends.last().map_or(f64::NAN, |end| end.energy);
+        let pair = Pair { a: judgement.multiplier(&y), y };
+        let held = held(problem, &pair);
+        Ok(Solved { pair, energy, error: bounds.relative(), held })
+    }
+
+    /// Solves on the square without a grid, and evaluates the solution at the nodes.
+    fn solve_truly(&self, problem: &Problem) -> Result<Solved, Failure> {
+        let source = self.f.parse::<Source>().map_err(|e| e.to_string())?;
+        let law = problem.law();
+        let solution = spectral_under(law, &source, SpectralParams::default());
+        let finer = solution.and_then(|solution| solution.at_resolution(SpectralParams::FINER));
+        let finer = finer.map_err(|e| format!("{}: {e}", self.name))?;
+        let nodes = problem.levels().nodes(problem.finest());
+        let y = finer.at_nodes(nodes.isqrt() - 1);
+        let mut a = Vec::new();
+        for curve in problem.levels().curves().into_iter().flatten() {
+            a.extend(curve.points.iter().map(|&point| law.project(finer.on_boundary(point)[1])));
+        }
+        let pair = Pair { y, a };
+        let held = held(problem, &pair);
+        let error = finer.checks.resolution.map_or(f64::NAN, f64::abs);
+        Ok(Solved { pair, energy: finer.energy, error, held })
+    }
+}
+
+/// Returns the share of the boundary under the law on which v is held at zero.
+fn held(problem: &Problem, pair: &Pair) -> f64 {
+    let (levels, mut held, mut all) = (problem.levels(), 0.0, 0.0);
+    let states = levels.in_contact(problem.law(), pair);
+    for (node, is_held) in levels.contact().iter().zip(states) {
+        all += node.measure;
+        held += if is_held { node.measure } else { 0.0 };
+    }
+    held / all
+}
+
+/// The tasks that draw the gallery; a picture whose mesh the project lacks is left out.
+pub(super) fn tasks(project: &Project) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for shown in &GALLERY {
+        let path = shown.mesh.map(|(name, _)| name).filter(|name| *name == GEAR);
+        let file = path.map(|path| (path, project.root.join(path)));
+        if file.as_ref().is_some_and(|(_, path)| !path.is_file()) {
+            continue;
+        }
+        let files = file.map(|(name, path)| (name.to_owned(), InputFile::new(path)));
+        let files: InputFiles = files.into_iter().collect();
+        let task = drawing(shown.name, shown.title.into(), Vec::new(), move |inputs| {
+            let problem = shown.stated()?.problem(inputs.files)?;
+            let Solved { pair, energy, error, held } = shown.solve(&problem)?;
+            let on = (problem.levels(), problem.law());
+            let mut picture = SolutionMap::of(shown.f.into(), on, &pair)?.picture();
+            picture.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
+            Ok(picture)
+        });
+        let said = parameters(&json!({ "title": shown.title, "command": shown.command() }));
+        tasks.push(Task { parameters: said, files, ..task });
+    }
+    tasks
+}
+
+/// Returns the pictures of the gallery that were made, each with its command and its numbers, for the templates.
+pub(in crate::replication::stages) fn shown(inputs: &Inputs) -> Result<Vec<Value>, Failure> {
+    let mut all = Vec::new();
+    for shown in &GALLERY {
+        let Ok(table) = artifact(inputs, &id(shown.name), &format!("{}.csv", shown.name)) else {
+            continue;
+        };
+        let row = std::str::from_utf8(table)?.lines().nth(1).unwrap_or_default();
+        let numbers = row.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>();
+        let [energy, error, held] = numbers.map_err(|e| format!("{}: {e}", shown.name))?[..] else {
+            return Err(format!("{}: not three numbers", shown.name).into());
+        };
+        let law = LawParameter::law_or_papers(shown.law).map_err(|e| e.to_string())?;
+        all.push(json!({
+            "name": shown.name,
+            "title": shown.title,
+            "command": shown.command(),
+            "energy": energy,
+            "error": error,
+            "held": held,
+            "is_papers_law": law == Law::SIGNORINI,
+            "is_true": shown.solver == Solver::Spectral,
+        }));
+    }
+    Ok(all)
+}
