@@ -81,9 +81,9 @@ pub(super) struct SolveArgs {
     /// 0.00390625, and 256 cells per side, are the same width.
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
     h: Option<String>,
-    /// Solver [default: multigrid; for a scene: arrow-hurwicz]
+    /// Solver [default: the scene's, or multigrid]
     ///
-    /// With --r, --stop or --max-iterations the default is arrow-hurwicz too.
+    /// With --r, --stop or --max-iterations the default is arrow-hurwicz, unless the scene has a method that takes them.
     #[arg(long, value_parser = solver_parser())]
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]

@@ -17,7 +17,8 @@ fn refused(said: &Said) -> Value {
 
 #[test]
 fn a_scene_is_obeyed_and_what_overrides_it_is_announced() {
-    let scene = "title = \"t\"\nf = \"rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1\"\ngrids = [16, 32]\nr = [3]\n\
+    let scene = "title = \"t\"\nf = \"rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1\"\ngrids = [16, 32]\n\
+        solver = \"arrow-hurwicz\"\nr = [3]\n\
         stop = [\"printed-dual\"]\nmax_iterations = 70000\nprolongation = \"rising-diagonal\"\n\
         load = { rule = \"exact\" }\noutputs = [\"table\"]\n";
     let project = Project::with(scene);

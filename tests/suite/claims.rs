@@ -62,7 +62,10 @@ fn the_lanes_count_what_the_solver_counts() {
         let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids { grids: &scene.on_grids().grids, prolongation: scene.prolongation },
+            &NestedGrids {
+                grids: &scene.on_grids().grids,
+                prolongation: scene.saddle().prolongation,
+            },
             Law::SIGNORINI.with_loads(&loads),
             &params,
             &mut (),

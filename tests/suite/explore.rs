@@ -76,10 +76,10 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
         let grids = nested(&cells).unwrap();
         let loads: Vec<_> =
             grids.iter().map(|&g| load(g, &scene.on_grids().f, scene.on_grids().load)).collect();
-        for (row, &r) in scene.r.iter().enumerate() {
+        for (row, &r) in scene.saddle().r.iter().enumerate() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
             let (outcomes, _) = solve_nested(
-                &NestedGrids { grids: &grids, prolongation: scene.prolongation },
+                &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },
                 Law::SIGNORINI.with_loads(&loads),
                 &params,
                 &mut (),

@@ -16,7 +16,7 @@ const SCENE: &str = "title = \"t\"\npaper_table = 1\n\
 
 const ON_DOMAIN: &str = "title = \"t\"\nf = \"rect(-1,0,-1,0)=-6; else=1\"\n\
     domain = { name = \"disc\", refine = 3, free = [], curve = { rim = [0, 0, 1] } }\n\
-    r = [10]\nstop = [\"signed\"]\noutputs = [\"table\", \"contact\"]\n";
+    solver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"signed\"]\noutputs = [\"table\", \"contact\"]\n";
 
 /// Words that a scene is made of, and some that break it.
 const WORDS: [&str; 40] = [
@@ -208,7 +208,7 @@ proptest! {
     ) {
         let f = f.join(";");
         answers(&format!(
-            "title = \"t\"\nf = \"{f}; else=-1\"\ngrids = {grids:?}\nr = {r:?}\nmax_iterations = {cap}\ndraw_r = \
+            "title = \"t\"\nf = \"{f}; else=-1\"\ngrids = {grids:?}\nsolver = \"arrow-hurwicz\"\nr = {r:?}\nmax_iterations = {cap}\ndraw_r = \
              {draw:?}\noutputs = []\n"
         ))?;
     }

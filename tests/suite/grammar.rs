@@ -48,7 +48,7 @@ fn texts() -> Vec<(&'static str, String)> {
 fn by_program(text: &str) -> Result<Source, String> {
     let f = json!(text);
     // JSON has no other escapes than TOML, and TOML no raw control characters either.
-    let scene = format!("title = \"f\"\nf = {f}\ngrids = [4]\nr = [10]\noutputs = [\"table\"]\n");
+    let scene = format!("title = \"f\"\nf = {f}\ngrids = [4]\noutputs = [\"table\"]\n");
     let parsed = Scene::parse("f", &scene).map_err(|error| error.to_string());
     let without_place = |message: String| {
         message.trim_start_matches("scene `f`: ").trim_start_matches("line 2: ").to_owned()

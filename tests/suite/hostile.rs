@@ -117,6 +117,17 @@ impl Chooser {
             "4",
         ];
         text += &format!("grids = {}\n", self.one(&grids));
+        let solvers = [
+            "arrow-hurwicz",
+            "uzawa",
+            "uzawa-proximal",
+            "|",
+            "multigrid",
+            "spectral",
+            "active-set",
+            "x",
+        ];
+        text += &format!("solver = \"{}\"\n", self.one(&solvers));
         let caps = ["1000", "7", "1", "|", "0", "-1", "1e3"];
         text += &format!("max_iterations = {}\n", self.one(&caps));
         let r = ["10, 1", "1e6", "10", "0.5", "|", "0.5, 0.5", "nan", "-1", "", "1e13"];

@@ -5,7 +5,7 @@ use std::fs;
 
 /// Scene with friction and all outputs that do not need a published table.
 const SCENE: &str = "title = \"Friction\"\nf = \"halfplane(1,0,0)=8; else=-8\"\nlaw = { friction = 1 }\n\
-    grids = [4, 8, 16]\nr = [10, 1e6]\nstop = [\"printed\", \"printed-dual\"]\n\
+    grids = [4, 8, 16]\nsolver = \"arrow-hurwicz\"\nload = { rule = \"nodal\", diagonal = \"rising\" }\nr = [10, 1e6]\nstop = [\"printed\", \"printed-dual\"]\n\
     outputs = [\"table\", \"surface\", \"contact\", \"history\"]\n";
 
 fn project(scene: &str) -> Project {

@@ -78,7 +78,7 @@ fn squares_that_are_not_joined_are_told_and_the_sense_of_their_elements_does_not
     project.write("pipeline/apart.msh", apart);
     project.scene(
         "apart",
-        "title = \"Apart\"\nf = \"else=-1\"\ndomain = { name = \"apart.msh\", refine = 1 }\nr = [10]\noutputs = \
+        "title = \"Apart\"\nf = \"else=-1\"\ndomain = { name = \"apart.msh\", refine = 1 }\nsolver = \"arrow-hurwicz\"\nr = [10]\noutputs = \
          [\"table\"]\n",
     );
     let said = project.run(&["run", "apart"]);

@@ -5,7 +5,7 @@ use std::fs;
 
 const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=-1\"\n\
     domain = { name = \"meshes/gear.msh\", refine = 0, free = [\"hole\"] }\n\
-    r = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\", \"surface\"]\n";
+    solver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\", \"surface\"]\n";
 
 fn gear() -> Vec<u8> {
     fs::read(format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"))).unwrap()

@@ -30,7 +30,10 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids { grids: &scene.on_grids().grids, prolongation: scene.prolongation },
+            &NestedGrids {
+                grids: &scene.on_grids().grids,
+                prolongation: scene.saddle().prolongation,
+            },
             Law::SIGNORINI.with_loads(&loads),
             &params,
             &mut (),
@@ -42,7 +45,7 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
             delta_a: outcomes.last().unwrap().end.change(),
         }
     };
-    scene.r.iter().map(row).collect()
+    scene.saddle().r.iter().map(row).collect()
 }
 
 fn exact_counts(paper: &Paper, scene: &Scene, rule: StopRule) -> usize {
@@ -64,7 +67,7 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
     const CAP: usize = 100_000;
     let project = project();
     for (name, rule, r) in ["problem1", "problem2"].into_iter().flat_map(|name| {
-        let r = &project.scene(name).unwrap().r;
+        let r = &project.scene(name).unwrap().saddle().r;
         let of = move |rule| r.iter().map(move |&r| (name, rule, r));
         [StopRule::Signed, StopRule::Printed].into_iter().flat_map(of)
     }) {
@@ -73,7 +76,7 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let (grids, loads) =
             (&scene.on_grids().grids, scene.on_grids().grids.iter().map(load).collect::<Vec<_>>());
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
-        let levels = NestedGrids { grids, prolongation: scene.prolongation };
+        let levels = NestedGrids { grids, prolongation: scene.saddle().prolongation };
         let problem = Law::SIGNORINI.with_loads(&loads);
         let (made, made_pair) = solve_nested(&levels, problem, &params, &mut ());
         let (mut pair, mut defined) = (vec![Pair::zero(grids[0])], Vec::new());
@@ -112,7 +115,7 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
     for name in ["problem1", "problem2"] {
         let scene = project.scene(name).unwrap();
         let mut rows = Vec::new();
-        for &r in &scene.r {
+        for &r in &scene.saddle().r {
             let (grids, prolongation) = (&scene.on_grids().grids[..], Prolongation::Bilinear);
             let levels = NestedGrids { grids, prolongation };
             let (mut pair, mut counts, mut delta_a) =
@@ -232,7 +235,7 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     let mut errors =
         ErrorsOnGrids { exact: |x, y| exact.at(x, y).value, grids: &grids, largest: Vec::new() };
     solve_nested(
-        &NestedGrids { grids: &grids, prolongation: scene.prolongation },
+        &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },
         Law::SIGNORINI.with_loads(&loads),
         &params,
         &mut errors,

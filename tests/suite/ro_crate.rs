@@ -129,7 +129,7 @@ fn inputs_are_said_to_be_what_they_are() {
     // Any ending will do for a mesh.
     for name in ["gear.msh", "gear.geometry", "gear.toml"] {
         fs::copy(gear, project.path(&format!("pipeline/{name}"))).unwrap();
-        let scene = "title = \"Gear\"\nf = \"region(gear)=-1\"\nr = [10]\nstop = [\"printed-dual\"]\n\
+        let scene = "title = \"Gear\"\nf = \"region(gear)=-1\"\nsolver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"printed-dual\"]\n\
             outputs = [\"table\"]\n";
         let domain = format!("domain = {{ name = \"{name}\", refine = 0, free = [\"hole\"] }}\n");
         project.scene(&name.replace('.', "-"), &(scene.to_owned() + &domain));

@@ -3,13 +3,14 @@
 use crate::common::Project;
 
 /// The criterion is met by the zero pair already: the load is far below its tolerance.
-const TINY: &str = "title = \"Tiny\"\nf = \"else=-1e-8\"\nr = [10]\nload = { rule = \"exact\" }\n\
+const TINY: &str = "title = \"Tiny\"\nf = \"else=-1e-8\"\nsolver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"signed\"]\nload = { rule = \"exact\" }\n\
     outputs = [\"table\", \"surface\", \"contact\"]\n";
 /// The nodes see the disc as larger than it is: the load sums to a positive number on the coarse grids.
-const LIFTED: &str = "title = \"Lifted\"\nf = \"rect(-0.27,0.27,-0.27,0.27)=3; else=-1.6\"\ngrids = [4, 8]\nr = [10]\n\
-    outputs = [\"table\", \"surface\"]\n";
-const SOLVED: &str = "title = \"Suction\"\nf = \"else=-1\"\ngrids = [4, 8]\nr = [10]\nstop = [\"printed-dual\"]\n\
-    load = { rule = \"exact\" }\noutputs = [\"table\", \"surface\"]\n";
+const LIFTED: &str = "title = \"Lifted\"\nf = \"rect(-0.27,0.27,-0.27,0.27)=3; else=-1.6\"\ngrids = [4, 8]\n\
+    solver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"signed\"]\n\
+    load = { rule = \"nodal\", diagonal = \"rising\" }\noutputs = [\"table\", \"surface\"]\n";
+const SOLVED: &str = "title = \"Suction\"\nf = \"else=-1\"\ngrids = [4, 8]\n\
+    solver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"printed-dual\"]\nload = { rule = \"exact\" }\noutputs = [\"table\", \"surface\"]\n";
 
 /// Values of a column of `report/results.csv` for a scene.
 fn column(project: &Project, scene: &str, name: &str) -> Vec<String> {

@@ -387,7 +387,9 @@ pub(super) fn state(
     Ok(match (outcomes.no_solution(scene), scene.accuracy) {
         (Some(end), _) => end,
         // The solver stops where its error is that of the grid.
-        (None, Some(Accuracy::Error(wanted))) => format!("with an error of {}", percent(wanted)),
+        (None, Some(Accuracy::Error(wanted))) => {
+            format!("with an error of at most {}", percent(wanted))
+        }
         (None, _) => "the solution".into(),
     })
 }
@@ -415,13 +417,12 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
     ))
 }
 
-/// Returns a part of one as a percentage with two digits, rounded upwards.
+/// Returns a part of one as a percentage, as `solve` writes it.
 pub(super) fn percent(part: f64) -> String {
     let percent = 100.0 * part;
-    let unit = 10f64.powi(percent.log10().floor() as i32 - 1);
-    let digits = (-unit.log10().round()).max(0.0) as usize;
-    // A value that the decimals meet stays as it is.
-    format!("{:.digits$} %", ((percent / unit) * (1.0 - 1e-12)).ceil() * unit)
+    let text = if percent < 0.1 { format!("{percent:.1e}") } else { format!("{percent:.2}") };
+    let text = text.strip_suffix(".00").unwrap_or(&text);
+    format!("{text} %")
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
