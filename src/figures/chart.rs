@@ -35,7 +35,8 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let rows = panels.len().div_ceil(columns);
     let mut picture = Picture::new(WIDTH, head + high * rows as f64);
     legend.draw(&mut picture, (LEFT, 18.0));
-    let heights = Scale::Logarithmic.extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
+    let heights =
+        Scale::Logarithmic.extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
     for (k, panel) in panels.iter().enumerate() {
         let (left, top) = (wide * (k % columns) as f64, head + high * (k / columns) as f64);
         let frame = Frame {

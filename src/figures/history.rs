@@ -1,11 +1,11 @@
 //! Convergence histories: both readings of the stopping criterion against the iterations.
 
-use super::{HistoryCurve, HistoryPanel};
 use super::axes::{Entry, Frame, LEGEND_ROW, Legend, Sample, key};
 use super::palette::{INK, MUTED, RGBColor, RULE};
 use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain};
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
+use super::{HistoryCurve, HistoryPanel};
 use signorini_mathematics::saddle::{Iteration, tolerance};
 
 /// Height of a plot in display pixels.
@@ -21,9 +21,9 @@ const DASHED: &str = "stroke-dasharray=\"18 10\"";
 
 /// Draws the residuals of every run, one panel below the other.
 ///
-/// One run is in colour, the others are grey behind it. Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
-/// zero, negative or far below the last tolerance lie on the lower edge. Rings mark the iteration at
-/// which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
+/// One run is in colour, the others are grey behind it. Solid: `max_i dM/dy_i` (signed), thick; dashed:
+/// `max_i |dM/dy_i|`; both as log10. Values that are zero, negative or far below the last tolerance lie on the lower
+/// edge. Rings mark the iteration at which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
 pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
     let mut picture = Picture::new(WIDTH, 0.0);
     let mut top = 8.0;

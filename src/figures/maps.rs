@@ -50,7 +50,15 @@ pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
 
 /// Returns the layout of maps of the square.
 pub(super) fn layout(count: usize) -> Panels {
-    Panels { count, columns: 2, side: SIDE, margin: 20.0, left: 66.0, around: (92.0, 94.0), foot: 66.0 }
+    Panels {
+        count,
+        columns: 2,
+        side: SIDE,
+        margin: 20.0,
+        left: 66.0,
+        around: (92.0, 94.0),
+        foot: 66.0,
+    }
 }
 
 /// Returns left and right end, and top, of a bar of this width below the maps.

@@ -135,7 +135,8 @@ impl Picture {
                 let (x, y) = self.fine(place);
                 for (number, before) in [(x, last.0), (y, last.1)] {
                     // A minus sign ends the number before it.
-                    let space = if number >= before && !self.body.ends_with('m') { " " } else { "" };
+                    let space =
+                        if number >= before && !self.body.ends_with('m') { " " } else { "" };
                     let _ = write!(self.body, "{space}{}", number - before);
                 }
                 last = (x, y);

@@ -18,7 +18,8 @@ use signorini_mathematics::saddle::Pair;
 /// Most isolines.
 const ISOLINES: usize = 12;
 /// Attributes of bands: thin light lines along their borders, of the same colour on either page.
-const BAND_LINES: &str = "fill-rule=\"evenodd\" stroke=\"#FEFEFE\" stroke-opacity=\"0.6\" stroke-width=\"2\"";
+const BAND_LINES: &str =
+    "fill-rule=\"evenodd\" stroke=\"#FEFEFE\" stroke-opacity=\"0.6\" stroke-width=\"2\"";
 /// Widths of the boundary, and of the part of it that is held, in display pixels.
 const BOUNDARY_WIDTHS: [f64; 2] = [1.0, 4.0];
 /// Distance in display pixels below which a point is taken to lie on a line.
@@ -180,9 +181,9 @@ impl Bands {
         let (low, high) = self.colours.range();
         let ends = self.isolines.iter().copied();
         let lower = [f64::NEG_INFINITY].into_iter().chain(ends.clone());
-        lower.zip(ends.chain([high])).map(move |(lower, upper)| {
-            (lower, self.colours.color(0.5 * (lower.max(low) + upper)))
-        })
+        lower
+            .zip(ends.chain([high]))
+            .map(move |(lower, upper)| (lower, self.colours.color(0.5 * (lower.max(low) + upper))))
     }
 
     /// Draws the bands side by side, with numbers below and the name of v to the left.
@@ -228,11 +229,15 @@ mod tests {
     fn every_domain_in_the_plane_has_isolines_and_its_contact() {
         for name in ["square", "disc", "lshape", "annulus"] {
             let all = map(&on(name, 2, "else=-1", Law::SIGNORINI));
-            let boundary: f64 = all.boundary.iter().map(|curve| {
-                let next = curve.iter().cycle().skip(1);
-                let edges = curve.iter().zip(next);
-                edges.map(|([ax, ay], [bx, by])| libm::hypot(bx - ax, by - ay)).sum::<f64>()
-            }).sum();
+            let boundary: f64 = all
+                .boundary
+                .iter()
+                .map(|curve| {
+                    let next = curve.iter().cycle().skip(1);
+                    let edges = curve.iter().zip(next);
+                    edges.map(|([ax, ay], [bx, by])| libm::hypot(bx - ax, by - ay)).sum::<f64>()
+                })
+                .sum();
             assert!((length(&all) - boundary).abs() < 1e-12 * boundary, "{name}");
             let bands = Bands::of(&all.v);
             assert!(bands.isolines.len() > 3, "{name}");

@@ -1,11 +1,11 @@
 //! Figure 2: solutions on domains in the plane as shaded surfaces, painted from the far triangles to the near ones.
 
-use super::{Surface, held};
 use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
 use super::camera::{Vector, View, between, cross, dot};
 use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, lit};
 use super::picture::Picture;
+use super::{Surface, held};
 use signorini_mathematics::mesh::{Condition, centroid};
 use std::collections::BTreeSet;
 

@@ -226,8 +226,7 @@ impl Scene {
     pub(crate) fn check_mesh(&self) -> Result<Option<Touching>> {
         let checked = self.problem.check_mesh().map_err(|e| in_scene(&self.name, e))?;
         let Some(CheckedMesh { dimension, touching }) = checked else { return Ok(None) };
-        let mut pictures =
-            [Output::Source, Output::Surface, Output::Map, Output::Contact].iter();
+        let mut pictures = [Output::Source, Output::Surface, Output::Map, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(touching),
             Some(output) => Err(Error::input(format!(

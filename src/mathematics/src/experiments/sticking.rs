@@ -79,8 +79,7 @@ pub fn sticking(plan: &StickingPlan) -> Result<StickingFindings, String> {
 fn line(f: &Source, g: f64) -> Result<StickingLine, String> {
     let in_words = |e: &dyn std::fmt::Display| format!("friction {g}: {e}");
     let law = Law::friction(g).map_err(|e| in_words(&e))?;
-    let solution =
-        spectral_under(law, f, SpectralParams::default()).map_err(|e| in_words(&e))?;
+    let solution = spectral_under(law, f, SpectralParams::default()).map_err(|e| in_words(&e))?;
     let lengths = solution.contact.iter().map(|arc| {
         let [[x0, y0], [x1, y1]] = [arc.from, arc.to];
         ((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)).sqrt()

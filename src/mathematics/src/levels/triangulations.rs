@@ -14,8 +14,8 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
-    AnyMesh, Condition, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes, PlaneMesh,
-    Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
+    AnyMesh, Condition, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes,
+    PlaneMesh, Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
