@@ -16,7 +16,7 @@ use crate::replication::accuracy::Accuracy;
 use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
-use files::{Format, View};
+use files::{Format, PictureKind};
 use request::Request;
 use signorini_mathematics::bounds::recovery;
 use signorini_mathematics::discrete::grid::Grid;
@@ -117,8 +117,8 @@ pub(super) struct SolveArgs {
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
     /// An .npz has v, multiplier and f, an .npy v alone. The ending alone, `vti`, names the file after the scene. The
-    /// spectral solver's solution is written at the nodes of --h. A picture is a shaded surface on the square, and a map
-    /// on every other domain in the plane, unless --map or --surface says otherwise.
+    /// spectral solver's solution is written at the nodes of --h. A picture is a shaded surface on the square and a map
+    /// on every other domain in the plane, unless --map or --surface says otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
@@ -152,10 +152,10 @@ impl SolveArgs {
     }
 
     /// Returns the kind of picture, if the user says which.
-    fn view(&self) -> Option<View> {
+    fn view(&self) -> Option<PictureKind> {
         match (self.map, self.surface) {
-            (true, _) => Some(View::Map),
-            (false, true) => Some(View::Surface),
+            (true, _) => Some(PictureKind::Map),
+            (false, true) => Some(PictureKind::Surface),
             (false, false) => None,
         }
     }

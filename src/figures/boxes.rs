@@ -1,4 +1,4 @@
-//! Boxes around surfaces: panels with a floor, two walls and axes, a colour bar for each scale, above a key common to all.
+//! Boxes around surfaces: panels with a floor, two walls and axes, a colour bar for each scale, and a key below all.
 
 use super::axes::{colour_bar, key};
 use super::camera::{Camera, UNIT, View};
@@ -63,8 +63,8 @@ pub(super) fn range_of_colours(given: Option<(f64, f64)>, values: &[f64]) -> (f6
     if range.0 < range.1 { range } else { (-1.0, 1.0) }
 }
 
-/// Draws one box per panel, in rows of `columns`; `paint` draws what is inside, and the words are those for the boundary
-/// that is marked.
+/// Draws one box per panel, in rows of `columns`; `paint` draws what is inside, and the words are those for the
+/// boundary that is marked.
 ///
 /// Panels with scales of their own have a colour bar each; rows with one scale have one bar together.
 pub(super) fn in_boxes(
@@ -73,7 +73,7 @@ pub(super) fn in_boxes(
     paint: impl Fn(&mut Picture, &Inside),
 ) -> Picture {
     let columns = columns.min(panels.len());
-    let rows: Vec<Row> = rows(columns, panels);
+    let rows: Vec<PanelRow> = rows(columns, panels);
     let scale = (2.0 / columns as f64).min(1.0);
     let (wide, high) = (scale * PANEL.0, scale * (PANEL.1 - TEXT) + TEXT);
     let margin = 10.0;
@@ -130,7 +130,7 @@ pub(super) fn in_boxes(
 }
 
 /// Row of panels.
-struct Row {
+struct PanelRow {
     /// Range of colours, if all panels of the row have the same one.
     common: Option<(f64, f64)>,
     bars: Bars,
@@ -148,15 +148,15 @@ enum Bars {
 }
 
 /// Returns the rows of panels, `columns` in each.
-fn rows(columns: usize, panels: &[Boxed]) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
+fn rows(columns: usize, panels: &[Boxed]) -> Vec<PanelRow> {
+    let mut rows: Vec<PanelRow> = Vec::new();
     for row in panels.chunks(columns) {
         let is_common = row.len() > 1 && row.iter().all(|panel| panel.values == row[0].values);
         let common = is_common.then_some(row[0].values);
         if let Some(above) = rows.last_mut().filter(|above| is_common && above.common == common) {
             above.bars = Bars::Below;
         }
-        rows.push(Row { common, bars: if is_common { Bars::Common } else { Bars::Each } });
+        rows.push(PanelRow { common, bars: if is_common { Bars::Common } else { Bars::Each } });
     }
     rows
 }

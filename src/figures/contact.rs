@@ -35,9 +35,9 @@ pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
     picture.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
     let is_contact = panels.iter().all(|panel| panel.law.is_signorini());
     let words = if is_contact {
-        "in contact (a > 0) in every run shown; bars: in contact, run by run"
+        "in contact (a > 0) on every line shown; bars: in contact, line by line"
     } else {
-        "sticks (a inside its interval) in every run shown; bars: sticks, run by run"
+        "sticks (a inside its interval) on every line shown; bars: sticks, line by line"
     };
     key(&mut picture, (ACROSS.0 + 36.0, y), words);
     picture.table = Some(of_contact(panels));

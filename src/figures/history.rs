@@ -21,9 +21,9 @@ const DASHED: &str = "stroke-dasharray=\"18 10\"";
 
 /// Draws the residuals of every run, one panel below the other.
 ///
-/// One run is in colour, the others are grey behind it. Solid: `max_i dM/dy_i` (signed), thick; dashed: `max_i |dM/dy_i|`; both as log10. Values that are
-/// zero, negative or far below the last tolerance lie on the lower edge. Rings mark the iteration at
-/// which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
+/// One run is in colour, the others are grey behind it. Solid: `max_i dM/dy_i` (signed), thick; dashed:
+/// `max_i |dM/dy_i|`; both as log10. Values that are zero, negative or far below the last tolerance lie on the lower
+/// edge. Rings mark the iteration at which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
 pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
     let mut picture = Picture::new(WIDTH, 0.0);
     let mut top = 8.0;

@@ -21,8 +21,8 @@ const LETTERS: usize = 28;
 /// Number of the first shade of regions among the series, unlike the colours of the first parts.
 const FIRST_SHADE: usize = 4;
 
-/// Draws one mesh per panel, below its title, two in a row or, if there are three, all three, each above a key of its parts and, if there are more than
-/// one, its regions.
+/// Draws one mesh per panel, below its title, two in a row or, if there are three, all three, each above a key of its
+/// parts and, if there are more than one, its regions.
 ///
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
 pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {

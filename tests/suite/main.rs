@@ -38,6 +38,7 @@ mod line_ends;
 mod links;
 mod load_symmetry;
 mod loads;
+mod maps;
 mod merges;
 mod mesh_files;
 mod mesh_loads;

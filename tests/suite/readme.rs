@@ -57,6 +57,24 @@ fn commands_run_and_outputs_are_true() {
     assert!(project.join("target/disc.svg").is_file());
     assert!(project.join("target/first/pipeline/scenes/plate.toml").is_file());
 
+    // The page of the gallery has the commands as the run writes them.
+    let gallery = project.join("report/src/gallery.md");
+    ran = follow(gallery.to_str().unwrap(), project);
+    assert_eq!(ran, 8, "commands of the gallery");
+    let figures = fs::read_dir(project.join("figures")).unwrap();
+    let names = figures.map(|file| file.unwrap().file_name().into_string().unwrap());
+    let names = names.filter(|name| name.starts_with("gallery-") && name.ends_with(".svg"));
+    for name in names {
+        // All but the lines for readers who cannot see the picture.
+        let drawn = |folder: &str| {
+            let svg = fs::read_to_string(project.join(folder).join(&name)).unwrap();
+            let lines =
+                svg.lines().filter(|l| !l.starts_with("<title>") && !l.starts_with("<desc>"));
+            lines.map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(drawn("target"), drawn("figures"), "{name} of the command and of the run");
+    }
+
     ran = follow("report/templates/machines.md.tera", project);
     assert_eq!(ran, 1, "the workflow");
     changes_are_explained(project);

@@ -28,7 +28,7 @@ pub(super) struct Solution<'a> {
     /// Title of a picture.
     pub title: &'a str,
     /// Kind of a picture.
-    pub view: View,
+    pub view: PictureKind,
     /// Law on the boundary.
     pub law: Law,
     /// Nodal values and multipliers.
@@ -37,7 +37,7 @@ pub(super) struct Solution<'a> {
 
 /// Kind of picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum View {
+pub(super) enum PictureKind {
     Map,
     Surface,
 }
@@ -97,9 +97,13 @@ impl Solution<'_> {
             Format::Svg => {
                 let on = (levels, law);
                 let picture = match view {
-                    View::Map => SolutionMap::of(title.into(), on, pair).map(|map| map.picture()),
-                    View::Surface => DrawnSolution::on_levels(title.into(), on, pair, COLUMNS)
-                        .map(|drawn| surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)])),
+                    PictureKind::Map => {
+                        SolutionMap::of(title.into(), on, pair).map(|map| map.picture())
+                    }
+                    PictureKind::Surface => {
+                        DrawnSolution::on_levels(title.into(), on, pair, COLUMNS)
+                            .map(|drawn| surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]))
+                    }
                 };
                 let picture = picture.map_err(Error::input)?;
                 let svg = picture.svg(title, "Made by `signorini solve`.");

@@ -1,6 +1,6 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
-use super::files::{Format, Solution, View};
+use super::files::{Format, PictureKind, Solution};
 use super::{SolveArgs, cells, rule_name};
 use crate::cli::current_folder;
 use crate::cli::output::{check_options, warn_of_outside};
@@ -35,7 +35,7 @@ pub(super) struct Request {
     /// Title of a picture: that of the scene, the name of the mesh's file, or f.
     title: String,
     /// Kind of a picture.
-    view: View,
+    view: PictureKind,
     /// Quadrature of the load vector; none on meshes, which have one alone.
     load: Option<LoadRule>,
     /// Remedies in the words of the options that the domain has.
@@ -131,7 +131,7 @@ impl Request {
             (None, None) => problem.levels().f(),
         };
         // Meshes have no choice of load vectors.
-        let usual = if load.is_some() { View::Surface } else { View::Map };
+        let usual = if load.is_some() { PictureKind::Surface } else { PictureKind::Map };
         let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
         let settings = scene.and_then(|scene| scene.settings.as_ref());
         let settings = Settings {

@@ -81,19 +81,16 @@ pub(super) fn uzawa(claims: &Claims) -> Picture {
     charts(true, &panels)
 }
 
-/// Draws the lengths of the arcs that stick against one over the bound of the friction, with the law that fits best and
-/// the width of a fine grid.
+/// Draws the lengths of the arcs that stick against one over the bound of the friction, beside the width of a fine
+/// grid.
 pub(super) fn sticking(found: &StickingFindings) -> Picture {
     /// Cells per side of the grid.
     const FINE: f64 = 1024.0;
-    let StickingFindings { lines, factor, rate, .. } = found;
+    let lines = &found.lines;
     let points = lines.iter().map(|line| (1.0 / line.g, line.length));
     let ends = [lines.first(), lines.last()].into_iter().flatten().map(|line| 1.0 / line.g);
-    let law = ends.clone().map(|x| (x, factor * libm::exp(-rate * x)));
-    let name = format!("{factor:.1} exp(\u{2212}{rate:.2}/g)");
     let curves = vec![
         Curve::new(Marked, "arc that sticks, true solution", points),
-        Curve::new(Reference, name, law),
         Curve::new(Reference, format!("h = 1/{FINE}"), ends.map(|x| (x, 1.0 / FINE))),
     ];
     let chart = Chart::new(format!("f = {}", found.f), ["1/g", "length"], curves);

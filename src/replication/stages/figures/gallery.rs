@@ -25,7 +25,7 @@ struct Shown {
     f: &'static str,
     /// Domain with its number of refinements; none for the square.
     mesh: Option<(&'static str, u8)>,
-    /// Options about parts of the boundary, each with a part.
+    /// Options about parts of the boundary, each with its value.
     parts: &'static [(&'static str, &'static str)],
     law: Option<LawParameter>,
     solver: Solver,
@@ -63,14 +63,14 @@ const GALLERY: [Shown; 8] = [
         name: "gallery-lshape",
         title: "The L-shape, with its re-entrant corner",
         f: "rect(-1,0,-1,0)=3; else=-2",
-        mesh: Some(("lshape", 4)),
+        mesh: Some(("lshape", 5)),
         ..PLAIN
     },
     Shown {
         name: "gallery-annulus",
         title: "An annulus whose inner circle is held at zero",
         f: "halfplane(1,0,0)=3; else=-3",
-        mesh: Some(("annulus", 3)),
+        mesh: Some(("annulus", 4)),
         parts: &[("--fixed", "inner")],
         ..PLAIN
     },
@@ -78,8 +78,8 @@ const GALLERY: [Shown; 8] = [
         name: "gallery-gear",
         title: "A gear from Gmsh, its hole free",
         f: "disc(0.5,0.3,0.4)=4; else=-1.5",
-        mesh: Some((GEAR, 2)),
-        parts: &[("--free", "hole")],
+        mesh: Some((GEAR, 3)),
+        parts: &[("--free", "hole"), ("--curve", "hole=0,0,0.3")],
         ..PLAIN
     },
     Shown {
@@ -93,7 +93,7 @@ const GALLERY: [Shown; 8] = [
         name: "gallery-limit",
         title: "A disc that lets at most a given flow in",
         f: "rect(-1,0,-1,0)=-6; else=1",
-        mesh: Some(("disc", 4)),
+        mesh: Some(("disc", 5)),
         law: Some(LawParameter::Limit(2.0)),
         ..PLAIN
     },
@@ -127,8 +127,8 @@ impl Shown {
         if let Some((domain, refine)) = self.mesh {
             command += &format!(" --domain {domain} --refine {refine}");
         }
-        for (option, part) in self.parts {
-            command += &format!(" {option} {part}");
+        for (option, value) in self.parts {
+            command += &format!(" {option} {value}");
         }
         command += &match self.law {
             Some(LawParameter::Friction(g)) => format!(" --friction {g}"),
@@ -148,12 +148,17 @@ impl Shown {
                 let parts = self.parts.iter().filter(|(option, _)| *option == wanted);
                 parts.map(|(_, part)| (*part).to_owned()).collect()
             };
-            let domain = DomainSettings {
+            let mut domain = DomainSettings {
                 refine: Some(refine),
                 free: all("--free"),
                 fixed: all("--fixed"),
                 ..DomainSettings::named(name.trim_start_matches("pipeline/"))
             };
+            for (part, numbers) in self.parts.iter().filter_map(|(_, value)| value.split_once('='))
+            {
+                let numbers = numbers.split(',').map(str::parse).collect::<Result<_, _>>();
+                domain.curve.insert(part.into(), numbers.map_err(|_| "a curve has numbers")?);
+            }
             return Ok(StatedProblem::on_mesh(domain, self.f.into(), self.law));
         }
         let square = OnSquare {
@@ -220,10 +225,13 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         let files = file.map(|(name, path)| (name.to_owned(), InputFile::new(path)));
         let files: InputFiles = files.into_iter().collect();
         let task = drawing(shown.name, shown.title.into(), Vec::new(), move |inputs| {
-            let problem = shown.stated()?.problem(inputs.files)?;
+            let stated = shown.stated()?;
+            let problem = stated.problem(inputs.files)?;
             let Solved { pair, energy, error, held } = shown.solve(&problem)?;
             let on = (problem.levels(), problem.law());
-            let mut picture = SolutionMap::of(shown.f.into(), on, &pair)?.picture();
+            // As `solve` has it.
+            let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
+            let mut picture = SolutionMap::of(title, on, &pair)?.picture();
             picture.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
             Ok(picture)
         });
