@@ -15,7 +15,8 @@ const MARKS: [char; 3] = ['\u{E000}', '\u{E001}', '\u{E002}'];
 
 /// A number as it is shown, and its digits.
 static NUMBER: LazyLock<Regex> = LazyLock::new(|| {
-    Regex::new("\u{E000}([^\u{E001}]*)\u{E001}([^\u{E002}]*)\u{E002}").expect("the pattern is tested")
+    Regex::new("\u{E000}([^\u{E001}]*)\u{E001}([^\u{E002}]*)\u{E002}")
+        .expect("the pattern is tested")
 });
 
 /// A table of a page: its name, and what is between its tags.
@@ -97,7 +98,8 @@ fn csv(table: &str) -> String {
     }
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
     for (k, name) in names(&heads).into_iter().enumerate() {
-        let of_column: Vec<Cell> = rows.iter().map(|row| row.get(k).cloned().unwrap_or_default()).collect();
+        let of_column: Vec<Cell> =
+            rows.iter().map(|row| row.get(k).cloned().unwrap_or_default()).collect();
         let has_numbers = of_column.iter().any(|cell| !cell.number.is_empty());
         let words = of_column.iter().map(|cell| cell.words.clone()).collect();
         match has_numbers {
@@ -111,7 +113,9 @@ fn csv(table: &str) -> String {
             }
         }
     }
-    let line = |cells: Vec<String>| cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n";
+    let line = |cells: Vec<String>| {
+        cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n"
+    };
     let mut csv = line(columns.iter().map(|(name, _)| name.clone()).collect());
     for k in 0..rows.len() {
         csv += &line(columns.iter().map(|(_, cells)| cells[k].clone()).collect());
@@ -124,12 +128,21 @@ fn csv(table: &str) -> String {
 struct Cell {
     /// The number with all its digits; empty if the cell has none, or more.
     number: String,
-    /// What else it says.
+    /// Other text of the cell.
     words: String,
 }
 
 impl Cell {
     fn of(text: &str) -> Self {
+        // Below a number may stand one to compare it with.
+        if let Some((number, small)) = text.split_once("<small>") {
+            let cell = Self::of(number);
+            let small = plain(&NUMBER.replace_all(small, "$2"));
+            return match cell.number.is_empty() {
+                true => Self { words: format!("{} {small}", cell.words), ..cell },
+                false => Self { words: small, ..cell },
+            };
+        }
         let all = plain(&NUMBER.replace_all(text, "$2"));
         if all == "–" {
             return Self::default();
@@ -233,21 +246,32 @@ mod tests {
     }
 
     #[test]
+    fn a_number_below_another_is_a_remark() {
+        let [ours, paper] = [with_digits("$4$", "4.3"), with_digits("$4$", "4.2")];
+        let cell = format!("<span class=\"near\">{ours}<small>paper: {paper}</small></span>");
+        assert_eq!(
+            made(&format!("| x |\n| --- |\n| {cell} |\n")),
+            "x,\"x, remark\"\n4.3,paper: 4.2\n"
+        );
+    }
+
+    #[test]
     fn names_of_columns_are_those_of_the_heads_and_no_two_are_equal() {
         let heads = |line: &str| names(&cells(line));
-        assert_eq!(heads("| $L_2$ | order | at nodes | order |"), [
-            "L_2",
-            "L_2, order",
-            "at nodes",
-            "at nodes, order"
-        ]);
-        assert_eq!(heads("| x | problem 1: stop | solution | problem 2: stop | solution |"), [
-            "x",
-            "problem 1: stop",
-            "problem 1: solution",
-            "problem 2: stop",
-            "problem 2: solution"
-        ]);
+        assert_eq!(
+            heads("| $L_2$ | order | at nodes | order |"),
+            ["L_2", "L_2, order", "at nodes", "at nodes, order"]
+        );
+        assert_eq!(
+            heads("| x | problem 1: stop | solution | problem 2: stop | solution |"),
+            [
+                "x",
+                "problem 1: stop",
+                "problem 1: solution",
+                "problem 2: stop",
+                "problem 2: solution"
+            ]
+        );
         assert_eq!(heads(r"| $\Delta a^{(n)}$ | $r \ge 10$ |"), ["Delta a^(n)", "r >= 10"]);
     }
 

@@ -116,7 +116,7 @@ impl Labels {
     }
 }
 
-/// How many figures, or tables, a chapter has so far, by kind and number of the chapter.
+/// Numbers of figures, and of tables, of the chapters so far, by kind and number of the chapter.
 type Counts = BTreeMap<(String, String), usize>;
 
 /// Returns the text of links to the next figure, or table, of a chapter.
@@ -172,7 +172,8 @@ mod tests {
 
     #[test]
     fn figures_and_tables_are_numbered_by_chapter() {
-        let summary = "# Summary\n\n[Z](z.md)\n\n- [A](a.md)\n\n# Part\n\n- [B](b.md)\n  - [C](c.md)\n";
+        let summary =
+            "# Summary\n\n[Z](z.md)\n\n- [A](a.md)\n\n# Part\n\n- [B](b.md)\n  - [C](c.md)\n";
         let z =
             "<figure id=\"figure-z\">\n</figure>\n\n```text\n<figure id=\"figure-code\">\n```\n";
         let a = "<figure id=\"table-a\" class=\"table\">\n</figure>\n\n<figure id=\"figure-a\">\n</figure>\n";
