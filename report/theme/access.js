@@ -1,12 +1,16 @@
 // What mdBook leaves out for readers with a keyboard or a screen reader.
 
-// What is wider than its place can be scrolled by the keyboard.
+// What is wider than its place can be scrolled by the keyboard, and fades at a side where more is hidden.
 function scrollable() {
-  for (const box of document.querySelectorAll(".table-wrapper, pre code, .equation")) {
-    if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
+  for (const box of document.querySelectorAll(".table-wrapper, pre code, .equation, figure > a")) {
+    const hidden = box.scrollWidth - box.clientWidth;
+    if (hidden > 0) box.tabIndex = 0;
     else box.removeAttribute("tabindex");
+    box.classList.toggle("more-before", hidden > 0 && box.scrollLeft > 1);
+    box.classList.toggle("more-after", hidden > 0 && box.scrollLeft < hidden - 1);
   }
 }
+addEventListener("scroll", scrollable, { capture: true, passive: true });
 
 // A head of a column that is a formula alone is read out as text.
 for (const head of document.querySelectorAll("th")) {
@@ -22,7 +26,26 @@ for (const head of document.querySelectorAll("th")) {
 }
 
 document.getElementById("mdbook-menu-bar")?.setAttribute("role", "banner");
-document.getElementById("mdbook-sidebar-toggle")?.setAttribute("role", "button");
+
+// mdBook's switch of the table of contents is a label, which no keyboard reaches and of which nothing may be said to be
+// expanded. A button in its place does what the label does.
+const label = document.getElementById("mdbook-sidebar-toggle");
+if (label) {
+  const button = document.createElement("button");
+  button.className = label.className;
+  button.append(...label.childNodes);
+  const follow = () => {
+    for (const name of ["title", "aria-label", "aria-controls", "aria-expanded"]) {
+      if (label.hasAttribute(name)) button.setAttribute(name, label.getAttribute(name));
+    }
+  };
+  follow();
+  new MutationObserver(follow).observe(label, { attributes: true });
+  button.addEventListener("click", () => label.click());
+  label.hidden = true;
+  label.after(button);
+}
+
 addEventListener("load", scrollable);
 addEventListener("resize", scrollable);
 scrollable();

@@ -128,12 +128,21 @@ fn csv(table: &str) -> String {
 struct Cell {
     /// The number with all its digits; empty if the cell has none, or more.
     number: String,
-    /// What else it says.
+    /// Other text of the cell.
     words: String,
 }
 
 impl Cell {
     fn of(text: &str) -> Self {
+        // Below a number may stand one to compare it with.
+        if let Some((number, small)) = text.split_once("<small>") {
+            let cell = Self::of(number);
+            let small = plain(&NUMBER.replace_all(small, "$2"));
+            return match cell.number.is_empty() {
+                true => Self { words: format!("{} {small}", cell.words), ..cell },
+                false => Self { words: small, ..cell },
+            };
+        }
         let all = plain(&NUMBER.replace_all(text, "$2"));
         if all == "–" {
             return Self::default();
@@ -234,6 +243,16 @@ mod tests {
         "#]]
         .assert_eq(&made(&table));
         assert!(as_shown(&table).contains("| &gt; 10\u{202f}000 | a"));
+    }
+
+    #[test]
+    fn a_number_below_another_is_a_remark() {
+        let [ours, paper] = [with_digits("$4$", "4.3"), with_digits("$4$", "4.2")];
+        let cell = format!("<span class=\"near\">{ours}<small>paper: {paper}</small></span>");
+        assert_eq!(
+            made(&format!("| x |\n| --- |\n| {cell} |\n")),
+            "x,\"x, remark\"\n4.3,paper: 4.2\n"
+        );
     }
 
     #[test]

@@ -116,7 +116,7 @@ impl Labels {
     }
 }
 
-/// How many figures, or tables, a chapter has so far, by kind and number of the chapter.
+/// Numbers of figures, and of tables, of the chapters so far, by kind and number of the chapter.
 type Counts = BTreeMap<(String, String), usize>;
 
 /// Returns the text of links to the next figure, or table, of a chapter.

@@ -176,6 +176,65 @@ fn the_table_of_results_has_every_published_count() {
 }
 
 #[test]
+fn the_data_behind_a_table_are_that_table() {
+    let book = files();
+    let mut tables = 0;
+    for (page, html) in html(&book).iter().filter(|(name, _)| **name != "print.html") {
+        for element in html.split("<figure id=\"table-").skip(1) {
+            let element = element.split("</figure>").next().unwrap();
+            let data = format!("data/{}.csv", element.split('"').next().unwrap());
+            if !element.contains(&format!("href=\"{data}\"")) {
+                continue;
+            }
+            let csv = String::from_utf8(book[&data].clone()).unwrap();
+            assert_eq!(csv.lines().count(), element.matches("<tr>").count(), "{page}: {data}");
+            let options = CsvReadOptions::default().with_infer_schema_length(None);
+            let reader = CsvReader::new(Cursor::new(csv.as_bytes())).with_options(options);
+            let read = reader.finish().unwrap();
+            let columns = read.get_column_names();
+            let columns = columns.iter().filter(|name| !name.ends_with(", remark")).count();
+            let heads = element.split("</thead>").next().unwrap().matches("<th").count();
+            // One of them is `<thead>` itself.
+            assert_eq!(columns, heads - 1, "{page}: {data}");
+            tables += 1;
+        }
+    }
+    assert!(tables > 30, "{tables}");
+    // Digits are those of the run, not those that the page shows.
+    let sums = String::from_utf8(book["data/sums.csv"].clone()).unwrap();
+    assert!(sums.lines().nth(1).unwrap().split(',').any(|cell| cell.len() > 12), "{sums}");
+}
+
+#[test]
+fn no_mark_of_a_number_is_left_on_a_page() {
+    for (name, text) in html(&files()) {
+        assert!(!text.contains(['\u{E000}', '\u{E001}', '\u{E002}']), "{name}");
+    }
+}
+
+#[test]
+fn no_accent_covers_a_part_of_what_it_belongs_to() {
+    // Chromium stretches no accent: over more than a letter it would stand over one of them.
+    for (name, text) in html(&files()) {
+        for accented in text.split("<mover>").skip(1) {
+            let inside = accented.split("</mover>").next().unwrap();
+            assert!(!inside.contains("<mrow>"), "{name}: {inside}");
+            assert!(!inside.ends_with("<mi>‾</mi>"), "{name}: {inside}");
+        }
+    }
+}
+
+#[test]
+fn the_search_finds_how_to_cite_and_the_licence() {
+    let book = files();
+    let index = book.iter().find(|(name, _)| name.starts_with("searchindex")).unwrap().1;
+    let index = String::from_utf8_lossy(index);
+    for heading in ["introduction.html#how-to-cite", "introduction.html#licence"] {
+        assert!(index.contains(heading), "{heading}");
+    }
+}
+
+#[test]
 fn columns_of_data_are_numbers_or_text() {
     let book = files();
     let data: Vec<_> = book.iter().filter(|(name, _)| name.ends_with(".csv")).collect();

@@ -1,7 +1,7 @@
 //! Which commit a certificate names, and of which files it says that they are that commit's: what git says, wherever
 //! the project lies.
 
-use crate::common::{EVERYTHING, Project, Said, absent, wanting};
+use crate::common::{EVERYTHING, Project, Said, absent, files_below, wanting};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -255,4 +255,30 @@ fn where_git_names_no_commit_the_certificate_says_why() {
     assert_whole(place.certificate("study", &settings), "", own.trim());
     let traced = [("HOME", "/nonexistent"), ("GIT_TRACE", "1")];
     refused(&traced, "git refuses: detected dubious ownership in repository at");
+}
+
+#[test]
+fn what_leaves_the_machine_names_no_place_on_it() {
+    let place = Place::new();
+    let telling = "home-of-a-person";
+    copy(&place.path("study"), &place.path(telling));
+    place.repository(telling);
+    place.edit_and_run(telling);
+    place.certificate(telling, &[]);
+    let mut files = files_below(&place.path(telling).join("codecheck"));
+    for folder in ["pipeline", "figures", "report"] {
+        for (name, bytes) in files_below(&place.path(telling).join(folder)) {
+            files.insert(format!("../{folder}/{name}"), bytes);
+        }
+    }
+    assert!(files.contains_key("ro-crate-metadata.json") && files.contains_key("codecheck.yml"));
+    let root = place.path("").display().to_string();
+    for (name, bytes) in files {
+        let text = String::from_utf8_lossy(&bytes);
+        for part in [telling, root.trim_end_matches('/')] {
+            assert!(!text.contains(part), "{name} has {part}");
+        }
+    }
+    let workflow = place.signorini(telling, &["dag", "--snakemake"], &[]);
+    assert!(!workflow.out.contains(telling), "{workflow:?}");
 }
