@@ -3,6 +3,7 @@
 //! Central is [`solve`]: read the problem, solve, judge, print, write.
 
 mod accuracy;
+mod advice;
 mod answer;
 mod bound;
 mod files;
@@ -10,7 +11,7 @@ mod judging;
 mod request;
 mod spectral;
 
-use super::output::{OutputFile, say, say_json};
+use super::output::{OutputFile, say_json, tell};
 use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use accuracy::{Accuracy, FIRST, TriedGrid};
@@ -164,7 +165,7 @@ impl SolveArgs {
         let Some((file, format)) = file else { return Ok(0) };
         file.write(&request.file(format, levels, pair)?)?;
         if !self.json {
-            say(&format!("wrote {}\n", file.path().display()))?;
+            tell(&format!("wrote {}\n", file.path().display()))?;
         }
         Ok(0)
     }
@@ -240,7 +241,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if args.json {
         say_json(&answer.json(&request))?;
     } else {
-        say(&answer.text(&request))?;
+        tell(&answer.text(&request, args.recover))?;
     }
     if args.recover {
         let (lattices, pair) = recovered(&request, &answer.pair)?;

@@ -14,7 +14,7 @@ fn a_new_study_runs() {
     let ran = run(&["run"]);
     assert_eq!(ran.lines().last(), Some(&"the book: report/book/index.html"));
     assert!(!ran.out.contains("leaves out"), "{ran:?}");
-    assert_eq!(run(&["run"]).lines(), ["nothing to do"]);
+    run(&["run"]).nothing_to_do();
     // What the page points to is in the book.
     let book = place.path("new/study/report/book");
     let page = fs::read_to_string(book.join("plate.html")).unwrap();

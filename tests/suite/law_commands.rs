@@ -152,7 +152,7 @@ fn scenes_with_a_law_are_made_and_kept() {
     }
     let results = fs::read_to_string(project.path("report/results.csv")).unwrap();
     assert_eq!(results.lines().count(), 1 + 2 * 2 * 3, "{results}");
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
     // Another law is another problem.
     project.scene("a", &SCENE.replace("{ friction = 1 }", "{ friction = 2 }"));
     project.run(&["run"]).lines();

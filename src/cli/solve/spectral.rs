@@ -4,7 +4,8 @@ use super::SolveArgs;
 use super::answer::law_json;
 use super::bound::BoundaryWords;
 use super::request::Request;
-use crate::cli::output::{say, say_json};
+use crate::cli::output::{say_json, tell};
+use crate::cli::shown::{brief, plain};
 use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use indicatif::ProgressBar;
@@ -26,7 +27,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
     let solution =
         spectral_under(law, f, SpectralParams::default()).map_err(|e| failed(name, &e))?;
     let finer = solution.at_resolution(SpectralParams::FINER).map_err(|e| failed(name, &e))?;
-    let seconds = start.elapsed().as_secs_f64();
+    let time = start.elapsed();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
         let mut json = serde_json::json!({
@@ -55,7 +56,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
             },
             "checks": finer.checks,
             "warnings": request.warnings,
-            "seconds": { "solve": seconds },
+            "seconds": { "solve": time.as_secs_f64() },
         });
         if !law.is_signorini() {
             json["law"] = law_json(law);
@@ -71,8 +72,8 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
     text += &table(&finer, &words);
     text += &words.force(force(&finer, law), 0.0 - integral, 16);
     text += &checks(&finer.checks);
-    text += &format!("solved in {seconds:.4} s, {} Newton steps\n", solution.steps);
-    say(&text)?;
+    text += &format!("solved in {}, {} Newton steps\n", brief(time), solution.steps);
+    tell(&text)?;
     Ok(finer)
 }
 
@@ -104,11 +105,11 @@ fn force(solution: &Solution, law: Law) -> f64 {
 }
 
 fn table(solution: &Solution, words: &BoundaryWords) -> String {
-    let mut text = format!("energy {:.15e}\n", solution.energy);
+    let mut text = format!("energy {}\n", plain(solution.energy, 16));
     for arc in &solution.contact {
         text += &words.arc(arc, 16);
     }
-    text + &format!("v(0,0) {:.15e}\n", solution.value(0.0, 0.0))
+    text + &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16))
 }
 
 /// Returns the checks in two lines: the signs that hold, and the numbers that vanish.

@@ -19,7 +19,7 @@ use signorini_mathematics::levels::{Problem, SaddleRun};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Parameters that determine the artifacts of a cell.
 #[derive(Clone, Debug, Serialize)]
@@ -228,33 +228,42 @@ pub(super) fn label(inputs: &Inputs, scene: &Scene, stop: StopRule) -> Result<St
 /// [End](Outcome::name) of an iteration with a solution.
 const CONVERGED: &str = "converged";
 
-/// Returns a line that counts the grids on which solves of a scene ended without a solution, if one of them is the
-/// finest; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is not concerned.
+/// Number of solves that a line names.
+const MOST_NAMED: usize = 3;
+
+/// Returns a line on the solves of a scene that ended without a solution on the finest level, if there are any, with a
+/// command that shows one of them; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is
+/// not concerned.
 pub(crate) fn without_solution(
     scene: &Scene,
     outcomes: impl Fn(&str) -> Option<Vec<u8>>,
 ) -> Option<String> {
-    let mut grids: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
-    let mut solved = true;
-    for id in scene.stop.iter().flat_map(|&stop| ids(scene, stop)) {
-        let Some(bytes) = outcomes(&id) else { continue };
-        let Ok(Outcomes { levels, .. }) = serde_json::from_slice(&bytes) else { continue };
-        solved &= levels.last().is_none_or(|level| level.name() == CONVERGED);
-        for level in &levels {
-            grids.entry(level.name()).or_default().insert(level.nodes);
+    let mut ends: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    let mut command = None;
+    for &stop in &scene.stop {
+        for &r in &scene.r {
+            let Some(bytes) = outcomes(&id(scene, stop, r)) else { continue };
+            let Ok(Outcomes { levels, .. }) = serde_json::from_slice(&bytes) else { continue };
+            let Some(end) = levels.last().map(Outcome::name) else { continue };
+            if end == CONVERGED {
+                continue;
+            }
+            let [mut place, mut options] = [format!("r = {r}"), format!("--r {r}")];
+            if stop != scene.stop[0] {
+                place += &format!(" under {stop}");
+                options += &format!(" --stop {stop}");
+            }
+            ends.entry(end).or_default().push(place);
+            command.get_or_insert(format!("signorini solve {} {options}", scene.name));
         }
     }
-    if solved {
-        return None;
+    let mut parts = Vec::new();
+    for (end, mut places) in ends {
+        let more = places.split_off(places.len().min(MOST_NAMED)).len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        parts.push(format!("{end} with {}{more}", places.join(", ")));
     }
-    grids.remove(CONVERGED);
-    let mut ends = Vec::new();
-    for (end, cells) in grids {
-        let plural = if cells.len() == 1 { "" } else { "s" };
-        ends.push(format!("{end} on {} grid{plural}", cells.len()));
-    }
-    let name = &scene.name;
-    Some(format!("{name}: {}; `signorini solve {name}` says why", ends.join("; ")))
+    Some(format!("{}: {}; `{}` says why", scene.name, parts.join("; "), command?))
 }
 
 /// Returns the pair of a scene where a rule stops on the finest level of its `problem`, with the r that is drawn.
