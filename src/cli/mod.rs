@@ -217,8 +217,9 @@ pub fn main() -> ExitCode {
                     let text = format!("no command `{word}`; did you mean `signorini {name}`?");
                     return ended(Err(Error::Unknown(text)));
                 }
-                // The tip names an option of `run`, for which the word is a scene.
+                // Tip and usage name an option of `run`, for which the word is a scene.
                 e.remove(ContextKind::SuggestedArg);
+                e.remove(ContextKind::Usage);
             }
             let e = e.format(&mut command);
             if e.use_stderr() {

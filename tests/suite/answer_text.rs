@@ -101,16 +101,19 @@ fn arcs_have_the_names_of_their_parts_and_a_direction_where_there_are_any() {
     let (text, json) = answer(&hole);
     let parts: Vec<_> =
         json["contact"].as_array().unwrap().iter().map(|arc| &arc["part"]).collect();
-    assert_eq!(parts, ["teeth", "hole"], "{text}");
+    assert_eq!(parts, ["hole", "teeth"], "{text}");
 
     let pushed = ["--domain", GEAR, "--f", "disc(0.5,0.5,0.3)=3; else=-1", "--free", "hole"];
     let (text, json) = answer(&pushed);
-    assert!(text.contains(" boundary nodes, the domain on the left\ncontact from ("), "{text}");
+    assert!(
+        text.contains(" boundary nodes; arcs with the domain on the left\ncontact from ("),
+        "{text}"
+    );
     let arcs = json["contact"].as_array().unwrap();
     assert!(arcs.iter().all(|arc| arc["part"] == "teeth" && arc["closed"] == false), "{json}");
 
     let (text, json) = answer(&["--f", SOURCE, "--h", "1/16"]);
-    assert!(text.contains(" of 64 boundary nodes, anticlockwise\ncontact from ("), "{text}");
+    assert!(text.contains(" of 64 boundary nodes; arcs anticlockwise\ncontact from ("), "{text}");
     assert!(
         json["contact"][0]["part"].is_null() && json["contact"][0]["closed"] == false,
         "{json}"
@@ -120,8 +123,12 @@ fn arcs_have_the_names_of_their_parts_and_a_direction_where_there_are_any() {
     assert_eq!(json["contact"][0]["closed"], true);
     // In space there are no arcs, but parts.
     let (text, json) = answer(&["--domain", "ball", "--f", "else=-1", "--refine", "1"]);
-    assert!(text.contains(" boundary nodes, on surface\ncontact force "), "{text}");
+    assert!(text.contains(" boundary nodes\ncontact force "), "{text}");
     assert!(json["contact"].is_null() && !text.contains("anticlockwise"), "{text}");
+    let notch = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/notch.msh");
+    let (text, _) =
+        answer(&["--domain", notch, "--f", "else=-1", "--refine", "0", "--free", "notch"]);
+    assert!(text.contains(" boundary nodes, on walls\ncontact force "), "{text}");
     // Without more words, an answer on the cube has a bound.
     let (text, _) = answer(&["--domain", "cube", "--f", "ball(0,0,0,0.25)=2; else=-1"]);
     assert!(text.contains("guaranteed: true energy in ["), "{text}");

@@ -41,15 +41,16 @@ impl Warning {
     }
 }
 
-/// Returns the warnings a line each; where several have a remedy, the last line has one remedy for all.
-pub(super) fn lines(warnings: &[Warning]) -> String {
+/// Returns the warnings a line each; where several have a remedy, the last line has one remedy for all. If the answer
+/// has `failed`, the error has the remedy.
+pub(super) fn lines(warnings: &[Warning], failed: bool) -> String {
     let remedies = remedies(warnings);
-    let mut text = String::new();
+    let (alone, mut text) = (remedies.len() < 2 && !failed, String::new());
     for warning in warnings {
-        let shown = if remedies.len() > 1 { warning.fact.clone() } else { warning.sentence() };
+        let shown = if alone { warning.sentence() } else { warning.fact.clone() };
         text += &format!("warning: {shown}\n");
     }
-    if remedies.len() > 1 {
+    if !alone && !failed {
         text += &format!("remedy for all: {}\n", combined(&remedies));
     }
     text
@@ -98,13 +99,17 @@ mod tests {
         assert_eq!(combined(&[SOLVER, LOAD, SOLVER]), "use --load exact --solver multigrid");
         assert_eq!(combined(&[FINER, LOAD]), "use --load exact; refine the grid");
         let warnings = [Warning::new("a".into(), SOLVER), Warning::fact("b".into())];
-        assert_eq!(lines(&warnings), "warning: a; use this, or --solver multigrid\nwarning: b\n");
+        assert_eq!(
+            lines(&warnings, false),
+            "warning: a; use this, or --solver multigrid\nwarning: b\n"
+        );
         let more = [Warning::new("c".into(), LOAD), Warning::fact("d".into())];
         let warnings: Vec<_> = warnings.into_iter().chain(more).collect();
         let remedy = "remedy for all: use --load exact --solver multigrid\n";
         assert_eq!(
-            lines(&warnings),
+            lines(&warnings, false),
             format!("warning: a\nwarning: b\nwarning: c\nwarning: d\n{remedy}")
         );
+        assert_eq!(lines(&warnings[..1], true), "warning: a\n");
     }
 }

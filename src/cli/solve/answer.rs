@@ -14,7 +14,7 @@ use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::Errors;
 use signorini_mathematics::levels::KnownErrors;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
-use signorini_mathematics::problem::unsolvable::shown_integral;
+use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
@@ -217,14 +217,14 @@ impl Answer {
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
         let levels = request.problem.levels();
         let (name, f) = (&request.name, levels.f());
-        let mut text =
-            format!("{name}: f = {f}, integral {}\n", shown_integral(levels.integrals().of_f));
+        let integral = plain(levels.integrals().of_f, 4);
+        let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
         }
         text += &self.solution(request, recover);
         text += &self.method(request);
-        text + &advice::lines(&self.warnings)
+        text + &advice::lines(&self.warnings, self.failure.is_some())
     }
 
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
@@ -248,20 +248,23 @@ impl Answer {
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.contact.as_deref().unwrap_or_default();
         text += &self.states.text(law);
-        if let Some(parts) = levels.parts_in_contact(&self.run.judgement)
-            && arcs.is_empty()
-            && !parts.is_empty()
-        {
+        let parts = levels.parts_in_contact(&self.run.judgement);
+        if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");
         }
         if arcs.iter().any(|arc| !arc.closed) {
             let curves = levels.curves().map_or(0, |curves| curves.len());
-            text += if curves > 1 { ", the domain on the left" } else { ", anticlockwise" };
+            text += if curves > 1 {
+                "; arcs with the domain on the left"
+            } else {
+                "; arcs anticlockwise"
+            };
         }
         text.push('\n');
         let words = BoundaryWords::of(law);
         for arc in arcs {
-            text += &words.arc(arc, 6);
+            let part = arc.part.clone().filter(|_| parts.is_some());
+            text += &words.arc(&ContactArc { part, ..arc.clone() }, 6);
         }
         text += &words.force(self.force, 0.0 - integral, 6);
         if self.load_misses(request) {
@@ -276,9 +279,10 @@ impl Answer {
         let mut settings = vec![format!("solver {}", request.settings.solver)];
         settings.extend(request.refined());
         for (name, value) in request.settings() {
-            settings.push(match value {
-                Value::String(text) => format!("{name} {text}"),
-                value => format!("{name} {value}"),
+            settings.push(match (value.as_str(), value.as_f64()) {
+                (Some(text), _) => format!("{name} {text}"),
+                (None, Some(number)) => format!("{name} {}", Written(number)),
+                (None, None) => format!("{name} {value}"),
             });
         }
         let mut text = format!("{}\n", settings.join(", "));

@@ -12,7 +12,6 @@ use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::{Lattices, Levels};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::unsolvable::shown_integral;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{
     Checks, Solution, SpectralError, SpectralParams, spectral_under,
@@ -64,7 +63,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
         say_json(&json)?;
         return Ok(finer);
     }
-    let mut text = format!("{name}: f = {f}, integral {}\n", shown_integral(integral));
+    let mut text = format!("{name}: f = {f}, integral {}\n", plain(integral, 4));
     let words = BoundaryWords::of(law);
     if !law.is_signorini() {
         text += &format!("law {law}\n");

@@ -225,7 +225,7 @@ where
         for (contact, touch) in self.network().contact().iter().zip(judgement.in_contact()) {
             touches[contact.node] = touch;
         }
-        Some(self.finest().parts_of(&touches))
+        (self.finest().parts().len() > 1).then(|| self.finest().parts_of(&touches))
     }
 
     fn errors(&self, y: &[f64], _load: &[f64]) -> Option<KnownErrors> {
