@@ -142,7 +142,7 @@ enum Command {
         signorini certificate --output ../review"
     )]
     Certificate(certificate::CertificateArgs),
-    /// List the scenes, the solvers, the domains, and the problems with known solutions
+    /// List the scenes, solvers, domains, and problems with known solutions
     List(list::ListArgs),
     /// Begin a study of your own: two scenes, one page, and a run that works
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]

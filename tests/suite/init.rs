@@ -55,7 +55,7 @@ fn a_study_begins_wherever_none_of_its_files_is() {
     }
     for (folder, command) in [("it's new", r"cd 'it'\''s new' && "), ("-x", "cd ./-x && ")] {
         let said = place.run(&["init", "--", folder]);
-        assert_eq!(said.lines()[1], format!("next: {command}signorini run"));
+        assert_eq!(said.lines()[2], format!("next: {command}signorini run"));
     }
     // Where there is no cache yet, none is to be moved.
     let said = place.run(&["init", "pipeline/scenes/a.toml/study"]);

@@ -48,16 +48,16 @@ fn shown_by(project: &Project, line: &str, env: &[(&str, &str)]) -> Option<Strin
 fn lines_are_broken_between_words_where_the_terminal_ends() {
     let project = Project::with(TABLE);
     let solve = "solve --f 'quadrant(ll)=-6; else=1.998' --load nodal --stop signed";
-    let line = format!("stty cols 60; '{}' {solve}", env!("CARGO_BIN_EXE_signorini"));
+    let line = format!("stty rows 24 cols 60; '{}' {solve}", env!("CARGO_BIN_EXE_signorini"));
     let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };
     assert!(shown.lines().all(|line| line.chars().count() <= 60), "{shown}");
     assert!(shown.contains("warning: the load vector sums to "), "{shown}");
-    let line = format!("stty cols 40; '{}' run nobody", env!("CARGO_BIN_EXE_signorini"));
+    let line = format!("stty rows 24 cols 40; '{}' run nobody-of-this-name", env!("CARGO_BIN_EXE_signorini"));
     let shown = shown_by(&project, &line, &[("TERM", "dumb")]).unwrap();
     assert!(shown.lines().count() > 1, "{shown}");
     assert!(shown.lines().all(|line| line.chars().count() <= 40), "{shown}");
     // What is no terminal gets the line as it is.
-    assert!(project.run(&["run", "nobody"]).refusal().len() > 40);
+    assert!(project.run(&["run", "nobody-of-this-name"]).refusal().len() > 40);
 }
 
 #[test]

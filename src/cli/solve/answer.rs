@@ -3,7 +3,7 @@
 use super::advice::{self, Warning};
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
-use crate::cli::output::columns;
+use crate::cli::output::{columns, fitted};
 use crate::cli::shown::{brief, plain};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -19,6 +19,9 @@ use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
 use std::time::Duration;
+
+/// Columns of the settings, which may be many.
+const WIDTH: usize = 80;
 
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -285,7 +288,7 @@ impl Answer {
                 (None, None) => format!("{name} {value}"),
             });
         }
-        let mut text = format!("{}\n", settings.join(", "));
+        let mut text = fitted(&settings.join(", "), WIDTH) + "\n";
         if !request.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
