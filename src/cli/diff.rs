@@ -1,11 +1,12 @@
 //! `diff`: comparison of our tables with the published ones.
 
 use super::CacheArgs;
-use super::output::{say, say_json, styled};
+use super::output::{fitted, say, say_json, styled};
 use super::pipeline::Workplace;
 use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
-use crate::replication::comparison::{RowComparison, TableComparison};
+use crate::replication::comparison::{RowComparison, TableComparison, Tables};
+use crate::replication::project::Project;
 use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;
 use crate::table::Table;
@@ -46,9 +47,18 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
         say_json(&DiffJson { schema: 1, tables: &tables })?;
     } else {
         let print = if args.md { markdown } else { text };
-        say(&tables.iter().map(print).collect::<Vec<_>>().join("\n"))?;
+        let mut shown = Vec::new();
+        for table in &tables {
+            shown.push(print(table, &grids(&workplace.project, table)));
+        }
+        shown.push(if args.md {
+            total(&tables).replace('\n', "; ") + "\n"
+        } else {
+            legend(&tables)
+        });
+        say(&shown.join("\n"))?;
     }
-    Ok(u8::from(!tables.iter().all(TableComparison::holds)))
+    Ok(u8::from(!Tables(&tables).hold()))
 }
 
 /// Returns the comparisons among the outputs of these runs, by number of table.
@@ -68,6 +78,45 @@ pub(super) fn comparisons(
     Ok(tables)
 }
 
+/// Returns the names of the grids of a table, coarsest first.
+fn grids(project: &Project, table: &TableComparison) -> Vec<String> {
+    let levels = table.rows.first().map_or(0, |row| row.paper.len());
+    let scene = project.scenes.iter().find(|scene| scene.name == table.scene);
+    scene.map_or(Vec::new(), |scene| {
+        (0..levels).map(|level| scene.problem.name_of_level(level)).collect()
+    })
+}
+
+/// Returns how many numbers agree, and whether all are within their tolerances.
+fn total(tables: &[TableComparison]) -> String {
+    let verdict = match Tables(tables).hold() {
+        true => "every number is within the tolerance of its table",
+        false => "not every number is within the tolerance of its table",
+    };
+    format!("{}\n{verdict}", Tables(tables))
+}
+
+/// Returns the meaning of the marks, and the total.
+fn legend(tables: &[TableComparison]) -> String {
+    let any_capped =
+        tables.iter().flat_map(|table| &table.rows).any(|row| row.capped.contains(&true));
+    let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
+    let marks = coloured(&format!("= exact, ~ within tolerance, ! outside{capped}"));
+    format!("{marks}\n{}\n", total(tables))
+}
+
+/// Returns text with its marks in colours.
+fn coloured(text: &str) -> String {
+    let mut shown = String::new();
+    for letter in text.chars() {
+        match Mark::ALL.into_iter().find(|mark| mark.sign() == letter) {
+            Some(mark) => shown += &styled(&letter.to_string(), mark.color()),
+            None => shown.push(letter),
+        }
+    }
+    shown
+}
+
 /// Mark of a number of ours beside the published one.
 #[derive(Clone, Copy, PartialEq)]
 enum Mark {
@@ -78,6 +127,8 @@ enum Mark {
 }
 
 impl Mark {
+    const ALL: [Self; 4] = [Self::Exact, Self::Within, Self::Outside, Self::CutOff];
+
     fn of_count(row: &RowComparison, level: usize) -> Self {
         match (row.count_exact(level), row.within[level], row.is_capped(level)) {
             (true, ..) => Self::Exact,
@@ -96,6 +147,14 @@ impl Mark {
         }
     }
 
+    fn color(self) -> AnsiColor {
+        match self {
+            Self::Exact => AnsiColor::Green,
+            Self::Within => AnsiColor::Yellow,
+            Self::Outside | Self::CutOff => AnsiColor::Red,
+        }
+    }
+
     fn sign(self) -> char {
         match self {
             Self::Exact => '=',
@@ -105,6 +164,9 @@ impl Mark {
         }
     }
 }
+
+/// Columns of the lines.
+const WIDTH: usize = 80;
 
 /// Returns three statements: on the counts, on Delta a, and on the tolerance of both.
 fn summary(table: &TableComparison) -> [String; 3] {
@@ -121,8 +183,8 @@ fn summary(table: &TableComparison) -> [String; 3] {
     ]
 }
 
-fn text(table: &TableComparison) -> String {
-    let mut shown = Table::new(head(table, &["Delta a"]), &[]);
+fn text(table: &TableComparison, grids: &[String]) -> String {
+    let mut shown = Table::new(head(grids, &["Delta a"]), &[]);
     for row in &table.rows {
         let mut cells = vec![row.r.to_string()];
         for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
@@ -133,17 +195,12 @@ fn text(table: &TableComparison) -> String {
         shown.rows.push(cells);
     }
     let title = styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan);
-    let any_capped = table.rows.iter().any(|row| row.capped.contains(&true));
-    let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
-    format!(
-        "{title}: ours, then the paper's\n{}{}\n= exact, ~ within tolerance, ! outside{capped}\n",
-        shown.text(),
-        summary(table).join("\n")
-    )
+    let summary = fitted(&summary(table).join("\n"), WIDTH);
+    format!("{title}: ours, then the paper's\n{}{summary}\n", coloured(&shown.text()))
 }
 
-fn markdown(table: &TableComparison) -> String {
-    let mut shown = Table::new(head(table, &["Δa ours", "Δa paper"]), &[]);
+fn markdown(table: &TableComparison, grids: &[String]) -> String {
+    let mut shown = Table::new(head(grids, &["Δa ours", "Δa paper"]), &[]);
     for row in &table.rows {
         let mut cells = vec![row.r.to_string()];
         for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
@@ -164,10 +221,9 @@ fn markdown(table: &TableComparison) -> String {
 }
 
 /// Returns the names of the columns, `last` those after the counts.
-fn head(table: &TableComparison, last: &[&str]) -> Vec<String> {
-    let levels = table.rows.first().map_or(0, |row| row.paper.len());
+fn head(grids: &[String], last: &[&str]) -> Vec<String> {
     let mut head = vec!["r".to_owned()];
-    head.extend((1..=levels).map(|level| format!("grid {level}")));
+    head.extend_from_slice(grids);
     head.extend(last.iter().map(|name| (*name).to_owned()));
     head
 }

@@ -1,6 +1,6 @@
 //! `init`: begins a study, with files that the program contains.
 
-use super::output::{quoted, refuse_tilde, say};
+use super::output::{quoted, refuse_tilde, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::write_atomically;
 use clap::Args;
@@ -45,8 +45,9 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
     for (path, text) in FILES {
         write_atomically(&folder.join(path), text.as_bytes()).map_err(elsewhere)?;
     }
-    say(&format!(
-        "a study with two scenes in pipeline/scenes, plate and disc, and one page, report/templates/plate.md\n\
+    tell(&format!(
+        "a study with two scenes in pipeline/scenes, plate and disc,\n\
+        and one page, report/templates/plate.md\n\
         next: cd {} && signorini run\n",
         quoted(folder)
     ))

@@ -22,6 +22,7 @@ pub(super) struct ListArgs {
 /// Names that commands take.
 #[derive(Serialize)]
 struct Listed {
+    schema: u8,
     scenes: Vec<Named>,
     /// Scenes that cannot be read, each with the error.
     broken: Vec<Named>,
@@ -42,6 +43,7 @@ struct Named {
 pub(super) fn list(args: &ListArgs) -> Result<u8> {
     let SceneFolder { scenes, broken, .. } = scenes()?;
     let listed = Listed {
+        schema: 1,
         scenes: scenes.into_iter().map(|scene| Named::new(scene.name, scene.title)).collect(),
         broken: broken.into_iter().map(|(name, why)| Named::new(name, why)).collect(),
         solvers: solvers(),

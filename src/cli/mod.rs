@@ -17,6 +17,7 @@ mod output;
 mod pipeline;
 mod report;
 mod run;
+mod shown;
 mod solve;
 mod status;
 
@@ -25,7 +26,7 @@ use crate::timing::machine;
 use clap::builder::{
     PossibleValue, PossibleValuesParser, Resettable, StringValueParser, TypedValueParser,
 };
-use clap::error::{ContextKind, ContextValue};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::{say, styled, talk};
 use serde_json::{Value, json};
@@ -84,7 +85,7 @@ enum Command {
         signorini run --task diff/problem1  one task, beside others at work")]
     Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
-    #[command(after_help = "In narrow terminals, COLUMNS says where lines are cut.\n\
+    #[command(after_help = "Lines are cut at the width of the terminal, or at COLUMNS.\n\
         Example:\n  signorini status --exit-code || signorini run")]
     Status(status::StatusArgs),
     /// Tell why a stage or task would run: each input that changed, old -> new
@@ -141,7 +142,7 @@ enum Command {
         signorini certificate --output ../review"
     )]
     Certificate(certificate::CertificateArgs),
-    /// List the scenes, the solvers, and the problems with known solutions
+    /// List the scenes, solvers, domains, and problems with known solutions
     List(list::ListArgs),
     /// Begin a study of your own: two scenes, one page, and a run that works
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
@@ -203,11 +204,24 @@ impl TypedValueParser for Suggested {
 pub fn main() -> ExitCode {
     let mut command = Cli::command();
     let args = order::options_last(&command, std::env::args_os().collect());
-    let matches = command.try_get_matches_from_mut(args);
+    let matches = command.try_get_matches_from_mut(&args);
     let parsed = matches.and_then(|matches| Cli::from_arg_matches(&matches));
-    let cli = match parsed.map_err(|e| e.format(&mut command)) {
+    let cli = match parsed {
         Ok(cli) => cli,
-        Err(e) => {
+        Err(mut e) => {
+            if e.kind() == ErrorKind::UnknownArgument
+                && let Some(word) = order::first_word(&command, &args)
+                && command.find_subcommand(word).is_none()
+            {
+                if let Some(name) = similar(word) {
+                    let text = format!("no command `{word}`; did you mean `signorini {name}`?");
+                    return ended(Err(Error::Unknown(text)));
+                }
+                // Tip and usage name an option of `run`, for which the word is a scene.
+                e.remove(ContextKind::SuggestedArg);
+                e.remove(ContextKind::Usage);
+            }
+            let e = e.format(&mut command);
             if e.use_stderr() {
                 let _ = e.print();
                 return ExitCode::from(2);

@@ -7,18 +7,29 @@ use std::ffi::OsString;
 ///
 /// Arguments without such a command stay as they are.
 pub(super) fn options_last(cli: &Command, mut args: Vec<OsString>) -> Vec<OsString> {
-    let mut at = 1;
-    while let Some(option) =
-        args.get(at).and_then(|arg| arg.to_str()).filter(|arg| arg.starts_with('-'))
-    {
-        at += if takes_next(cli, option) { 2 } else { 1 };
-    }
+    let at = after_options(cli, &args);
     let is_command =
         |arg: &OsString| arg.to_str().is_some_and(|name| cli.find_subcommand(name).is_some());
     if at > 1 && args.get(at).is_some_and(is_command) {
         args[1..=at].rotate_right(1);
     }
     args
+}
+
+/// Returns the first argument that is neither an option of the program nor the value of one.
+pub(super) fn first_word<'a>(cli: &Command, args: &'a [OsString]) -> Option<&'a str> {
+    args.get(after_options(cli, args))?.to_str()
+}
+
+/// Position of the first argument after the options with which the arguments begin.
+fn after_options(cli: &Command, args: &[OsString]) -> usize {
+    let mut at = 1;
+    while let Some(option) =
+        args.get(at).and_then(|arg| arg.to_str()).filter(|arg| arg.starts_with('-'))
+    {
+        at += if takes_next(cli, option) { 2 } else { 1 };
+    }
+    at
 }
 
 /// True if the value of an option is the argument that follows.

@@ -1,13 +1,14 @@
 //! Output of the program: data on standard output, messages on standard error, files that the user named.
 
+use crate::pipeline;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, link_target, write_atomically};
-pub(super) use crate::pipeline::talk;
 use crate::table::Table;
 use std::fmt::Display;
 use std::fs::{self, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use terminal_size::terminal_size_of;
 use unicode_width::UnicodeWidthStr;
 
 /// Writes data to standard output; a reader that has closed it is no error.
@@ -20,6 +21,59 @@ pub(super) fn say(text: &str) -> Result<u8> {
             "cannot write to standard output: {e}; redirect it elsewhere"
         ))),
     }
+}
+
+/// Writes lines for people to standard output, on a terminal no longer than its lines.
+pub(super) fn tell(text: &str) -> Result<u8> {
+    say(&fitted(text, columns_of(&std::io::stdout())))
+}
+
+/// Writes a line on standard error, on a terminal as lines no longer than its own.
+pub(super) fn talk(line: &str) {
+    pipeline::talk(&for_talk(line));
+}
+
+/// Returns a line for standard error, on a terminal as lines no longer than its own.
+pub(super) fn for_talk(line: &str) -> String {
+    fitted(line, columns_of(&std::io::stderr()))
+}
+
+/// Number of columns of a terminal; without limit for what is none, or does not say.
+pub(super) fn columns_of(stream: &(impl IsTerminal + std::os::fd::AsFd)) -> usize {
+    if !stream.is_terminal() {
+        return usize::MAX;
+    }
+    let columns = terminal_size_of(stream).map(|(width, _)| usize::from(width.0));
+    columns.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
+}
+
+/// Returns a text with the lines that are longer than `width` broken between words; what follows is indented.
+pub(super) fn fitted(text: &str, width: usize) -> String {
+    const MORE: &str = "  ";
+    let mut lines = Vec::new();
+    for line in text.split('\n') {
+        if shown_width(line) <= width {
+            lines.push(line.to_owned());
+            continue;
+        }
+        let indent = &line[..line.len() - line.trim_start_matches(' ').len()];
+        let mut last = String::new();
+        for word in line.split_inclusive(' ') {
+            let is_begun = !last.trim().is_empty();
+            if is_begun && shown_width(&last) + shown_width(word.trim_end()) > width {
+                lines.push(last.trim_end().to_owned());
+                last = format!("{indent}{MORE}");
+            }
+            last += word;
+        }
+        lines.push(last);
+    }
+    lines.join("\n")
+}
+
+/// Number of columns of a text on a terminal, on which the codes of colours take none.
+fn shown_width(text: &str) -> usize {
+    anstream::adapter::strip_str(text).to_string().width()
 }
 
 pub(super) fn say_json(value: &impl serde::Serialize) -> Result<u8> {
@@ -59,10 +113,10 @@ pub(super) fn check_options<T: Display + PartialEq>(
 }
 
 /// Returns the warning that a nodal load moves jumps of f by half a cell, a part `moved` of the integral of |f|.
-pub(super) fn moved_jumps(moved: f64, remedy: &str) -> String {
+pub(super) fn moved_jumps(moved: f64) -> String {
     format!(
         "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, {:.1} % \
-         of the integral of |f|; {remedy} does not",
+         of the integral of |f|",
         100.0 * moved
     )
 }
@@ -197,6 +251,24 @@ fn why_not_writable(path: &Path) -> Result<Option<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_are_broken_between_words_and_only_where_they_must() {
+        let text =
+            "a table   stays  as it is\nwarning: the error may be as large as the solution\n";
+        let broken =
+            "a table   stays  as it is\nwarning: the error may be\n  as large as the\n  solution\n";
+        assert_eq!(fitted(text, 25), broken);
+        assert_eq!(fitted(text, usize::MAX), text);
+        assert_eq!(
+            fitted("  a word-that-is-too-long b", 8),
+            "  a\n    word-that-is-too-long\n    b"
+        );
+        // The codes of colours take no columns, and wide letters two.
+        let red = styled("error", anstyle::AnsiColor::Red);
+        assert_eq!(fitted(&format!("{red}: 鍋鍋"), 11), format!("{red}: 鍋鍋"));
+        assert_eq!(fitted(&format!("{red}: 鍋鍋"), 10), format!("{red}:\n  鍋鍋"));
+    }
 
     #[test]
     fn a_cut_is_counted_as_a_terminal_shows_it() {

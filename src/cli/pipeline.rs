@@ -1,7 +1,7 @@
 //! Walks of the project's plan, for all commands.
 
 use super::interrupt::interrupted;
-use super::output::refuse_tilde;
+use super::output::{for_talk, refuse_tilde};
 use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
@@ -119,7 +119,7 @@ impl Workplace {
     /// parts touch without being joined.
     pub(super) fn check(&self, summary: &Summary, progress: &Progress) -> Result<()> {
         let at_work = summary.not_fresh().filter_map(|one| scene_of(&one.task)).collect();
-        self.project.check(&at_work)?.iter().for_each(|warning| progress.note(warning));
+        self.project.check(&at_work)?.iter().for_each(|warning| progress.note(&for_talk(warning)));
         Ok(())
     }
 

@@ -1,12 +1,16 @@
 //! `run`: brings everything up to date, and says what that took.
 
 use super::CacheArgs;
-use super::output::{cut, moved_jumps, say, talk, warn_of_outside};
+use super::diff::comparisons;
+use super::output::{cut, moved_jumps, say, talk, tell, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited};
 use super::report::first_page;
+use super::shown::brief;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Summary, why};
+use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
+use crate::replication::scene::Scene;
 use crate::replication::stages::{Stage, report, solve};
 use clap::{Args, ValueEnum};
 use std::time::{Duration, Instant};
@@ -62,30 +66,79 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if args.dry_run {
         let summary = workplace.judge(&plan, args.scope(), args.force)?;
         workplace.check(&summary, &args.progress())?;
-        return say(&(left_out(&workplace.project, &plan) + &verdicts(&summary)));
+        let verdicts = match summary.nothing_to_do() {
+            true => {
+                let tables = comparisons(&workplace, &summary.manifests)?;
+                nothing_to_do(&workplace, &summary, &tables)
+            }
+            false => verdicts(&summary),
+        };
+        return tell(&(left_out(&workplace.project, &plan) + &verdicts));
     }
     let start = Instant::now();
     let summary = workplace.run(&plan, args.scope(), args.options(), &args.progress())?;
-    args.talk_of_run(&workplace, &summary, start.elapsed())?;
+    let tables = comparisons(&workplace, &summary.manifests)?;
+    args.talk_of_run(&workplace, (&summary, &tables), start.elapsed())?;
     if !summary.differences.is_empty() {
         let lines = summary.differences.join("\n  ");
         say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
         return Ok(1);
     }
     if summary.nothing_to_do() && !summary.lock_file_changed {
+        let said = tell(&nothing_to_do(&workplace, &summary, &tables));
         // The process ends; freeing its memory first would be a noticeable part of so short a run.
         std::mem::forget((workplace, plan, summary));
-        return say("nothing to do\n");
+        return said;
     }
-    say(&(left_out(&workplace.project, &plan)
-        + &what_ran(&summary)
-        + args.hint_of_results(&summary)))
+    tell(
+        &(left_out(&workplace.project, &plan)
+            + &what_ran(&summary)
+            + args.hint_of_results(&summary)
+            + &agreement(&workplace.project, &tables).map_or(String::new(), |line| line + "\n")
+            + &book(&summary)),
+    )
 }
 
 /// Runs single tasks beside other processes that do the same.
 fn single_tasks(args: &RunArgs) -> Result<u8> {
     let summary = Workplace::work(&args.cache, &args.task, &args.progress())?;
-    say(&if summary.ran.is_empty() { "nothing to do\n".into() } else { what_ran(&summary) })
+    match summary.ran.is_empty() {
+        true => say(&format!("{NOTHING_TO_DO}\n")),
+        false => tell(&what_ran(&summary)),
+    }
+}
+
+/// First words of a run that finds nothing to do.
+const NOTHING_TO_DO: &str = "nothing to do: up to date";
+
+/// Says that nothing is to be done, how the tables compare, and where the book is.
+fn nothing_to_do(workplace: &Workplace, summary: &Summary, tables: &[TableComparison]) -> String {
+    let agreement = agreement(&workplace.project, tables);
+    let agreement = agreement.map_or(String::new(), |line| format!("; {line}"));
+    format!("{NOTHING_TO_DO}{agreement}\n{}", book(summary))
+}
+
+/// Says how the tables compare with the published ones, if there are any.
+fn agreement(project: &Project, tables: &[TableComparison]) -> Option<String> {
+    if tables.is_empty() {
+        return None;
+    }
+    let mut text = Tables(tables).to_string();
+    if !tables.iter().all(TableComparison::all_counts_exact) {
+        let within = if Tables(tables).hold() { "all within" } else { "some outside" };
+        text += &format!(", {within} the tolerance; `signorini diff` shows each");
+    }
+    let has_scene = |number| project.scenes.iter().any(|scene| scene.paper_table == Some(number));
+    for table in project.paper.table.iter().filter(|table| !has_scene(table.number)) {
+        text += &format!("; no scene has table {}", table.number);
+    }
+    Some(text)
+}
+
+/// Says where the book is, if the run is of the book too.
+fn book(summary: &Summary) -> String {
+    let page = first_page(summary.exports.files.keys());
+    page.map_or(String::new(), |page| format!("the book: {page}\n"))
 }
 
 impl RunArgs {
@@ -133,7 +186,7 @@ impl RunArgs {
                 // The load of a published table is the paper's.
                 let moved = scene.problem.moved_jumps().filter(|_| scene.paper_table.is_none());
                 if let Some(moved) = moved {
-                    let moved = moved_jumps(moved, "load = { rule = \"bilinear\" }");
+                    let moved = moved_jumps(moved) + "; load = { rule = \"bilinear\" } does not";
                     talk(&format!("warning: scene `{}`: {moved}", scene.name));
                 }
             }
@@ -142,9 +195,25 @@ impl RunArgs {
     }
 
     /// Says which solves ended without a solution, and the time of the run.
-    fn talk_of_run(&self, workplace: &Workplace, summary: &Summary, time: Duration) -> Result<()> {
+    fn talk_of_run(
+        &self,
+        workplace: &Workplace,
+        (summary, tables): (&Summary, &[TableComparison]),
+        time: Duration,
+    ) -> Result<()> {
         if !self.quiet {
-            without_solution(workplace, &self.scenes, summary)?;
+            // That the discrete problems of a published table have no solution is a finding, in the book.
+            let is_as_published = |scene: &Scene| {
+                tables.iter().any(|table| table.scene == scene.name && table.all_counts_exact())
+            };
+            for scene in workplace.project.select(&self.scenes)? {
+                let outcomes = |task: &str| outcomes_of(workplace, summary, task);
+                if !is_as_published(scene)
+                    && let Some(line) = solve::without_solution(scene, outcomes)
+                {
+                    talk(&line);
+                }
+            }
             if !summary.ran.is_empty() {
                 talk(&format!("took {}", brief(time)));
             }
@@ -161,17 +230,6 @@ impl RunArgs {
             ""
         }
     }
-}
-
-/// Says of which scenes solves that ran ended without a solution.
-fn without_solution(workplace: &Workplace, scenes: &[String], summary: &Summary) -> Result<()> {
-    for scene in workplace.project.select(scenes)? {
-        let line = solve::without_solution(scene, |task| outcomes_of(workplace, summary, task));
-        if let Some(line) = line {
-            talk(&line);
-        }
-    }
-    Ok(())
 }
 
 /// Outcomes of a task that solved something in this run.
@@ -208,15 +266,14 @@ fn what_ran(summary: &Summary) -> String {
         }
         let time: Duration = ran.iter().map(|ran| ran.time).sum();
         let reasons: Vec<_> = ran.iter().map(|ran| &ran.reason).collect();
-        let (count, seconds) = (ran.len(), time.as_secs_f64());
-        let line =
-            format!("{stage:<9} {count:>4} of {all:>4}  {seconds:>9.3} s  {}", why(&reasons));
+        let (count, time) = (ran.len(), brief(time));
+        let line = format!("{stage:<9} {count:>4} of {all:>4}  {time:>9}  {}", why(&reasons));
         // `--verbose` and `explain` give reasons in full.
         text += &(cut(&line, WIDTH) + "\n");
     }
     if !text.is_empty() {
         // Tasks run side by side: their times add up to more than the run took.
-        let head = format!("{:<9} {:>12}  {:>11}  reason", "stage", "tasks run", "task time");
+        let head = format!("{:<9} {:>12}  {:>9}  reason", "stage", "tasks run", "task time");
         text = format!("{head}\n{text}");
     }
     match summary.exports.to_write() {
@@ -230,17 +287,11 @@ fn what_ran(summary: &Summary) -> String {
     if summary.lock_file_changed && summary.ran.is_empty() {
         text += "pipeline/lock.toml brought up to date\n";
     }
-    if let Some(page) = first_page(summary.exports.files.keys()) {
-        text += &format!("the book: {page}\n");
-    }
     text
 }
 
 /// Says what a run would do.
 fn verdicts(summary: &Summary) -> String {
-    if summary.nothing_to_do() {
-        return "nothing to do\n".into();
-    }
     let mut text = String::new();
     for judged in summary.not_fresh() {
         text += &format!("{}: {}\n", judged.task, judged.verdict);
@@ -273,27 +324,4 @@ pub(super) fn exports(summary: &Summary) -> String {
     }
     summary.exports.edited.iter().for_each(|file| text += &(edited(file) + "\n"));
     text
-}
-
-/// A duration with two digits and a unit.
-fn brief(time: Duration) -> String {
-    match time.as_secs_f64() {
-        s if s < 0.1 => "<0.1 s".into(),
-        s if s < 9.95 => format!("{s:.1} s"),
-        s if s < 99.5 => format!("{s:.0} s"),
-        s if s < 5970.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.0} h", s / 3600.0),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn durations_have_two_digits_and_a_unit() {
-        let texts = [0.04, 9.94, 9.96, 99.0, 100.0, 5940.0, 7200.0]
-            .map(|s| brief(Duration::from_secs_f64(s)));
-        assert_eq!(texts, ["<0.1 s", "9.9 s", "10 s", "99 s", "2 min", "99 min", "2 h"]);
-    }
 }

@@ -2,6 +2,7 @@
 //!
 //! Central is [`solve`]: read the problem, solve, judge, print, write.
 
+mod advice;
 mod answer;
 mod bound;
 mod files;
@@ -9,7 +10,7 @@ mod judging;
 mod request;
 mod spectral;
 
-use super::output::{OutputFile, say, say_json};
+use super::output::{OutputFile, say_json, tell};
 use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::accuracy::Accuracy;
@@ -185,7 +186,7 @@ impl SolveArgs {
         let Some((file, format)) = file else { return Ok(0) };
         file.write(&request.file(format, levels, pair)?)?;
         if !self.json {
-            say(&format!("wrote {}\n", file.path().display()))?;
+            tell(&format!("wrote {}\n", file.path().display()))?;
         }
         Ok(0)
     }
@@ -261,7 +262,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if args.json {
         say_json(&answer.json(&request))?;
     } else {
-        say(&answer.text(&request))?;
+        tell(&answer.text(&request, args.recover))?;
     }
     if args.recover {
         let (lattices, pair) = recovered(&request, &answer.pair)?;

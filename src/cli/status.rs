@@ -1,7 +1,7 @@
 //! `status` and `explain`: the stale tasks, and the reasons.
 
 use super::CacheArgs;
-use super::output::{cut, say, say_json, styled};
+use super::output::{columns_of, cut, say, say_json, styled};
 use super::pipeline::{Scope, Workplace};
 use super::run::exports;
 use crate::pipeline::error::{Error, Result};
@@ -55,10 +55,10 @@ pub(super) fn status(args: &StatusArgs) -> Result<u8> {
     Ok(u8::from(args.exit_code && stale))
 }
 
-/// Number of columns of the terminal, from the environment; without limit if it is not set.
+/// Number of columns at which lines are cut: of the environment, or of the terminal.
 fn width() -> usize {
     let given = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse().ok());
-    given.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
+    given.filter(|&columns| columns > 0).unwrap_or_else(|| columns_of(&std::io::stdout()))
 }
 
 /// Returns a line for each stage: its state, the number of tasks in that state, and one of them with the reason; then a

@@ -146,7 +146,7 @@ pub enum Reason {
 impl fmt::Display for Reason {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NeverRan => out.write_str("never ran"),
+            Self::NeverRan => out.write_str("first run"),
             Self::Changed(changes) => match &changes[..] {
                 [one] => write!(out, "{one}"),
                 [first, rest @ ..] => write!(out, "{first} (and {} more)", rest.len()),

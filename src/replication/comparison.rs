@@ -5,6 +5,7 @@ use crate::pipeline::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::identify::agrees;
 use signorini_mathematics::problem::text::Written;
+use std::fmt;
 
 /// Computed row of a table: iteration counts per grid and Delta a on the finest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -119,13 +120,13 @@ impl PublishedTable {
     /// Returns the declared tolerance in words.
     fn tolerance(&self) -> String {
         let counts = match (self.count_share, self.count_slack) {
-            (0.0, 0) => "a count equals the published one".to_owned(),
+            (0.0, 0) => "counts equal the published ones".to_owned(),
             (share, slack) => format!(
-                "a count differs by at most {} % or {slack} iterations",
+                "counts differ by at most {} % or {slack} iterations",
                 (1000.0 * share).round() / 10.0
             ),
         };
-        format!("{counts}, a Delta a is within a factor of {}", Written(self.delta_a_factor))
+        format!("{counts}, Delta a within a factor of {}", Written(self.delta_a_factor))
     }
 
     /// True if our count is within tolerance of the published one.
@@ -157,7 +158,40 @@ impl RowComparison {
     }
 }
 
+/// Comparisons of all tables of a project.
+pub(crate) struct Tables<'a>(pub(crate) &'a [TableComparison]);
+
+impl Tables<'_> {
+    /// True if every count and every Delta a of every table is within the declared tolerance.
+    pub(crate) fn hold(&self) -> bool {
+        self.0.iter().all(TableComparison::holds)
+    }
+}
+
+impl fmt::Display for Tables<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sum = |of: fn(&TableComparison) -> usize| self.0.iter().map(of).sum::<usize>();
+        let (exact, cells) = (sum(|table| table.exact), sum(|table| table.cells));
+        let (delta_a, rows) = (sum(|table| table.delta_a_exact), sum(|table| table.rows.len()));
+        let numbers: Vec<_> = self.0.iter().map(|table| table.table.to_string()).collect();
+        let names = match &numbers[..] {
+            [one] => format!("Table {one}"),
+            [others @ .., last] => format!("Tables {} and {last}", others.join(", ")),
+            [] => return out.write_str("no table"),
+        };
+        write!(
+            out,
+            "{names}: {exact} of {cells} counts as published, {delta_a} of {rows} Delta a to both digits"
+        )
+    }
+}
+
 impl TableComparison {
+    /// True if every count is the published one.
+    pub(crate) fn all_counts_exact(&self) -> bool {
+        self.exact == self.cells
+    }
+
     /// True if every count and every Delta a is within the declared tolerance.
     pub fn holds(&self) -> bool {
         self.within_tolerance == self.cells && self.delta_a_within == self.rows.len()

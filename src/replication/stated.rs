@@ -191,6 +191,26 @@ impl StatedProblem {
         }
     }
 
+    /// Returns how fine a mesh is after so many refinements; none on the square.
+    pub(crate) fn refined(&self, times: usize) -> Option<String> {
+        if let Some(coarsest) = self.cells_of_coarsest_cube() {
+            return Some(format!("h 1/{}", coarsest << times));
+        }
+        self.square().is_none().then(|| match times {
+            0 => "not refined".into(),
+            1 => "refined once".into(),
+            _ => format!("refined {times} times"),
+        })
+    }
+
+    /// Name of a level in a table, coarsest first: the width of a grid, or the number of a mesh.
+    pub(crate) fn name_of_level(&self, level: usize) -> String {
+        match self.square().and_then(|square| square.grids.get(level)) {
+            Some(grid) => format!("1/{}", grid.cells()),
+            None => format!("mesh {}", level + 1),
+        }
+    }
+
     /// Pieces of f that are certain to lie outside the domain, as far as that is known without the mesh.
     pub(crate) fn outside(&self) -> Vec<String> {
         self.square().map(|square| square.f.outside()).unwrap_or_default()

@@ -81,17 +81,17 @@ fn what_the_book_is_made_from_is_an_input_wherever_it_lies() {
         said.lines().concat()
     };
     run();
-    assert_eq!(run(), "nothing to do");
+    assert!(run().starts_with("nothing to do"));
     assert_eq!(study.read("report/book/own/made.txt"), "own one\n");
     assert!(!study.read("report/book/html/plate.html").contains("of the environment"));
     write_program("echo two > made.txt\n");
-    assert_ne!(run(), "nothing to do");
+    assert!(!run().starts_with("nothing to do"));
     assert_eq!(study.read("report/book/installed/made.txt"), "two\n");
     study.write("report/tools/own", "#!/bin/sh\necho own two > made.txt\n");
-    assert_ne!(run(), "nothing to do");
+    assert!(!run().starts_with("nothing to do"));
     assert_eq!(study.read("report/book/own/made.txt"), "own two\n");
     fs::write(&outside, "b{}").unwrap();
-    assert_ne!(run(), "nothing to do");
+    assert!(!run().starts_with("nothing to do"));
     // A folder that is a link might lead anywhere.
     symlink(&programs, study.0.path("study/report/theme")).unwrap();
     assert!(study.run(&["run"]).refusal().contains("links to a folder"));

@@ -339,7 +339,7 @@ fn contact(n: usize, f: &Source) -> (Vec<ContactArc>, usize) {
 #[test]
 fn contact_is_reported_with_its_ends_and_its_whole_force() {
     let (contact, _) = contact(256, &REFERENCES[0].f.parse().unwrap());
-    let [arc] = contact[..] else { panic!("{contact:?}") };
+    let [arc] = &contact[..] else { panic!("{contact:?}") };
     for (found, want) in [arc.from, arc.to].into_iter().zip(REFERENCES[0].contact.unwrap()) {
         assert!((0..2).all(|k| (found[k] - want[k]).abs() < 0.25 / 256.0), "{arc:?}");
     }
@@ -350,7 +350,7 @@ fn contact_is_reported_with_its_ends_and_its_whole_force() {
 fn contact_in_one_node_is_not_contact_everywhere() {
     let f = "disc(0.115,-0.435,0.0315)=-144.8; else=0.364".parse().unwrap();
     let (contact, 1) = contact(8, &f) else { panic!("one node") };
-    let [arc] = contact[..] else { panic!("{contact:?}") };
+    let [arc] = &contact[..] else { panic!("{contact:?}") };
     assert_eq!((arc.from, arc.to), ([0.0625, -0.5], [0.1875, -0.5]));
 }
 
@@ -360,7 +360,7 @@ fn forces_are_those_of_the_multiplier_however_weak() {
     let (contact, 1) = contact(64, &"quadrant(ll)=3; else=-1.00001".parse().unwrap()) else {
         panic!("one node")
     };
-    let [arc] = contact[..] else { panic!("{contact:?}") };
+    let [arc] = &contact[..] else { panic!("{contact:?}") };
     assert!((arc.force - 7.5e-6).abs() < 1e-11, "{arc:?}");
 }
 

@@ -11,11 +11,11 @@ fn a_second_run_does_nothing_and_touches_nothing() {
     assert_eq!(project.run(&["run", "-v"]).ran().len(), 7);
     let (made, times) = (project.made(), project.times());
     let again = project.run(&["run", "-v"]);
-    assert_eq!((again.lines(), again.err.as_str()), (vec!["nothing to do"], ""));
+    assert_eq!((again.lines(), again.err.as_str()), (vec!["nothing to do: up to date"], ""));
     assert_same(&project.made(), &made);
     assert_eq!(project.times(), times);
     assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
-    assert_eq!(project.run(&["run", "-n"]).lines(), ["nothing to do"]);
+    project.run(&["run", "-n"]).nothing_to_do();
     assert_eq!(project.run(&["run", "-n", "--force"]).lines().len(), 7);
 }
 
@@ -27,8 +27,8 @@ fn a_dry_run_tells_what_would_run_and_writes_nothing() {
     assert_eq!(
         said.lines(),
         [
-            "solve/a/signed/r=10: stale: never ran",
-            "solve/a/signed/r=1: stale: never ran",
+            "solve/a/signed/r=10: stale: first run",
+            "solve/a/signed/r=1: stale: first run",
             "tabulate/a/signed: waits for solve/a/signed/r=10"
         ]
     );
@@ -115,7 +115,7 @@ fn a_comment_or_a_title_that_nothing_shows_changes_nothing() {
     let project = Project::with(TABLE);
     project.run(&["run"]).lines();
     project.scene("a", &format!("# A remark.\n{}", TABLE.replace("Suction", "Pull")));
-    assert_eq!(project.run(&["run", "-v"]).lines(), ["nothing to do"]);
+    project.run(&["run", "-v"]).nothing_to_do();
     // A figure shows the title: there it counts, and only there.
     project.scene("a", &wanting("[\"table\", \"source\"]"));
     project.run(&["run"]).lines();
@@ -190,7 +190,7 @@ fn a_reverted_edit_is_a_hit_and_survives_gc() {
     assert_same(&project.files("figures"), &figures);
     // What is in use now is the older result; gc must keep that one.
     project.run(&["gc"]).lines();
-    assert_eq!(project.run(&["run", "-v"]).lines(), ["nothing to do"]);
+    project.run(&["run", "-v"]).nothing_to_do();
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn a_result_in_use_again_survives_gc_though_nothing_else_is_to_do() {
     project.write("pipeline/lock.toml", lock);
     assert_eq!(project.run(&["run", "-v"]).ran(), [""; 0]);
     project.run(&["gc"]).lines();
-    assert_eq!(project.run(&["run", "-v"]).lines(), ["nothing to do"]);
+    project.run(&["run", "-v"]).nothing_to_do();
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn gc_removes_garbage_and_nothing_else() {
     assert!(!project.path(".signorini/v0/objects").exists());
     assert!(!project.path(".signorini/v2/tasks/solve/b").exists(), "no empty folders stay behind");
     assert!(["v4", "CACHEDIR.TAG"].iter().all(|n| project.path(".signorini").join(n).exists()));
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
     assert!(project.run(&["gc", "--keep", "0"]).refusal().contains("at least 1"));
     // A folder that was misspelt is not made.
     for args in [&["gc", "-n", "--cache-dir", "missing"][..], &["gc", "--cache-dir", "missing"]] {
@@ -300,7 +300,7 @@ fn a_task_that_fails_leaves_the_others_up_to_date() {
 fn a_locked_run_fails_on_a_difference_and_leaves_the_lock_file() {
     let project = Project::with(&wanting("[\"table\", \"source\"]"));
     project.run(&["run"]).lines();
-    assert_eq!(project.run(&["run", "--locked"]).lines(), ["nothing to do"]);
+    project.run(&["run", "--locked"]).nothing_to_do();
     project.scene("a", &wanting("[\"table\", \"source\"]").replace("else=-1", "else=-2"));
     let lock = fs::read(project.path("pipeline/lock.toml")).unwrap();
     let figure = fs::read(project.path("figures/a-source.svg")).unwrap();

@@ -66,6 +66,12 @@ impl Said {
         self.out.lines().collect()
     }
 
+    /// Checks that a command found nothing to do, and says so first.
+    #[track_caller]
+    pub(crate) fn nothing_to_do(&self) {
+        assert!(self.lines()[0].starts_with("nothing to do: up to date"), "{self:?}");
+    }
+
     /// The error of a command that refused with exit code 2: one line, after lines of progress at most.
     #[track_caller]
     pub(crate) fn refusal(&self) -> &str {

@@ -59,7 +59,7 @@ fn tables_and_pictures_are_made_and_kept() {
     assert_eq!([of("a,"), of("gear,"), of("ball,")], [2 * 2 * 4, 2, 2], "{results}");
     assert!(rows[0].starts_with("a,arrow-hurwicz,printed-dual,10.0,,"), "{}", rows[0]);
     assert!(rows.iter().all(|row| row.split(',').nth(9) == Some("true")), "{results}");
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]
@@ -410,7 +410,7 @@ fn an_edited_mesh_makes_its_scene_alone_anew() {
     let said = project.run(&["explain", "solve/gear"]);
     assert!(said.out.contains("file pipeline/meshes/gear.msh: "), "{said:?}");
     project.run(&["run"]).lines();
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]

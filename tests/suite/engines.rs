@@ -50,7 +50,7 @@ fn assert_done(project: &Project, wanted: &BTreeMap<String, Vec<u8>>) {
     let run = project.run(&["run", "-v"]);
     assert_eq!(run.ran(), [""; 0], "{run:?}");
     assert_same(&project.made(), wanted);
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn single_tasks_make_what_a_run_makes() {
     for id in tasks(&project) {
         let ran = project.run(&["run", "-v", "--task", &id]);
         assert_eq!(ran.ran(), [id.as_str()]);
-        assert_eq!(project.run(&["run", "--task", &id]).lines(), ["nothing to do"]);
+        project.run(&["run", "--task", &id]).nothing_to_do();
     }
     assert_done(&project, &made_at_once(small));
 }
@@ -69,7 +69,7 @@ fn a_task_whose_needs_are_missing_is_refused_with_the_command_that_helps() {
     let project = small();
     let said = project.run(&["run", "--task", "tabulate/b/signed"]);
     let refusal = said.refusal();
-    assert!(refusal.contains("is needed and not up to date (never ran)"), "{refusal}");
+    assert!(refusal.contains("is needed and not up to date (first run)"), "{refusal}");
     let (_, command) = refusal.split_once("first `signorini ").unwrap();
     let args: Vec<&str> = command.trim_end_matches('`').split(' ').collect();
     assert_eq!(project.run(&args).code, Some(0), "{args:?}");
@@ -124,7 +124,7 @@ fn whole_runs_and_gc_keep_out_of_the_way_of_single_tasks() {
     assert!(waits.starts_with("waiting for ") && child.try_wait().unwrap().is_none(), "{waits}");
     lock.unlock().unwrap();
     let output = child.wait_with_output().unwrap();
-    assert_eq!(String::from_utf8_lossy(&output.stdout), "nothing to do\n");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "nothing to do: up to date\n");
 }
 
 #[test]

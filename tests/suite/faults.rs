@@ -127,7 +127,7 @@ fn figures_of_a_deleted_scene_go_unless_somebody_edited_them() {
     assert!(!said.out.contains("written"), "{said:?}");
     let left: Vec<String> = project.files("figures").into_keys().collect();
     assert_eq!(left, ["a-source.svg", "notes.txt"]);
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]
@@ -333,7 +333,7 @@ fn a_read_only_project_that_is_up_to_date_has_nothing_to_do() {
         fs::remove_file(project.path(lock)).unwrap();
     }
     // Without permission nothing can be written, and even root would make the locks anew.
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
     assert_eq!(project.times().len(), times.len() - 2, "not even a lock");
 }
 
@@ -390,7 +390,7 @@ fn a_second_run_at_once_is_told_who_runs() {
     fs::write(&lock, "process 4711\n").unwrap();
     let held = File::options().read(true).write(true).open(&lock).unwrap();
     held.try_lock().unwrap();
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"], "to look is allowed");
+    project.run(&["run"]).nothing_to_do(); // to look is allowed
     let said = project.run(&["run", "--force"]);
     assert!(said.refusal().contains("another signorini (process 4711) is at work in "), "{said:?}");
     assert!(said.refusal().ends_with("; wait for it"), "{said:?}");
@@ -405,7 +405,7 @@ fn a_second_run_at_once_is_told_who_runs() {
     held.try_lock().unwrap();
     project.run(&["gc", "--cache-dir", "elsewhere"]).refusal();
     drop(held);
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
 }
 
 /// Starts as many pairs of runs at once in one project, by turns with one cache and with two.
@@ -458,7 +458,7 @@ fn what_the_clock_says_does_not_matter() {
         let date =
             |file: &PathBuf| File::options().write(true).open(file).unwrap().set_modified(then);
         project.times().keys().for_each(|file| date(file).unwrap());
-        assert_eq!(project.run(&["run"]).lines(), ["nothing to do"], "dated, not changed");
+        project.run(&["run"]).nothing_to_do(); // dated, not changed
         wrong += 1;
         let edited = project.path("pipeline/scenes/a.toml");
         project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
@@ -507,7 +507,7 @@ fn a_cache_of_an_older_layout_is_ignored_and_collected() {
     assert!(project.path(".signorini/v0/tasks").exists(), "a run removes nothing");
     project.run(&["gc"]).lines();
     assert!(!project.path(".signorini/v0").exists());
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]

@@ -14,7 +14,7 @@ fn a_new_study_runs() {
     let ran = run(&["run"]);
     assert_eq!(ran.lines().last(), Some(&"the book: report/book/index.html"));
     assert!(!ran.out.contains("leaves out"), "{ran:?}");
-    assert_eq!(run(&["run"]).lines(), ["nothing to do"]);
+    run(&["run"]).nothing_to_do();
     // What the page points to is in the book.
     let book = place.path("new/study/report/book");
     let page = fs::read_to_string(book.join("plate.html")).unwrap();
@@ -55,7 +55,7 @@ fn a_study_begins_wherever_none_of_its_files_is() {
     }
     for (folder, command) in [("it's new", r"cd 'it'\''s new' && "), ("-x", "cd ./-x && ")] {
         let said = place.run(&["init", "--", folder]);
-        assert_eq!(said.lines()[1], format!("next: {command}signorini run"));
+        assert_eq!(said.lines()[2], format!("next: {command}signorini run"));
     }
     // Where there is no cache yet, none is to be moved.
     let said = place.run(&["init", "pipeline/scenes/a.toml/study"]);

@@ -167,7 +167,7 @@ fn signalled(command: &mut Command, signal: &str) -> Said {
     let mut err = String::new();
     let mut reader = child.stderr.take().unwrap();
     let mut byte = [0];
-    while !err.contains(": never ran\n") && reader.read(&mut byte).unwrap() == 1 {
+    while !err.contains(": first run\n") && reader.read(&mut byte).unwrap() == 1 {
         err.push(char::from(byte[0]));
     }
     assert!(err.contains("\nran solve/a/printed/"), "{err}");

@@ -53,7 +53,7 @@ fn energies_and_ends_are_those_in_quadruple_precision() {
         let error = solution.energy / expected - 1.0;
         assert!(error.abs() < 1e-14, "{error:e}");
     }
-    let arc = a.contact[0];
+    let arc = &a.contact[0];
     // Distances along the boundary, anticlockwise from the lower left corner.
     assert!((along(arc.from) - 0.602_923_113_064_346_7).abs() < 1e-14, "{arc:?}");
     assert!((along(arc.to) - 3.397_076_886_935_653).abs() < 1e-14, "{arc:?}");

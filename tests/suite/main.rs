@@ -2,6 +2,7 @@
 
 mod access;
 mod accuracy;
+mod answer_text;
 mod answers;
 mod book;
 mod book_settings;
@@ -29,6 +30,7 @@ mod identify;
 mod identify_cli;
 mod init;
 mod interruption;
+mod last_lines;
 mod law_bounds;
 mod law_commands;
 mod law_spectral;

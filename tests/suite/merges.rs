@@ -86,5 +86,5 @@ fn an_unreadable_record_is_not_an_absent_one() {
     let said = project.run(&["explain", "tabulate"]);
     assert!(said.lines()[0].contains("stale: cannot read "), "{said:?}");
     let said = project.run(&["status"]);
-    assert!(!said.out.contains("never ran") && said.out.contains("cannot read "), "{said:?}");
+    assert!(!said.out.contains("first run") && said.out.contains("cannot read "), "{said:?}");
 }

@@ -53,7 +53,7 @@ fn a_page_includes_scenes_and_files_beside_it_and_follows_their_changes() {
     for part in ["title = ", "<msup>", " first.", "<code>{{#include x}}</code>"] {
         assert!(page.contains(part), "{part}: {page}");
     }
-    assert_eq!(study.run(&["run"]).lines(), ["nothing to do"]);
+    study.run(&["run"]).nothing_to_do();
     study.write("report/templates/notes/more.txt", "second");
     study.run(&["run"]).lines();
     assert!(study.read("report/book/plate.html").contains(" second."));
@@ -226,7 +226,7 @@ fn what_editors_leave_is_no_input_and_in_no_book() {
     ] {
         study.write(&format!("report/templates/{name}"), "mine");
     }
-    assert_eq!(study.run(&["run"]).lines(), ["nothing to do"]);
+    study.run(&["run"]).nothing_to_do();
     // What people put there is published.
     let own = ["2024/notes.txt", "LICENSE", "photo.png", "a.old.txt"];
     own.iter().for_each(|name| study.write(&format!("report/templates/{name}"), "mine"));

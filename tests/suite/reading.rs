@@ -65,7 +65,7 @@ fn a_mesh_is_parsed_only_by_a_run_that_needs_it() {
     assert_eq!(project.times(), before);
     // If the bytes were those of the last run, nobody would look into them.
     forge(&project, &signorini::pipeline::hash(&gear()), &signorini::pipeline::hash(bad));
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
     assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
     project.write("pipeline/meshes/gear.msh", gear());
     project.run(&["run"]).lines();
@@ -141,7 +141,7 @@ fn a_broken_scene_is_named_and_hides_no_other() {
         assert!(said.refusal().contains("scene `bad`: line 1"), "{args:?}: {said:?}");
     }
     assert_eq!(project.times(), before);
-    assert_eq!(project.run(&["run", "a", "b"]).lines(), ["nothing to do"]);
+    project.run(&["run", "a", "b"]).nothing_to_do();
     for args in [&["status", "a"][..], &["solve", "b", "--solver", "multigrid"]] {
         assert_eq!(project.run(args).code, Some(0), "{args:?}");
     }

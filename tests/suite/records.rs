@@ -83,7 +83,8 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     assert!(command(&args).refusal().contains("codecheck.yml is there already; move it away"));
     command(&[&args[..], &["--force"]].concat()).lines();
     assert_same(&project.files("codecheck"), &first);
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"], "it is no part of the run");
+    // It is no part of the run.
+    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]
@@ -94,7 +95,7 @@ fn a_certificate_is_refused_unless_everything_is_up_to_date() {
         assert!(said.refusal().contains(why), "{why}: {said:?}");
         assert!(!project.path("codecheck").exists());
     };
-    refused(&project, "of 8 tasks are not up to date (solve/a/signed/r=10 stale: never ran)");
+    refused(&project, "of 8 tasks are not up to date (solve/a/signed/r=10 stale: first run)");
     project.run(&["run"]).lines();
     project.scene("a", &(wanting(EVERYTHING).replace("else=-1", "else=-2") + "paper_table = 1\n"));
     refused(&project, "do `signorini run` first");

@@ -26,8 +26,13 @@ fn colour_is_for_those_who_see_it() {
 
 /// What a command shows on a terminal, with these variables; `None` where no terminal can be had.
 fn on_a_terminal(project: &Project, args: &str, env: &[(&str, &str)]) -> Option<String> {
+    shown_by(project, &format!("'{}' {args}", env!("CARGO_BIN_EXE_signorini")), env)
+}
+
+/// What a line for a shell shows on a terminal.
+fn shown_by(project: &Project, line: &str, env: &[(&str, &str)]) -> Option<String> {
     let mut script = Command::new("script");
-    script.args(["-qec", &format!("'{}' {args}", env!("CARGO_BIN_EXE_signorini")), "/dev/null"]);
+    script.args(["-qec", line, "/dev/null"]);
     TALK.iter().for_each(|name| _ = script.env_remove(name));
     let script = script.envs(env.iter().copied()).current_dir(project.path("."));
     match script.stdin(Stdio::null()).output() {
@@ -37,6 +42,38 @@ fn on_a_terminal(project: &Project, args: &str, env: &[(&str, &str)]) -> Option<
             None
         }
     }
+}
+
+#[test]
+fn lines_are_broken_between_words_where_the_terminal_ends() {
+    let project = Project::with(TABLE);
+    let solve = "solve --f 'quadrant(ll)=-6; else=1.998' --load nodal --stop signed";
+    let line = format!("stty rows 24 cols 60; '{}' {solve}", env!("CARGO_BIN_EXE_signorini"));
+    let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };
+    assert!(shown.lines().all(|line| line.chars().count() <= 60), "{shown}");
+    assert!(shown.contains("warning: the load vector sums to "), "{shown}");
+    let line = format!(
+        "stty rows 24 cols 40; '{}' run nobody-of-this-name",
+        env!("CARGO_BIN_EXE_signorini")
+    );
+    let shown = shown_by(&project, &line, &[("TERM", "dumb")]).unwrap();
+    assert!(shown.lines().count() > 1, "{shown}");
+    assert!(shown.lines().all(|line| line.chars().count() <= 40), "{shown}");
+    // What is no terminal gets the line as it is.
+    assert!(project.run(&["run", "nobody-of-this-name"]).refusal().len() > 40);
+}
+
+#[test]
+fn marks_of_a_comparison_have_colours_on_a_terminal() {
+    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
+    let Some(shown) = on_a_terminal(&project, "diff", &[("TERM", "xterm")]) else { return };
+    // Green, yellow and red, each on a mark alone.
+    for mark in ["\x1b[32m=", "\x1b[33m~", "\x1b[31m!"] {
+        let plain = shown.replace("\x1b[1m", "");
+        assert!(plain.contains(&format!("{mark}\x1b[0m")), "{mark:?}: {shown:?}");
+    }
+    let plain = on_a_terminal(&project, "diff", &[("TERM", "xterm"), ("NO_COLOR", "1")]).unwrap();
+    assert!(!plain.contains('\x1b') && plain.contains("1=   1"), "{plain}");
 }
 
 #[test]
@@ -66,9 +103,9 @@ fn status_stands_in_columns_and_fits_narrow_terminals() {
     project.run(&["run", "a-scene-with-a-name-that-takes-room"]).lines();
     project.scene("a-scene-with-a-name-that-takes-room", &TABLE.replace("else=-1", "else=-2"));
     expect![[r"
-        solve     stale  4 of 4  solve/a/signed/r=10  never ran
+        solve     stale  4 of 4  solve/a/signed/r=10  first run
         tabulate  waits  2 of 2  tabulate/a/signed    waits for solve/a/signed/r=10
-        figures   stale  1 of 1  figures/a-source     never ran
+        figures   stale  1 of 1  figures/a-source     first run
         7 tasks: 5 stale, 2 waiting for those
     "]]
     .assert_eq(&project.run(&["status"]).out);

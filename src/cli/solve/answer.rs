@@ -1,8 +1,10 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
+use super::advice::{self, Warning};
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
-use crate::cli::output::columns;
+use crate::cli::output::{columns, fitted};
+use crate::cli::shown::{brief, plain};
 use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Bounds, NoBound};
@@ -12,10 +14,14 @@ use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::Errors;
 use signorini_mathematics::levels::KnownErrors;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
-use signorini_mathematics::problem::unsolvable::shown_integral;
+use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// Columns of the settings, which may be many.
+const WIDTH: usize = 80;
 
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -31,14 +37,14 @@ impl States {
         self.sticks + self.slips_up + self.slips_down
     }
 
+    /// Returns the numbers in words.
     fn text(self, law: Law) -> String {
         let (Self { sticks, slips_up, slips_down }, all) = (self, self.all());
         if law.is_signorini() {
-            return format!("contact in {sticks} of {all} boundary nodes (arcs run anticlockwise)");
+            return format!("contact in {sticks} of {all} boundary nodes");
         }
         format!(
-            "{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down\n(arcs run \
-             anticlockwise)"
+            "{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down"
         )
     }
 }
@@ -69,7 +75,7 @@ pub(super) struct Answer {
     pub bounds: Result<Bounds, NoBound>,
     /// Run times for grids and load vectors, and for the solver.
     seconds: [f64; 2],
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// Reason why the answer is no solution, in a sentence with a remedy.
     pub failure: Option<String>,
 }
@@ -134,6 +140,8 @@ impl Answer {
         }
         let (kkt, bounds) = (last.kkt, self.bounds.as_ref().ok());
         let integral = levels.integrals().of_f;
+        let [v_least, v_greatest] = self.range();
+        let warnings = self.warnings.iter().map(Warning::sentence);
         let mut json = json!({
             "schema": 1,
             "scene": request.name,
@@ -149,6 +157,8 @@ impl Answer {
             "stop": self.end(request),
             "grids": grids,
             "energy": last.energy,
+            "v_least": v_least,
+            "v_greatest": v_greatest,
             "integral_f": integral,
             "sum_load": last.sum_load,
             "kkt": {
@@ -175,7 +185,7 @@ impl Answer {
             }),
             "contact": self.contact,
             "force": self.force,
-            "warnings": request.warnings.iter().chain(&self.warnings).collect::<Vec<_>>(),
+            "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
             "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
         });
         if !problem.law().is_signorini() {
@@ -206,53 +216,95 @@ impl Answer {
         json
     }
 
-    pub(super) fn text(&self, request: &Request) -> String {
+    /// Returns the answer, then how it was found; with `recover`, the recovered solution is part of the answer.
+    pub(super) fn text(&self, request: &Request, recover: bool) -> String {
+        let levels = request.problem.levels();
+        let (name, f) = (&request.name, levels.f());
+        let integral = plain(levels.integrals().of_f, 4);
+        let mut text = format!("{name}: f = {f}, integral {integral}\n");
+        if self.failure.is_some() {
+            text += "not a solution, but where the solver ended:\n";
+        }
+        text += &self.solution(request, recover);
+        text += &self.method(request);
+        text + &advice::lines(&self.warnings, self.failure.is_some())
+    }
+
+    /// Returns what was asked for: the energy with its bounds, v, and the contact.
+    fn solution(&self, request: &Request, recover: bool) -> String {
         let (problem, levels) = (&request.problem, request.problem.levels());
         let (last, law, integral) = (self.last(), problem.law(), levels.integrals().of_f);
-        let (name, f) = (&request.name, levels.f());
-        let mut text = format!("{name}: f = {f}, integral {}\n", shown_integral(integral));
-        let mut settings = Vec::new();
+        let mut text = format!("energy {}\n", plain(last.energy, 7));
+        if !last.verdict().is_failure() || request.accuracy.is_some() {
+            text += &bound::text(&self.bounds, problem, recover);
+        }
+        if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
+            let Errors { l2, h1, max, .. } = values;
+            let [l2, h1, max] = [*l2, *h1, *max].map(|error| plain(error, 3));
+            text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
+            if let Some(multiplier_l2) = multiplier_l2 {
+                text += &format!("; multiplier L2 {}", plain(*multiplier_l2, 3));
+            }
+            text.push('\n');
+        }
+        let [least, greatest] = self.range().map(|v| plain(v, 6));
+        text += &format!("v from {least} to {greatest}\n");
+        let arcs = self.contact.as_deref().unwrap_or_default();
+        text += &self.states.text(law);
+        let parts = levels.parts_in_contact(&self.run.judgement);
+        if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
+            text += &format!(", on {parts}");
+        }
+        if arcs.iter().any(|arc| !arc.closed) {
+            let curves = levels.curves().map_or(0, |curves| curves.len());
+            text += if curves > 1 {
+                "; arcs with the domain on the left"
+            } else {
+                "; arcs anticlockwise"
+            };
+        }
+        text.push('\n');
+        let words = BoundaryWords::of(law);
+        for arc in arcs {
+            let part = arc.part.clone().filter(|_| parts.is_some());
+            text += &words.arc(&ContactArc { part, ..arc.clone() }, 6);
+        }
+        text += &words.force(self.force, 0.0 - integral, 6);
+        if self.load_misses(request) {
+            let minus_sum = plain(0.0 - last.sum_load, 6);
+            text += &format!("minus the sum of the load {minus_sum}\n");
+        }
+        text
+    }
+
+    /// Returns how the answer was found: the solver with its settings, the levels, and the time.
+    fn method(&self, request: &Request) -> String {
+        let mut settings = vec![format!("solver {}", request.settings.solver)];
+        settings.extend(request.refined());
         for (name, value) in request.settings() {
-            settings.push(match value {
-                Value::String(text) => format!("{name} {text}"),
-                value => format!("{name} {value}"),
+            settings.push(match (value.as_str(), value.as_f64()) {
+                (Some(text), _) => format!("{name} {text}"),
+                (None, Some(number)) => format!("{name} {}", Written(number)),
+                (None, None) => format!("{name} {value}"),
             });
         }
-        if !settings.is_empty() {
-            text += &format!("{}\n", settings.join(", "));
-        }
+        let mut text = fitted(&settings.join(", "), WIDTH) + "\n";
         if !request.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
         text += &self.table(request);
-        text += &format!("solved in {:.3} s", self.seconds[1]);
+        text += &format!("solved in {}", brief(Duration::from_secs_f64(self.seconds[1])));
         if request.settings.solver == Solver::Multigrid {
-            text += &format!(", the cost of {:.1} sweeps", last.end.work_units);
+            text += &format!(", the cost of {:.1} sweeps", self.last().end.work_units);
         }
-        text += &format!("\n{}\n", self.states.text(law));
-        let words = BoundaryWords::of(law);
-        for arc in self.contact.iter().flatten() {
-            text += &words.arc(arc, 6);
-        }
-        text += &words.force(self.force, 0.0 - integral, 6);
-        if self.load_misses(request) {
-            text += &format!("minus the sum of the load {:.5e}\n", 0.0 - self.last().sum_load);
-        }
-        if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
-            let Errors { l2, h1, max, .. } = values;
-            text += &format!("errors: L2 {l2:.2e}, H1 {h1:.2e}, nodes {max:.2e}");
-            if let Some(multiplier_l2) = multiplier_l2 {
-                text += &format!("; multiplier L2 {multiplier_l2:.2e}");
-            }
-            text.push('\n');
-        }
-        if !last.verdict().is_failure() || request.accuracy.is_some() {
-            text += &bound::text(&self.bounds, problem);
-        }
-        for warning in &self.warnings {
-            text += &format!("warning: {warning}\n");
-        }
-        text
+        text + "\n"
+    }
+
+    /// Least and greatest nodal value.
+    fn range(&self) -> [f64; 2] {
+        let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let range = |[least, greatest]: [f64; 2], v: &f64| [least.min(*v), greatest.max(*v)];
+        self.pair.y.iter().fold([least, greatest], range)
     }
 
     fn table(&self, request: &Request) -> String {
@@ -271,9 +323,9 @@ impl Answer {
                 outcome.label(),
                 outcome.end.iterations.to_string(),
                 outcome.name().to_owned(),
-                format!("{:.6e}", outcome.energy),
-                format!("{:.2e}", outcome.kkt.natural),
-                format!("{:.2e}", outcome.kkt.relative),
+                plain(outcome.energy, 7),
+                plain(outcome.kkt.natural, 3),
+                plain(outcome.kkt.relative, 3),
             ];
             if nested {
                 row.insert(2, outcome.end.sweeps().to_string());

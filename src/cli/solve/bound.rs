@@ -1,21 +1,20 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
+use super::advice::{Remedy, Warning};
 use super::request::Request;
+use crate::cli::shown::{interval, plain};
 use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::Solver;
 
-/// Returns the bounds of the solution of a problem as text.
-pub(super) fn text(bounds: &Result<Bounds, NoBound>, problem: &Problem) -> String {
+/// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`.
+pub(super) fn text(bounds: &Result<Bounds, NoBound>, problem: &Problem, recovered: bool) -> String {
     let bound = match bounds {
         Ok(bounds) => bounds,
         Err(reason) => return format!("no bound of the error: {reason}\n"),
     };
-    let [low, high] = bound.energy;
-    let [least, most] = bound.error;
-    let relative = 100.0 * bound.relative();
     let domain = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
     let guaranteed = match &problem.reserves()[..] {
         [] => "guaranteed:".to_owned(),
@@ -23,29 +22,35 @@ pub(super) fn text(bounds: &Result<Bounds, NoBound>, problem: &Problem) -> Strin
         [Reserve::Polygon] => format!("guaranteed, on the {domain}:\n "),
         _ => format!("guaranteed, on the {domain}, but for the quadrature of f:\n "),
     };
+    let [least, most] = bound.error.map(|error| plain(error, 4));
+    let range =
+        if bound.error[0] > 0.0 { format!("{least} to {most}") } else { format!("at most {most}") };
     let mut text = format!(
-        "{guaranteed} true energy in [{low:.12e}, {high:.12e}],\n  error in the energy norm {least:.3e} to {most:.3e}"
+        "{guaranteed} true energy in {},\n  error in the energy norm {range}",
+        interval(bound.energy)
     );
-    text += &if relative < 100.0 {
-        format!(", at most {relative:.2} % of the solution\n")
-    } else {
-        "\n".into()
+    let size = bound.error[1] / bound.relative();
+    let share = |error: f64| match error / size {
+        share if share < 1.0 => format!(", at most {} % of the solution", plain(100.0 * share, 3)),
+        _ => String::new(),
     };
-    text
+    text += &share(bound.error[1]);
+    if let Some(most) = bound.recovered.filter(|_| recovered) {
+        let shown = plain(most, 4);
+        text += &format!(",\n  of the recovered solution at most {shown}{}", share(most));
+    }
+    text + "\n"
 }
 
 /// Returns warnings if the bounds contradict the `energy` of an answer, or if its error may be large.
-pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<String> {
+pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let ([low, high], [_, most]) = (bound.energy, bound.error);
     // The energy of v is above the true one by half the square of the error.
     let explained = most * most;
     if !(low - explained <= energy && energy <= high + explained) {
-        let remedy = request.remedies.load;
-        warnings.push(format!(
-            "the energy is further from the true one than the error explains: the load vector is not that of f; \
-             {remedy}"
-        ));
+        let fact = "the energy is further from the true one than the error explains: the load vector is not that of f";
+        warnings.push(Warning::new(fact.into(), request.remedies.load));
     }
     let relative = bound.relative();
     if relative >= POOR {
@@ -54,10 +59,10 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<St
             false => "as large as the solution".into(),
         };
         let remedy = match request.settings.solver {
-            Solver::Multigrid => "refine the grid",
-            _ => "refine the grid, or try --solver multigrid",
+            Solver::Multigrid => Remedy::new("refine the grid", ""),
+            _ => Remedy::new("refine the grid, or try --solver multigrid", "--solver multigrid"),
         };
-        warnings.push(format!("the error may be {error}; {remedy}"));
+        warnings.push(Warning::new(format!("the error may be {error}"), remedy));
     }
     warnings
 }
@@ -87,28 +92,30 @@ impl BoundaryWords {
 
     /// Returns, as text, the total flux and minus the integral of f, which are equal at the solution.
     pub(super) fn force(&self, force: f64, minus_integral: f64, digits: usize) -> String {
-        let (digits, total) = (digits - 1, self.total);
-        format!("{total} {force:.digits$e}, minus the integral of f {minus_integral:.digits$e}\n")
+        let [force, minus_integral] = [force, minus_integral].map(|sum| plain(sum, digits));
+        format!("{} {force}, minus the integral of f {minus_integral}\n", self.total)
     }
 
     /// Returns the message that the total flux does not balance the load.
     pub(super) fn unbalanced(&self, force: f64, load: f64) -> String {
         let Self { total, difference, .. } = self;
+        let [force, load] = [force, load].map(|sum| plain(sum, 5));
         format!(
-            "the {total} {force:.4e} does not balance the load, {load:.4e}, so the {difference} of the solution"
+            "the {total} {force} does not balance the load, {load}, so the {difference} of the solution"
         )
     }
 
     /// Returns, as text, the place and the force of an arc at zero.
     pub(super) fn arc(&self, arc: &ContactArc, digits: usize) -> String {
         let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
-        let place = match arc.from == arc.to {
-            true => "everywhere".to_owned(),
+        let on = arc.part.as_ref().map_or(String::new(), |part| format!(" on {part}"));
+        let place = match arc.closed {
+            true => format!("everywhere{on}"),
             // Long numbers take a line each.
             false if digits > 6 => format!("from {from}\n  to {to}"),
-            false => format!("from {from} to {to}"),
+            false => format!("from {from} to {to}{on}"),
         };
-        format!("{} {place}, force {:.*e}\n", self.holds, digits - 1, arc.force)
+        format!("{} {place}, force {}\n", self.holds, plain(arc.force, digits))
     }
 }
 

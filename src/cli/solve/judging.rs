@@ -1,9 +1,11 @@
 //! Judgement of an answer: the failure, if it is no solution, and the warnings.
 
+use super::advice::{Remedy, Warning, combined, remedies};
 use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
-use super::request::Request;
+use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
 use crate::cli::output::moved_jumps;
+use crate::cli::shown::{plain, signed};
 use crate::replication::accuracy::Accuracy;
 use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
@@ -25,6 +27,7 @@ impl Answer {
         let grid = levels.name(request.problem.finest());
         let last = self.last();
         let (stop, relative, energy) = (last.end.stop, last.kkt.relative, last.energy);
+        let mut unsolved = None;
         match last.verdict() {
             Verdict::NoSolution => self.failure = Some(self.without_solution(request)),
             _ if stop == Stop::IterationLimit => {
@@ -34,21 +37,24 @@ impl Answer {
             // A guaranteed bound has been reached; residuals of single nodes do not contradict it.
             _ if request.accuracy.is_some() => (),
             Verdict::NotSolved(violation) => {
-                self.failure = Some(format!(
-                    "{name}: the solver stopped as asked on {grid}, but {violation}; {}",
-                    request.closer()
-                ));
+                let fact =
+                    format!("{name}: the solver stopped as asked on {grid}, but {violation}");
+                unsolved = Some(fact);
             }
-            Verdict::Rough => self.warnings.push(format!(
-                "the KKT residual on {grid} is {relative:.2} of the load; {}",
-                request.closer()
+            Verdict::Rough => self.warnings.push(Warning::new(
+                format!("the KKT residual on {grid} is {relative:.2} of the load"),
+                request.closer(),
             )),
             Verdict::Solved => (),
         }
-        self.warnings.extend(levels.touching().map(ToString::to_string));
+        self.warnings.extend(levels.touching().map(|place| Warning::fact(place.to_string())));
         self.warn_of_levels(request);
         self.warn_of_tolerance(request);
         self.warn_of_load(request);
+        if let Some(fact) = unsolved {
+            let remedies = [vec![request.closer()], remedies(&self.warnings)].concat();
+            self.failure = Some(format!("{fact}; {}", combined(&remedies)));
+        }
         if self.failure.is_none() {
             self.warn_of_force(request);
         }
@@ -76,24 +82,25 @@ impl Answer {
             && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
         {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
-            self.warnings.push(format!(
+            self.warnings.push(Warning::fact(format!(
                 "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; \
                  choose 1/(2^k m), such as 1/64, or --solver multigrid",
                 tolerance(count)
-            ));
+            )));
         }
         let coarse = &self.run.ends[..self.run.ends.len() - 1];
         let without = |end: &Outcome| end.verdict() == Verdict::NoSolution;
         if !without(self.last())
             && let Some(grids) = named(&request.problem, coarse, without)
         {
-            self.warnings.push(format!(
+            self.warnings.push(Warning::fact(format!(
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
-            ));
+            )));
         }
         let cut_off = |end: &Outcome| end.end.stop != Stop::Converged;
         if let Some(grids) = named(&request.problem, coarse, cut_off) {
-            self.warnings.push(format!("the stopping rule was not met on {grids}"));
+            let fact = format!("the stopping rule was not met on {grids}");
+            self.warnings.push(Warning::fact(fact));
         }
     }
 
@@ -103,10 +110,10 @@ impl Answer {
         if let Some(tolerance) = request.tolerance
             && stop != Stop::Converged
         {
-            self.warnings.push(format!(
+            self.warnings.push(Warning::fact(format!(
                 "--tolerance {tolerance:e} was not reached: the KKT residual is {:.2e} of the load at the {stop}",
                 kkt.relative
-            ));
+            )));
         }
     }
 
@@ -123,23 +130,25 @@ impl Answer {
         let grid = levels.name(request.problem.finest());
         if self.load_misses(request) {
             let integrals = levels.integrals();
-            // The sum with zero is never the zero with a minus.
-            let [integral, sum_load] = [integrals.of_f, self.last().sum_load].map(|sum| sum + 0.0);
-            let reason = if integrals.by_quadrature {
-                "its points miss some of f; choose a smaller --h"
+            let [integral, sum_load] =
+                [integrals.of_f, self.last().sum_load].map(|sum| signed(sum, 4));
+            let (reason, remedy) = if integrals.by_quadrature {
+                ("its points miss some of f", Remedy::new("choose a smaller --h", ""))
             } else {
-                "values at the nodes miss where f jumps; --load exact does not"
+                ("values at the nodes miss where f jumps", EXACT_LOAD)
             };
-            self.warnings.push(format!(
-                "the load vector sums to {sum_load:+.3e} on {grid}, the integral of f is {integral:+.3e}: {reason}"
-            ));
+            let fact = format!(
+                "the load vector sums to {sum_load} on {grid}, the integral of f is {integral}: {reason}"
+            );
+            self.warnings.push(Warning::new(fact, remedy));
         } else if let Some(missed) = levels.missed().filter(|&missed| missed > MISSED) {
-            let remedy = request.remedies.quadrature;
-            self.warnings.push(format!(
-                "the quadrature of f on {grid} misses {missed:.1e} of the integral of |f|; {remedy}"
+            let missed = plain(missed, 2);
+            self.warnings.push(Warning::new(
+                format!("the quadrature of f on {grid} misses {missed} of the integral of |f|"),
+                request.remedies.quadrature,
             ));
         } else if let Some(moved) = request.moved_jumps() {
-            self.warnings.push(moved_jumps(moved, "--load bilinear"));
+            self.warnings.push(Warning::new(moved_jumps(moved), BILINEAR_LOAD));
         }
     }
 
@@ -156,8 +165,8 @@ impl Answer {
         // A fixed part of the boundary bears the rest.
         let balanced = problem.levels().has_fixed_part() || (force - load).abs() <= slack;
         if !balanced {
-            let (words, remedy) = (BoundaryWords::of(problem.law()), request.closer());
-            self.warnings.push(format!("{}; {remedy}", words.unbalanced(force, load)));
+            let words = BoundaryWords::of(problem.law());
+            self.warnings.push(Warning::new(words.unbalanced(force, load), request.closer()));
         }
     }
 }

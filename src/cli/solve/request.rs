@@ -1,9 +1,11 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
+use super::advice::Remedy;
 use super::files::{Format, PictureKind, Solution};
 use super::{SolveArgs, cells, rule_name};
 use crate::cli::current_folder;
 use crate::cli::output::{check_options, warn_of_outside};
+use crate::cli::shown::signed;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::accuracy::{Accuracy, Written};
@@ -61,6 +63,11 @@ pub(super) struct Request {
     bytes_to_write: u64,
 }
 
+/// Remedy for a load vector that misses some of f at its jumps.
+pub(super) const EXACT_LOAD: Remedy = Remedy::new("use --load exact", "--load exact");
+/// Remedy for a load that moves jumps of f.
+pub(super) const BILINEAR_LOAD: Remedy = Remedy::new("use --load bilinear", "--load bilinear");
+
 /// Remedies in the words of the options that a domain has.
 pub(super) struct Remedies {
     /// For a load vector that no discrete solution balances, under the paper's law and under others.
@@ -68,9 +75,9 @@ pub(super) struct Remedies {
     /// For a multigrid that has reached its limit; none where a choice of solver is the remedy.
     limit: Option<&'static str>,
     /// For an energy beyond the bounds.
-    pub load: &'static str,
+    pub load: Remedy,
     /// For a quadrature that misses some of f.
-    pub quadrature: &'static str,
+    pub quadrature: Remedy,
 }
 
 impl Remedies {
@@ -80,14 +87,14 @@ impl Remedies {
             "use --load exact, another --h, or a wider law",
         ],
         limit: Some("choose another --h"),
-        load: "try --load exact",
-        quadrature: "choose a smaller --h",
+        load: EXACT_LOAD,
+        quadrature: Remedy::new("choose a smaller --h", ""),
     };
     const ON_MESHES: Self = Self {
         unbalanced: ["lower f somewhere", "change f, or widen the law"],
         limit: None,
-        load: "refine the grid",
-        quadrature: "write jumps of f as shapes, or refine the mesh",
+        load: Remedy::new("refine the grid", ""),
+        quadrature: Remedy::new("write jumps of f as shapes, or refine the mesh", ""),
     };
 }
 
@@ -218,15 +225,29 @@ impl Request {
         coarsest.map_or(self.problem.levels().width(), width)
     }
 
+    /// Returns, on a mesh, how fine it is.
+    pub(super) fn refined(&self) -> Option<String> {
+        self.stated.refined(self.problem.finest())
+    }
+
     /// Returns advice for a smaller residual; each option in it goes with those that are given.
-    pub(super) fn closer(&self) -> &'static str {
+    pub(super) fn closer(&self) -> Remedy {
+        const MULTIGRID: &str = "--solver multigrid";
         match (self.settings.solver, self.settings.params.rule) {
-            (Solver::Multigrid, _) if self.accuracy.is_some() => "ask for a smaller accuracy",
-            (Solver::Multigrid, _) if self.tolerance.is_some() => "ask for a smaller --tolerance",
-            (Solver::Multigrid, _) => "use --solver active-set",
-            (solver, StopRule::PrintedDual) if solver.is_nested() => "use --solver multigrid",
-            (solver, _) if solver.is_nested() => "use --stop printed-dual, or --solver multigrid",
-            _ => "use --solver multigrid",
+            (Solver::Multigrid, _) if self.accuracy.is_some() => {
+                Remedy::new("ask for a smaller accuracy", "")
+            }
+            (Solver::Multigrid, _) if self.tolerance.is_some() => {
+                Remedy::new("ask for a smaller --tolerance", "")
+            }
+            (Solver::Multigrid, _) => Remedy::new("use --solver active-set", "--solver active-set"),
+            (solver, StopRule::PrintedDual) if solver.is_nested() => {
+                Remedy::new("use --solver multigrid", MULTIGRID)
+            }
+            (solver, _) if solver.is_nested() => {
+                Remedy::new("use --stop printed-dual, or --solver multigrid", MULTIGRID)
+            }
+            _ => Remedy::new("use --solver multigrid", MULTIGRID),
         }
     }
 
@@ -235,7 +256,7 @@ impl Request {
         if self.settings.solver.is_nested() {
             return "raise --max-iterations, or use --solver multigrid";
         }
-        self.remedies.limit.unwrap_or_else(|| self.closer())
+        self.remedies.limit.unwrap_or_else(|| self.closer().words)
     }
 
     /// Returns the settings, by name, on which the answer depends besides f, the solver and the levels.
@@ -264,9 +285,9 @@ impl Request {
         let [papers, others] = self.remedies.unbalanced;
         let remedy = if self.problem.law().is_signorini() { papers } else { others };
         let (name, grid) = (&self.name, self.problem.levels().name(self.problem.finest()));
-        let sum_load = sum_load + 0.0;
+        let sum_load = signed(sum_load, 4);
         format!(
-            "{name}: the load vector sums to {sum_load:+.3e} on {grid}, where the discrete problem has no \
+            "{name}: the load vector sums to {sum_load} on {grid}, where the discrete problem has no \
              solution; {remedy}"
         )
     }

@@ -4,14 +4,14 @@ use super::SolveArgs;
 use super::answer::law_json;
 use super::bound::BoundaryWords;
 use super::request::Request;
-use crate::cli::output::{say, say_json};
+use crate::cli::output::{say_json, tell};
+use crate::cli::shown::{brief, plain};
 use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::{Lattices, Levels};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::unsolvable::shown_integral;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{
     Checks, Solution, SpectralError, TrueSolution, true_solution,
@@ -25,7 +25,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
     let start = Instant::now();
     let TrueSolution { solution: finer, steps } =
         true_solution(law, f).map_err(|e| failed(name, &e))?;
-    let seconds = start.elapsed().as_secs_f64();
+    let time = start.elapsed();
     if args.json {
         let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
         let mut json = serde_json::json!({
@@ -54,7 +54,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
             },
             "checks": finer.checks,
             "warnings": request.warnings,
-            "seconds": { "solve": seconds },
+            "seconds": { "solve": time.as_secs_f64() },
         });
         if !law.is_signorini() {
             json["law"] = law_json(law);
@@ -62,7 +62,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
         say_json(&json)?;
         return Ok(finer);
     }
-    let mut text = format!("{name}: f = {f}, integral {}\n", shown_integral(integral));
+    let mut text = format!("{name}: f = {f}, integral {}\n", plain(integral, 4));
     let words = BoundaryWords::of(law);
     if !law.is_signorini() {
         text += &format!("law {law}\n");
@@ -70,8 +70,8 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
     text += &table(&finer, &words);
     text += &words.force(force(&finer, law), 0.0 - integral, 16);
     text += &checks(&finer.checks);
-    text += &format!("solved in {seconds:.4} s, {steps} Newton steps\n");
-    say(&text)?;
+    text += &format!("solved in {}, {steps} Newton steps\n", brief(time));
+    tell(&text)?;
     Ok(finer)
 }
 
@@ -96,11 +96,11 @@ fn force(solution: &Solution, law: Law) -> f64 {
 }
 
 fn table(solution: &Solution, words: &BoundaryWords) -> String {
-    let mut text = format!("energy {:.15e}\n", solution.energy);
+    let mut text = format!("energy {}\n", plain(solution.energy, 16));
     for arc in &solution.contact {
         text += &words.arc(arc, 16);
     }
-    text + &format!("v(0,0) {:.15e}\n", solution.value(0.0, 0.0))
+    text + &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16))
 }
 
 /// Returns the checks in two lines: the signs that hold, and the numbers that vanish.

@@ -24,7 +24,7 @@ use signorini_mathematics::multigrid::Goal;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Parameters that determine the artifacts of a cell.
 #[derive(Clone, Debug, Serialize)]
@@ -433,32 +433,48 @@ pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
     }
 }
 
-/// Returns a line that counts the grids on which solves of a scene ended without a solution, if one of them is the
-/// finest; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is not concerned.
+/// Number of solves that a line names.
+const MOST_NAMED: usize = 3;
+
+/// Returns a line on the solves of a scene that ended without a solution on the finest level, if there are any, with a
+/// command that shows one of them; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is
+/// not concerned.
 pub(crate) fn without_solution(
     scene: &Scene,
     outcomes: impl Fn(&str) -> Option<Vec<u8>>,
 ) -> Option<String> {
-    let mut grids: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
-    let mut solved = true;
-    for id in scene.rules().into_iter().flat_map(|rule| ids(scene, rule)) {
-        let Some(bytes) = outcomes(&id) else { continue };
-        let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
-        solved &= outcomes.no_solution(scene).is_none();
-        for level in outcomes.levels.iter().filter(|level| !is_solved(scene, level)) {
-            grids.entry(level.name()).or_default().insert(level.nodes);
+    let mut ends: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut command = None;
+    for rule in scene.rules() {
+        for run in scene.runs(rule) {
+            let Some(bytes) = outcomes(&id_of(scene, run)) else { continue };
+            let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
+            let Some(end) = outcomes.no_solution(scene) else { continue };
+            let mut command_of_run = format!("signorini solve {}", scene.name);
+            if let Some(RuleAndR { rule, r }) = run {
+                let mut place = format!("r = {r}");
+                command_of_run += &format!(" --r {r}");
+                if Some(rule) != scene.first_rule() {
+                    place += &format!(" under {rule}");
+                    command_of_run += &format!(" --stop {rule}");
+                }
+                ends.entry(end).or_default().push(place);
+            } else {
+                ends.entry(end).or_default();
+            }
+            command.get_or_insert(command_of_run);
         }
     }
-    if solved {
-        return None;
+    let mut parts = Vec::new();
+    for (end, mut places) in ends {
+        let more = places.split_off(places.len().min(MOST_NAMED)).len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        parts.push(match places.is_empty() {
+            true => end,
+            false => format!("{end} with {}{more}", places.join(", ")),
+        });
     }
-    let mut ends = Vec::new();
-    for (end, cells) in grids {
-        let plural = if cells.len() == 1 { "" } else { "s" };
-        ends.push(format!("{end} on {} grid{plural}", cells.len()));
-    }
-    let name = &scene.name;
-    Some(format!("{name}: {}; `signorini solve {name}` says why", ends.join("; ")))
+    Some(format!("{}: {}; `{}` says why", scene.name, parts.join("; "), command?))
 }
 
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the

@@ -4,14 +4,25 @@ use super::grid::Grid;
 use super::kkt::Judgement;
 
 /// A part of the boundary in contact, anticlockwise.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ContactArc {
     /// First point.
     pub from: [f64; 2],
-    /// Last point; the same point as `from` if all of the boundary is in contact.
+    /// Last point; the same point as `from` if the arc is closed.
     pub to: [f64; 2],
+    /// True if the arc is all of a closed curve of the boundary.
+    pub closed: bool,
+    /// Names of the parts of the boundary on which the arc lies; none on the square, whose boundary has no parts.
+    pub part: Option<String>,
     /// The reactions on it together, the integral of dv/dn.
     pub force: f64,
+}
+
+impl ContactArc {
+    /// Arc on a boundary without parts, closed if its ends are one point.
+    pub fn new([from, to]: [[f64; 2]; 2], force: f64) -> Self {
+        Self { from, to, closed: from == to, part: None, force }
+    }
 }
 
 /// The arcs of boundary nodes [in contact](Judgement::in_contact), for the nodal vector `y` and its judgement.
@@ -22,7 +33,7 @@ pub fn arcs(grid: Grid, y: &[f64], judgement: &Judgement) -> Vec<ContactArc> {
     let carries = |b: usize| in_contact[b % nodes];
     if (0..nodes).all(carries) {
         let corner = point(grid, 0.0);
-        return vec![ContactArc { from: corner, to: corner, force: flux.iter().sum() }];
+        return vec![ContactArc::new([corner; 2], flux.iter().sum())];
     }
     let arc = |start: usize| {
         let end = (start..start + nodes).find(|&b| !carries(b)).expect("not all carry");
@@ -33,11 +44,9 @@ pub fn arcs(grid: Grid, y: &[f64], judgement: &Judgement) -> Vec<ContactArc> {
             // No ends can be told around this one node, and an arc without length would stand for all of the boundary.
             beyond = [0.5; 2];
         }
-        ContactArc {
-            from: point(grid, start as f64 - beyond[0]),
-            to: point(grid, (end - 1) as f64 + beyond[1]),
-            force: (start..end).map(|b| flux[b % nodes]).sum(),
-        }
+        let places = [start as f64 - beyond[0], (end - 1) as f64 + beyond[1]];
+        let force = (start..end).map(|b| flux[b % nodes]).sum();
+        ContactArc::new(places.map(|place| point(grid, place)), force)
     };
     (1..=nodes).filter(|&b| carries(b) && !carries(b - 1)).map(arc).collect()
 }

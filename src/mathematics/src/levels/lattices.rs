@@ -175,6 +175,10 @@ impl Levels for Lattices {
         Some(arcs(self.finest(), y, judgement))
     }
 
+    fn parts_in_contact(&self, _judgement: &Judgement) -> Option<String> {
+        None
+    }
+
     fn errors(&self, y: &[f64], load: &[f64]) -> Option<KnownErrors> {
         let (grid, exact) = (self.finest(), self.f.exact()?);
         let multiplier_l2 =

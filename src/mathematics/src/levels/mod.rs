@@ -104,6 +104,10 @@ pub trait Levels: Send + Sync {
     /// judgement; none in space.
     fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>>;
 
+    /// Names of the parts of the boundary that are in contact by the judgement of a vector of the finest level, empty
+    /// if there is no contact; none where the boundary has one part, or none as on the square.
+    fn parts_in_contact(&self, judgement: &Judgement) -> Option<String>;
+
     /// Errors of a nodal vector of the finest level; none if the solution has no formula.
     fn errors(&self, y: &[f64], load: &[f64]) -> Option<KnownErrors>;
 

@@ -220,6 +220,14 @@ where
         Some(mesh_arcs(plane(self.finest())?, self.network(), y, judgement))
     }
 
+    fn parts_in_contact(&self, judgement: &Judgement) -> Option<String> {
+        let mut touches = vec![false; self.finest().points().len()];
+        for (contact, touch) in self.network().contact().iter().zip(judgement.in_contact()) {
+            touches[contact.node] = touch;
+        }
+        (self.finest().parts().len() > 1).then(|| self.finest().parts_of(&touches))
+    }
+
     fn errors(&self, y: &[f64], _load: &[f64]) -> Option<KnownErrors> {
         let known = self.f.known().filter(|_| self.finest().is_unit_box())?;
         let values = mesh_errors(self.finest(), |point| known.sample(point), y);

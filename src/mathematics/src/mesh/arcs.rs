@@ -1,7 +1,7 @@
 //! Contact on the boundary of a domain in the plane as arcs, with their forces, and where they end between nodes.
 
-use super::PlaneMesh;
 use super::boundary::{BoundaryLinks, NONE};
+use super::{Names, PlaneMesh};
 use crate::discrete::contact::{ContactArc, reach};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::network::Network;
@@ -11,6 +11,8 @@ struct BoundaryWalk<'a> {
     mesh: &'a PlaneMesh,
     y: &'a [f64],
     links: BoundaryLinks,
+    /// Position of the part of the edge that begins at a node, where the law holds on it.
+    part_after: Vec<Option<u16>>,
 }
 
 /// Returns the arcs of boundary nodes [in contact](Judgement::in_contact), for a nodal vector and its judgement, each
@@ -46,22 +48,33 @@ pub fn mesh_arcs(
 
 impl<'a> BoundaryWalk<'a> {
     fn new(mesh: &'a PlaneMesh, y: &'a [f64]) -> Self {
-        Self { mesh, y, links: BoundaryLinks::new(mesh) }
+        let mut part_after = vec![None; y.len()];
+        for facet in mesh.facets_with_law() {
+            part_after[facet.nodes[0] as usize] = Some(facet.part);
+        }
+        Self { mesh, y, links: BoundaryLinks::new(mesh), part_after }
     }
 
     /// Follows the arc from its first node, and removes its forces.
     fn arc(&self, start: usize, force: &mut [Option<f64>]) -> ContactArc {
         let (mut last, mut sum) = (start, 0.0);
-        let mut node = start;
+        let (mut node, mut parts) = (start, Vec::new());
         while node != NONE
             && let Some(of_node) = force[node].take()
         {
             (last, sum) = (node, sum + of_node);
+            parts.push(self.part_after[node]);
             node = self.links.after[node];
         }
         if node == start && last != start {
             let point = self.mesh.points[start];
-            return ContactArc { from: point, to: point, force: sum };
+            return ContactArc { part: self.names(&parts), ..ContactArc::new([point; 2], sum) };
+        }
+        // The edge after the last node is not in contact, unless it is all that there is.
+        if start != last {
+            parts.pop();
+        } else if self.links.before[start] != NONE {
+            parts.push(self.part_after[self.links.before[start]]);
         }
         let mut ends = [(start, &self.links.before), (last, &self.links.after)]
             .map(|(node, next)| self.beyond(node, next));
@@ -73,7 +86,13 @@ impl<'a> BoundaryWalk<'a> {
             let [a, b] = [node, next].map(|node| self.mesh.points[node]);
             std::array::from_fn(|d| a[d] + part * (b[d] - a[d]))
         });
-        ContactArc { from, to, force: sum }
+        ContactArc { part: self.names(&parts), closed: false, ..ContactArc::new([from, to], sum) }
+    }
+
+    /// Names of parts, by their positions.
+    fn names(&self, parts: &[Option<u16>]) -> Option<String> {
+        let parts = parts.iter().flatten().map(|&part| &self.mesh.parts[usize::from(part)].names);
+        Some(Names::all(parts))
     }
 
     /// Part of the edge beyond the last node of an arc that is in contact, and the node at its other end.

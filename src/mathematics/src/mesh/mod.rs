@@ -173,6 +173,26 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &self.facets
     }
 
+    /// Facets where the law of the problem holds.
+    fn facets_with_law(&self) -> impl Iterator<Item = &Facet<D>> {
+        let condition = |facet: &Facet<D>| self.parts[usize::from(facet.part)].condition;
+        self.facets.iter().filter(move |&facet| condition(facet) == Condition::Contact)
+    }
+
+    /// Names of the parts on which nodes lie: of the facets of the law with all of their nodes among those that are
+    /// `marked`, or without such facets, of those with one.
+    pub(crate) fn parts_of(&self, marked: &[bool]) -> String {
+        let with = |least: usize| {
+            let count = |facet: &&Facet<D>| {
+                facet.nodes.iter().filter(|&&node| marked[node as usize]).count() >= least
+            };
+            let facets = self.facets_with_law().filter(count);
+            Names::all(facets.map(|facet| &self.parts[usize::from(facet.part)].names))
+        };
+        let names = with(D);
+        if names.is_empty() { with(1) } else { names }
+    }
+
     /// Parts of the boundary.
     pub fn parts(&self) -> &[Part<D>] {
         &self.parts

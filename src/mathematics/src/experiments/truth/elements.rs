@@ -157,7 +157,7 @@ fn apart(p: [f64; 2], q: [f64; 2]) -> f64 {
 /// Largest distance between ends of arcs, each true arc compared with the nearest found one; none without ends, or if
 /// the numbers of arcs differ.
 fn distance(truth: &[ContactArc], found: &[ContactArc]) -> Option<f64> {
-    if truth.len() != found.len() || truth.iter().chain(found).any(|arc| arc.from == arc.to) {
+    if truth.len() != found.len() || truth.iter().chain(found).any(|arc| arc.closed) {
         return None;
     }
     let mut largest: Option<f64> = None;
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
 
     fn arc(from: [f64; 2], to: [f64; 2]) -> ContactArc {
-        ContactArc { from, to, force: 1.0 }
+        ContactArc::new([from, to], 1.0)
     }
 
     #[test]

@@ -1,0 +1,181 @@
+//! The answer of `solve` as text: what was asked for comes first, in plain numbers; advice is one line.
+
+use crate::common::{Project, TABLE};
+use serde_json::Value;
+
+const SOURCE: &str = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
+const GEAR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/gear.msh");
+
+/// Text and JSON of the same answer.
+fn answer(args: &[&str]) -> (String, Value) {
+    let project = Project::with(TABLE);
+    let args = [&["solve"], args].concat();
+    let text = project.run(&args);
+    text.lines();
+    (text.out, project.run(&[&args[..], &["--json"]].concat()).json())
+}
+
+/// Numbers of the first line that begins with some words.
+#[track_caller]
+fn numbers(text: &str, words: &str) -> Vec<f64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(words));
+    let line = line.unwrap_or_else(|| panic!("{words}: {text}"));
+    line.split([' ', '[', ']', ',', '%']).filter_map(|word| word.parse().ok()).collect()
+}
+
+/// True if both are the same to a few digits.
+fn near(a: f64, b: &Value) -> bool {
+    let b = b.as_f64().unwrap();
+    (a - b).abs() <= 1e-5 * b.abs()
+}
+
+#[test]
+fn the_answer_comes_first_and_then_how_it_was_found() {
+    let (text, json) = answer(&["--f", SOURCE, "--h", "1/64"]);
+    let begins = [
+        "custom: f = ",
+        "energy ",
+        "guaranteed: true energy in [",
+        "  error in the energy norm ",
+        "v from ",
+        "contact in ",
+        "contact from ",
+        "contact force ",
+        "solver multigrid, load bilinear",
+        "grid ",
+        "solved in ",
+    ];
+    let mut lines = text.lines();
+    for begin in begins {
+        assert!(
+            lines.any(|line| line.trim_start_matches(' ').starts_with(begin.trim_start())),
+            "{begin}: {text}"
+        );
+    }
+    assert!(near(numbers(&text, "energy ")[0], &json["energy"]), "{text}");
+    let bracket = numbers(&text, "guaranteed: true energy in ");
+    let exact = [0, 1].map(|k| json["bound"]["energy"][k].as_f64().unwrap());
+    assert!(bracket[0] <= exact[0] && exact[1] <= bracket[1], "rounded outwards: {text}");
+    assert!(near(bracket[0], &json["bound"]["energy"][0]), "{text}");
+    let v = numbers(&text, "v from ");
+    assert!(near(v[0], &json["v_least"]) && near(v[1], &json["v_greatest"]), "{text}");
+    // The torsion of the square, whose greatest value is known.
+    let (text, _) = answer(&["--f", "else=-1", "--h", "1/128"]);
+    let v = numbers(&text, "v from ");
+    assert!((v[0] + 0.073_671_4).abs() < 1e-5 && v[1] == 0.0, "{text}");
+    // No number from 1e-3 to 1e5 has an exponent, and no zero has a sign.
+    for word in text.split([' ', ',', '(', ')', '[', ']', '\n']) {
+        let Ok(number) = word.parse::<f64>() else { continue };
+        let is_plain = (1e-3..1e5).contains(&number.abs()) || number == 0.0;
+        assert!(!(is_plain && word.contains('e')), "{word}: {text}");
+        assert!(number != 0.0 || !word.starts_with('-'), "{word}: {text}");
+    }
+    let (text, _) = answer(&["--f", "else=-1", "--domain", "disc", "--refine", "3"]);
+    assert!(
+        text.contains("  error in the energy norm at most ") && !text.contains("0 to "),
+        "{text}"
+    );
+}
+
+#[test]
+fn the_error_of_the_recovered_solution_is_told_with_it() {
+    let project = Project::with(TABLE);
+    let args = ["solve", "--f", SOURCE, "--h", "1/64"];
+    let without = project.run(&args).out;
+    assert!(!without.contains("recovered"), "{without}");
+    let text = project.run(&[&args[..], &["--recover", "--out", "v.npy"]].concat()).out;
+    let json = project.run(&[&args[..], &["--json"]].concat()).json();
+    let told = numbers(&text, "  of the recovered solution at most ");
+    assert!((told[0] / json["bound"]["recovered"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{text}");
+}
+
+#[test]
+fn arcs_have_the_names_of_their_parts_and_a_direction_where_there_are_any() {
+    let hole = ["--domain", GEAR, "--f", "else=-1", "--refine", "3"];
+    let (text, json) = answer(&[&hole[..], &["--free", "hole"]].concat());
+    assert!(text.contains("contact everywhere on teeth, force "), "{text}");
+    assert!(text.contains("\nsolver multigrid, refined 3 times\n"), "{text}");
+    assert!(
+        !text.contains("anticlockwise") && !text.contains("on the left"),
+        "no end of an arc: {text}"
+    );
+    let arcs = json["contact"].as_array().unwrap();
+    assert!(arcs.len() == 1 && arcs[0]["part"] == "teeth" && arcs[0]["closed"] == true, "{json}");
+    let (text, json) = answer(&hole);
+    let parts: Vec<_> =
+        json["contact"].as_array().unwrap().iter().map(|arc| &arc["part"]).collect();
+    assert_eq!(parts, ["hole", "teeth"], "{text}");
+
+    let pushed = ["--domain", GEAR, "--f", "disc(0.5,0.5,0.3)=3; else=-1", "--free", "hole"];
+    let (text, json) = answer(&pushed);
+    assert!(
+        text.contains(" boundary nodes; arcs with the domain on the left\ncontact from ("),
+        "{text}"
+    );
+    let arcs = json["contact"].as_array().unwrap();
+    assert!(arcs.iter().all(|arc| arc["part"] == "teeth" && arc["closed"] == false), "{json}");
+
+    let (text, json) = answer(&["--f", SOURCE, "--h", "1/16"]);
+    assert!(text.contains(" of 64 boundary nodes; arcs anticlockwise\ncontact from ("), "{text}");
+    assert!(
+        json["contact"][0]["part"].is_null() && json["contact"][0]["closed"] == false,
+        "{json}"
+    );
+    let (text, json) = answer(&["--f", "else=-1", "--h", "1/16"]);
+    assert!(text.contains(" of 64 boundary nodes\ncontact everywhere, force 1.00000\n"), "{text}");
+    assert_eq!(json["contact"][0]["closed"], true);
+    // In space there are no arcs, but parts.
+    let (text, json) = answer(&["--domain", "ball", "--f", "else=-1", "--refine", "1"]);
+    assert!(text.contains(" boundary nodes\ncontact force "), "{text}");
+    assert!(json["contact"].is_null() && !text.contains("anticlockwise"), "{text}");
+    let notch = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/notch.msh");
+    let (text, _) =
+        answer(&["--domain", notch, "--f", "else=-1", "--refine", "0", "--free", "notch"]);
+    assert!(text.contains(" boundary nodes, on walls\ncontact force "), "{text}");
+    // Without more words, an answer on the cube has a bound.
+    let (text, _) = answer(&["--domain", "cube", "--f", "ball(0,0,0,0.25)=2; else=-1"]);
+    assert!(text.contains("guaranteed: true energy in ["), "{text}");
+}
+
+#[test]
+fn advice_is_one_line_that_mends_all() {
+    let project = Project::with(
+        "title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\ngrids = [4, 8, 16, 32, 64]\nr = [10]\nload = { rule = \
+         \"nodal\" }\nstop = [\"signed\"]\noutputs = [\"table\"]\n",
+    );
+    let text = project.run(&["solve", "a"]);
+    let lines = text.lines();
+    let warnings = lines.iter().filter(|line| line.starts_with("warning: ")).count();
+    assert!(warnings >= 3 && !text.out.contains("; use") && !text.out.contains("try"), "{text:?}");
+    let remedy = lines.last().unwrap().strip_prefix("remedy for all: use ").unwrap();
+    assert_eq!(remedy, "--load exact --solver multigrid");
+    let mended: Vec<_> = ["solve", "a"].into_iter().chain(remedy.split(' ')).collect();
+    let mended = project.run(&mended);
+    assert!(!mended.out.contains("warning") && mended.code == Some(0), "{mended:?}");
+    // Each warning alone has its own remedy.
+    let json = project.run(&["solve", "a", "--json"]).json();
+    let remedies = json["warnings"].as_array().unwrap().iter();
+    assert!(remedies.map(Value::to_string).all(|text| text.contains("; ")), "{json}");
+    // What is no solution has a remedy as complete.
+    let failed = project.run(&["solve", "a", "--r", "1"]);
+    assert!(failed.out.contains("not a solution"), "{failed:?}");
+    assert!(failed.err.ends_with("; use --load exact --solver multigrid\n"), "{failed:?}");
+}
+
+#[test]
+fn commands_with_a_mistake_are_recognised_whatever_options_follow() {
+    let project = Project::with(TABLE);
+    for (args, command) in [
+        (&["solv", "--f", "else=-1"][..], "solve"),
+        (&["-v", "solv", "--f=else=-1"], "solve"),
+        (&["statsu", "--exit-code"], "status"),
+    ] {
+        let said = project.run(args);
+        let word = args.iter().find(|word| !word.starts_with('-')).unwrap();
+        let expected = format!("error: no command `{word}`; did you mean `signorini {command}`?");
+        assert_eq!(said.refusal(), expected);
+    }
+    let said = project.run(&["nothing-like-it", "--f", "else=-1"]);
+    assert!(said.code == Some(2) && !said.err.contains("--force"), "{said:?}");
+    assert_eq!(project.run(&["list", "--json"]).json()["schema"], 1);
+}
