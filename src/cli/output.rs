@@ -61,8 +61,8 @@ pub(super) fn check_options<T: Display + PartialEq>(
 /// Returns the warning that a nodal load moves jumps of f by half a cell, a part `moved` of the integral of |f|.
 pub(super) fn moved_jumps(moved: f64, remedy: &str) -> String {
     format!(
-        "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, {:.1} % \
-         of the integral of |f|; {remedy} does not",
+        "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, \
+         {:.1} % of the integral of |f|; {remedy} does not",
         100.0 * moved
     )
 }

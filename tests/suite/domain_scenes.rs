@@ -107,7 +107,7 @@ fn counts_are_those_of_the_command() {
 const LAWS: [(&str, &str); 3] = [
     ("papers", ""),
     ("friction", "law = { friction = 0.45 }\n"),
-    ("limit", "law = { limit = 0.7 }\n"),
+    ("limit", "law = { limit = 0.4 }\n"),
 ];
 
 /// Kinds of domain that a scene can have, each with an f that no law leaves at v = 0.
@@ -332,7 +332,7 @@ fn a_nodal_load_with_jumps_on_grid_lines_is_told() {
 }
 
 /// Laws of [`LAWS`] as options of `solve`.
-const LAW_OPTIONS: [&[&str]; 3] = [&[], &["--friction", "0.45"], &["--limit", "0.7"]];
+const LAW_OPTIONS: [&[&str]; 3] = [&[], &["--friction", "0.45"], &["--limit", "0.4"]];
 
 /// f and the domain of [`DOMAINS`] as options of `solve`.
 const DOMAIN_OPTIONS: [&[&str]; 7] = [
