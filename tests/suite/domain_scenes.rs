@@ -264,7 +264,7 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
         let error = 100.0 * json["bound"]["relative"]["error"].as_f64().unwrap();
         let title = format!(">Plate, error at most {error:.2} %</text>");
         assert!(svg.contains(&title), "{title}");
-        assert!(svg.contains("guaranteed: true energy in [-4.17"), "{svg}");
+        assert!(svg.contains("<desc>Guaranteed: true energy in [-4.17"), "{svg}");
     }
     // As `solve --accuracy` does.
     let f = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";

@@ -410,9 +410,8 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
         _ => String::new(),
     };
     Ok(format!(
-        "{}: guaranteed{reserves}: true energy in [{low:.6e}, {high:.6e}], error in the energy norm at most \
-         {most:.3e}{relative}. ",
-        scene.title
+        "Guaranteed{reserves}: true energy in [{low:.6e}, {high:.6e}], error in the energy norm at most \
+         {most:.3e}{relative}. "
     ))
 }
 
