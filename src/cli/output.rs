@@ -115,8 +115,8 @@ pub(super) fn check_options<T: Display + PartialEq>(
 /// Returns the warning that a nodal load moves jumps of f by half a cell, a part `moved` of the integral of |f|.
 pub(super) fn moved_jumps(moved: f64) -> String {
     format!(
-        "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, {:.1} % \
-         of the integral of |f|",
+        "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, \
+         {:.1} % of the integral of |f|",
         100.0 * moved
     )
 }

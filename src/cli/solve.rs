@@ -84,7 +84,7 @@ pub(super) struct SolveArgs {
     h: Option<String>,
     /// Solver [default: the scene's, or multigrid]
     ///
-    /// With --r, --stop or --max-iterations the default is arrow-hurwicz, unless the scene has a method that takes them.
+    /// With --r, --stop or --max-iterations the default is arrow-hurwicz, unless the scene's takes them.
     #[arg(long, value_parser = solver_parser())]
     solver: Option<Solver>,
     /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]

@@ -1,7 +1,7 @@
 //! Accuracy that a scene or an option asks for: the guaranteed bounds, and the grids that are tried to reach them.
 
 use crate::pipeline::error::{Error, Result};
-use crate::replication::scene::MAX_CELLS;
+use crate::replication::stated::MAX_CELLS;
 use serde::Serialize;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::multigrid::Goal;

@@ -1,7 +1,6 @@
 //! Settings of a saddle-point method in a scene.
 
 use crate::pipeline::error::{Error, Failure, Result};
-use crate::replication::scene::repeated;
 use serde::Serialize;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::saddle::{Params, StopRule};
@@ -86,6 +85,11 @@ impl SaddleSettings {
         }
         Ok(())
     }
+}
+
+/// Returns the first item that equals an earlier one.
+pub(super) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
 /// Checks that r is a positive number that the name of a task can show without an exponent.

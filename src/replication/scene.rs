@@ -5,8 +5,8 @@ use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::accuracy::{Accuracy, FIRST, Written};
 use crate::replication::domain::{DomainSettings, name_or_table};
-use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings};
-use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem};
+use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings, repeated};
+use crate::replication::stated::{CheckedMesh, MAX_CELLS, OnSquare, StatedProblem};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
@@ -480,14 +480,6 @@ fn in_scene(name: &str, error: Error) -> Error {
         Error::Input(text) => Error::input(format!("scene `{name}`: {text}")),
         other => other,
     }
-}
-
-/// Largest number of cells per side; two nodal vectors of that grid take about 1 GB.
-pub const MAX_CELLS: usize = 8192;
-
-/// Returns the first item that equals an earlier one.
-pub(super) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
-    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }
 
 #[cfg(test)]

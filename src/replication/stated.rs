@@ -78,6 +78,8 @@ fn cells<S: serde::Serializer>(
     serializer.collect_seq(grids.iter().map(|grid| grid.cells()))
 }
 
+/// Largest number of cells per side; two nodal vectors of that grid take about 1 GB.
+pub const MAX_CELLS: usize = 8192;
 /// Cells per side of the grids of `solve` and of a scene, unless others are named: those of the paper.
 const USUAL_CELLS: [usize; 5] = [4, 8, 16, 32, 64];
 /// Part of the integral of |f| by which the nodal load may move jumps of f.
@@ -147,8 +149,8 @@ impl StatedProblem {
         Ok(Some(CheckedMesh { dimension, nodes, touching }))
     }
 
-    /// Part of the integral of |f| by which a nodal load moves jumps of f, half a cell where grid lines lie on them; none
-    /// if it is too small to matter.
+    /// Part of the integral of |f| by which a nodal load moves jumps of f, half a cell where grid lines lie on them;
+    /// none if it is too small to matter.
     pub(crate) fn moved_jumps(&self) -> Option<f64> {
         let square = self.square()?;
         moved_on(square.finest(), &square.f, square.load).filter(|&moved| moved > MOVED)

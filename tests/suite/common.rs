@@ -18,7 +18,7 @@ pub(crate) const EVERYTHING: &str =
 
 /// Two cells, one table, by the method and with the load of the paper.
 pub(crate) const TABLE: &str = "title = \"Suction\"\nf = \"else=-1\"\ngrids = [4, 8]\nr = [10, 1]\noutputs = [\"table\"]\n\
-    solver = \"arrow-hurwicz\"\nload = { rule = \"nodal\", diagonal = \"rising\" }\n";
+    solver = \"arrow-hurwicz\"\nload = { rule = \"nodal\", diagonal = \"rising\" }\nstop = [\"signed\"]\n";
 
 /// Published values for grids 1/4, 1/8 and r = 10, 1; the last count is one that nobody computes.
 pub(crate) const PAPER: &str = "r = [10.0, 1.0]\n\n[[table]]\nnumber = 1\ncounts = [[1, 2], [1, 100000]]\n\

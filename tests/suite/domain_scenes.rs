@@ -107,7 +107,7 @@ fn counts_are_those_of_the_command() {
 const LAWS: [(&str, &str); 3] = [
     ("papers", ""),
     ("friction", "law = { friction = 0.45 }\n"),
-    ("limit", "law = { limit = 0.7 }\n"),
+    ("limit", "law = { limit = 0.4 }\n"),
 ];
 
 /// Kinds of domain that a scene can have, each with an f that no law leaves at v = 0.
@@ -264,7 +264,7 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
         let error = 100.0 * json["bound"]["relative"]["error"].as_f64().unwrap();
         let title = format!(">Plate, error at most {error:.2} %</text>");
         assert!(svg.contains(&title), "{title}");
-        assert!(svg.contains("guaranteed: true energy in [-4.17"), "{svg}");
+        assert!(svg.contains("<desc>Guaranteed: true energy in [-4.17"), "{svg}");
     }
     // As `solve --accuracy` does.
     let f = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
@@ -332,7 +332,7 @@ fn a_nodal_load_with_jumps_on_grid_lines_is_told() {
 }
 
 /// Laws of [`LAWS`] as options of `solve`.
-const LAW_OPTIONS: [&[&str]; 3] = [&[], &["--friction", "0.45"], &["--limit", "0.7"]];
+const LAW_OPTIONS: [&[&str]; 3] = [&[], &["--friction", "0.45"], &["--limit", "0.4"]];
 
 /// f and the domain of [`DOMAINS`] as options of `solve`.
 const DOMAIN_OPTIONS: [&[&str]; 7] = [

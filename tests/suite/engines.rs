@@ -130,10 +130,9 @@ fn whole_runs_and_gc_keep_out_of_the_way_of_single_tasks() {
 #[test]
 fn a_killed_process_loses_its_task_alone() {
     // A cell that would take minutes, and one that takes none.
-    let project = Project::with(&TABLE.replace("[4, 8]", "[4, 8, 16, 32, 64, 128]").replace(
-        "r = [10, 1]",
-        "r = [1e-9, 10]\nstop = [\"printed\"]\nmax_iterations = 100000000",
-    ));
+    let text = TABLE.replace("[4, 8]", "[4, 8, 16, 32, 64, 128]").replace("signed", "printed");
+    let slow = "r = [1e-9, 10]\nmax_iterations = 100000000";
+    let project = Project::with(&text.replace("r = [10, 1]", slow));
     let [long, short] = ["solve/a/printed/r=0.000000001", "solve/a/printed/r=10"];
     let mut child = project.command(&["run", "--task", long]);
     let mut child = child.stderr(Stdio::piped()).spawn().unwrap();

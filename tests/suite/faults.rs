@@ -515,7 +515,7 @@ fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
     let project = Project::with(TABLE);
     let mistakes = [
         (TABLE.replace("title", "titel"), "line 1: unknown field `titel`"),
-        (TABLE.to_owned() + "colour = 3\n", "line 6: unknown field `colour`, expected one of"),
+        (TABLE.to_owned() + "colour = 3\n", "line 9: unknown field `colour`, expected one of"),
         (TABLE.replace("else=-1", "else=1"), "(2) asks for a negative one; lower f somewhere"),
         (TABLE.replace("else=-1", "else=0"), "(2) asks for a negative one"),
         (

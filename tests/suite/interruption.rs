@@ -26,8 +26,9 @@ fn interrupted_measurements_are_printed_and_not_recorded() {
 
 /// Two dozen cells, six figures and a book: long enough to be killed anywhere in it.
 fn long() -> Project {
-    let scene = wanting(EVERYTHING).replace("[10, 1]", "[1e6, 100, 20, 10, 5, 2, 1, 0.5]")
-        + "stop = [\"signed\", \"printed\", \"signed-dual\"]\npaper_table = 1\n";
+    let scene = wanting(EVERYTHING).replace("[10, 1]", "[1e6, 100, 20, 10, 5, 2, 1, 0.5]");
+    let rules = "[\"signed\", \"printed\", \"signed-dual\"]";
+    let scene = scene.replace("[\"signed\"]", rules) + "paper_table = 1\n";
     let project = Project::with(&scene);
     project.scene(
         "b",
@@ -158,7 +159,7 @@ fn slow() -> Project {
     let text = TABLE
         .replace("[4, 8]", "[4, 8, 16, 32, 64]")
         .replace("[10, 1]", "[1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9]");
-    Project::with(&(text + "stop = [\"printed\"]\nmax_iterations = 20000\n"))
+    Project::with(&(text.replace("\"signed\"", "\"printed\"") + "max_iterations = 20000\n"))
 }
 
 /// Starts this command, sends the signal after the first task, and waits; how the command ended, and what it said.

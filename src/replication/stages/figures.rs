@@ -212,11 +212,16 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     Ok(SolutionMap::of(title, on, &pair)?.picture())
 }
 
-/// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error.
+/// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error. A
+/// picture of the paper's problems is of the place where its rule stops, which the page says.
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (&scene.title, scene.first_rule());
     if let Some(end) = solve::no_solution(inputs, scene, rule)? {
         return Ok(format!("{title} ({end})"));
+    }
+    if rule.is_some() {
+        let place = if scene.paper_table.is_some() { "" } else { ", where the rule stops" };
+        return Ok(format!("{title}{place}"));
     }
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);

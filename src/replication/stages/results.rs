@@ -49,8 +49,8 @@ pub(super) fn task(project: &Project) -> Option<Task> {
 ///
 /// Columns: `problem` (the name of its scene), `solver`, `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
 /// `tolerance` identify the solve; `rule`, `r` and `tolerance` are empty for solvers without. `energy_lower`,
-/// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were computed.
-/// The spectral solver has an energy alone.
+/// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were
+/// computed. The spectral solver has an energy alone.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of

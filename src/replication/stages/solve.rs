@@ -1,5 +1,5 @@
-//! The `solve` stage: one cell is a problem with a solver, solved once; for a saddle-point method, a problem, a stopping
-//! rule and an r, solved on all nested levels.
+//! The `solve` stage: one cell is a problem with a solver, solved once; for a saddle-point method, a problem, a
+//! stopping rule and an r, solved on all nested levels.
 //!
 //! Central is [`Cell::run`], which solves as the command `solve` does.
 
@@ -411,9 +411,8 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
         _ => String::new(),
     };
     Ok(format!(
-        "{}: guaranteed{reserves}: true energy in [{low:.6e}, {high:.6e}], error in the energy norm at most \
-         {most:.3e}{relative}. ",
-        scene.title
+        "Guaranteed{reserves}: true energy in [{low:.6e}, {high:.6e}], error in the energy norm at most \
+         {most:.3e}{relative}. "
     ))
 }
 
@@ -490,8 +489,8 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
     Ok(stated.problem(inputs.files)?)
 }
 
-/// Returns the pair of a scene on the finest level of its `problem`: the solution or, under a rule, where that stops with
-/// the r that is drawn.
+/// Returns the pair of a scene on the finest level of its `problem`: the solution or, under a rule, where that stops
+/// with the r that is drawn.
 pub(super) fn pair(
     inputs: &Inputs,
     scene: &Scene,
