@@ -52,7 +52,10 @@ fn lines_are_broken_between_words_where_the_terminal_ends() {
     let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };
     assert!(shown.lines().all(|line| line.chars().count() <= 60), "{shown}");
     assert!(shown.contains("warning: the load vector sums to "), "{shown}");
-    let line = format!("stty rows 24 cols 40; '{}' run nobody-of-this-name", env!("CARGO_BIN_EXE_signorini"));
+    let line = format!(
+        "stty rows 24 cols 40; '{}' run nobody-of-this-name",
+        env!("CARGO_BIN_EXE_signorini")
+    );
     let shown = shown_by(&project, &line, &[("TERM", "dumb")]).unwrap();
     assert!(shown.lines().count() > 1, "{shown}");
     assert!(shown.lines().all(|line| line.chars().count() <= 40), "{shown}");
