@@ -471,7 +471,7 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
     let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
     let said = project.run(&["diff"]);
     assert_eq!(said.code, Some(1), "{said:?}");
-    expect![[r#"
+    expect![[r"
         Table 1 (a): ours, then the paper's
          r     1/4        1/8          Delta a
         10  1=   1     4~   2  2.12e-2~ 1.0e-4
@@ -484,11 +484,11 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
         = exact, ~ within tolerance, ! outside
         Table 1: 2 of 4 counts as published, 0 of 2 Delta a to both digits
         not every number is within the tolerance of its table
-    "#]]
+    "]]
     .assert_eq(&said.out);
     let md = project.run(&["diff", "--md"]);
     assert_eq!(md.code, Some(1));
-    expect![[r#"
+    expect![[r"
         **Table 1** (a): 2 of 4 counts exact, 3 within tolerance; Delta a: 0 of 2 to the printed digits, 2 within tolerance; tolerance: counts differ by at most 10 % or 1000 iterations, Delta a within a factor of 1e30
 
         | r | 1/4 | 1/8 | Δa ours | Δa paper |
@@ -497,7 +497,7 @@ fn diff_marks_what_is_outside_and_exits_with_one() {
         | 1 | 1 | **7** ! 100000 | **3.19e-2** ~ | 1.0e-4 |
 
         Table 1: 2 of 4 counts as published, 0 of 2 Delta a to both digits; not every number is within the tolerance of its table
-    "#]].assert_eq(&md.out);
+    "]].assert_eq(&md.out);
     let json = project.run(&["diff", "--json"]);
     assert_eq!((json.code, json.err.as_str()), (Some(1), ""));
     let json = json.json();

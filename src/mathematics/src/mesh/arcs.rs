@@ -68,7 +68,10 @@ impl<'a> BoundaryWalk<'a> {
         }
         if node == start && last != start {
             let point = self.mesh.points[start];
-            return ContactArc { part: self.names(&parts), ..ContactArc::new([point; 2], sum) };
+            return ContactArc {
+                part: Some(self.names(&parts)),
+                ..ContactArc::new([point; 2], sum)
+            };
         }
         // The edge after the last node is not in contact, unless it is all that there is.
         if start != last {
@@ -86,13 +89,17 @@ impl<'a> BoundaryWalk<'a> {
             let [a, b] = [node, next].map(|node| self.mesh.points[node]);
             std::array::from_fn(|d| a[d] + part * (b[d] - a[d]))
         });
-        ContactArc { part: self.names(&parts), closed: false, ..ContactArc::new([from, to], sum) }
+        ContactArc {
+            part: Some(self.names(&parts)),
+            closed: false,
+            ..ContactArc::new([from, to], sum)
+        }
     }
 
     /// Names of parts, by their positions.
-    fn names(&self, parts: &[Option<u16>]) -> Option<String> {
+    fn names(&self, parts: &[Option<u16>]) -> String {
         let parts = parts.iter().flatten().map(|&part| &self.mesh.parts[usize::from(part)].names);
-        Some(Names::all(parts))
+        Names::all(parts)
     }
 
     /// Part of the edge beyond the last node of an arc that is in contact, and the node at its other end.
