@@ -105,6 +105,8 @@ fn follow(page: &str, project: &Path) -> usize {
         if language != "sh" {
             continue;
         }
+        // A command may go on in the next line.
+        let text = text.replace("\\\n", " ");
         for line in text.lines().filter(|line| *line != "cargo test --release") {
             let output = run(line, project);
             ran += 1;

@@ -23,6 +23,8 @@ struct Shown {
     name: &'static str,
     title: &'static str,
     f: &'static str,
+    /// Nested grids of the square, by their cells per side.
+    grids: &'static [usize],
     /// Domain with its number of refinements; none for the square.
     mesh: Option<(&'static str, u8)>,
     /// Options about parts of the boundary, each with its value.
@@ -36,6 +38,8 @@ const PLAIN: Shown = Shown {
     name: "",
     title: "",
     f: "",
+    // As `solve` has them.
+    grids: &[4, 8, 16, 32, 64],
     mesh: None,
     parts: &[],
     law: None,
@@ -78,7 +82,7 @@ const GALLERY: [Shown; 8] = [
         name: "gallery-gear",
         title: "A gear from Gmsh, its hole free",
         f: "disc(0.5,0.3,0.4)=4; else=-1.5",
-        mesh: Some((GEAR, 3)),
+        mesh: Some((GEAR, 2)),
         parts: &[("--free", "hole"), ("--curve", "hole=0,0,0.3")],
         ..PLAIN
     },
@@ -102,6 +106,8 @@ const GALLERY: [Shown; 8] = [
         title: "Problem 2 of the paper, solved to rounding",
         f: "quadrant(ll)=-6; else=1.998",
         solver: Solver::Spectral,
+        // The values at the nodes take longer than the solution.
+        grids: &[4, 8, 16, 32],
         ..PLAIN
     },
 ];
@@ -123,9 +129,13 @@ struct Solved {
 impl Shown {
     /// Command that solves the problem and draws the picture.
     fn command(&self) -> String {
-        let mut command = format!("solve --f '{}'", self.f);
+        // Long commands go on in a second line.
+        let mut command = format!("solve --f '{}' \\\n   ", self.f);
         if let Some((domain, refine)) = self.mesh {
             command += &format!(" --domain {domain} --refine {refine}");
+        }
+        if let Some(finest) = self.grids.last().filter(|_| self.grids != PLAIN.grids) {
+            command += &format!(" --h 1/{finest}");
         }
         for (option, value) in self.parts {
             command += &format!(" {option} {value}");
@@ -164,7 +174,7 @@ impl Shown {
         let square = OnSquare {
             f: self.f.parse::<Source>().map_err(|e| e.to_string())?,
             load: LoadRule::Bilinear {},
-            grids: nested(&[4, 8, 16, 32, 64]).map_err(|e| e.to_string())?,
+            grids: nested(self.grids).map_err(|e| e.to_string())?,
         };
         Ok(StatedProblem::on_square(square, self.law))
     }
