@@ -86,10 +86,18 @@ fn commands_run_and_outputs_are_true() {
 }
 
 #[test]
-fn the_citation_is_of_this_version() {
-    let text = fs::read_to_string(Path::new(ROOT).join("CITATION.cff")).unwrap();
-    let version = format!("version: {}", env!("CARGO_PKG_VERSION"));
-    assert!(text.lines().any(|line| line == version), "{version}");
+fn the_citation_and_the_changes_are_of_this_version() {
+    let read = |file: &str| fs::read_to_string(Path::new(ROOT).join(file)).unwrap();
+    let (citation, changes) = (read("CITATION.cff"), read("CHANGELOG.md"));
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(citation.lines().any(|line| line == format!("version: {version}")), "{version}");
+    let newest = changes.lines().find_map(|line| line.strip_prefix("## ")).unwrap();
+    let (of, date) = newest.split_once(", ").unwrap();
+    assert_eq!(of, version);
+    assert!(citation.lines().any(|line| line == format!("date-released: \"{date}\"")), "{date}");
+    let archive: serde_json::Value = serde_json::from_str(&read(".zenodo.json")).unwrap();
+    let title = archive["title"].as_str().unwrap();
+    assert!(citation.contains(&format!("title: \"{title}\"")), "{title}");
 }
 
 /// Does what a page says in its fenced blocks; returns how many commands that were.
