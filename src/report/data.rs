@@ -60,7 +60,9 @@ impl Trees {
 
     fn add(&self, value: &tera::Value, kwargs: &Kwargs) -> TeraResult<String> {
         let file = format!("{}.json", kwargs.must_get::<String>("name")?);
-        let json = serde_json::to_string(value).map_err(tera::Error::message)? + "\n";
+        // Its maps are ordered; those of templates are not, and would be in another order in each run.
+        let value = serde_json::to_value(value).map_err(tera::Error::message)?;
+        let json = format!("{value}\n");
         let mut files = self.0.lock().expect("no panic while it is held");
         if files.get(&file).is_some_and(|there| *there != json) {
             return Err(tera::Error::message(format!("two different data are named `{file}`")));
@@ -285,7 +287,8 @@ mod tests {
     fn a_name_stands_for_one_tree() {
         let (mut tera, trees) = (Tera::new(), Trees::default());
         trees.register(&mut tera);
-        let context = tera::Context::from_serialize(&json!({ "a": [{ "x": 1 }], "b": [] }));
+        let context =
+            tera::Context::from_serialize(&json!({ "a": [{ "z": 1, "x": 1, "y": 1 }], "b": [] }));
         let context = context.unwrap();
         tera.add_raw_templates([
             ("first", "{{ a | tree(name=\"a\") }}"),
@@ -293,7 +296,10 @@ mod tests {
         ])
         .unwrap();
         assert_eq!(tera.render("first", &context).unwrap(), "data/a.json");
-        assert_eq!(trees.files(), BTreeMap::from([("a.json".into(), "[{\"x\":1}]\n".into())]));
+        assert_eq!(
+            trees.files(),
+            BTreeMap::from([("a.json".into(), "[{\"x\":1,\"y\":1,\"z\":1}]\n".into())])
+        );
         let error = tera.render("second", &context).unwrap_err().to_string();
         assert!(error.contains("two different data are named `a.json`"), "{error}");
     }

@@ -142,15 +142,18 @@ fn with_lines(mut mathml: String) -> String {
 /// Letters that reach below the line.
 const DEEP: &str = "fgjpqyQβγζημξρςφχψ";
 
-/// Puts subscripts of letters that reach below the line where those of other letters are, as TeX does; a browser puts
-/// them lower.
+/// Closing bracket, as the renderer writes it; it reaches below the line as well.
+const BRACKET: &str = r#"<mo symmetric="false" stretchy="false">)</mo>"#;
+
+/// Puts subscripts of what reaches below the line where those of other letters are, as TeX does; a browser puts them
+/// lower.
 fn without_depth(mathml: &str) -> String {
     let mut mathml = mathml.to_owned();
-    for script in ["<msub>", "<msubsup>"] {
-        for letter in DEEP.chars() {
-            let letter = format!("<mi>{letter}</mi>");
-            let with = format!(r#"{script}<mpadded depth="0">{letter}</mpadded>"#);
-            mathml = mathml.replace(&format!("{script}{letter}"), &with);
+    let letters = DEEP.chars().map(|letter| format!("<mi>{letter}</mi>"));
+    for deep in letters.chain([BRACKET.to_owned()]) {
+        for script in ["<msub>", "<msubsup>"] {
+            let with = format!(r#"{script}<mpadded depth="0">{deep}</mpadded>"#);
+            mathml = mathml.replace(&format!("{script}{deep}"), &with);
         }
     }
     mathml
@@ -241,8 +244,8 @@ mod tests {
 
     #[test]
     fn subscripts_are_at_one_height_and_integrals_have_no_hole() {
-        let text = converted(r"$y_i \psi_i^n a_i$").unwrap();
-        assert_eq!(text.matches("<mpadded depth=\"0\">").count(), 2, "{text}");
+        let text = converted(r"$y_i \psi_i^n a_i (A y)_i$").unwrap();
+        assert_eq!(text.matches("<mpadded depth=\"0\">").count(), 3, "{text}");
         assert!(text.contains("<msub><mi>a</mi>"), "{text}");
         let hole = "<msub style=\"margin-inline-end:-0.35em\">";
         assert!(converted("$$\\int_\\Omega f$$").unwrap().contains(hole));

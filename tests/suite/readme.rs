@@ -12,15 +12,24 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 fn blocks(page: &str) -> Vec<(String, String)> {
     let text = fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
     let mut blocks = Vec::new();
-    let mut open: Option<(String, String)> = None;
+    // The fence of the block that is open, its language and its text.
+    let mut open: Option<(String, String, String)> = None;
     for line in text.lines() {
-        match (&mut open, line.strip_prefix("```")) {
-            (None, Some(language)) => open = Some((language.into(), String::new())),
-            (Some(_), Some(_)) => blocks.extend(open.take()),
-            (Some((_, text)), None) => *text += &format!("{line}\n"),
-            (None, None) => {}
+        let language = line.trim_start_matches('`');
+        let fence = &line[..line.len() - language.len()];
+        match &mut open {
+            None if fence.len() >= 3 => open = Some((fence.into(), language.into(), String::new())),
+            None => {}
+            // The text that a template puts in ends with a line of its own.
+            Some((opened, _, _))
+                if line == opened || line == format!("{{{{ scene.text }}}}{opened}") =>
+            {
+                blocks.extend(open.take().map(|(_, language, text)| (language, text)));
+            }
+            Some((_, _, text)) => *text += &format!("{line}\n"),
         }
     }
+    assert!(open.is_none(), "{page}: {open:?} does not end");
     blocks
 }
 
@@ -105,7 +114,7 @@ fn follow(page: &str, project: &Path) -> usize {
     let blocks = blocks(page);
     let mut ran = 0;
     for (k, (language, text)) in blocks.iter().enumerate() {
-        if language == "toml" {
+        if language == "toml" && !text.is_empty() {
             fs::write(project.join("pipeline/scenes/mine.toml"), text).unwrap();
             run("cargo run --release -- run mine", project);
             fs::remove_file(project.join("pipeline/scenes/mine.toml")).unwrap();
