@@ -281,13 +281,13 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "cells" => column(solves, |solve| solve.outcome?.cells.map(|cells| cells as i64)),
         "nodes" => column(solves, |solve| Some(solve.outcome?.nodes as i64)),
         "tolerance" => column(solves, |solve| solve.run.map(|_| tolerance(solve.level))),
-        "iterations" => column(solves, |solve| solve.iterations()),
+        "iterations" => column(solves, GridSolve::iterations),
         "stop" => column(solves, |solve| solve.outcome.map_or(Stop::Converged.name(), |of| of.name())),
-        "met" => column(solves, |solve| solve.met()),
+        "met" => column(solves, GridSolve::met),
         "gradient_signed" => column(solves, |solve| solve.outcome?.gradient_signed),
         "gradient_abs" => column(solves, |solve| solve.outcome?.gradient_abs),
         "delta_a" => column(solves, |solve| solve.outcome?.end.delta_a),
-        "energy" => column(solves, |solve| solve.energy()),
+        "energy" => column(solves, GridSolve::energy),
         "energy_lower" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[0])),
         "energy_upper" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[1])),
         "error_bound" => column(solves, |solve| Some(solve.bounds.as_ref()?.error[1])),
@@ -307,7 +307,10 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
 }
 
 /// Values of one column, a row per solve.
-fn column<'a, T>(solves: &'a [GridSolve], value: impl Fn(&'a GridSolve) -> T) -> Vec<T> {
+fn column<'s, 'a, T>(
+    solves: &'s [GridSolve<'a>],
+    value: impl Fn(&'s GridSolve<'a>) -> T,
+) -> Vec<T> {
     solves.iter().map(value).collect()
 }
 
