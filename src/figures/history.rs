@@ -2,7 +2,9 @@
 
 use super::axes::{Entry, Frame, LEGEND_ROW, Legend, Sample, key};
 use super::palette::{INK, MUTED, RGBColor, RULE};
-use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain};
+use super::picture::{
+    LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain, text_width,
+};
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
 use super::{HistoryCurve, HistoryPanel};
@@ -15,6 +17,8 @@ const ACROSS: (f64, f64) = (66.0, 690.0);
 /// Colours of the run that is drawn and of the others.
 const DRAWN: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
 const OTHERS: RGBColor = RGBColor(0x9a, 0xa0, 0xa8);
+/// Widest list of the names of the others in the legend.
+const MOST_NAMES: f64 = 450.0;
 /// Dash patterns of tolerances and of the criterion as printed.
 const DOTTED: &str = "stroke-dasharray=\"4 8\"";
 const DASHED: &str = "stroke-dasharray=\"18 10\"";
@@ -60,7 +64,10 @@ fn in_order<'a>(
 fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
     let others: Vec<_> =
         panel.runs.iter().filter(|run| !run.is_drawn).map(|run| &*run.label).collect();
-    let others = others.join(", ");
+    let (count, mut others) = (others.len(), others.join(", "));
+    if text_width(&others, SMALL) > MOST_NAMES {
+        others = format!("{count} others");
+    }
     let drawn = panel.runs.iter().find(|run| run.is_drawn).map(|run| (&*run.label, DRAWN));
     let entries = drawn.into_iter().chain(Some((&*others, OTHERS)));
     let entries = entries.filter(|(label, _)| !label.is_empty());

@@ -261,10 +261,11 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
         for rule in scene.rules() {
             ends.push(solve::no_solution(inputs, scene, rule)?);
         }
-        // An end that all rules have is said once.
-        let common = ends[0].as_deref().filter(|_| ends.iter().all(|end| *end == ends[0]));
+        // An end that several rules have, and no other does, is said once.
+        let is_common = ends.len() > 1 && ends.iter().all(|end| *end == ends[0]);
+        let common = ends[0].as_deref().filter(|_| is_common);
         let title = match common {
-            Some(end) => format!("{} ({end} on this grid)", scene.title),
+            Some(end) => format!("{} (every run: {end})", scene.title),
             None => scene.title.clone(),
         };
         let mut solutions = Vec::new();

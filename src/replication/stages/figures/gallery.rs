@@ -245,7 +245,9 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
             picture.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
             Ok(picture)
         });
-        let said = parameters(&json!({ "title": shown.title, "command": shown.command() }));
+        // `explain` prints changed parameters in a line each.
+        let command = shown.command().replace("\\\n   ", "");
+        let said = parameters(&json!({ "title": shown.title, "command": command }));
         tasks.push(Task { parameters: said, files, ..task });
     }
     tasks
