@@ -93,14 +93,14 @@ pub(super) fn of_tables(page: &str) -> BTreeMap<String, String> {
 fn csv(table: &str) -> String {
     let mut lines = table.lines().filter(|line| line.starts_with('|')).map(cells);
     let heads = lines.next().unwrap_or_default();
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    let mut rows: Vec<Vec<DataCell>> = Vec::new();
     // The second line has the alignments.
     for row in lines.skip(1) {
-        rows.push(row.iter().map(|text| Cell::of(text)).collect());
+        rows.push(row.iter().map(|text| DataCell::of(text)).collect());
     }
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
     for (k, name) in names(&heads).into_iter().enumerate() {
-        let of_column: Vec<Cell> =
+        let of_column: Vec<DataCell> =
             rows.iter().map(|row| row.get(k).cloned().unwrap_or_default()).collect();
         let has_numbers = of_column.iter().any(|cell| !cell.number.is_empty());
         let words = of_column.iter().map(|cell| cell.words.clone()).collect();
@@ -125,16 +125,16 @@ fn csv(table: &str) -> String {
     csv
 }
 
-/// Cell of a table as data.
+/// DataCell of a table as data.
 #[derive(Clone, Debug, Default)]
-struct Cell {
+struct DataCell {
     /// The number with all its digits; empty if the cell has none, or more.
     number: String,
     /// Other text of the cell.
     words: String,
 }
 
-impl Cell {
+impl DataCell {
     fn of(text: &str) -> Self {
         // Below a number may stand one to compare it with.
         if let Some((number, small)) = text.split_once("<small>") {

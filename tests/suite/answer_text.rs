@@ -140,7 +140,8 @@ fn arcs_have_the_names_of_their_parts_and_a_direction_where_there_are_any() {
 #[test]
 fn advice_is_one_line_that_mends_all() {
     let project = Project::with(
-        "title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\ngrids = [4, 8, 16, 32, 64]\nr = [10]\nload = { rule = \
+        "title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\ngrids = [4, 8, 16, 32, 64]\n\
+         solver = \"arrow-hurwicz\"\nr = [10]\nload = { rule = \
          \"nodal\" }\nstop = [\"signed\"]\noutputs = [\"table\"]\n",
     );
     let text = project.run(&["solve", "a"]);

@@ -237,7 +237,7 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
     project.write("report/templates/SUMMARY.md", "- [Plates](plates.md)\n");
     project.write("report/templates/plates.md", "# Plates\n\n![v](figures/close-surface.svg)\n");
     project.run(&["run"]).lines();
-    assert_eq!(project.run(&["run"]).lines(), ["nothing to do"]);
+    project.run(&["run"]).nothing_to_do();
     let results = results(&project);
     let truth = project.run(&["solve", "true", "--json"]).json();
     let energy = truth["energy"].as_f64().unwrap();
@@ -323,7 +323,7 @@ fn a_nodal_load_with_jumps_on_grid_lines_is_told() {
     let remedy = "load = { rule = \"bilinear\" } does not\n";
     assert!(said.err.contains(&format!("warning: scene `a`: {told}{remedy}")), "{said:?}");
     let said = project.run(&["solve", "a"]);
-    assert!(said.out.contains(&format!("warning: {told}--load bilinear does not\n")), "{said:?}");
+    assert!(said.out.contains(&format!("warning: {told}use --load bilinear\n")), "{said:?}");
     let beside = plate.replace("0.25", "0.26");
     for text in [plate.to_owned(), beside + nodal, format!("{plate}{nodal}paper_table = 1\n")] {
         project.scene("a", &text);

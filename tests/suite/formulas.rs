@@ -106,7 +106,7 @@ fn a_scene_has_a_formula() {
     assert!(project.path("figures/a-source.svg").is_file());
     let said = project.run(&["solve", "a", "--solver", "multigrid"]);
     assert!(
-        said.lines()[0].starts_with("a: f = formula(3*x*y - 1.1), integral -1.1000"),
+        said.lines()[0].starts_with("a: f = formula(3*x*y - 1.1), integral -1.100"),
         "{said:?}"
     );
 }

@@ -50,9 +50,9 @@ fn a_run_ends_with_how_its_tables_compare() {
 fn solves_without_a_solution_are_told_with_a_command_that_shows_them() {
     // The load of the nodal rule is positive on grid 1/4 and its like, as in problem 1.
     let scene = "title = \"t\"\nf = \"quadrant(ll)=3; else=-1.002\"\ngrids = [4, 8]\nr = [10, 1]\n\
-        stop = [\"signed\"]\noutputs = [\"table\"]\n";
+        solver = \"arrow-hurwicz\"\nload = { rule = \"nodal\" }\nstop = [\"signed\"]\noutputs = [\"table\"]\n";
     let far = "title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\ngrids = [4, 8, 16]\nr = [10, 1]\n\
-        stop = [\"printed-dual\", \"signed\"]\noutputs = [\"table\"]\n";
+        solver = \"arrow-hurwicz\"\nload = { rule = \"nodal\" }\nstop = [\"printed-dual\", \"signed\"]\noutputs = [\"table\"]\n";
     let project = Project::with(scene);
     project.scene("far", far);
     let said = project.run(&["run"]);

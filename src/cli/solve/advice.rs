@@ -1,6 +1,6 @@
 //! Warnings of an answer, and the advice that mends all that they warn of.
 
-/// What is doubtful in an answer, and what to do about it.
+/// Doubts about an answer, with advice.
 pub(super) struct Warning {
     fact: String,
     /// None where the fact itself says what to do.

@@ -68,7 +68,7 @@ pub(super) struct Outcomes {
     /// their rule says so, and the spectral solver.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) bounds: Vec<Option<Bounds>>,
-    /// What the bounds leave out.
+    /// Parts of the problem that the bounds leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) reserve: Vec<Reserve>,
     /// End of the spectral solver.
@@ -442,13 +442,16 @@ pub(crate) fn without_solution(
     scene: &Scene,
     outcomes: impl Fn(&str) -> Option<Vec<u8>>,
 ) -> Option<String> {
-    let mut ends: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut ends: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     let mut command = None;
     for rule in scene.rules() {
         for run in scene.runs(rule) {
             let Some(bytes) = outcomes(&id_of(scene, run)) else { continue };
             let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
-            let Some(end) = outcomes.no_solution(scene) else { continue };
+            if outcomes.no_solution(scene).is_none() {
+                continue;
+            }
+            let end = outcomes.end();
             let mut command_of_run = format!("signorini solve {}", scene.name);
             if let Some(RuleAndR { rule, r }) = run {
                 let mut place = format!("r = {r}");
@@ -469,7 +472,7 @@ pub(crate) fn without_solution(
         let more = places.split_off(places.len().min(MOST_NAMED)).len();
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         parts.push(match places.is_empty() {
-            true => end,
+            true => end.to_owned(),
             false => format!("{end} with {}{more}", places.join(", ")),
         });
     }

@@ -116,7 +116,7 @@ const GALLERY: [Shown; 8] = [
 const COLUMNS: [&str; 3] = ["energy", "error", "held"];
 
 /// Solution of a problem of the gallery.
-struct Solved {
+struct SolvedPicture {
     pair: Pair,
     energy: f64,
     /// Guaranteed bound of the error in the energy norm over the size of the solution; of a true solution, the
@@ -179,7 +179,7 @@ impl Shown {
         Ok(StatedProblem::on_square(square, self.law))
     }
 
-    fn solve(&self, problem: &Problem) -> Result<Solved, Failure> {
+    fn solve(&self, problem: &Problem) -> Result<SolvedPicture, Failure> {
         if self.solver == Solver::Spectral {
             return self.solve_truly(problem);
         }
@@ -189,11 +189,11 @@ impl Shown {
         let energy = ends.last().map_or(f64::NAN, |end| end.energy);
         let pair = Pair { a: judgement.multiplier(&y), y };
         let held = held(problem, &pair);
-        Ok(Solved { pair, energy, error: bounds.relative(), held })
+        Ok(SolvedPicture { pair, energy, error: bounds.relative(), held })
     }
 
     /// Solves on the square without a grid, and evaluates the solution at the nodes.
-    fn solve_truly(&self, problem: &Problem) -> Result<Solved, Failure> {
+    fn solve_truly(&self, problem: &Problem) -> Result<SolvedPicture, Failure> {
         let source = self.f.parse::<Source>().map_err(|e| e.to_string())?;
         let law = problem.law();
         let solution = spectral_under(law, &source, SpectralParams::default());
@@ -208,7 +208,7 @@ impl Shown {
         let pair = Pair { y, a };
         let held = held(problem, &pair);
         let error = finer.checks.resolution.map_or(f64::NAN, f64::abs);
-        Ok(Solved { pair, energy: finer.energy, error, held })
+        Ok(SolvedPicture { pair, energy: finer.energy, error, held })
     }
 }
 
@@ -237,7 +237,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         let task = drawing(shown.name, shown.title.into(), Vec::new(), move |inputs| {
             let stated = shown.stated()?;
             let problem = stated.problem(inputs.files)?;
-            let Solved { pair, energy, error, held } = shown.solve(&problem)?;
+            let SolvedPicture { pair, energy, error, held } = shown.solve(&problem)?;
             let on = (problem.levels(), problem.law());
             // As `solve` has it.
             let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
