@@ -196,7 +196,7 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> 
     for scene in scenes {
         let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
         let pair = solve::pair(inputs, scene, rule, &problem)?;
-        let title = title_with_end(inputs, scene)?;
+        let title = title_with_bound(inputs, scene)?;
         drawn.push(DrawnSolution::of(title, &problem, &pair, 2)?);
     }
     let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
@@ -212,21 +212,27 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     Ok(SolutionMap::of(title, on, &pair)?.picture())
 }
 
-/// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error. A
-/// picture of the paper's problems is of the place where its rule stops, which the page says.
+/// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error.
+fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
+    let (title, rule) = (title_with_end(inputs, scene)?, scene.first_rule());
+    let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
+    let is_solution = rule.is_none() && solve::no_solution(inputs, scene, rule)?.is_none();
+    let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
+    Ok(match relative.filter(|_| is_solution) {
+        Some(error) => format!("{title}, error at most {}", solve::percent(error)),
+        None => title,
+    })
+}
+
+/// Returns the title of a scene, with the end of its solver unless that is a solution. A picture of the paper's
+/// problems is of the place where its rule stops, which the page says.
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (&scene.title, scene.first_rule());
-    if let Some(end) = solve::no_solution(inputs, scene, rule)? {
-        return Ok(format!("{title} ({end})"));
-    }
-    if rule.is_some() {
-        let place = if scene.paper_table.is_some() { "" } else { ", where the rule stops" };
-        return Ok(format!("{title}{place}"));
-    }
-    let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-    let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
-    Ok(match relative {
-        Some(error) => format!("{title}, error at most {}", solve::percent(error)),
+    Ok(match solve::no_solution(inputs, scene, rule)? {
+        Some(end) => format!("{title} ({end})"),
+        None if rule.is_some() && scene.paper_table.is_none() => {
+            format!("{title}, where the rule stops")
+        }
         None => title.clone(),
     })
 }
