@@ -77,9 +77,6 @@
 //! assert!(matches!(refused, Err(ProblemError::Unsolvable(_))));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//!
-//! Logarithms and the like come from the `libm` crate, in loops that vectorise from the spectral solver's own series:
-//! the C library's differ in the last bit from one machine to the next, and artifacts are compared by hash.
 
 pub mod bounds;
 pub mod discrete;
