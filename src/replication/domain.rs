@@ -65,7 +65,7 @@ impl DomainSettings {
             ("fixed", !fixed.is_empty()),
             ("curve", !curve.is_empty()),
         ];
-        settings.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+        first_given(settings)
     }
 
     /// True if the domain is read from a file.
@@ -120,6 +120,13 @@ impl DomainSettings {
             usize::from,
         )
     }
+}
+
+/// Returns the name of the first setting that is given, if there is one.
+pub(crate) fn first_given<const N: usize>(
+    settings: [(&'static str, bool); N],
+) -> Option<&'static str> {
+    settings.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
 }
 
 /// Reads a domain: a name or a file alone, or a table with more about it.

@@ -4,7 +4,7 @@ use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::accuracy::{Accuracy, FIRST, Written};
-use crate::replication::domain::{DomainSettings, name_or_table};
+use crate::replication::domain::{DomainSettings, first_given, name_or_table};
 use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings, repeated};
 use crate::replication::stated::{CheckedMesh, MAX_CELLS, OnSquare, StatedProblem};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -106,27 +106,25 @@ const NOT_ON_DOMAINS: [(Output, &str); 2] = [
 impl<F> SceneFile<F> {
     /// Name of a key that means nothing but on the square, if there is one.
     fn key_of_the_square(&self) -> Option<&'static str> {
-        let keys = [
+        first_given([
             ("grids", self.grids.is_some()),
             ("load", self.load.is_some()),
             ("accuracy", self.accuracy.is_some()),
             ("accuracy_energy", self.accuracy_energy.is_some()),
             ("prolongation", self.prolongation.is_some()),
             ("paper_table", self.paper_table.is_some()),
-        ];
-        keys.into_iter().find(|(_, given)| *given).map(|(key, _)| key)
+        ])
     }
 
     /// Name of a key that means nothing but for a saddle-point method, if there is one.
     fn key_of_saddle_points(&self) -> Option<&'static str> {
-        let keys = [
+        first_given([
             ("r", self.r.is_some()),
             ("stop", self.stop.is_some()),
             ("max_iterations", self.max_iterations.is_some()),
             ("draw_r", self.draw_r.is_some()),
             ("prolongation", self.prolongation.is_some()),
-        ];
-        keys.into_iter().find(|(_, given)| *given).map(|(key, _)| key)
+        ])
     }
 
     /// Returns the solver: the one that the scene names, or else the paper's for a published table and that of `solve`

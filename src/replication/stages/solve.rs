@@ -307,6 +307,22 @@ impl Outcomes {
         }
         Ok(artifacts)
     }
+
+    /// Name of the end on the finest level, or of that of the spectral solver.
+    pub(super) fn end(&self) -> &'static str {
+        self.levels.last().map_or(Stop::Converged.name(), Outcome::name)
+    }
+
+    /// Guaranteed bounds on the finest level, if there are any.
+    pub(super) fn last_bounds(&self) -> Option<&Bounds> {
+        self.bounds.last()?.as_ref()
+    }
+
+    /// Returns, in words, how the solver of a scene ended on the finest level, unless with a solution.
+    fn no_solution(&self, scene: &Scene) -> Option<String> {
+        let solved = self.levels.last().is_none_or(|last| is_solved(scene, last));
+        (!solved).then(|| self.end().replace('-', " "))
+    }
 }
 
 /// Monitor that records the last pair on each level and, if asked, all iterations.
@@ -329,24 +345,6 @@ impl Monitor for Recorder {
 
     fn level(&mut self, _: usize, pair: &Pair) {
         self.pairs.push(pair.clone());
-    }
-}
-
-impl Outcomes {
-    /// Name of the end on the finest level, or of that of the spectral solver.
-    pub(super) fn end(&self) -> &'static str {
-        self.levels.last().map_or(Stop::Converged.name(), Outcome::name)
-    }
-
-    /// Guaranteed bounds on the finest level, if there are any.
-    pub(super) fn last_bounds(&self) -> Option<&Bounds> {
-        self.bounds.last()?.as_ref()
-    }
-
-    /// Returns, in words, how the solver of a scene ended on the finest level, unless with a solution.
-    fn no_solution(&self, scene: &Scene) -> Option<String> {
-        let solved = self.levels.last().is_none_or(|last| is_solved(scene, last));
-        (!solved).then(|| self.end().replace('-', " "))
     }
 }
 
@@ -451,7 +449,7 @@ pub(crate) fn without_solution(
             if outcomes.no_solution(scene).is_none() {
                 continue;
             }
-            let end = outcomes.end();
+            let places = ends.entry(outcomes.end()).or_default();
             let mut command_of_run = format!("signorini solve {}", scene.name);
             if let Some(RuleAndR { rule, r }) = run {
                 let mut place = format!("r = {r}");
@@ -460,9 +458,7 @@ pub(crate) fn without_solution(
                     place += &format!(" under {rule}");
                     command_of_run += &format!(" --stop {rule}");
                 }
-                ends.entry(end).or_default().push(place);
-            } else {
-                ends.entry(end).or_default();
+                places.push(place);
             }
             command.get_or_insert(command_of_run);
         }

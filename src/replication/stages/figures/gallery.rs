@@ -10,13 +10,12 @@ use crate::replication::stages::artifact;
 use crate::replication::stated::{OnSquare, StatedProblem};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::grid::nested;
-use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{self, Run, Settings, Solver};
-use signorini_mathematics::spectral::{SpectralParams, spectral_under};
+use signorini_mathematics::spectral::{TrueSolution, true_solution};
 
 /// Problem of the gallery, with what `solve` is told of it.
 struct Shown {
@@ -173,15 +172,15 @@ impl Shown {
         }
         let square = OnSquare {
             f: self.f.parse::<Source>().map_err(|e| e.to_string())?,
-            load: LoadRule::Bilinear {},
+            load: OnSquare::LOAD,
             grids: nested(self.grids).map_err(|e| e.to_string())?,
         };
         Ok(StatedProblem::on_square(square, self.law))
     }
 
-    fn solve(&self, problem: &Problem) -> Result<SolvedPicture, Failure> {
+    fn solve(&self, stated: &StatedProblem, problem: &Problem) -> Result<SolvedPicture, Failure> {
         if self.solver == Solver::Spectral {
-            return self.solve_truly(problem);
+            return self.solve_truly(stated, problem);
         }
         let run = solvers::solve(problem, &Settings::of(self.solver));
         let Run { y, ends, judgement, .. } = run.map_err(|e| format!("{}: {e}", self.name))?;
@@ -192,23 +191,19 @@ impl Shown {
         Ok(SolvedPicture { pair, energy, error: bounds.relative(), held })
     }
 
-    /// Solves on the square without a grid, and evaluates the solution at the nodes.
-    fn solve_truly(&self, problem: &Problem) -> Result<SolvedPicture, Failure> {
-        let source = self.f.parse::<Source>().map_err(|e| e.to_string())?;
-        let law = problem.law();
-        let solution = spectral_under(law, &source, SpectralParams::default());
-        let finer = solution.and_then(|solution| solution.at_resolution(SpectralParams::FINER));
-        let finer = finer.map_err(|e| format!("{}: {e}", self.name))?;
-        let nodes = problem.levels().nodes(problem.finest());
-        let y = finer.at_nodes(nodes.isqrt() - 1);
-        let mut a = Vec::new();
-        for curve in problem.levels().curves().into_iter().flatten() {
-            a.extend(curve.points.iter().map(|&point| law.project(finer.on_boundary(point)[1])));
-        }
-        let pair = Pair { y, a };
+    /// Solves on the square without a grid, and evaluates the solution at the nodes of the finest grid.
+    fn solve_truly(
+        &self,
+        stated: &StatedProblem,
+        problem: &Problem,
+    ) -> Result<SolvedPicture, Failure> {
+        let (f, finest) = stated.on_finest()?;
+        let found = true_solution(problem.law(), f).map_err(|e| format!("{}: {e}", self.name))?;
+        let TrueSolution { solution, .. } = found;
+        let pair = solution.on_grid(finest);
         let held = held(problem, &pair);
-        let error = finer.checks.resolution.map_or(f64::NAN, f64::abs);
-        Ok(SolvedPicture { pair, energy: finer.energy, error, held })
+        let error = solution.checks.resolution.map_or(f64::NAN, f64::abs);
+        Ok(SolvedPicture { pair, energy: solution.energy, error, held })
     }
 }
 
@@ -237,7 +232,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         let task = drawing(shown.name, shown.title.into(), Vec::new(), move |inputs| {
             let stated = shown.stated()?;
             let problem = stated.problem(inputs.files)?;
-            let SolvedPicture { pair, energy, error, held } = shown.solve(&problem)?;
+            let SolvedPicture { pair, energy, error, held } = shown.solve(&stated, &problem)?;
             let on = (problem.levels(), problem.law());
             // As `solve` has it.
             let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
