@@ -26,6 +26,8 @@ pub(super) struct Cycle<'a> {
     levels: &'a NetworkLevels<'a>,
     vectors: Vec<CycleLevel>,
     coarsest: Direct,
+    /// Visits of a level of aggregates by one visit of the next finer one.
+    visits: usize,
     /// Multiplications of one visit of an unknown, for the work of the coarsest level.
     per_visit: f64,
 }
@@ -48,13 +50,20 @@ impl<'a> Cycle<'a> {
             levels,
             vectors,
             coarsest: Direct::new(levels.network(0), BandOrder::Reordered),
+            visits: 2,
             per_visit: levels.network(levels.finest()).row_length(),
         }
     }
 
     /// Number of visits of a level by one visit of the next finer one.
     fn visits(&self, level: usize) -> usize {
-        if level > 0 && level < self.levels.coarsest_mesh { 2 } else { 1 }
+        if level > 0 && level < self.levels.coarsest_mesh { self.visits } else { 1 }
+    }
+
+    /// Visits each level once from now on: such a cycle is positive whatever is held, the one with two visits may not
+    /// be.
+    pub(super) fn visit_once(&mut self) {
+        self.visits = 1;
     }
 
     /// Number of visits of unknowns that one application on level `top` takes.

@@ -29,14 +29,15 @@ pub(super) fn set_coarse_springs(
     coarse.fill(0.0);
     let HeldLevel { network, interpolation, held, springs } = *level;
     let mut transfer = Transfer { interpolation, coarse_held, coarse };
+    for (node, &spring) in springs.iter().enumerate() {
+        if spring != 0.0 {
+            transfer.add(node, spring * transfer.sum_of_functions(node));
+        }
+    }
     for contact in network.contact() {
         let node = contact.node;
         let of_node = transfer.sum_of_functions(node);
-        if !held[node] {
-            transfer.add(node, springs[node] * of_node);
-            continue;
-        }
-        if of_node == 0.0 {
+        if !held[node] || of_node == 0.0 {
             continue;
         }
         let row = network.row(node);
