@@ -178,8 +178,8 @@ fn shape(pair: &Pair, scene: &Scene) -> Value {
         "greatest": heights.map(|range| range.greatest),
         // Boundary nodes in contact.
         "contact": pair.in_contact(scene.finest(), scene.law()).into_iter().filter(|&contact| contact).count(),
-        // Total inflow: the sum of h times the multiplier over the boundary.
-        "inflow": scene.finest().h() * pair.a.iter().sum::<f64>(),
+        // Contact force: the sum of h times the multiplier over the boundary.
+        "force": scene.finest().h() * pair.a.iter().sum::<f64>(),
     })
 }
 
