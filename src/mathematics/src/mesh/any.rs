@@ -54,7 +54,8 @@ pub enum PartError {
     Curve(String),
     /// A node of the part that is off the curve.
     #[error(
-        "part `{name}` is off its curve by {}; give the curve on which its nodes lie", plain(*distance, 3)
+        "part `{name}` is off its curve by {}; give the curve on which its nodes lie",
+        plain(*distance, 3)
     )]
     OffCurve {
         /// Name of the part.

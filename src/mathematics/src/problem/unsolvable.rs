@@ -23,8 +23,8 @@ pub enum Unsolvable {
     },
     /// The integral of f is one that the flux under another law cannot balance.
     #[error(
-        "the integral of f{} is {}, but the flux through the boundary can only balance one between {} and {}; change f, \
-         or widen the law",
+        "the integral of f{} is {}, but the flux through the boundary can only balance one between {} and {}; change \
+         f, or widen the law",
         over(*component),
         plain(*integral, 4),
         plain(*least, 4),
