@@ -53,13 +53,3 @@ impl NestedNetwork {
         coarse
     }
 }
-
-/// Returns the load vectors of all levels, coarsest first, that belong to one of the finest.
-pub fn restricted(levels: &[NestedNetwork], finest: Vec<f64>) -> Vec<Vec<f64>> {
-    let mut loads = vec![finest];
-    for level in levels[1..].iter().rev() {
-        loads.push(level.restrict(&loads[loads.len() - 1]));
-    }
-    loads.reverse();
-    loads
-}

@@ -55,6 +55,33 @@ const INNER: u32 = u32::MAX;
 /// Place of a node at which y = 0.
 const FIXED: u32 = u32::MAX - 1;
 
+/// Rows of a symmetric matrix without its diagonal, each coupling in two of them, in any order.
+pub(crate) struct MatrixRows {
+    /// Position of the first coupling of each row, and the number of all.
+    starts: Vec<u32>,
+    others: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl MatrixRows {
+    /// No rows, with memory for so many rows and couplings.
+    pub(crate) fn with_capacity(rows: usize, couplings: usize) -> Self {
+        let mut starts = Vec::with_capacity(rows + 1);
+        starts.push(0);
+        let (others, weights) = (Vec::with_capacity(couplings), Vec::with_capacity(couplings));
+        Self { starts, others, weights }
+    }
+
+    /// Adds the next row: the other nodes with the weights of the couplings.
+    pub(crate) fn push(&mut self, row: impl Iterator<Item = (u32, f64)>) {
+        for (other, weight) in row {
+            self.others.push(other);
+            self.weights.push(weight);
+        }
+        self.starts.push(self.others.len() as u32);
+    }
+}
+
 /// Row of the stiffness matrix without its diagonal.
 #[derive(Clone, Copy)]
 pub struct Row<'a> {
@@ -118,6 +145,19 @@ impl Network {
                 *place += 1;
             }
         }
+        let mut network = Self::of_rows(MatrixRows { starts, others, weights }, contact, masses);
+        network.fixed = fixed;
+        network.fixed.iter().for_each(|&node| network.places[node as usize] = FIXED);
+        network
+    }
+
+    /// Network without fixed nodes, with each coupling in the rows of both of its nodes.
+    pub(crate) fn of_rows(
+        MatrixRows { starts, mut others, mut weights }: MatrixRows,
+        contact: Vec<ContactNode>,
+        masses: Vec<f64>,
+    ) -> Self {
+        let nodes = masses.len();
         let (mut diagonal, mut middles) = (vec![0.0; nodes], vec![0; nodes]);
         let mut row = Vec::new();
         for node in 0..nodes {
@@ -140,11 +180,46 @@ impl Network {
             weights,
             diagonal,
             contact: Vec::new(),
-            fixed,
+            fixed: Vec::new(),
             places: vec![INNER; nodes],
             masses,
         };
         network.set_contact(contact);
+        network
+    }
+
+    /// Network whose diagonal entries have these numbers added: what the couplings to further nodes, at zero, add.
+    pub(crate) fn with_additions(mut self, additions: &[f64]) -> Self {
+        for (diagonal, addition) in self.diagonal.iter_mut().zip(additions) {
+            *diagonal += addition;
+        }
+        self
+    }
+
+    /// Network with other numbers of the nodes; `places` has the new number of each.
+    pub(crate) fn renumbered(&self, places: &[u32]) -> Self {
+        let nodes = self.nodes();
+        let mut old = vec![0; nodes];
+        places.iter().zip(0..).for_each(|(&place, node)| old[place as usize] = node);
+        let mut rows = MatrixRows::with_capacity(nodes, self.others.len());
+        let (mut masses, mut additions) = (Vec::with_capacity(nodes), Vec::with_capacity(nodes));
+        for &node in &old {
+            let Row { others, weights } = self.row(node);
+            let entries = others.iter().zip(weights);
+            rows.push(entries.map(|(&other, &weight)| (places[other as usize], weight)));
+            masses.push(self.masses[node]);
+            additions.push(self.diagonal[node] - weights.iter().sum::<f64>());
+        }
+        let moved = |contact: &ContactNode| ContactNode {
+            node: places[contact.node] as usize,
+            measure: contact.measure,
+        };
+        let mut contact: Vec<ContactNode> = self.contact.iter().map(moved).collect();
+        contact.sort_unstable_by_key(|contact| contact.node);
+        let mut network = Self::of_rows(rows, contact, masses).with_additions(&additions);
+        network.fixed = self.fixed.iter().map(|&node| places[node as usize]).collect();
+        network.fixed.sort_unstable();
+        network.fixed.iter().for_each(|&node| network.places[node as usize] = FIXED);
         network
     }
 

@@ -3,7 +3,7 @@
 use super::error::MeshError;
 use super::facet_boxes::FacetBoxes;
 use super::{Condition, Facet, MeshData, Part};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Facets of the boundary, with what tells how they lie to each other.
 pub(super) struct BoundaryFacets<const D: usize> {
@@ -17,13 +17,82 @@ pub(super) struct BoundaryFacets<const D: usize> {
     pub(super) inside: Vec<String>,
 }
 
-/// Cells at a side.
-struct SideCells {
-    /// Position of the first cell.
-    first: u32,
-    /// True if the first cell has the side in the even order of its nodes.
+/// Side of a cell.
+#[derive(Clone, Copy)]
+struct CellSide<const D: usize> {
+    /// Nodes in increasing order.
+    nodes: [u32; D],
+    /// Position of the cell.
+    cell: u32,
+    /// Position of the vertex that the side is without.
+    without: u8,
+    /// True if the cell has the side in the even order of its nodes.
     is_even: bool,
-    count: u8,
+}
+
+/// Sides of all cells, by their nodes in increasing order; the same sides of several cells in the order of the cells.
+struct CellSides<const D: usize> {
+    /// Position of the first side whose lowest node is this one, and the number of all.
+    starts: Vec<u32>,
+    sides: Vec<CellSide<D>>,
+}
+
+impl<const D: usize> CellSides<D> {
+    fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
+        let mut starts = vec![0u32; nodes + 1];
+        for_each_side(cells, |side: CellSide<D>| starts[side.nodes[0] as usize + 1] += 1);
+        for node in 0..nodes {
+            starts[node + 1] += starts[node];
+        }
+        let mut next = starts.clone();
+        let empty = CellSide { nodes: [0; D], cell: 0, without: 0, is_even: false };
+        let mut sides = vec![empty; starts[nodes] as usize];
+        for_each_side(cells, |side: CellSide<D>| {
+            let place = &mut next[side.nodes[0] as usize];
+            sides[*place as usize] = side;
+            *place += 1;
+        });
+        for node in 0..nodes {
+            sides[starts[node] as usize..starts[node + 1] as usize].sort_by_key(|side| side.nodes);
+        }
+        Self { starts, sides }
+    }
+
+    /// True if a cell has the side with these nodes in increasing order.
+    fn has(&self, nodes: [u32; D]) -> bool {
+        let [from, to] = [0, 1].map(|k| self.starts[nodes[0] as usize + k] as usize);
+        self.sides[from..to].iter().any(|side| side.nodes == nodes)
+    }
+
+    /// Cells at each side.
+    fn groups(&self) -> impl Iterator<Item = &[CellSide<D>]> {
+        self.sides.chunk_by(|one, two| one.nodes == two.nodes)
+    }
+}
+
+/// First of the cells at a side, in their order, that cannot be there: a second one on the same side of it as the
+/// first, or a third one.
+fn fault_at<const D: usize>(group: &[CellSide<D>]) -> Option<CellSide<D>> {
+    match group {
+        [one, two, ..] if one.is_even == two.is_even => Some(*two),
+        [_, _, three, ..] => Some(*three),
+        _ => None,
+    }
+}
+
+/// Calls `visit` with all sides of all cells.
+fn for_each_side<const D: usize, const V: usize>(
+    cells: &[[u32; V]],
+    mut visit: impl FnMut(CellSide<D>),
+) {
+    for (k, cell) in cells.iter().enumerate() {
+        for (without, nodes) in sides_of(cell).into_iter().enumerate() {
+            // A cyclic order of four vertices is even for every other first vertex, of three vertices for all.
+            let is_even = is_even(nodes) == (V == 3 || without.is_multiple_of(2));
+            let (nodes, cell, without) = (sorted(nodes), k as u32, without as u8);
+            visit(CellSide { nodes, cell, without, is_even });
+        }
+    }
 }
 
 impl<const D: usize, const V: usize> MeshData<D, V> {
@@ -33,19 +102,22 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     /// # Errors
     /// Cells that overlap at a facet, and parts that name no facet or one facet twice.
     pub(super) fn boundary(&mut self) -> Result<BoundaryFacets<D>, MeshError> {
-        let sides = self.cells_of_sides()?;
+        let sides = CellSides::new(self.points.len(), &self.cells);
+        self.check_sides(&sides)?;
         let parts = self.parts_of_facets(&sides)?;
+        let single = sides.groups().filter_map(|group| match group {
+            [side] => Some(*side),
+            _ => None,
+        });
+        let mut single: Vec<CellSide<D>> = single.collect();
+        single.sort_by_key(|side| (side.cell, side.without));
         let (mut facets, mut owners) = (Vec::new(), Vec::new());
-        for (k, cell) in self.cells.iter().enumerate() {
-            for nodes in sides_of(cell) {
-                let key = sorted(nodes);
-                if sides[&key].count == 1 {
-                    let part = parts.get(&key).copied();
-                    let part = part.unwrap_or_else(|| default_part(&mut self.parts));
-                    facets.push(Facet { nodes, part });
-                    owners.push(k as u32);
-                }
-            }
+        for CellSide { nodes: key, cell, without, .. } in single {
+            let part = parts.get(&key).copied();
+            let part = part.unwrap_or_else(|| default_part(&mut self.parts));
+            let nodes = sides_of(&self.cells[cell as usize])[usize::from(without)];
+            facets.push(Facet { nodes, part });
+            owners.push(cell);
         }
         let corners = facets.iter().map(|facet| facet.nodes.map(|node| self.points[node as usize]));
         let boxes = FacetBoxes::new(corners);
@@ -53,40 +125,27 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         Ok(BoundaryFacets { facets, cells: owners, boxes, inside })
     }
 
-    /// Cells at each side, by its nodes in increasing order.
-    fn cells_of_sides(&self) -> Result<HashMap<[u32; D], SideCells>, MeshError> {
-        let mut sides: HashMap<[u32; D], SideCells> = HashMap::with_capacity(2 * self.cells.len());
-        for (k, cell) in self.cells.iter().enumerate() {
-            for (without, nodes) in sides_of(cell).into_iter().enumerate() {
-                // A cyclic order of four vertices is even for every other first vertex, of three vertices for all.
-                let is_even = is_even(nodes) == (V == 3 || without.is_multiple_of(2));
-                let key = sorted(nodes);
-                let new = SideCells { first: k as u32, is_even, count: 0 };
-                let side = sides.entry(key).or_insert(new);
-                side.count += 1;
-                if side.count > 2 {
-                    let (cell, nodes) = (self.tags.cell(k), self.tags.all(key));
-                    return Err(MeshError::Overlap { cell, nodes });
-                }
-                if side.count == 2 && side.is_even == is_even {
-                    let cells = [side.first as usize, k].map(|cell| self.tags.cell(cell));
-                    return Err(MeshError::Fold { cells, nodes: self.tags.all(key) });
-                }
-            }
+    /// Checks that no side has three cells, nor two on the same side of it; of the faults, that of the first cell.
+    fn check_sides(&self, sides: &CellSides<D>) -> Result<(), MeshError> {
+        let faults = sides.groups().filter_map(|group| Some((group, fault_at(group)?)));
+        let Some((group, fault)) = faults.min_by_key(|(_, fault)| fault.cell) else {
+            return Ok(());
+        };
+        let nodes = self.tags.all(fault.nodes);
+        let tag = |side: CellSide<D>| self.tags.cell(side.cell as usize);
+        match group[1].cell == fault.cell {
+            true => Err(MeshError::Fold { cells: [group[0], fault].map(tag), nodes }),
+            false => Err(MeshError::Overlap { cell: tag(fault), nodes }),
         }
-        Ok(sides)
     }
 
     /// Part of each named facet, by its nodes in increasing order.
-    fn parts_of_facets(
-        &self,
-        sides: &HashMap<[u32; D], SideCells>,
-    ) -> Result<HashMap<[u32; D], u16>, MeshError> {
-        let mut parts: HashMap<[u32; D], u16> = HashMap::new();
+    fn parts_of_facets(&self, sides: &CellSides<D>) -> Result<BTreeMap<[u32; D], u16>, MeshError> {
+        let mut parts: BTreeMap<[u32; D], u16> = BTreeMap::new();
         for facet in &self.facets {
             let name = |part: u16| self.parts[part as usize].names.to_string();
             let key = sorted(facet.nodes);
-            if !sides.contains_key(&key) {
+            if !sides.has(key) {
                 let nodes = self.tags.all(facet.nodes);
                 return Err(MeshError::NoSide { part: name(facet.part), nodes });
             }

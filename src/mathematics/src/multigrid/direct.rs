@@ -102,7 +102,7 @@ fn for_each_entry(network: &Network, places: &[u32], mut visit: impl FnMut(usize
 
 /// Returns the place of each node in an order in which coupled nodes are near each other: breadth first from a node
 /// with few couplings in each connected component, reversed (Cuthill and McKee 1969; George 1971).
-fn reverse_cuthill_mckee(network: &Network) -> Vec<u32> {
+pub(crate) fn reverse_cuthill_mckee(network: &Network) -> Vec<u32> {
     let nodes = network.nodes();
     let degree = |node: u32| network.row(node as usize).others.len();
     let mut starts: Vec<u32> = (0..nodes as u32).collect();

@@ -115,6 +115,6 @@ pub struct MultigridParams {
 
 impl Default for MultigridParams {
     fn default() -> Self {
-        Self { goal: Goal::RoundingFloor, max_cycles: 60 }
+        Self { goal: Goal::RoundingFloor, max_cycles: 400 }
     }
 }

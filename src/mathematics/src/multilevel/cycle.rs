@@ -1,53 +1,81 @@
-//! The V-cycle: an approximate inverse of the stiffness matrix on the nodes that are not held at zero.
+//! The cycle: an approximate inverse of the stiffness matrix on the nodes that are not held at zero.
 
+use super::interpolation::{Interpolation, product};
+use super::levels::NetworkLevels;
 use super::springs::{HeldLevel, set_coarse_springs};
-use crate::discrete::nested::NestedNetwork;
 use crate::multigrid::direct::{BandOrder, Direct};
 
 /// Vectors of one level.
 struct CycleLevel {
+    /// Flag for each node, true if it is held.
+    held: Vec<bool>,
     /// One over the diagonal with its spring; zero at held nodes.
     inverse: Vec<f64>,
     /// Additions to the diagonal.
     springs: Vec<f64>,
-    /// Right-hand side; empty on the finest level in use, where the caller has it.
+    /// Right-hand side; not used on the finest level in use, where the caller has it.
     load: Vec<f64>,
     /// Correction.
     values: Vec<f64>,
 }
 
-/// V-cycle with one symmetric Gauss-Seidel sweep, half before and half after the coarser levels, whose functions leave
-/// out what is held: a coarse node is held if the same node is held on the finest level in use.
+/// Cycle with one symmetric Gauss-Seidel sweep, half before and half after the coarser levels, whose functions leave
+/// out what is held. Each mesh visits the coarser one once (V-cycle); each level of aggregates, where the next one has
+/// an eighth of the nodes or less, visits it twice (W-cycle).
 pub(super) struct Cycle<'a> {
-    levels: &'a [NestedNetwork],
+    levels: &'a NetworkLevels<'a>,
     vectors: Vec<CycleLevel>,
     coarsest: Direct,
+    /// Visits of a level of aggregates by one visit of the next finer one.
+    visits: usize,
     /// Multiplications of one visit of an unknown, for the work of the coarsest level.
     per_visit: f64,
 }
 
 impl<'a> Cycle<'a> {
-    pub(super) fn new(levels: &'a [NestedNetwork]) -> Self {
-        let zeros = |level: &NestedNetwork| vec![0.0; level.network.nodes()];
-        let vectors = levels.iter().map(|level| CycleLevel {
-            inverse: zeros(level),
-            springs: zeros(level),
-            load: zeros(level),
-            values: zeros(level),
-        });
-        let finest = &levels[levels.len() - 1].network;
+    pub(super) fn new(levels: &'a NetworkLevels<'a>) -> Self {
+        let mut vectors: Vec<CycleLevel> = Vec::new();
+        for level in &levels.levels {
+            let nodes = level.network.nodes();
+            let zeros = || vec![0.0; nodes];
+            vectors.push(CycleLevel {
+                held: vec![false; nodes],
+                inverse: zeros(),
+                springs: zeros(),
+                load: zeros(),
+                values: zeros(),
+            });
+        }
         Self {
             levels,
-            vectors: vectors.collect(),
-            coarsest: Direct::new(&levels[0].network, BandOrder::Reordered),
-            per_visit: finest.row_length(),
+            vectors,
+            coarsest: Direct::new(levels.network(0), BandOrder::Reordered),
+            visits: 2,
+            per_visit: levels.network(levels.finest()).row_length(),
         }
+    }
+
+    /// Number of visits of a level by one visit of the next finer one.
+    fn visits(&self, level: usize) -> usize {
+        if level > 0 && level < self.levels.coarsest_mesh { self.visits } else { 1 }
+    }
+
+    /// Visits each level once from now on: such a cycle is positive whatever is held, the one with two visits may not
+    /// be.
+    pub(super) fn visit_once(&mut self) {
+        self.visits = 1;
     }
 
     /// Number of visits of unknowns that one application on level `top` takes.
     pub(super) fn work(&self, top: usize) -> f64 {
-        let nodes = self.levels[1..=top].iter().map(|level| level.network.nodes() as f64);
-        2.0 * nodes.sum::<f64>() + self.coarsest.solve_work() / self.per_visit
+        let (mut work, mut visits) = (0.0, 1.0);
+        for level in (1..=top).rev() {
+            let network = self.levels.network(level);
+            let of_sweeps = 2.0 * network.nodes() as f64;
+            work += visits * of_sweeps * (network.row_length() / self.per_visit);
+            visits *= self.visits(level - 1) as f64;
+        }
+        work + visits * self.coarsest.solve_work() / self.per_visit
     }
 
     /// Number of visits of unknowns that so many steps of the active set method on the coarsest level take.
@@ -55,20 +83,25 @@ impl<'a> Cycle<'a> {
         steps as f64 * self.coarsest.step_work() / self.per_visit
     }
 
-    /// Holds nodes of level `top` and of all coarser levels at zero; returns the work in visits of unknowns.
+    /// Holds nodes of level `top`, and what follows on all coarser levels, at zero; returns the work in visits of
+    /// unknowns.
     pub(super) fn hold(&mut self, top: usize, held: &[bool]) -> f64 {
         let mut work = self.coarsest.factor_work() / self.per_visit;
         self.vectors[top].springs.fill(0.0);
+        self.vectors[top].held.copy_from_slice(held);
         for level in (0..=top).rev() {
             let (coarser, vectors) = self.vectors.split_at_mut(level);
-            let CycleLevel { inverse, springs, .. } = &mut vectors[0];
-            let diagonal = self.levels[level].network.diagonal();
+            let CycleLevel { held, inverse, springs, .. } = &mut vectors[0];
+            let network = self.levels.network(level);
             for (node, inverse) in inverse.iter_mut().enumerate() {
-                *inverse = if held[node] { 0.0 } else { 1.0 / (diagonal[node] + springs[node]) };
+                let diagonal = network.diagonal()[node] + springs[node];
+                *inverse = if held[node] { 0.0 } else { 1.0 / diagonal };
             }
-            if let Some(coarser) = coarser.last_mut() {
-                let fine = HeldLevel { held, springs };
-                work += set_coarse_springs(&self.levels[level], &fine, &mut coarser.springs);
+            let interpolation = self.levels.levels[level].interpolation.as_ref();
+            if let (Some(coarser), Some(interpolation)) = (coarser.last_mut(), interpolation) {
+                self.levels.hold_coarser(level, held, &mut coarser.held);
+                let fine = HeldLevel { network, interpolation, held, springs };
+                work += set_coarse_springs(&fine, &coarser.held, &mut coarser.springs);
             }
         }
         self.coarsest.factor(self.vectors[0].inverse.iter().map(|inverse| 1.0 / inverse));
@@ -79,24 +112,46 @@ impl<'a> Cycle<'a> {
     pub(super) fn apply(&mut self, top: usize, residual: &[f64]) -> &[f64] {
         if top == 0 {
             self.vectors[0].load.copy_from_slice(residual);
+            self.solve_coarsest();
         } else {
-            self.descend(top, residual);
-        }
-        for level in (1..top).rev() {
-            let load = std::mem::take(&mut self.vectors[level].load);
-            self.descend(level, &load);
-            self.vectors[level].load = load;
-        }
-        self.solve_coarsest();
-        for level in 1..top {
-            let load = std::mem::take(&mut self.vectors[level].load);
-            self.ascend(level, &load);
-            self.vectors[level].load = load;
-        }
-        if top > 0 {
-            self.ascend(top, residual);
+            self.correct(top, residual);
         }
         &self.vectors[top].values
+    }
+
+    /// Computes the values of a level for the load of another vector than its own.
+    fn correct(&mut self, level: usize, load: &[f64]) {
+        self.descend(level, load);
+        match level - 1 {
+            0 => self.solve_coarsest(),
+            coarser => {
+                let mut load = std::mem::take(&mut self.vectors[coarser].load);
+                self.correct(coarser, &load);
+                for _ in 1..self.visits(coarser) {
+                    self.correct_again(coarser, &mut load);
+                }
+                self.vectors[coarser].load = load;
+            }
+        }
+        self.ascend(level, load);
+    }
+
+    /// Adds to the values of a level the correction for the residual that they leave, which takes the place of the
+    /// load.
+    fn correct_again(&mut self, level: usize, load: &mut [f64]) {
+        let CycleLevel { inverse, values, .. } = &self.vectors[level];
+        let network = self.levels.network(level);
+        for (node, load) in load.iter_mut().enumerate() {
+            *load = match inverse[node] {
+                0.0 => 0.0,
+                inverse => network.row(node).add_to(*load, values) - values[node] / inverse,
+            };
+        }
+        let first = values.clone();
+        self.correct(level, load);
+        for (value, first) in self.vectors[level].values.iter_mut().zip(first) {
+            *value += first;
+        }
     }
 
     fn solve_coarsest(&mut self) {
@@ -109,7 +164,7 @@ impl<'a> Cycle<'a> {
 
     /// Sweeps forward from zero, and restricts the residual that is left.
     fn descend(&mut self, level: usize, load: &[f64]) {
-        let NestedNetwork { network, parents } = &self.levels[level];
+        let network = self.levels.network(level);
         let (coarser, vectors) = self.vectors.split_at_mut(level);
         let CycleLevel { inverse, values, .. } = &mut vectors[0];
         let coarse = &mut coarser[level - 1].load;
@@ -117,34 +172,62 @@ impl<'a> Cycle<'a> {
             values[node] = inverse[node] * network.earlier(node).add_to(load[node], values);
         }
         // After the sweep the residual of a row is what the nodes visited later have added.
-        let old = coarse.len();
-        for (node, coarse) in coarse.iter_mut().enumerate() {
-            let residual = network.later(node).add_to(0.0, values);
-            *coarse = if inverse[node] == 0.0 { 0.0 } else { residual };
-        }
-        for (node, &[a, b]) in (old..).zip(parents) {
-            if inverse[node] != 0.0 {
-                let half = 0.5 * network.later(node).add_to(0.0, values);
-                coarse[a as usize] += half;
-                coarse[b as usize] += half;
+        match &self.levels.levels[level].interpolation {
+            Some(Interpolation::Midpoints(fine)) => {
+                let old = coarse.len();
+                for (node, coarse) in coarse.iter_mut().enumerate() {
+                    let residual = network.later(node).add_to(0.0, values);
+                    *coarse = if inverse[node] == 0.0 { 0.0 } else { residual };
+                }
+                for (node, &[a, b]) in (old..).zip(&fine.parents) {
+                    if inverse[node] != 0.0 {
+                        let half = 0.5 * network.later(node).add_to(0.0, values);
+                        coarse[a as usize] += half;
+                        coarse[b as usize] += half;
+                    }
+                }
             }
+            Some(Interpolation::Weighted(rows)) => {
+                coarse.fill(0.0);
+                for (node, row) in rows.rows().enumerate() {
+                    if inverse[node] != 0.0 {
+                        let residual = network.later(node).add_to(0.0, values);
+                        for entry in row {
+                            coarse[entry.node as usize] += entry.weight * residual;
+                        }
+                    }
+                }
+            }
+            None => unreachable!("the coarsest level is solved directly"),
         }
     }
 
     /// Adds the interpolated correction of the coarser level, and sweeps backward.
     fn ascend(&mut self, level: usize, load: &[f64]) {
-        let NestedNetwork { network, parents } = &self.levels[level];
+        let network = self.levels.network(level);
         let (coarser, vectors) = self.vectors.split_at_mut(level);
         let CycleLevel { inverse, values, .. } = &mut vectors[0];
         let coarse = &coarser[level - 1].values;
-        let (old, new) = values.split_at_mut(coarse.len());
-        old.iter_mut().zip(coarse).for_each(|(value, correction)| *value += correction);
-        for ((value, &[a, b]), inverse) in new.iter_mut().zip(parents).zip(&inverse[coarse.len()..])
-        {
-            // Nodes that the sweep visits before a held one would read its value.
-            if *inverse != 0.0 {
-                *value += 0.5 * (coarse[a as usize] + coarse[b as usize]);
+        // Nodes that the sweep visits before a held one would read its value.
+        match &self.levels.levels[level].interpolation {
+            Some(Interpolation::Midpoints(fine)) => {
+                let (old, new) = values.split_at_mut(coarse.len());
+                old.iter_mut().zip(coarse).for_each(|(value, correction)| *value += correction);
+                let inverse = &inverse[coarse.len()..];
+                for ((value, &[a, b]), inverse) in new.iter_mut().zip(&fine.parents).zip(inverse) {
+                    if *inverse != 0.0 {
+                        *value += 0.5 * (coarse[a as usize] + coarse[b as usize]);
+                    }
+                }
             }
+            Some(Interpolation::Weighted(rows)) => {
+                for ((value, row), inverse) in values.iter_mut().zip(rows.rows()).zip(&*inverse) {
+                    if *inverse != 0.0 {
+                        *value += product(row, coarse);
+                    }
+                }
+            }
+            None => unreachable!("the coarsest level is solved directly"),
         }
         for node in (0..network.nodes()).rev() {
             values[node] = inverse[node] * network.row(node).add_to(load[node], values);
@@ -157,6 +240,7 @@ mod tests {
     use super::*;
     use crate::mesh::{AnyMesh, refined};
     use crate::multilevel::iterate::dot;
+    use crate::multilevel::levels::NetworkLevels;
 
     #[test]
     fn the_cycle_is_symmetric_and_positive() {
@@ -172,6 +256,7 @@ mod tests {
             for k in held_from..held_from + held_nodes {
                 held[network.contact()[k % count].node] = true;
             }
+            let levels = NetworkLevels::new(&levels);
             let mut cycle = Cycle::new(&levels);
             cycle.hold(top, &held);
             let vector = |seed: usize| -> Vec<f64> {

@@ -21,6 +21,11 @@ pub(super) struct ContactProblem<'a> {
 /// Relative difference of energies that rounding errors may make.
 const ENERGY_ROUNDING: f64 = 1e-12;
 
+/// Part of the energy left at the nodes which are not held that held nodes must be able to gain before they are
+/// released (Z. Dostal, SIAM J. Optim. 7 (1997) 871-887, calls such a vector proportional). Otherwise a node may be
+/// released and held in turn, and no two steps have conjugate directions: on stretched cells without end.
+const RELEASE: f64 = 0.1;
+
 /// Derivatives of the energy along a direction at its beginning, as long as no value changes its sign.
 struct Slope {
     /// Minus the first derivative.
@@ -52,6 +57,9 @@ pub(super) struct Iterate<'a> {
     image: Vec<f64>,
     /// Product of the residual and its correction in the last step; zero if the held nodes have changed.
     product: f64,
+    /// Product of the residual and its correction in the last step: about twice the energy that the nodes which are not
+    /// held have still to lose.
+    last_product: f64,
     /// True if no step may raise the energy: always where values have both signs, under the paper's law from when the
     /// residual has ceased to fall.
     pub(super) is_guarded: bool,
@@ -76,6 +84,7 @@ impl<'a> Iterate<'a> {
             direction: zeros(),
             image: zeros(),
             product: 0.0,
+            last_product: 0.0,
             is_guarded,
             work: 0.0,
         };
@@ -218,6 +227,7 @@ impl<'a> Iterate<'a> {
         }
         let correction = cycle.apply(level, &self.residual);
         let product = dot(&self.residual, correction);
+        self.last_product = product;
         let turn = if self.product == 0.0 { 0.0 } else { product / self.product };
         for (direction, correction) in self.direction.iter_mut().zip(correction) {
             *direction = correction + turn * *direction;
@@ -230,6 +240,7 @@ impl<'a> Iterate<'a> {
         let curvature = dot(&self.direction, &self.image);
         // Neither is positive where nothing is left to correct at the nodes that are not held.
         if !(product > 0.0 && curvature > 0.0) {
+            cycle.visit_once();
             self.product = 0.0;
             self.adapt();
             return 0.0;
@@ -304,10 +315,11 @@ impl<'a> Iterate<'a> {
                 changed = true;
             }
         }
+        let releases = self.gain_of_releases() >= RELEASE * self.last_product;
         for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;
             let limit = contact.measure * law.hi();
-            if !self.held[node] || network.condition(node) == NodeCondition::Fixed {
+            if !releases || !self.held[node] || network.condition(node) == NodeCondition::Fixed {
                 continue;
             }
             let below = self.residual[node] + limit;
@@ -327,6 +339,22 @@ impl<'a> Iterate<'a> {
             self.renew_residual();
         }
         changed
+    }
+
+    /// Twice the energy that relaxing each held node apart would gain.
+    fn gain_of_releases(&self) -> f64 {
+        let ContactProblem { network, law, .. } = self.problem;
+        let mut gain = 0.0;
+        for contact in network.contact() {
+            let node = contact.node;
+            if self.held[node] && network.condition(node) != NodeCondition::Fixed {
+                let residual = self.residual[node];
+                let below = residual + contact.measure * law.hi();
+                let violation = residual.max(0.0) + below.min(0.0);
+                gain += violation * violation / network.diagonal()[node];
+            }
+        }
+        gain
     }
 
     /// Adds to the value of one node, and corrects the residuals around it.

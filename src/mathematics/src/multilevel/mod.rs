@@ -18,8 +18,12 @@
 //! R. Kornhuber, Numer. Math. 69 (1994) 167-184, for truncated coarse functions; J. J. Moré and G. Toraldo, SIAM J.
 //! Optim. 1 (1991) 93-113, for conjugate gradients with changing sets of bounds.
 
+mod aggregates;
 mod cycle;
+mod interpolation;
 mod iterate;
+mod levels;
+mod smoothed;
 mod solve;
 mod springs;
 

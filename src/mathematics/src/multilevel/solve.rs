@@ -2,12 +2,13 @@
 
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
+use super::levels::NetworkLevels;
 use crate::discrete::components::components;
 use crate::discrete::end::End;
 use crate::discrete::kkt::judge;
 use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::load_stats::LoadStats;
-use crate::discrete::nested::{NestedNetwork, restricted};
+use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::multigrid::MultigridParams;
@@ -22,6 +23,8 @@ use crate::problem::law::Law;
 const LAST_STEP: f64 = 0.1;
 /// Steps in which the residual has to halve; if it does not, no further step may raise the energy.
 const PATIENCE: usize = 10;
+/// Most steps on the coarsest level of aggregates.
+const COARSEST_STEPS: usize = 30;
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, and
 /// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.
@@ -37,24 +40,25 @@ pub fn solve_nested_networks(
     LawAndLoad { law, load }: LawAndLoad<'_>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
-    let network = &levels[levels.len() - 1].network;
-    check_length(network.nodes(), load)?;
-    let components = Components::of(levels, law, load)?;
+    check_length(levels[levels.len() - 1].network.nodes(), load)?;
+    let levels = NetworkLevels::new(levels);
+    let load = &levels.renumbered(load);
+    let components = Components::of(&levels, law, load)?;
     let one_sided = law.one_sided(load);
-    let shifted = one_sided.load(load, network.contact());
+    let shifted = one_sided.load(load, levels.network(levels.finest()).contact());
     let scale = LoadStats::measure(&shifted).scale();
-    let loads = restricted(levels, shifted.iter().map(|value| value / scale).collect());
+    let loads = levels.restricted(shifted.iter().map(|value| value / scale).collect());
     let nested = NestedProblem { levels, loads, components, scale };
     let mut run = NetworkRun::new(&nested);
     let end = driver::solve(&mut run, one_sided.limit, params)?;
-    let mut y = run.take_y();
+    let mut y = nested.levels.in_order_of_mesh(run.take_y());
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
     Ok((y, end))
 }
 
 /// Nested problems under a law `[0, limit]`.
 struct NestedProblem<'a> {
-    levels: &'a [NestedNetwork],
+    levels: NetworkLevels<'a>,
     /// Scaled load of each level.
     loads: Vec<Vec<f64>>,
     components: Components,
@@ -64,12 +68,12 @@ struct NestedProblem<'a> {
 
 impl NestedProblem<'_> {
     fn finest(&self) -> usize {
-        self.levels.len() - 1
+        self.levels.finest()
     }
 
     /// Law on a level whose flux has this limit on the finest one.
     fn law(&self, limit: f64, level: usize) -> Result<Law, InputError> {
-        let [finest, network] = [self.finest(), level].map(|level| &self.levels[level].network);
+        let [finest, network] = [self.finest(), level].map(|level| self.levels.network(level));
         // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
         // Without contact nodes there is nothing to balance.
         let longer = if network.contact().is_empty() {
@@ -93,17 +97,9 @@ struct Components {
 
 impl Components {
     /// Finds the components, and checks the load on the finest level.
-    fn of(levels: &[NestedNetwork], law: Law, load: &[f64]) -> Result<Self, InputError> {
-        let mut of_nodes = levels[0].network.components();
-        let mut of_contact = Vec::new();
-        for level in levels {
-            let of_parent = |&[parent, _]: &[u32; 2]| of_nodes[parent as usize];
-            let new: Vec<u32> = level.parents.iter().map(of_parent).collect();
-            of_nodes.extend(new);
-            let contact = level.network.contact().iter();
-            of_contact.push(contact.map(|contact| of_nodes[contact.node]).collect());
-        }
-        let found = components(&levels[levels.len() - 1].network, &of_nodes, load);
+    fn of(levels: &NetworkLevels<'_>, law: Law, load: &[f64]) -> Result<Self, InputError> {
+        let (of_nodes, of_contact) = levels.components();
+        let found = components(levels.network(levels.finest()), &of_nodes, load);
         check_load(&found, law)?;
         let has_fixed = found.iter().map(|component| component.has_fixed).collect();
         Ok(Self { has_fixed, of_contact, of_nodes })
@@ -148,7 +144,7 @@ impl<'a> NetworkRun<'a> {
     fn new(nested: &'a NestedProblem<'a>) -> Self {
         Self {
             nested,
-            cycle: Cycle::new(nested.levels),
+            cycle: Cycle::new(&nested.levels),
             limit: f64::INFINITY,
             needed: Vec::new(),
             coarsest: Vec::new(),
@@ -166,6 +162,35 @@ impl<'a> NetworkRun<'a> {
         let Some(iterate) = self.iterate.take() else { return std::mem::take(&mut self.coarsest) };
         self.work += iterate.work;
         iterate.y
+    }
+
+    /// Begins with this nodal vector on a level; returns the residual.
+    fn begin(&mut self, level: usize, y: Vec<f64>) -> Result<f64, InputError> {
+        let NestedProblem { levels, loads, components, .. } = self.nested;
+        let problem = ContactProblem {
+            network: levels.network(level),
+            law: self.nested.law(self.limit, level)?,
+            components: &components.of_contact[level],
+            has_fixed: &components.has_fixed,
+            needed: self.needed.clone(),
+        };
+        let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));
+        (self.halved, self.since) = (iterate.natural_residual(), 0);
+        Ok(self.halved)
+    }
+
+    /// Solves on the coarsest level of aggregates, where the cycle is the inverse but for the contact set.
+    fn solve_aggregates(&mut self) -> Result<Stop, InputError> {
+        let mut residual = self.begin(0, vec![0.0; self.nested.levels.network(0).nodes()])?;
+        let iterate = self.iterate.as_mut().expect("just begun");
+        for _ in 0..COARSEST_STEPS {
+            if residual <= driver::ROUNDING_FLOOR * iterate.rounding() {
+                break;
+            }
+            iterate.step(&mut self.cycle, 0);
+            residual = iterate.natural_residual();
+        }
+        Ok(Stop::IterationLimit)
     }
 
     /// Nodal vector on the finest level, where that is not the coarsest.
@@ -192,7 +217,10 @@ impl Hierarchy for NetworkRun<'_> {
     }
 
     fn solve_coarsest(&mut self) -> Result<Stop, InputError> {
-        let (network, load) = (&self.nested.levels[0].network, &self.nested.loads[0]);
+        if self.nested.levels.coarsest_mesh > 0 {
+            return self.solve_aggregates();
+        }
+        let (network, load) = (self.nested.levels.network(0), &self.nested.loads[0]);
         let law = self.nested.law(self.limit, 0)?;
         let (y, end) = active_set_on(network, law, load)?;
         self.coarse_energy = judge(network, law, &y, load).energy;
@@ -202,18 +230,8 @@ impl Hierarchy for NetworkRun<'_> {
     }
 
     fn refine(&mut self, level: usize) -> Result<f64, InputError> {
-        let NestedProblem { levels, loads, components, .. } = self.nested;
-        let y = levels[level].interpolate(&self.take_y());
-        let problem = ContactProblem {
-            network: &levels[level].network,
-            law: self.nested.law(self.limit, level)?,
-            components: &components.of_contact[level],
-            has_fixed: &components.has_fixed,
-            needed: self.needed.clone(),
-        };
-        let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));
-        (self.halved, self.since) = (iterate.natural_residual(), 0);
-        Ok(self.halved)
+        let y = self.nested.levels.interpolate(level, &self.take_y());
+        self.begin(level, y)
     }
 
     fn settle(&mut self, level: usize) {
@@ -239,6 +257,10 @@ impl Hierarchy for NetworkRun<'_> {
     /// The energy's error falls by four from one network to the next. On a curved boundary the domain changes as well,
     /// by as much.
     fn is_within_discretisation_error(&mut self) -> bool {
+        // Energies of aggregates say nothing of the discretisation error.
+        if self.finest() == self.nested.levels.coarsest_mesh {
+            return false;
+        }
         let discretisation = (self.coarse_energy - self.fine().energy()).abs() / 3.0;
         self.lowered <= LAST_STEP * discretisation
     }
@@ -255,7 +277,7 @@ impl Hierarchy for NetworkRun<'_> {
 
     fn residual_under(&mut self, limit: f64) -> Result<f64, InputError> {
         let finest = self.finest();
-        let (network, load) = (&self.nested.levels[finest].network, &self.nested.loads[finest]);
+        let (network, load) = (self.nested.levels.network(finest), &self.nested.loads[finest]);
         let law = self.nested.law(limit / self.nested.scale, finest)?;
         let y = self.iterate.as_ref().map_or(&self.coarsest, |iterate| &iterate.y);
         Ok(judge(network, law, y, load).kkt.natural)
@@ -263,6 +285,6 @@ impl Hierarchy for NetworkRun<'_> {
 
     fn work_units(&self) -> f64 {
         let work = self.work + self.iterate.as_ref().map_or(0.0, |iterate| iterate.work);
-        work / self.nested.levels[self.finest()].network.nodes() as f64
+        work / self.nested.levels.network(self.finest()).nodes() as f64
     }
 }

@@ -11,8 +11,46 @@ pub(super) struct FileNodes {
     pub(super) tags: Vec<u64>,
     /// Coordinates of each node.
     pub(super) points: Vec<[f64; 3]>,
-    /// Position of each number.
-    positions: HashMap<u64, u32>,
+    positions: Positions,
+}
+
+/// Position of each number of a node.
+#[derive(Default)]
+struct Positions {
+    /// Position of each number that is not much larger than the number of nodes before it, or [`NOWHERE`].
+    near: Vec<u32>,
+    /// Position of each other number.
+    far: HashMap<u64, u32>,
+}
+
+/// Position of a number that no node has.
+const NOWHERE: u32 = u32::MAX;
+/// Largest multiple of the number of nodes up to which numbers have a place of their own.
+const NEAR: u64 = 8;
+
+impl Positions {
+    fn get(&self, tag: u64) -> Option<u32> {
+        let near = self.near.get(usize::try_from(tag).unwrap_or(usize::MAX));
+        let near = near.copied().filter(|&position| position != NOWHERE);
+        near.or_else(|| self.far.get(&tag).copied())
+    }
+
+    /// Adds a number; false if it is there.
+    fn insert(&mut self, tag: u64, position: u32) -> bool {
+        if self.get(tag).is_some() {
+            return false;
+        }
+        if tag > NEAR * (u64::from(position) + 1000) {
+            self.far.insert(tag, position);
+            return true;
+        }
+        let place = tag as usize;
+        if place >= self.near.len() {
+            self.near.resize(place + 1, NOWHERE);
+        }
+        self.near[place] = position;
+        true
+    }
 }
 
 impl FileNodes {
@@ -31,7 +69,7 @@ impl FileNodes {
 
     /// Position of the node of this number.
     pub(super) fn position(&self, tag: u64) -> Option<u32> {
-        self.positions.get(&tag).copied()
+        self.positions.get(tag)
     }
 
     /// Nodes of version 2; `pass` passes over what follows the coordinates.
@@ -83,7 +121,7 @@ impl FileNodes {
         let Ok(position) = u32::try_from(self.tags.len()) else {
             return Err(scanner.fault(Fault::Nodes));
         };
-        if self.positions.insert(tag, position).is_some() {
+        if !self.positions.insert(tag, position) {
             return Err(scanner.fault(Fault::NodeTwice(tag)));
         }
         self.tags.push(tag);

@@ -1,0 +1,160 @@
+//! Levels of the run: those of aggregates, and the meshes above them.
+
+use super::interpolation::Interpolation;
+use super::smoothed::{CoarseLevel, MOST_DIRECT, coarse_levels};
+use crate::discrete::nested::NestedNetwork;
+use crate::discrete::network::Network;
+use crate::multigrid::direct::reverse_cuthill_mckee;
+use std::borrow::Cow;
+
+/// Discrete problem with the interpolation from the next coarser one.
+pub(super) struct NetworkLevel<'a> {
+    pub(super) network: Cow<'a, Network>,
+    /// None on the coarsest level.
+    pub(super) interpolation: Option<Interpolation<'a>>,
+    /// Node of the next coarser level whose aggregate has each contact node, in the order of the network; empty if that
+    /// level is a mesh.
+    of_contact: Vec<u32>,
+}
+
+/// Levels, coarsest first.
+pub(super) struct NetworkLevels<'a> {
+    pub(super) levels: Vec<NetworkLevel<'a>>,
+    /// Number of the coarsest mesh: the number of levels of aggregates.
+    pub(super) coarsest_mesh: usize,
+    /// Number on the finest level of each node of the finest mesh, if it is another one.
+    places: Option<Vec<u32>>,
+}
+
+impl<'a> NetworkLevels<'a> {
+    /// Levels of nested meshes, and below them levels of aggregates until factors are cheap.
+    ///
+    /// A single mesh is renumbered, so that neighbours lie near each other in memory. Refined meshes are in a good
+    /// order already.
+    pub(super) fn new(meshes: &'a [NestedNetwork]) -> Self {
+        let first = &meshes[0].network;
+        let is_renumbered = meshes.len() == 1 && first.nodes() > MOST_DIRECT;
+        let places = is_renumbered.then(|| reverse_cuthill_mckee(first));
+        let network = match &places {
+            Some(places) => Cow::Owned(first.renumbered(places)),
+            None => Cow::Borrowed(first),
+        };
+        let coarse = coarse_levels(&network);
+        let coarsest_mesh = coarse.len();
+        let mut levels = Vec::with_capacity(coarsest_mesh + meshes.len());
+        let mut finer = NetworkLevel { network, interpolation: None, of_contact: Vec::new() };
+        for CoarseLevel { network, rows, of_contact } in coarse {
+            finer.interpolation = Some(Interpolation::Weighted(rows));
+            finer.of_contact = of_contact;
+            let network = Cow::Owned(network);
+            let coarser = NetworkLevel { network, interpolation: None, of_contact: Vec::new() };
+            levels.push(std::mem::replace(&mut finer, coarser));
+        }
+        levels.push(finer);
+        levels.reverse();
+        levels.extend(meshes[1..].iter().map(|mesh| NetworkLevel {
+            network: Cow::Borrowed(&mesh.network),
+            interpolation: Some(Interpolation::Midpoints(mesh)),
+            of_contact: Vec::new(),
+        }));
+        Self { levels, coarsest_mesh, places }
+    }
+
+    /// Number of the finest level.
+    pub(super) fn finest(&self) -> usize {
+        self.levels.len() - 1
+    }
+
+    /// Network of a level.
+    pub(super) fn network(&self, level: usize) -> &Network {
+        &self.levels[level].network
+    }
+
+    /// A nodal vector of the finest mesh in the numbers of the finest level.
+    pub(super) fn renumbered(&self, vector: &[f64]) -> Vec<f64> {
+        let Some(places) = &self.places else { return vector.to_vec() };
+        let mut moved = vec![0.0; vector.len()];
+        for (&place, value) in places.iter().zip(vector) {
+            moved[place as usize] = *value;
+        }
+        moved
+    }
+
+    /// A nodal vector of the finest level in the numbers of the finest mesh.
+    pub(super) fn in_order_of_mesh(&self, vector: Vec<f64>) -> Vec<f64> {
+        match &self.places {
+            Some(places) => places.iter().map(|&place| vector[place as usize]).collect(),
+            None => vector,
+        }
+    }
+
+    /// Nodal vector of a level interpolated from the next coarser one.
+    pub(super) fn interpolate(&self, level: usize, coarse: &[f64]) -> Vec<f64> {
+        self.interpolation(level).interpolate(coarse)
+    }
+
+    fn interpolation(&self, level: usize) -> &Interpolation<'a> {
+        self.levels[level].interpolation.as_ref().expect("a level finer than the coarsest")
+    }
+
+    /// Load vectors of all levels, coarsest first, that belong to one of the finest.
+    pub(super) fn restricted(&self, finest: Vec<f64>) -> Vec<Vec<f64>> {
+        let mut loads = vec![finest];
+        for level in (1..self.levels.len()).rev() {
+            let coarse_nodes = self.network(level - 1).nodes();
+            loads.push(self.interpolation(level).restrict(&loads[loads.len() - 1], coarse_nodes));
+        }
+        loads.reverse();
+        loads
+    }
+
+    /// Number of the connected component of each node of the finest level, and those of the contact nodes of each
+    /// level.
+    pub(super) fn components(&self) -> (Vec<u32>, Vec<Vec<u32>>) {
+        let mesh = self.network(self.coarsest_mesh).components();
+        let mut of_contact = vec![Vec::new(); self.levels.len()];
+        let mut of_nodes = mesh.clone();
+        for level in (0..=self.coarsest_mesh).rev() {
+            let network = self.network(level);
+            of_contact[level] = of_contact_nodes(network, &of_nodes);
+            if level > 0 {
+                let mut coarse = vec![0; self.network(level - 1).nodes()];
+                for (node, &component) in of_nodes.iter().enumerate() {
+                    self.interpolation(level)
+                        .for_each(node, |parent, _| coarse[parent] = component);
+                }
+                of_nodes = coarse;
+            }
+        }
+        let mut of_nodes = mesh;
+        for level in self.coarsest_mesh + 1..self.levels.len() {
+            for node in of_nodes.len()..self.network(level).nodes() {
+                let mut own = 0;
+                self.interpolation(level).for_each(node, |parent, _| own = of_nodes[parent]);
+                of_nodes.push(own);
+            }
+            of_contact[level] = of_contact_nodes(self.network(level), &of_nodes);
+        }
+        (of_nodes, of_contact)
+    }
+
+    /// Writes which nodes of the next coarser level are held if these are: on a mesh the same nodes, of aggregates those
+    /// whose contact nodes all are.
+    pub(super) fn hold_coarser(&self, level: usize, held: &[bool], coarse: &mut [bool]) {
+        if level > self.coarsest_mesh {
+            coarse.copy_from_slice(&held[..coarse.len()]);
+            return;
+        }
+        let fine = self.network(level);
+        let coarser = self.network(level - 1);
+        coarse.fill(false);
+        coarser.contact().iter().for_each(|contact| coarse[contact.node] = true);
+        for (contact, &aggregate) in fine.contact().iter().zip(&self.levels[level].of_contact) {
+            coarse[aggregate as usize] &= held[contact.node];
+        }
+    }
+}
+
+fn of_contact_nodes(network: &Network, of_nodes: &[u32]) -> Vec<u32> {
+    network.contact().iter().map(|contact| of_nodes[contact.node]).collect()
+}

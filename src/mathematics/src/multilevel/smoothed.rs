@@ -1,0 +1,206 @@
+//! Smoothed aggregation: levels coarser than a mesh that no coarser mesh belongs to.
+//!
+//! # Algorithm
+//! Nodes are put together to [aggregates]; a coarse function is the indicator function of an aggregate after a step of
+//! Jacobi's method over the strong couplings,
+//!
+//! ```text
+//! P = (I - omega D^-1 S) P0,   S: strong couplings, with rows that sum to zero; D: diagonal of S,
+//! ```
+//!
+//! and the coarse matrix is `P' A P` (P. Vanek, J. Mandel and M. Brezina, Computing 56 (1996) 179-196). Two rules make
+//! each coarse level a problem of the same kind: aggregates have contact nodes or inner nodes, and in rows of contact
+//! nodes S has couplings to contact nodes alone. So the values of a fine contact node are means of those of coarse
+//! contact nodes, and keep their sign.
+
+use super::aggregates::{Aggregates, NONE, Strength, aggregates};
+use super::interpolation::{WeightedNode, WeightedRows};
+use crate::discrete::network::{MatrixRows, Network, NodeCondition};
+use crate::problem::law::ContactNode;
+
+/// Weight of the step of Jacobi's method.
+const OMEGA: f64 = 0.9;
+/// Part of the diagonal above which a coupling is strong, on the mesh; half as large on each coarser level, whose
+/// couplings are more even.
+const STRONG: f64 = 0.03;
+/// Part of the nodes at which a coarser level is still worth its cost.
+const LARGEST_PART: f64 = 0.7;
+/// Number of nodes below which a level is solved by factors.
+pub(super) const MOST_DIRECT: usize = 60;
+
+/// Level made from aggregates of the next finer one.
+pub(super) struct CoarseLevel {
+    /// Discrete problem.
+    pub(super) network: Network,
+    /// Interpolation to the finer level.
+    pub(super) rows: WeightedRows,
+    /// Node of this level whose aggregate has each contact node of the finer level, in the order of the network.
+    pub(super) of_contact: Vec<u32>,
+}
+
+/// Levels below a network, finest first, until factors are cheap.
+pub(super) fn coarse_levels(network: &Network) -> Vec<CoarseLevel> {
+    let (mut levels, mut part) = (Vec::<CoarseLevel>::new(), STRONG);
+    loop {
+        let finest = levels.last().map_or(network, |level| &level.network);
+        if finest.nodes() <= MOST_DIRECT {
+            return levels;
+        }
+        let Some(level) = coarse_level(finest, part) else { return levels };
+        levels.push(level);
+        part *= 0.5;
+    }
+}
+
+/// Next coarser level; none if no choice of strong couplings makes one that is small enough.
+fn coarse_level(network: &Network, part: f64) -> Option<CoarseLevel> {
+    for part in [part, 0.25 * part, 0.0] {
+        let strength = Strength::new(network, part);
+        let aggregates = aggregates(network, &strength);
+        if aggregates.count as f64 <= LARGEST_PART * network.nodes() as f64 {
+            return Some(level_of(network, &strength, &aggregates));
+        }
+    }
+    None
+}
+
+fn level_of(
+    network: &Network,
+    strength: &Strength<'_>,
+    Aggregates { of_nodes, count }: &Aggregates,
+) -> CoarseLevel {
+    let rows = smoothed(network, strength, of_nodes);
+    let of_contact = network.contact().iter().map(|contact| of_nodes[contact.node]);
+    CoarseLevel {
+        network: galerkin(network, &rows, *count),
+        of_contact: of_contact.collect(),
+        rows,
+    }
+}
+
+/// Interpolation by the smoothed indicator functions of the aggregates.
+fn smoothed(network: &Network, strength: &Strength<'_>, of_nodes: &[u32]) -> WeightedRows {
+    let mut rows = WeightedRows::with_capacity(of_nodes.len(), 3 * of_nodes.len());
+    let is_contact = |node: usize| matches!(network.condition(node), NodeCondition::Contact(_));
+    let mut row: Vec<WeightedNode> = Vec::new();
+    for (node, &own) in of_nodes.iter().enumerate() {
+        row.clear();
+        if own == NONE {
+            rows.push(&row);
+            continue;
+        }
+        row.push(WeightedNode { node: own, weight: 0.0 });
+        let (mut sum, at_contact) = (0.0, is_contact(node));
+        for (other, weight) in strength.of(node) {
+            if at_contact && !is_contact(other) {
+                continue;
+            }
+            sum += weight;
+            add(&mut row, WeightedNode { node: of_nodes[other], weight });
+        }
+        if sum == 0.0 {
+            row[0].weight = 1.0;
+        } else {
+            row.iter_mut().for_each(|entry| entry.weight *= OMEGA / sum);
+            row[0].weight += 1.0 - OMEGA;
+        }
+        rows.push(&row);
+    }
+    rows
+}
+
+/// Adds an entry to a row.
+fn add(row: &mut Vec<WeightedNode>, WeightedNode { node, weight }: WeightedNode) {
+    if node == NONE {
+        return;
+    }
+    match row.iter_mut().find(|entry| entry.node == node) {
+        Some(entry) => entry.weight += weight,
+        None => row.push(WeightedNode { node, weight }),
+    }
+}
+
+/// Row of a sparse product in the making.
+struct Accumulator {
+    /// Place of each column in `row`, if it is there.
+    places: Vec<u32>,
+    row: Vec<WeightedNode>,
+}
+
+impl Accumulator {
+    fn new(columns: usize) -> Self {
+        Self { places: vec![NONE; columns], row: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, node: u32, weight: f64) {
+        let place = &mut self.places[node as usize];
+        if *place == NONE {
+            *place = self.row.len() as u32;
+            self.row.push(WeightedNode { node, weight });
+        } else {
+            self.row[*place as usize].weight += weight;
+        }
+    }
+
+    /// Hands over the row, and begins the next one.
+    fn finish(&mut self, take: impl FnOnce(&[WeightedNode])) {
+        take(&self.row);
+        self.row.iter().for_each(|entry| self.places[entry.node as usize] = NONE);
+        self.row.clear();
+    }
+}
+
+/// Discrete problem of the coarse functions: `P' A P`, with the measures of the contact nodes.
+fn galerkin(network: &Network, interpolation: &WeightedRows, coarse: usize) -> Network {
+    let nodes = network.nodes();
+    let mut accumulator = Accumulator::new(coarse);
+    let mut images = WeightedRows::with_capacity(nodes, 5 * nodes);
+    // A times the function that is one but at the fixed nodes: the sums of the rows of the coarse matrix.
+    let mut sums = vec![0.0; coarse];
+    for node in 0..nodes {
+        let row = network.row(node);
+        let (mut within, mut beyond) = (0.0, 0.0);
+        for (&other, weight) in row.others.iter().zip(row.weights) {
+            within += weight;
+            let entries = interpolation.row(other as usize);
+            if entries.is_empty() {
+                beyond += weight;
+            }
+            entries.iter().for_each(|entry| accumulator.add(entry.node, -weight * entry.weight));
+        }
+        let diagonal = network.diagonal()[node];
+        for entry in interpolation.row(node) {
+            accumulator.add(entry.node, diagonal * entry.weight);
+            sums[entry.node as usize] += entry.weight * (diagonal - within + beyond);
+        }
+        accumulator.finish(|row| images.push(row));
+    }
+    let transposed = interpolation.transposed(coarse);
+    let mut rows = MatrixRows::with_capacity(coarse, 8 * coarse);
+    for node in 0..coarse {
+        for fine in transposed.row(node) {
+            for entry in images.row(fine.node as usize) {
+                accumulator.add(entry.node, fine.weight * entry.weight);
+            }
+        }
+        accumulator.finish(|row| {
+            let others = row.iter().filter(|entry| entry.node as usize != node);
+            rows.push(others.map(|entry| (entry.node, -entry.weight)));
+        });
+    }
+    let (mut measures, mut masses) = (vec![0.0; coarse], vec![0.0; coarse]);
+    for contact in network.contact() {
+        for entry in interpolation.row(contact.node) {
+            measures[entry.node as usize] += entry.weight * contact.measure;
+        }
+    }
+    for (node, mass) in network.masses().iter().enumerate() {
+        for entry in interpolation.row(node) {
+            masses[entry.node as usize] += entry.weight * mass;
+        }
+    }
+    let contact = measures.into_iter().enumerate().filter(|(_, measure)| *measure > 0.0);
+    let contact = contact.map(|(node, measure)| ContactNode { node, measure }).collect();
+    Network::of_rows(rows, contact, masses).with_additions(&sums)
+}
