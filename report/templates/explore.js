@@ -317,6 +317,9 @@
     return `rgb(${channel(16)},${channel(8)},${channel(0)})`;
   }
 
+  // The true solution, if it is known and switched on.
+  const shownTruth = () => (form.truth.checked ? run.problem.truth : undefined);
+
   // The view from above the corner that looks most uphill, as Figure 2 is drawn.
   function uphill() {
     const n = run.n, at = (i, j) => run.y[j * (n + 1) + i];
@@ -336,7 +339,7 @@
     const right = [cosA, sinA, 0], up = [-sinA * sinE, cosA * sinE, cosE];
     const toward = [sinA * cosE, -cosA * cosE, sinE];
     const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    const truth = form.truth.checked ? run.problem.truth : undefined;
+    const truth = shownTruth();
     const [low, high] = span(truth ? [...run.y, ...truth.v] : run.y), floor = low - 0.16 * (high - low);
     const unit = Math.min((width - 96) / 1.44, height / 1.44); // with room for labels on both sides
     const point = (x, y, v) => [x, y, 0.66 * ((v - floor) / (high - floor) - 0.5)];
@@ -456,8 +459,8 @@
     `<path class="${kind}" d="M${points.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L")}"/>`;
 
   function history() {
-    chart("history", 300, (width) => {
-      const [left, top, bottom] = [48, 30, 266], end = width - 48;
+    chart("history", 318, (width) => {
+      const [left, top, bottom] = [48, 48, 284], end = width - 48;
       const { signed, absolute } = run.history, levels = run.levels;
       const row = published();
       const expected = row ? run.grids.reduce((sum, _, k) => sum + row.counts[k], 0) : 0;
@@ -505,11 +508,13 @@
         }
       }
       out += line(left, bottom, end, bottom, "axis") + line(left, top, left, bottom, "axis");
-      const key = Math.min(left, width - 260);
-      out += line(key, 10, key + 22, 10, "first") + text(key + 28, 14, "max ∂", "start");
-      out += line(key + 78, 10, key + 100, 10, "second dashed");
-      out += text(key + 106, 14, "max |∂|", "start");
-      out += line(key + 166, 10, key + 188, 10, "bound") + text(key + 194, 14, "tolerance", "start");
+      const key = (x, y, kind, name) => {
+        out += line(x, y, x + 22, y, kind) + text(x + 28, y + 4, name, "start");
+      };
+      const keys = Math.min(left, width - 270);
+      key(keys, 10, "first", "largest component of the gradient");
+      key(keys, 28, "second dashed", "largest absolute value");
+      key(keys + 178, 28, "bound", "tolerance");
       return out;
     });
   }
@@ -519,20 +524,24 @@
       const left = 72, end = width - 14, across = (s) => left + (end - left) * (s / 4);
       const { n, nodes, a, y } = run, touched = run.contact();
       let out = "";
-      const panel = (top, bottom, name, kind, values) => {
-        const [low, high] = span(values), pad = 0.08 * (high - low);
+      const panel = (top, bottom, name, kind, values, known) => {
+        const [low, high] = span([...values, ...known]), pad = 0.08 * (high - low);
         const down = (v) => bottom - ((v - low + pad) / (high - low + 2 * pad)) * (bottom - top);
         for (const [v, label] of ticks(low, high, 3)) {
           out += line(left, down(v), end, down(v), "rule") + text(left - 6, down(v) + 4, label, "end");
         }
         [1, 2, 3].forEach((s) => { out += line(across(s), top, across(s), bottom, "rule"); });
         // Closed: the corner where it ends is the one where it began.
-        out += path([...values, values[0]].map((v, b) => [across(b / n), down(v)]), kind);
+        const along = (all) => [...all, all[0]].map((v, b) => [across((4 * b) / all.length), down(v)]);
+        if (known.length > 0) out += path(along(known), "known dashed");
+        out += path(along(values), kind);
         out += text(6, (top + bottom) / 2 + 4, name, "middle", "italic");
         out += line(left, top, left, bottom, "axis") + line(left, bottom, end, bottom, "axis");
       };
-      panel(22, 134, "y", "first", nodes.map((k) => y[k]));
-      panel(172, 284, "a", "third", [...a]);
+      const truth = shownTruth();
+      const trace = truth ? signorini.boundaryNodes(truth.cells).map((k) => truth.v[k]) : [];
+      panel(22, 134, "y", "first", nodes.map((k) => y[k]), trace);
+      panel(172, 284, "a", "third", [...a], truth ? truth.a : []);
       // Each node stands for the half cells on both of its sides.
       let bars = "";
       [...touched, touched[0]].forEach((inContact, b) => {

@@ -152,9 +152,16 @@ const rightHandSide = (() => {
     const [ofF, ofSize] = [integral(source, (v) => v), integral(source, Math.abs)];
     if (largest > 0 && ofSize < LEAST) throw outOfScale("the integral of |f|", ofSize);
     if (ofF < -ROUNDING * ofSize) return;
-    const size = Math.abs(ofF), plain = size >= 1e-2 && size < 1e6;
-    const shown = size <= ROUNDING * ofSize ? "0" : plain ? ofF.toFixed(4) : written(ofF.toExponential(3));
+    const shown = Math.abs(ofF) <= ROUNDING * ofSize ? "0" : shortened(ofF);
     throw new Error(`the integral of f is ${shown}, but (2) asks for a negative one; lower f somewhere`);
+  }
+
+  // Four digits, without an exponent from 1e-3 to 1e5.
+  function shortened(number) {
+    const scientific = number.toExponential(3);
+    const exponent = Number(scientific.split("e")[1]);
+    if (exponent < -3 || exponent > 4) return written(scientific);
+    return number.toFixed(Math.max(3 - exponent, 0));
   }
 
   function outOfScale(what, size) {

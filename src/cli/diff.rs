@@ -80,10 +80,9 @@ pub(super) fn comparisons(
 
 /// Returns the names of the grids of a table, coarsest first.
 fn grids(project: &Project, table: &TableComparison) -> Vec<String> {
-    let levels = table.rows.first().map_or(0, |row| row.paper.len());
     let scene = project.scenes.iter().find(|scene| scene.name == table.scene);
     scene.map_or(Vec::new(), |scene| {
-        (0..levels).map(|level| scene.problem.name_of_level(level)).collect()
+        scene.on_grids().grids.iter().map(|grid| format!("1/{}", grid.cells())).collect()
     })
 }
 

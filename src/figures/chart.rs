@@ -31,10 +31,12 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let columns = panels.len().clamp(1, 2);
     let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
     let head = 12.0 + LEGEND_ROW * legend.rows as f64;
+    // A legend for several panels is above their titles; that of a lone panel is below its title.
+    let (legend_top, titles_up) = if panels.len() > 1 { (18.0, 0.0) } else { (ABOVE + 10.0, head) };
     let (wide, high) = (WIDTH / columns as f64, ABOVE + PLOT + BELOW);
     let rows = panels.len().div_ceil(columns);
     let mut picture = Picture::new(WIDTH, head + high * rows as f64);
-    legend.draw(&mut picture, (LEFT, 18.0));
+    legend.draw(&mut picture, (LEFT, legend_top));
     let heights =
         Scale::Logarithmic.extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
     for (k, panel) in panels.iter().enumerate() {
@@ -45,6 +47,8 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
             x: panel.across.extent(points(panel).map(|p| p.0)),
             y: if alike { heights } else { Scale::Logarithmic.extent(points(panel).map(|p| p.1)) },
         };
+        let title = (frame.across.0, frame.down.0 - 14.0 - titles_up);
+        picture.text(&panel.title, title, bold(LARGE).pos(START));
         draw(&mut picture, panel, &frame, &entries);
     }
     picture.table = Some(of_charts(&panels));
@@ -193,10 +197,8 @@ fn multiples((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
     all.filter(move |x| (low..=high).contains(x))
 }
 
-/// Draws title, rules, numbers and names of the axes.
+/// Draws rules, numbers and names of the axes.
 fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
-    let title = (frame.across.0, frame.down.0 - 14.0);
-    picture.text(&panel.title, title, bold(LARGE).pos(START));
     let across = ((frame.across.1 - frame.across.0) / 62.0) as usize;
     let x = panel.across.ticks(frame.x, across);
     let y = Scale::Logarithmic.ticks(frame.y, 8);

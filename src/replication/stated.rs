@@ -205,14 +205,6 @@ impl StatedProblem {
         })
     }
 
-    /// Name of a level in a table, coarsest first: the width of a grid, or the number of a mesh.
-    pub(crate) fn name_of_level(&self, level: usize) -> String {
-        match self.square().and_then(|square| square.grids.get(level)) {
-            Some(grid) => format!("1/{}", grid.cells()),
-            None => format!("mesh {}", level + 1),
-        }
-    }
-
     /// Pieces of f that are certain to lie outside the domain, as far as that is known without the mesh.
     pub(crate) fn outside(&self) -> Vec<String> {
         self.square().map(|square| square.f.outside()).unwrap_or_default()

@@ -33,7 +33,7 @@ fn near(a: f64, b: &Value) -> bool {
 fn the_answer_comes_first_and_then_how_it_was_found() {
     let (text, json) = answer(&["--f", SOURCE, "--h", "1/64"]);
     let begins = [
-        "custom: f = ",
+        "square: f = ",
         "energy ",
         "guaranteed: true energy in [",
         "  error in the energy norm ",

@@ -145,7 +145,7 @@ fn a_load_without_a_solution_is_refused_alike_whatever_the_solver() {
     for solver in ["arrow-hurwicz", "uzawa", "uzawa-proximal", "multigrid", "active-set"] {
         let args = ["solve", "--f", f, "--load", "nodal", "--h", "1/4", "--solver", solver];
         let said = project.run(&args);
-        let why = "error: custom: the load vector sums to +2.812 on grid 1/4, where the discrete problem has no \
+        let why = "error: square: the load vector sums to +2.812 on grid 1/4, where the discrete problem has no \
             solution; use --load exact, another --h, or a lower f\n";
         assert_eq!((said.code, said.err.as_str()), (Some(3), why), "{solver}");
     }

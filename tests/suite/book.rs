@@ -290,7 +290,10 @@ fn the_python_of_the_page_on_data_runs() {
         let text = String::from_utf8(said.stdout).unwrap();
         if modules.contains("polars") {
             assert!(text.starts_with("50 of 50 counts as published\n"), "{text}");
-            assert!(text.contains("problem2-solution greatest v: 1.0 inflow: 0.0015"), "{text}");
+            assert!(
+                text.contains("problem2-solution greatest v: 1.0 contact force: 0.0015"),
+                "{text}"
+            );
         } else {
             assert!(fs::read(folder.path().join("figure2.png")).unwrap().len() > 10_000);
         }

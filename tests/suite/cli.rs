@@ -226,7 +226,7 @@ fn printed_rule_leaves_a_residual_of_its_tolerance() {
     for (h, tolerance) in [("1/16", 1e-3), ("1/32", 1e-4), ("1/64", 1e-5)] {
         let json =
             project.run(&["solve", "--f", BUMP, "--h", h, "--stop", "printed", "--json"]).json();
-        assert_eq!((&json["stop"], &json["scene"]), (&"converged".into(), &"custom".into()));
+        assert_eq!((&json["stop"], &json["scene"]), (&"converged".into(), &"square".into()));
         let natural = json["kkt"]["natural"].as_f64().unwrap();
         assert!(natural > 0.0 && natural <= tolerance, "{h}: {natural}");
     }

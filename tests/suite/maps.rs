@@ -167,9 +167,3 @@ fn a_scene_has_a_map_if_it_asks_for_one() {
     project.run(&["run"]).lines();
     assert!(!project.path("figures/a-map.svg").exists());
 }
-
-#[test]
-fn the_mesh_of_the_gallery_is_the_one_that_is_tested() {
-    let tested = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
-    assert_eq!(fs::read(gear()).unwrap(), fs::read(tested).unwrap());
-}

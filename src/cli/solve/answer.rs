@@ -4,7 +4,7 @@ use super::advice::{self, Warning};
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
 use crate::cli::output::{columns, fitted};
-use crate::cli::shown::{brief, plain};
+use crate::cli::shown::brief;
 use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Bounds, NoBound};
@@ -14,7 +14,7 @@ use signorini_mathematics::discrete::kkt::Judgement;
 use signorini_mathematics::discrete::norms::Errors;
 use signorini_mathematics::levels::KnownErrors;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
-use signorini_mathematics::problem::text::Written;
+use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
@@ -269,7 +269,7 @@ impl Answer {
             let part = arc.part.clone().filter(|_| parts.is_some());
             text += &words.arc(&ContactArc { part, ..arc.clone() }, 6);
         }
-        text += &words.force(self.force, 0.0 - integral, 6);
+        text += &words.force([self.force, 0.0 - integral], levels.integrals(), 6);
         if self.load_misses(request) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");
@@ -312,7 +312,7 @@ impl Answer {
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
         let nested = request.settings.solver.is_nested()
             && ends.iter().any(|outcome| outcome.end.sweeps() > outcome.end.iterations);
-        let first = if levels.cells(0).is_some() { "grid" } else { "nodes" };
+        let first = if levels.cells(0).is_some() { "grid" } else { "mesh" };
         let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];
         if nested {
             head.insert(2, "sweeps");

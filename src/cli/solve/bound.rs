@@ -2,11 +2,11 @@
 
 use super::advice::{Remedy, Warning};
 use super::request::Request;
-use crate::cli::shown::{interval, plain};
 use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::levels::{Problem, Reserve};
+use signorini_mathematics::levels::{Integrals, Problem, Reserve};
 use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::solvers::Solver;
 
 /// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`.
@@ -91,8 +91,11 @@ impl BoundaryWords {
     }
 
     /// Returns, as text, the total flux and minus the integral of f, which are equal at the solution.
-    pub(super) fn force(&self, force: f64, minus_integral: f64, digits: usize) -> String {
-        let [force, minus_integral] = [force, minus_integral].map(|sum| plain(sum, digits));
+    /// Sums of rounding errors are shown as zero.
+    pub(super) fn force(&self, sums: [f64; 2], integrals: &Integrals, digits: usize) -> String {
+        let rounding = integrals.rounding();
+        let shown = |sum: f64| plain(if sum.abs() <= rounding { 0.0 } else { sum }, digits);
+        let [force, minus_integral] = sums.map(shown);
         format!("{} {force}, minus the integral of f {minus_integral}\n", self.total)
     }
 

@@ -5,12 +5,13 @@ use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
 use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
 use crate::cli::output::moved_jumps;
-use crate::cli::shown::{plain, signed};
+use crate::cli::shown::signed;
 use crate::replication::accuracy::Accuracy;
 use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::levels::Problem;
+use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::tolerance;
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
@@ -83,9 +84,9 @@ impl Answer {
         {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
             self.warnings.push(Warning::fact(format!(
-                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {:e} on the last; \
+                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {} on the last; \
                  choose 1/(2^k m), such as 1/64, or --solver multigrid",
-                tolerance(count)
+                Written(tolerance(count))
             )));
         }
         let coarse = &self.run.ends[..self.run.ends.len() - 1];
@@ -111,8 +112,9 @@ impl Answer {
             && stop != Stop::Converged
         {
             self.warnings.push(Warning::fact(format!(
-                "--tolerance {tolerance:e} was not reached: the KKT residual is {:.2e} of the load at the {stop}",
-                kkt.relative
+                "--tolerance {} was not reached: the KKT residual is {} of the load at the {stop}",
+                Written(tolerance),
+                plain(kkt.relative, 3)
             )));
         }
     }

@@ -122,13 +122,14 @@ impl Request {
                 check_domain_options(args, None)?;
                 memory.check(square.finest().cells())?;
                 let problem = stated.problem(&InputFiles::new())?;
-                ("custom", Some(square.load), problem, Remedies::ON_THE_SQUARE)
+                ("square", Some(square.load), problem, Remedies::ON_THE_SQUARE)
             }
             Place::Mesh(place) => {
                 check_domain_options(args, Some(place))?;
                 let name = args.scene.as_deref().unwrap_or(&place.domain.name);
                 let problem = on_mesh(name, &stated, place, solver)?;
-                (&*place.domain.name, None, problem, Remedies::ON_MESHES)
+                let domain = stated.file_name().unwrap_or(&place.domain.name);
+                (domain, None, problem, Remedies::ON_MESHES)
             }
         };
         let name = args.scene.as_deref().unwrap_or(domain).to_owned();

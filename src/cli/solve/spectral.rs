@@ -5,13 +5,14 @@ use super::answer::law_json;
 use super::bound::BoundaryWords;
 use super::request::Request;
 use crate::cli::output::{say_json, tell};
-use crate::cli::shown::{brief, plain};
+use crate::cli::shown::brief;
 use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::{Lattices, Levels};
 use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{
     Checks, Solution, SpectralError, TrueSolution, true_solution,
@@ -68,7 +69,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
         text += &format!("law {law}\n");
     }
     text += &table(&finer, &words);
-    text += &words.force(force(&finer, law), 0.0 - integral, 16);
+    text += &words.force([force(&finer, law), 0.0 - integral], lattices.integrals(), 16);
     text += &checks(&finer.checks);
     text += &format!("solved in {}, {steps} Newton steps\n", brief(time));
     tell(&text)?;
@@ -106,8 +107,10 @@ fn table(solution: &Solution, words: &BoundaryWords) -> String {
 /// Returns the checks in two lines: the signs that hold, and the numbers that vanish.
 fn checks(checks: &Checks) -> String {
     let &Checks { least_multiplier, least_value, green, rellich, moments, resolution } = checks;
+    let [least_multiplier, least_value] =
+        [least_multiplier, least_value].map(|least| plain(least, 2));
     let mut text = format!(
-        "checks: least multiplier {least_multiplier:.1e}, least value {least_value:.1e}\n  \
+        "checks: least multiplier {least_multiplier}, least value {least_value}\n  \
         zero up to rounding: Green {green:.1e}, Rellich {rellich:.1e}, moments {moments:.1e}"
     );
     if let Some(resolution) = resolution {

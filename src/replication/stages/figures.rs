@@ -292,15 +292,13 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
 
 /// Returns the true solution of a scene on the square on the boundary of its finest grid, with zeros inside.
 fn true_trace(scene: &Scene) -> Result<Pair, String> {
-    let (grid, law) = (scene.finest(), scene.law());
-    let solution = spectral_under(law, &scene.on_grids().f, SpectralParams::default())
+    let grid = scene.finest();
+    let solution = spectral_under(scene.law(), &scene.on_grids().f, SpectralParams::default())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     let mut pair = Pair { y: vec![0.0; grid.nodes()], a: Vec::new() };
-    for (b, node) in grid.boundary().enumerate() {
-        let (i, j) = grid.boundary_node(b);
-        let [value, flux] = solution.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
+    for (node, [value, multiplier]) in grid.boundary().zip(solution.trace_on(grid)) {
         pair.y[node] = value;
-        pair.a.push(law.project(flux));
+        pair.a.push(multiplier);
     }
     Ok(pair)
 }

@@ -21,6 +21,7 @@ use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::multigrid::Goal;
+use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
@@ -396,7 +397,7 @@ pub(super) fn state(
 pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
     let Some(bounds) = outcomes.last_bounds() else { return Ok(String::new()) };
-    let ([low, high], [_, most]) = (bounds.energy, bounds.error);
+    let [_, most] = bounds.error;
     let mut reserves = String::new();
     for reserve in &outcomes.reserve {
         reserves += match reserve {
@@ -409,15 +410,15 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
         _ => String::new(),
     };
     Ok(format!(
-        "Guaranteed{reserves}: true energy in [{low:.6e}, {high:.6e}], error in the energy norm at most \
-         {most:.3e}{relative}. "
+        "Guaranteed{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
+        interval(bounds.energy),
+        plain(most, 4)
     ))
 }
 
 /// Returns a part of one as a percentage, as `solve` writes it.
 pub(super) fn percent(part: f64) -> String {
-    let percent = 100.0 * part;
-    let text = if percent < 0.1 { format!("{percent:.1e}") } else { format!("{percent:.2}") };
+    let text = plain(100.0 * part, 3);
     let text = text.strip_suffix(".00").unwrap_or(&text);
     format!("{text} %")
 }

@@ -27,21 +27,13 @@ pub(crate) fn task(scene: &Scene, rule: Option<StopRule>) -> Task {
         let first: Outcomes = from_json(inputs, &needs[0], solve::OUTCOMES)?;
         let table = match first.r {
             Some(_) => {
-                let names: Vec<_> = first.levels.iter().map(name).collect();
+                let names: Vec<_> = first.levels.iter().map(Outcome::label).collect();
                 table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names)
             }
             None => table_of_levels(&first),
         };
         Ok(Artifacts::from([(TABLE.into(), table.csv().into_bytes())]))
     })
-}
-
-/// Name of a level: `1/64`, or the number of nodes of a mesh.
-fn name(level: &Outcome) -> String {
-    match level.cells {
-        Some(cells) => format!("1/{cells}"),
-        None => format!("{} nodes", level.nodes),
-    }
 }
 
 /// Table of a solver without r: a row per level on which it ended, with the guaranteed bounds there; of the spectral
@@ -56,7 +48,7 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
     }
     for (level, bounds) in outcomes.levels.iter().zip(&outcomes.bounds) {
         let iterations = level.end.iterations.to_string();
-        let mut row = vec![name(level), iterations, level.name().into(), decimal(level.energy)];
+        let mut row = vec![level.label(), iterations, level.name().into(), decimal(level.energy)];
         row.extend(match bounds {
             Some(bounds) => {
                 let ([low, high], [_, most]) = (bounds.energy, bounds.error);

@@ -36,8 +36,10 @@ choose("r", "0"); await note("r = 0");
 choose("r", "10"); await note("r = 10");
 choose("problem", "2"); await sleep(500); heard = [];
 const canvas = document.querySelector(".explore canvas"), both = canvas.toDataURL();
+const dashed = () => document.querySelectorAll('[data-chart="boundary"] .known').length;
+const traces = dashed();
 form.truth.click();
-await note(`net ${canvas.toDataURL() !== both}`);
+await note(`net ${canvas.toDataURL() !== both && traces === 2 && dashed() === 0}`);
 "#;
 
 #[test]
@@ -79,7 +81,7 @@ fn the_controls_do_what_they_say() {
         ("own", "Done: ", ["", ""]),
         ("disc", "Done: ", ["", ""]),
         ("nonsense", "`disc` takes x,y,radius, e.g. disc(0,0,0.25).", ["true", ""]),
-        ("no solution", "the integral of f is 1.0000, but (2) asks for a negative", ["true", ""]),
+        ("no solution", "the integral of f is 1.000, but (2) asks for a negative", ["true", ""]),
         ("huge", "the largest value of |f| is 1e131, outside 1e-130 to 1e130", ["true", ""]),
         ("good again", "Done: ", ["", ""]),
         ("r = 0", "r must be a number from 0.001 to 1000000000.", ["", "true"]),

@@ -103,7 +103,15 @@ impl Word {
 fn without_axes(what: &str, words: &[Word]) -> Option<String> {
     let has = |name: &&str| words.iter().any(|word| word.content == *name);
     let (names, ticks): (&[&str], _) = match what.split(' ').next().unwrap() {
-        "history" => (&["iterations, all grids", "max ∂", "max |∂|", "tolerance"], 6),
+        "history" => (
+            &[
+                "iterations, all grids",
+                "largest component of the gradient",
+                "largest absolute value",
+                "tolerance",
+            ],
+            6,
+        ),
         "boundary" => (&["y", "a", "arc length, anticlockwise", "bottom", "left", "0", "4"], 8),
         _ => (&["x", "y", "v", "−0.5", "0", "0.5"], 8),
     };

@@ -106,8 +106,8 @@ impl Outcome {
         self.verdict().end(self.end.stop)
     }
 
-    /// Name of the grid or mesh in a table: `1/64`, or the number of nodes of a mesh.
+    /// Name of the level in a table: `1/64`, or on a mesh `833 nodes`.
     pub fn label(&self) -> String {
-        self.cells.map_or_else(|| self.nodes.to_string(), |cells| format!("1/{cells}"))
+        self.cells.map_or_else(|| format!("{} nodes", self.nodes), |cells| format!("1/{cells}"))
     }
 }

@@ -5,6 +5,7 @@
 
 use super::kkt::Kkt;
 use super::stop::Stop;
+use crate::problem::text::plain;
 use std::fmt;
 
 /// Largest relative KKT residual, and largest sum of v r over the size of the energy, of what may be called a
@@ -85,9 +86,12 @@ impl fmt::Display for Violation {
             Self::Residual(relative) => {
                 write!(out, "the KKT residual is {relative:.2} of the load")
             }
-            Self::Energy(energy) => write!(out, "the energy {energy:.3e} is above that of v = 0"),
+            Self::Energy(energy) => {
+                write!(out, "the energy {} is above that of v = 0", plain(*energy, 4))
+            }
             Self::Work { work, energy } => {
-                write!(out, "the sum of v r is {work:.3e}, beside an energy of {energy:.3e}")
+                let [work, energy] = [work, energy].map(|number| plain(*number, 4));
+                write!(out, "the sum of v r is {work}, beside an energy of {energy}")
             }
         }
     }

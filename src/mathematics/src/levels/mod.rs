@@ -230,6 +230,16 @@ pub struct Integrals {
     pub is_known: bool,
 }
 
+/// Bound of the rounding error of the integral of f, over the integral of |f|.
+const ROUNDING: f64 = 1e-12;
+
+impl Integrals {
+    /// Bound of the rounding error of the integral of f, and of each sum that balances it.
+    pub fn rounding(&self) -> f64 {
+        ROUNDING * self.of_size.abs()
+    }
+}
+
 /// Errors against a known solution.
 #[derive(Clone, Copy, Debug)]
 pub struct KnownErrors {

@@ -21,9 +21,6 @@ pub struct Problem {
     is_curved: bool,
 }
 
-/// Bound of the rounding error of the integral of f, over the integral of |f|.
-const ROUNDING: f64 = 1e-12;
-
 /// Approximation that guaranteed bounds leave out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -77,7 +74,7 @@ impl Problem {
     /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding
     /// errors of integrals.
     fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
-        let rounding = ROUNDING * levels.integrals().of_size.abs();
+        let rounding = levels.integrals().rounding();
         for component in levels.components() {
             component.check(law, rounding)?;
         }

@@ -2,6 +2,7 @@
 
 use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
 use super::{Touching, refine};
+use crate::problem::text::plain;
 
 /// Mesh in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +54,8 @@ pub enum PartError {
     Curve(String),
     /// A node of the part that is off the curve.
     #[error(
-        "part `{name}` is off its curve by {distance:e}; give the curve on which its nodes lie"
+        "part `{name}` is off its curve by {}; give the curve on which its nodes lie",
+        plain(*distance, 3)
     )]
     OffCurve {
         /// Name of the part.

@@ -24,6 +24,7 @@ mod hanging;
 mod load;
 mod names;
 mod nested;
+mod origin;
 mod overlap;
 mod refine;
 mod same_place;
@@ -47,6 +48,7 @@ pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, MeshLoad, OnCells, mesh_load};
 pub use names::Names;
 pub use nested::{NestedMeshes, nested_meshes, refined};
+pub use origin::{Origin, PlaneInSpace};
 pub use refine::{Refined, refine};
 pub use same_place::Touching;
 pub use source::{MeshSource, MeshSourceError};
@@ -103,6 +105,8 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) inside: Vec<String>,
     /// Place where the domain touches itself.
     pub(crate) touching: Option<Touching>,
+    /// How the mesh came from its file.
+    pub(crate) origin: Origin,
 }
 
 /// Triangulation in the plane.
@@ -206,6 +210,11 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Place where the domain touches itself with nodes of both sides, if there is one.
     pub fn touching(&self) -> Option<&Touching> {
         self.touching.as_ref()
+    }
+
+    /// How the mesh came from its file.
+    pub fn origin(&self) -> &Origin {
+        &self.origin
     }
 
     /// Condition on a facet.

@@ -122,6 +122,7 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         parts: mesh.parts.clone(),
         inside: mesh.inside.clone(),
         touching: mesh.touching.clone(),
+        origin: mesh.origin,
     };
     Ok(Refined { mesh: refined, parents })
 }

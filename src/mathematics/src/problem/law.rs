@@ -15,6 +15,7 @@
 //! Physics*, 1976). The energy of the problem has the term `j(v)`, the largest of `-l v` over the interval. In the
 //! paper's formulas the projection onto the interval takes the place of `( )^+`.
 
+use super::text::Written;
 use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -320,16 +321,10 @@ impl fmt::Display for Law {
             return out.write_str("Signorini");
         }
         if self.lo == -self.hi {
-            return write!(out, "friction {}", shown(self.hi));
+            return write!(out, "friction {}", Written(self.hi));
         }
-        write!(out, "flux from {} to {}", shown(self.lo), shown(self.hi))
+        write!(out, "flux from {} to {}", Written(self.lo), Written(self.hi))
     }
-}
-
-/// Number as texts have it: with an exponent where there would be many zeros.
-fn shown(end: f64) -> String {
-    let is_plain = end == 0.0 || (1e-5..1e16).contains(&end.abs());
-    if is_plain { end.to_string() } else { format!("{end:e}") }
 }
 
 impl LawParameter {

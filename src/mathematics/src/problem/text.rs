@@ -39,6 +39,44 @@ impl fmt::Display for Written {
     }
 }
 
+/// Returns a number with so many significant digits, as messages and answers show it: without an exponent from 1e-3 to
+/// 1e5.
+pub fn plain(number: f64, digits: usize) -> String {
+    if number == 0.0 {
+        return "0".into();
+    }
+    let last = digits - 1;
+    let scientific = format!("{number:.last$e}");
+    let exponent = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse().ok());
+    match exponent {
+        Some(exponent @ -3..=4) => {
+            let decimals = (last as i32 - exponent).max(0) as usize;
+            format!("{number:.decimals$}")
+        }
+        _ => scientific,
+    }
+}
+
+/// Returns the ends of an interval with the digits that tell them apart, rounded outwards.
+pub fn interval([low, high]: [f64; 2]) -> String {
+    /// Digits beyond those in which the ends agree.
+    const MORE: f64 = 2.0;
+    let size = low.abs().max(high.abs());
+    let agree = -libm::log10((high - low) / size);
+    // Without a width, or with ends that are no numbers, all digits are shown.
+    let digits = if agree.is_finite() { (agree + MORE).ceil().clamp(3.0, 16.0) } else { 16.0 };
+    let outwards = |end: f64, sign: f64| {
+        let text = plain(end, digits as usize);
+        let shown: f64 = text.parse().unwrap_or(end);
+        if sign * (shown - end) >= 0.0 {
+            return text;
+        }
+        let unit = libm::exp10(libm::log10(end.abs()).floor() + 1.0 - digits);
+        plain(end + sign * unit, digits as usize)
+    };
+    format!("[{}, {}]", outwards(low, -1.0), outwards(high, 1.0))
+}
+
 /// Numbers as the arguments of a shape, separated by commas.
 pub(super) struct List<'a>(pub(super) &'a [f64]);
 
@@ -75,6 +113,42 @@ mod tests {
         for c in [' ', 'a', 'é', '\u{A0}', 'ß', '水', '\u{FEFF}', '\u{FFFD}', '🙂', '\u{10FFFD}']
         {
             assert!(!is_forbidden(c), "{c:?}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_no_exponent_where_none_is_needed() {
+        let shown = [1.02146, -5.0, 0.0, -0.0, 1e-3, 9.99e-4, 99999.0, 99999.6, 1e5, -0.125]
+            .map(|number| plain(number, 5));
+        let expected = [
+            "1.0215",
+            "-5.0000",
+            "0",
+            "0",
+            "0.0010000",
+            "9.9900e-4",
+            "99999",
+            "1.0000e5",
+            "1.0000e5",
+            "-0.12500",
+        ];
+        assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn an_interval_as_shown_contains_the_interval() {
+        assert_eq!(interval([-0.0528253904, -0.0528241168]), "[-0.05282540, -0.05282411]");
+        let ends = [-9.5e-7, -0.911685, -0.1, 1.0 / 3.0, 0.7, 9.99999, 12345.678];
+        for low in ends {
+            for width in [0.0, 1e-12, 3.7e-6, 0.0123, 4.0] {
+                let (low, high) = (low, low + width);
+                let shown = interval([low, high]);
+                let inner = shown.trim_matches(['[', ']']);
+                let (from, to) = inner.split_once(", ").unwrap();
+                let [from, to]: [f64; 2] = [from, to].map(|end| end.parse().unwrap());
+                assert!(from <= low && high <= to, "{shown}: {low:e} {high:e}");
+                assert!(to - from <= 1.5 * width + 1e-14 * low.abs(), "{shown}: {low:e} {high:e}");
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! The condition (2) of the paper: whether a problem has a unique solution, asked of numbers in one place.
 
 use super::law::Law;
+use super::text::plain;
 
 /// Reason for which a problem has no unique solution: a connected component of the domain violates the condition (2).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -9,7 +10,7 @@ pub enum Unsolvable {
     #[error(
         "the integral of f{} is {}, but (2) asks for a negative one; lower f somewhere{}",
         over(*component),
-        shown_integral(*integral),
+        plain(*integral, 4),
         if *has_parts { ", or fix a part of the boundary" } else { "" }
     )]
     NotCoercive {
@@ -22,9 +23,12 @@ pub enum Unsolvable {
     },
     /// The integral of f is one that the flux under another law cannot balance.
     #[error(
-        "the integral of f{} is {integral:.4e}, but the flux through the boundary can only balance one between \
-         {least:.4e} and {most:.4e}; change f, or widen the law",
-        over(*component)
+        "the integral of f{} is {}, but the flux through the boundary can only balance one between {} and {}; change \
+         f, or widen the law",
+        over(*component),
+        plain(*integral, 4),
+        plain(*least, 4),
+        plain(*most, 4)
     )]
     Unbalanced {
         /// Integral of f.
@@ -97,15 +101,6 @@ impl Component {
         } else {
             Unsolvable::Unbalanced { integral, component, least, most }
         })
-    }
-}
-
-/// Integral of f with the digits that messages and answers show.
-pub fn shown_integral(integral: f64) -> String {
-    match integral.abs() {
-        0.0 => "0".into(),
-        1e-2..1e6 => format!("{integral:.4}"),
-        _ => format!("{integral:.3e}"),
     }
 }
 

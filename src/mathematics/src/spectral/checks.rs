@@ -1,6 +1,7 @@
 //! Checks of a solution.
 
 use super::contact::{MULTIPLIER_TOLERANCE, VALUE_TOLERANCE};
+use crate::problem::text::plain;
 use std::fmt;
 
 /// Conditions that must hold of a solution and were not used to find it.
@@ -41,8 +42,9 @@ impl fmt::Display for Checks {
         let Self { least_multiplier, least_value, green, rellich, moments, resolution } = self;
         write!(
             out,
-            "least multiplier {least_multiplier:.1e}, least value {least_value:.1e}, Green {green:.1e}, Rellich \
-             {rellich:.1e}, moments {moments:.1e}"
+            "least multiplier {}, least value {}, Green {green:.1e}, Rellich {rellich:.1e}, moments {moments:.1e}",
+            plain(*least_multiplier, 2),
+            plain(*least_value, 2)
         )?;
         resolution.map_or(Ok(()), |resolution| write!(out, ", two resolutions {resolution:.1e}"))
     }

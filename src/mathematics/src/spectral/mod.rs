@@ -366,14 +366,22 @@ impl Solution {
 
     /// v at the nodes of a grid, and the multiplier at its boundary nodes.
     pub fn on_grid(&self, grid: Grid) -> Pair {
-        let mut a = Vec::new();
-        for b in 0..grid.boundary_nodes() {
-            let (i, j) = grid.boundary_node(b);
-            let [_, multiplier] = self.on_boundary([grid.coordinate(i), grid.coordinate(j)]);
-            // A value beyond the interval of the law is a rounding error.
-            a.push(self.problem.law.project(multiplier));
-        }
-        Pair { y: self.at_nodes(grid.cells()), a }
+        let a = self.trace_on(grid).into_iter().map(|[_, multiplier]| multiplier);
+        Pair { y: self.at_nodes(grid.cells()), a: a.collect() }
+    }
+
+    /// v and the multiplier at the boundary nodes of a grid.
+    pub fn trace_on(&self, grid: Grid) -> Vec<[f64; 2]> {
+        let nodes = (0..grid.boundary_nodes()).map(|b| grid.boundary_node(b));
+        nodes.map(|(i, j)| self.under_law([grid.coordinate(i), grid.coordinate(j)])).collect()
+    }
+
+    /// v and the multiplier at a point of the boundary. What violates the law is a rounding error, which must not be
+    /// taken for penetration.
+    fn under_law(&self, point: [f64; 2]) -> [f64; 2] {
+        let [value, multiplier] = self.on_boundary(point);
+        let law = self.problem.law;
+        [if law.hi().is_infinite() { value.max(0.0) } else { value }, law.project(multiplier)]
     }
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.
@@ -386,9 +394,7 @@ impl Solution {
     fn at_node(&self, n: usize, node: [usize; 2]) -> f64 {
         let [x, y] = node.map(|k| k as f64 / n as f64 - 0.5);
         if node.into_iter().any(|k| k == 0 || k == n) {
-            // Rounding errors must not be taken for penetration.
-            let [value, _] = self.on_boundary([x, y]);
-            if self.problem.law.hi().is_infinite() { value.max(0.0) } else { value }
+            self.under_law([x, y])[0]
         } else {
             self.value(x, y)
         }

@@ -178,8 +178,8 @@ fn shape(pair: &Pair, scene: &Scene) -> Value {
         "greatest": heights.map(|range| range.greatest),
         // Boundary nodes in contact.
         "contact": pair.in_contact(scene.finest(), scene.law()).into_iter().filter(|&contact| contact).count(),
-        // Total inflow: the sum of h times the multiplier over the boundary.
-        "inflow": scene.finest().h() * pair.a.iter().sum::<f64>(),
+        // Contact force: the sum of h times the multiplier over the boundary.
+        "force": scene.finest().h() * pair.a.iter().sum::<f64>(),
     })
 }
 
@@ -245,21 +245,31 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
 }
 
 /// Returns all figures by their names: the file in the book's folder `figures`, and the path in the book of its data,
-/// a table beside it or the page of data with the solution.
+/// a table beside it or the page of data with the solution; and its size in pixels.
 fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     let mut figures = BTreeMap::new();
     for (_, made) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
-        for file in made.keys() {
+        for (file, bytes) in made {
             let Some(name) = file.strip_suffix(".svg") else { continue };
             let table = format!("{name}.csv");
             let data = match made.contains_key(&table) {
                 true => format!("figures/{table}"),
                 false => "data.html".into(),
             };
-            figures.insert(name, json!({ "name": name, "file": file, "data": data }));
+            let [width, height] = ["width", "height"].map(|key| attribute(bytes, key));
+            figures.insert(
+                name,
+                json!({ "name": name, "file": file, "data": data, "width": width, "height": height }),
+            );
         }
     }
     figures
+}
+
+/// Returns an attribute of the root of an SVG file that is a number.
+fn attribute(svg: &[u8], key: &str) -> Option<f64> {
+    let root = std::str::from_utf8(svg).ok()?.split('>').next()?;
+    root.split_once(&format!(" {key}=\""))?.1.split('"').next()?.parse().ok()
 }
 
 /// Returns the provenance of the book's numbers: names and hashes of input files, and versions.

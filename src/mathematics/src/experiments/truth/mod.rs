@@ -8,9 +8,11 @@ pub use reference::{Numbers, Reference, ReferenceArc, ReferenceValue};
 
 use super::known::KnownSolution;
 use super::problems::CONTACT;
+use crate::discrete::grid::Grid;
 use crate::discrete::norms::worst;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
+use crate::saddle::Pair;
 use crate::spectral::{SpectralParams, spectral};
 use rayon::prelude::*;
 use reference::Resolutions;
@@ -62,6 +64,8 @@ pub struct Truth {
     pub sampled: usize,
     /// v of the first two problems at the nodes, row by row from the lower left corner.
     pub samples: Vec<Vec<f64>>,
+    /// Multipliers of the first two problems at the boundary nodes, anticlockwise from the lower left corner.
+    pub multipliers: Vec<Vec<f64>>,
     /// Numbers over all problems that the chapter mentions.
     pub summary: TruthSummary,
 }
@@ -137,14 +141,16 @@ pub fn truth(plan: &TruthPlan) -> Result<Truth, String> {
         .collect::<Result<_, String>>()?;
     let (references, mut known): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
     let sampled = known.iter().take(2).filter_map(KnownSolution::solution);
-    let samples = sampled.map(|solution| solution.at_nodes(plan.sampled)).collect();
+    let grid = Grid::new(plan.sampled).map_err(|e| e.to_string())?;
+    let sampled = sampled.map(|solution| solution.on_grid(grid));
+    let (samples, multipliers) = sampled.map(|Pair { y, a }| (y, a)).unzip();
     known.extend(Exact::ALL.map(KnownSolution::Formula));
     let elements = known
         .par_iter()
         .map(|known| Elements::against(known, &plan.cells))
         .collect::<Result<Vec<_>, _>>()?;
     let summary = TruthSummary::of(&references, &elements);
-    Ok(Truth { references, elements, sampled: plan.sampled, samples, summary })
+    Ok(Truth { references, elements, sampled: plan.sampled, samples, multipliers, summary })
 }
 
 /// Solves a problem with the spectral solver at two resolutions; the finer one is the known solution.

@@ -1,14 +1,15 @@
 //! From the sections of a file to a mesh.
 
-use super::elements::{FileElements, Simplex};
+use super::elements::{FileElement, FileElements};
 use super::error::GmshError;
 use super::groups::GroupNames;
 use super::labels::Groups;
 use super::nodes::FileNodes;
-use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Names, Part, Tags};
+use super::plane::plane_of;
+use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Names, Origin, Part, Tags};
 
-/// Difference of z over the size of the domain that is a rounding error.
-const SAME_Z: f64 = 1e-10;
+/// Difference of two diagonals, over the longer one, that is a rounding error.
+const SAME_LENGTH: f64 = 1e-9;
 
 /// Sections that make a mesh.
 pub(super) struct Sections {
@@ -20,74 +21,113 @@ pub(super) struct Sections {
 impl Sections {
     /// Mesh in space if there are tetrahedra, else in the plane.
     pub(super) fn mesh(self) -> Result<AnyMesh, GmshError> {
-        let Self { names, nodes, elements } = self;
-        let FileElements { lines, triangles, tetrahedra, sets, .. } = elements;
+        let Self { names, mut nodes, elements } = self;
+        let FileElements {
+            lines,
+            mut triangles,
+            quadrangles,
+            tetrahedra,
+            sets,
+            of_higher_order,
+            ..
+        } = elements;
         let mut groups = Groups { names, sets };
-        if tetrahedra.is_empty() && triangles.is_empty() && groups.is_any(&lines) {
+        let has_cells = !(tetrahedra.is_empty() && triangles.is_empty() && quadrangles.is_empty());
+        if !has_cells && groups.is_any(&lines) {
             return Err(GmshError::NoCellsInGroups);
         }
+        let mut origin = Origin { of_higher_order: of_higher_order[2], ..Origin::default() };
         if tetrahedra.is_empty() {
-            let has_cell = has_cell(&nodes, &triangles);
-            check_plane(&nodes, &has_cell)?;
+            let quadrangles = groups.cells_once(quadrangles)?;
+            let mut has_cell = has_cell(&nodes, &triangles);
+            mark(&mut has_cell, &quadrangles);
+            origin.plane = plane_of(&nodes, &has_cell)?;
+            origin.quadrangles = quadrangles.len();
+            for point in &mut nodes.points {
+                let [x, y] = origin.plane.coordinates(*point);
+                *point = [x, y, 0.0];
+            }
+            triangles.extend(quadrangles.iter().flat_map(|quadrangle| halves(&nodes, quadrangle)));
             // Without triangles there is a better message.
-            if !triangles.is_empty() {
+            if has_cells {
                 check_dimension(&lines, &has_cell, ["line", "triangle"])?;
             }
-            Ok(AnyMesh::Plane(mesh(&mut groups, nodes, triangles, &lines)?))
+            let mut mesh = mesh(&mut groups, nodes, triangles, &lines)?;
+            mesh.origin = origin;
+            Ok(AnyMesh::Plane(mesh))
         } else {
+            origin.of_higher_order = of_higher_order[3];
             let has_cell = has_cell(&nodes, &tetrahedra);
             check_dimension(&lines, &has_cell, ["line", "tetrahedron"])?;
             check_dimension(&triangles, &has_cell, ["triangle", "tetrahedron"])?;
-            Ok(AnyMesh::Space(mesh(&mut groups, nodes, tetrahedra, &triangles)?))
+            // No side of a tetrahedron is a quadrangle.
+            check_dimension(&quadrangles, &[], ["quadrangle", "tetrahedron"])?;
+            let mut mesh = mesh(&mut groups, nodes, tetrahedra, &triangles)?;
+            mesh.origin = origin;
+            Ok(AnyMesh::Space(mesh))
         }
     }
 }
 
+/// Returns the triangles into which the shorter diagonal cuts a quadrangle in the plane, or the one that lies inside;
+/// of two as long, the one through the first corner.
+fn halves(nodes: &FileNodes, quadrangle: &FileElement<4>) -> [FileElement<3>; 2] {
+    let &FileElement { tag, nodes: [a, b, c, d], groups } = quadrangle;
+    let step = |from: u32, to: u32| {
+        let [from, to] = [from, to].map(|node| nodes.points[node as usize]);
+        [to[0] - from[0], to[1] - from[1]]
+    };
+    let length = |from, to| {
+        let [x, y] = step(from, to);
+        libm::hypot(x, y)
+    };
+    let is_left = |a, b, c| {
+        let ([px, py], [qx, qy]) = (step(a, b), step(a, c));
+        px * qy - py * qx > 0.0
+    };
+    let [first_inside, second_inside] =
+        [is_left(a, b, c) == is_left(a, c, d), is_left(a, b, d) == is_left(b, c, d)];
+    let second_shorter = length(b, d) < (1.0 - SAME_LENGTH) * length(a, c);
+    let halves = match second_inside && (second_shorter || !first_inside) {
+        true => [[a, b, d], [b, c, d]],
+        false => [[a, b, c], [a, c, d]],
+    };
+    halves.map(|nodes| FileElement { tag, nodes, groups })
+}
+
 /// Returns for each node if it belongs to a cell.
-fn has_cell<const V: usize>(nodes: &FileNodes, cells: &[Simplex<V>]) -> Vec<bool> {
+fn has_cell<const V: usize>(nodes: &FileNodes, cells: &[FileElement<V>]) -> Vec<bool> {
     let mut has_cell = vec![false; nodes.points.len()];
-    cells.iter().flat_map(|cell| cell.nodes).for_each(|node| has_cell[node as usize] = true);
+    mark(&mut has_cell, cells);
     has_cell
+}
+
+/// Marks the nodes of cells.
+fn mark<const V: usize>(has_cell: &mut [bool], cells: &[FileElement<V>]) {
+    cells.iter().flat_map(|cell| cell.nodes).for_each(|node| has_cell[node as usize] = true);
 }
 
 /// Checks that elements of a lower dimension have no nodes of their own.
 fn check_dimension<const K: usize>(
-    elements: &[Simplex<K>],
+    elements: &[FileElement<K>],
     has_cell: &[bool],
     [kind, cell]: [&'static str; 2],
 ) -> Result<(), GmshError> {
     let mut elements = elements.iter();
-    match elements.find(|element| !element.nodes.iter().all(|&node| has_cell[node as usize])) {
+    match elements.find(|element| {
+        !element.nodes.iter().all(|&node| has_cell.get(node as usize) == Some(&true))
+    }) {
         Some(element) => Err(GmshError::Mixed { element: element.tag, kind, cell }),
         None => Ok(()),
     }
-}
-
-/// Checks that all nodes of cells have the same z.
-fn check_plane(nodes: &FileNodes, has_cell: &[bool]) -> Result<(), GmshError> {
-    let Some(first) = has_cell.iter().position(|has_cell| *has_cell) else { return Ok(()) };
-    let start = nodes.points[first];
-    let used = has_cell.iter().enumerate().filter(|(_, has_cell)| **has_cell);
-    let (mut size, mut height, mut highest) = (0.0f64, 0.0, first);
-    for (node, _) in used {
-        let [x, y, z] = nodes.points[node];
-        size = size.max((x - start[0]).abs()).max((y - start[1]).abs());
-        if (z - start[2]).abs() > height {
-            (height, highest) = ((z - start[2]).abs(), node);
-        }
-    }
-    if height > SAME_Z * size {
-        return Err(GmshError::NotPlane { one: nodes.tags[first], two: nodes.tags[highest] });
-    }
-    Ok(())
 }
 
 /// Mesh of cells and named sides. Nodes of no cell, such as centres of circles, are left out.
 fn mesh<const D: usize, const V: usize>(
     groups: &mut Groups,
     nodes: FileNodes,
-    cells: Vec<Simplex<V>>,
-    sides: &[Simplex<D>],
+    cells: Vec<FileElement<V>>,
+    sides: &[FileElement<D>],
 ) -> Result<Mesh<D, V>, GmshError> {
     let cells = groups.cells_once(cells)?;
     let regions = groups.labels(V as i64 - 1, cells.iter().map(|cell| cell.groups))?;

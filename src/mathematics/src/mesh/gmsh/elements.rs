@@ -2,14 +2,14 @@
 
 use super::error::{Fault, GmshError};
 use super::groups::{Entities, GroupSets};
-use super::nodes::{FileNodes, four_counts};
+use super::nodes::{FileNodes, blocks, entity};
 use super::scanner::{Scanner, Version};
 
-/// Line, triangle or tetrahedron.
-pub(super) struct Simplex<const K: usize> {
+/// Line, triangle, quadrangle or tetrahedron, by its corners.
+pub(super) struct FileElement<const K: usize> {
     /// Number of the element.
     pub(super) tag: u64,
-    /// Positions of the nodes.
+    /// Positions of the corners.
     pub(super) nodes: [u32; K],
     /// Position of the set of its physical groups.
     pub(super) groups: u32,
@@ -18,22 +18,54 @@ pub(super) struct Simplex<const K: usize> {
 /// Elements by kind, in the order of the file.
 #[derive(Default)]
 pub(super) struct FileElements {
-    pub(super) lines: Vec<Simplex<2>>,
-    pub(super) triangles: Vec<Simplex<3>>,
-    pub(super) tetrahedra: Vec<Simplex<4>>,
+    pub(super) lines: Vec<FileElement<2>>,
+    pub(super) triangles: Vec<FileElement<3>>,
+    pub(super) quadrangles: Vec<FileElement<4>>,
+    pub(super) tetrahedra: Vec<FileElement<4>>,
     /// Sets of physical groups.
     pub(super) sets: GroupSets,
+    /// Number of elements of higher order, by dimension.
+    pub(super) of_higher_order: [usize; 4],
     /// Number of points, which mean nothing.
     points: usize,
 }
 
-/// Kind of an element that is read.
-#[derive(Clone, Copy)]
-enum Kind {
+/// Shape of an element that is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
     Point,
     Line,
     Triangle,
+    Quadrangle,
     Tetrahedron,
+}
+
+impl Shape {
+    fn dimension(self) -> usize {
+        match self {
+            Self::Point => 0,
+            Self::Line => 1,
+            Self::Triangle | Self::Quadrangle => 2,
+            Self::Tetrahedron => 3,
+        }
+    }
+
+    fn corners(self) -> usize {
+        match self {
+            Self::Point => 1,
+            Self::Line => 2,
+            Self::Triangle => 3,
+            Self::Quadrangle | Self::Tetrahedron => 4,
+        }
+    }
+}
+
+/// Kind of an element that is read.
+#[derive(Clone, Copy)]
+struct Kind {
+    shape: Shape,
+    /// Number of nodes: the corners come first.
+    nodes: usize,
 }
 
 /// Number of an element, with its type and the position of the set of its groups.
@@ -45,24 +77,18 @@ struct ElementHead {
 }
 
 impl FileElements {
-    /// Reads the section.
+    /// Adds the elements of a section.
     pub(super) fn read(
+        &mut self,
         scanner: &mut Scanner<'_>,
         nodes: &FileNodes,
         entities: &Entities,
-    ) -> Result<Self, GmshError> {
-        let mut elements = Self::default();
+    ) -> Result<(), GmshError> {
         match scanner.version {
-            Version::Four => elements.read_blocks(scanner, nodes, entities)?,
-            Version::Two if scanner.is_text() => elements.read_list(scanner, nodes)?,
-            Version::Two => elements.read_runs(scanner, nodes)?,
+            Version::FourZero | Version::FourOne => self.read_blocks(scanner, nodes, entities),
+            Version::Two if scanner.is_text() => self.read_list(scanner, nodes),
+            Version::Two => self.read_runs(scanner, nodes),
         }
-        Ok(elements)
-    }
-
-    fn count(&self) -> u64 {
-        let cells = self.triangles.len() + self.tetrahedra.len();
-        (self.points + self.lines.len() + cells) as u64
     }
 
     /// Elements of a text of version 2.2, each with its type.
@@ -81,10 +107,12 @@ impl FileElements {
     fn read_runs(&mut self, scanner: &mut Scanner<'_>, nodes: &FileNodes) -> Result<(), GmshError> {
         let said: u64 = scanner.number("a whole number from 0 on")?;
         scanner.begin_bytes()?;
-        while self.count() < said {
+        let mut count = 0;
+        while count < said {
             let (number_of_type, length, numbers) =
                 (scanner.whole()?, scanner.whole()?, scanner.whole()?);
             for _ in 0..length {
+                count += 1;
                 let tag = scanner.tag()?;
                 let groups = self.sets.position(&[first_of(scanner, numbers)?]);
                 self.add(scanner, nodes, ElementHead { tag, number_of_type, groups })?;
@@ -93,23 +121,21 @@ impl FileElements {
         Ok(())
     }
 
-    /// Elements of version 4.1: blocks of one type in one entity. The blocks say how many there are, not the head.
+    /// Elements of version 4: blocks of one type in one entity. The blocks say how many there are, not the head.
     fn read_blocks(
         &mut self,
         scanner: &mut Scanner<'_>,
         nodes: &FileNodes,
         entities: &Entities,
     ) -> Result<(), GmshError> {
-        scanner.begin_bytes()?;
-        let [blocks, ..] = four_counts(scanner)?;
-        for _ in 0..blocks {
-            let (dimension, entity) = (scanner.whole()?, scanner.whole()?);
+        for _ in 0..blocks(scanner)? {
+            let (dimension, entity) = entity(scanner)?;
             let (number_of_type, count) = (scanner.whole()?, scanner.count()?);
             let groups = self.sets.position(entities.groups(dimension, entity));
             for _ in 0..count {
                 let head = ElementHead { tag: scanner.tag()?, number_of_type, groups };
-                let kind = self.add(scanner, nodes, head)?;
-                if kind as i64 != dimension {
+                let shape = self.add(scanner, nodes, head)?;
+                if shape.dimension() as i64 != dimension {
                     let fault = Fault::Dimension { element: head.tag, dimension };
                     return Err(scanner.fault(fault));
                 }
@@ -124,18 +150,23 @@ impl FileElements {
         scanner: &mut Scanner<'_>,
         nodes: &FileNodes,
         head: ElementHead,
-    ) -> Result<Kind, GmshError> {
-        let kind = kind(head).map_err(|fault| scanner.fault(fault))?;
-        match kind {
-            Kind::Point => {
+    ) -> Result<Shape, GmshError> {
+        let Kind { shape, nodes: count } = kind(head).map_err(|fault| scanner.fault(fault))?;
+        match shape {
+            Shape::Point => {
                 scanner.tag()?;
                 self.points += 1;
             }
-            Kind::Line => self.lines.push(simplex(scanner, nodes, head)?),
-            Kind::Triangle => self.triangles.push(simplex(scanner, nodes, head)?),
-            Kind::Tetrahedron => self.tetrahedra.push(simplex(scanner, nodes, head)?),
+            Shape::Line => self.lines.push(element(scanner, nodes, head)?),
+            Shape::Triangle => self.triangles.push(element(scanner, nodes, head)?),
+            Shape::Quadrangle => self.quadrangles.push(element(scanner, nodes, head)?),
+            Shape::Tetrahedron => self.tetrahedra.push(element(scanner, nodes, head)?),
         }
-        Ok(kind)
+        for _ in shape.corners()..count {
+            position(scanner, nodes, head)?;
+        }
+        self.of_higher_order[shape.dimension()] += usize::from(count > shape.corners());
+        Ok(shape)
     }
 }
 
@@ -151,38 +182,115 @@ fn first_of(scanner: &mut Scanner<'_>, numbers: i64) -> Result<u64, GmshError> {
     Ok(group)
 }
 
-fn simplex<const K: usize>(
+/// Reads the corners of an element.
+fn element<const K: usize>(
     scanner: &mut Scanner<'_>,
     nodes: &FileNodes,
     head: ElementHead,
-) -> Result<Simplex<K>, GmshError> {
-    let mut positions = [0; K];
-    for position in &mut positions {
-        let node = scanner.tag()?;
-        let Some(found) = nodes.position(node) else {
-            return Err(scanner.fault(Fault::NoNode { element: head.tag, node }));
-        };
-        *position = found;
+) -> Result<FileElement<K>, GmshError> {
+    let mut corners = [0; K];
+    for corner in &mut corners {
+        *corner = position(scanner, nodes, head)?;
     }
-    Ok(Simplex { tag: head.tag, nodes: positions, groups: head.groups })
+    Ok(FileElement { tag: head.tag, nodes: corners, groups: head.groups })
 }
+
+/// Reads the position of a node of an element.
+fn position(
+    scanner: &mut Scanner<'_>,
+    nodes: &FileNodes,
+    head: ElementHead,
+) -> Result<u32, GmshError> {
+    let node = scanner.tag()?;
+    let missing = Fault::NoNode { element: head.tag, node };
+    nodes.position(node).ok_or_else(|| scanner.fault(missing))
+}
+
+/// Numbers of the types of one shape in the manual of Gmsh, each with the number of nodes.
+type Types = &'static [(i64, usize)];
+
+const LINES: Types =
+    &[(1, 2), (8, 3), (26, 4), (27, 5), (28, 6), (62, 7), (63, 8), (64, 9), (65, 10), (66, 11)];
+const TRIANGLES: Types = &[
+    (2, 3),
+    (9, 6),
+    (20, 9),
+    (21, 10),
+    (22, 12),
+    (23, 15),
+    (24, 15),
+    (25, 21),
+    (42, 28),
+    (43, 36),
+    (44, 45),
+    (45, 55),
+    (46, 66),
+    (52, 18),
+    (53, 21),
+    (54, 24),
+    (55, 27),
+    (56, 30),
+];
+const QUADRANGLES: Types = &[
+    (3, 4),
+    (10, 9),
+    (16, 8),
+    (36, 16),
+    (37, 25),
+    (38, 36),
+    (39, 12),
+    (40, 16),
+    (41, 20),
+    (47, 49),
+    (48, 64),
+    (49, 81),
+    (50, 100),
+    (51, 121),
+    (57, 24),
+    (58, 28),
+    (59, 32),
+    (60, 36),
+    (61, 40),
+];
+const TETRAHEDRA: Types = &[
+    (4, 4),
+    (11, 10),
+    (29, 20),
+    (30, 35),
+    (31, 56),
+    (32, 22),
+    (33, 28),
+    (71, 84),
+    (72, 120),
+    (73, 165),
+    (74, 220),
+    (75, 286),
+    (79, 34),
+    (80, 40),
+    (81, 46),
+    (82, 52),
+    (83, 58),
+    (137, 16),
+];
 
 /// Kind of an element, by the number of its type in the manual of Gmsh.
 fn kind(head: ElementHead) -> Result<Kind, Fault> {
-    let first_order = "open the mesh in Gmsh, and save it after `SetOrder 1;`";
+    for (shape, types) in [
+        (Shape::Line, LINES),
+        (Shape::Triangle, TRIANGLES),
+        (Shape::Quadrangle, QUADRANGLES),
+        (Shape::Tetrahedron, TETRAHEDRA),
+    ] {
+        if let Some(&(_, nodes)) = types.iter().find(|(number, _)| *number == head.number_of_type) {
+            return Ok(Kind { shape, nodes });
+        }
+    }
+    let simplices = "mesh with tetrahedra only";
     let (is, remedy) = match head.number_of_type {
-        1 => return Ok(Kind::Line),
-        2 => return Ok(Kind::Triangle),
-        4 => return Ok(Kind::Tetrahedron),
-        15 => return Ok(Kind::Point),
-        3 => ("is a quadrangle".into(), "mesh with triangles only"),
-        5 => ("is a hexahedron".into(), "mesh with tetrahedra only"),
-        6 => ("is a prism".into(), "mesh with tetrahedra only"),
-        7 => ("is a pyramid".into(), "mesh with tetrahedra only"),
-        8..=14 | 16..=19 => ("has second order".into(), first_order),
-        20 | 21 | 26 | 29 => ("has third order".into(), first_order),
-        22 | 23 | 27 | 30 => ("has fourth order".into(), first_order),
-        24 | 25 | 28 | 31 => ("has fifth order".into(), first_order),
+        15 => return Ok(Kind { shape: Shape::Point, nodes: 1 }),
+        5 | 12 | 17 | 92..=105 => ("is a hexahedron".into(), simplices),
+        6 | 13 | 18 | 90 | 91 | 106..=117 => ("is a prism".into(), simplices),
+        7 | 14 | 19 | 118..=131 => ("is a pyramid".into(), simplices),
         other => (format!("has type {other}, which is not read"), "mesh with simplices only"),
     };
     Err(Fault::Kind { element: head.tag, is, remedy })

@@ -29,16 +29,19 @@ pub enum GmshError {
          in space a Physical Volume, or set `Mesh.SaveAll = 1`"
     )]
     NoCellsInGroups,
-    /// A surface that is not in one plane z = const.
+    /// A surface that is not in one plane.
     #[error(
-        "nodes {one} and {two} differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh \
-         the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z = 0"
+        "node {off} is off the plane of nodes {}, {} and {}, and the file has no tetrahedra: a surface in space is no \
+         domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or mesh in one plane",
+        plane[0],
+        plane[1],
+        plane[2]
     )]
     NotPlane {
-        /// Node.
-        one: u64,
-        /// Node with another z.
-        two: u64,
+        /// Nodes of a plane.
+        plane: [u64; 3],
+        /// Node that is not in it.
+        off: u64,
     },
     /// A line or triangle apart from the domain.
     #[error(
@@ -115,15 +118,9 @@ pub enum Fault {
     /// Sizes of binary numbers that are not read.
     #[error("numbers of {0} bytes are not read, only of 8; save the mesh as text")]
     NumberSize(i64),
-    /// A section that is there twice.
-    #[error("the section is there twice; save one mesh in one file")]
-    SectionTwice,
     /// Elements before what they need.
     #[error("${0} has to stand before $Elements; save the mesh again")]
     Order(&'static str),
-    /// A mesh in several parts.
-    #[error("the mesh is partitioned; save the mesh in one partition")]
-    Partitioned,
     /// A name that is not one short line in quotes.
     #[error("the name of group {0} is not one to 127 printed letters in quotes; change the name")]
     Name(u64),

@@ -1,7 +1,7 @@
 //! Physical groups: their names, and the curves, surfaces and volumes in them.
 
 use super::error::{Fault, GmshError};
-use super::scanner::Scanner;
+use super::scanner::{Scanner, Version};
 use crate::problem::text::is_forbidden;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -13,9 +13,8 @@ const LONGEST: usize = 127;
 pub(super) struct GroupNames(BTreeMap<(i64, u64), String>);
 
 impl GroupNames {
-    /// Reads the section `$PhysicalNames`, which is text in binary files too.
-    pub(super) fn read(scanner: &mut Scanner<'_>) -> Result<Self, GmshError> {
-        let mut names = BTreeMap::new();
+    /// Adds the names of a section `$PhysicalNames`, which is text in binary files too.
+    pub(super) fn read(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         let count: u64 = scanner.number("a whole number from 0 on")?;
         for _ in 0..count {
             let dimension: i64 = scanner.number("a dimension")?;
@@ -24,9 +23,9 @@ impl GroupNames {
             let Some(name) = name_in_quotes(&line) else {
                 return Err(scanner.fault(Fault::Name(group)));
             };
-            names.insert((dimension, group), name.to_owned());
+            self.0.insert((dimension, group), name.to_owned());
         }
-        Ok(Self(names))
+        Ok(())
     }
 
     /// True if there are no names.
@@ -89,9 +88,36 @@ impl GroupSets {
 pub(super) struct Entities(HashMap<(i64, i64), Vec<u64>>);
 
 impl Entities {
-    /// Reads the section `$Entities` of version 4.1.
-    pub(super) fn read(scanner: &mut Scanner<'_>) -> Result<Self, GmshError> {
-        let mut entities = HashMap::new();
+    /// Adds the entities of a section `$Entities`.
+    pub(super) fn read(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
+        scanner.begin_bytes()?;
+        self.read_all(scanner, |_, _| Ok(None))
+    }
+
+    /// Adds the entities of a section `$PartitionedEntities`: parts of others, whose groups they have besides their own.
+    pub(super) fn read_partitioned(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
+        scanner.begin_bytes()?;
+        let _partitions = scanner.count()?;
+        for _ in 0..scanner.count()? {
+            let (_ghost, _partition) = (scanner.whole()?, scanner.whole()?);
+        }
+        self.read_all(scanner, |scanner, dimension| {
+            let parent = (scanner.whole()?, scanner.whole()?);
+            for _ in 0..scanner.count()? {
+                scanner.whole()?;
+            }
+            // What lies between two parts of a surface is a curve with this surface as its parent.
+            Ok((parent.0 == dimension).then_some(parent))
+        })
+    }
+
+    /// Adds entities of all dimensions; `parent` reads what follows the number of an entity, and returns the entity whose
+    /// groups it has too.
+    fn read_all(
+        &mut self,
+        scanner: &mut Scanner<'_>,
+        parent: impl Fn(&mut Scanner<'_>, i64) -> Result<Option<(i64, i64)>, GmshError>,
+    ) -> Result<(), GmshError> {
         let mut counts = [0; 4];
         for count in &mut counts {
             *count = scanner.count()?;
@@ -99,23 +125,31 @@ impl Entities {
         for (dimension, count) in (0..).zip(counts) {
             for _ in 0..count {
                 let entity = scanner.whole()?;
-                // A point, or the corners of a box.
-                let reals = if dimension == 0 { 3 } else { 6 };
+                let parent = parent(scanner, dimension)?;
+                let mut groups =
+                    parent.map_or(&[][..], |(of, entity)| self.groups(of, entity)).to_vec();
+                // A point, or the corners of a box, which version 4.0 has for points too.
+                let is_point = dimension == 0 && scanner.version == Version::FourOne;
+                let reals = if is_point { 3 } else { 6 };
                 for _ in 0..reals {
                     scanner.real()?;
                 }
-                let mut groups = Vec::new();
                 for _ in 0..scanner.count()? {
                     groups.push(scanner.whole()?.unsigned_abs());
                 }
-                entities.insert((dimension, entity), groups);
+                self.0.insert((dimension, entity), groups);
                 let boundary = if dimension == 0 { 0 } else { scanner.count()? };
                 for _ in 0..boundary {
                     scanner.whole()?;
                 }
             }
         }
-        Ok(Self(entities))
+        Ok(())
+    }
+
+    /// True if there are no entities.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// Groups of an entity.

@@ -1,6 +1,6 @@
 //! Names of elements by the physical groups to which they belong.
 
-use super::elements::Simplex;
+use super::elements::FileElement;
 use super::error::GmshError;
 use super::groups::{GroupNames, GroupSets};
 use crate::mesh::{Names, sorted};
@@ -21,7 +21,7 @@ pub(super) struct Labels {
 
 impl Groups {
     /// True if there is a named group, or an element in a group.
-    pub(super) fn is_any<const K: usize>(&self, elements: &[Simplex<K>]) -> bool {
+    pub(super) fn is_any<const K: usize>(&self, elements: &[FileElement<K>]) -> bool {
         !self.names.is_empty()
             || elements.iter().any(|element| !self.sets.groups(element.groups).is_empty())
     }
@@ -29,9 +29,9 @@ impl Groups {
     /// Cells, each once: version 2.2 writes one of several groups once for each, one after the other.
     pub(super) fn cells_once<const V: usize>(
         &mut self,
-        cells: Vec<Simplex<V>>,
-    ) -> Result<Vec<Simplex<V>>, GmshError> {
-        let mut once: Vec<Simplex<V>> = Vec::with_capacity(cells.len());
+        cells: Vec<FileElement<V>>,
+    ) -> Result<Vec<FileElement<V>>, GmshError> {
+        let mut once: Vec<FileElement<V>> = Vec::with_capacity(cells.len());
         for cell in cells {
             match once.last_mut().filter(|last| last.nodes == cell.nodes) {
                 None => once.push(cell),
@@ -48,8 +48,11 @@ impl Groups {
     }
 
     /// Sides that are in groups, each once, with all its groups.
-    pub(super) fn sides_once<const D: usize>(&mut self, sides: &[Simplex<D>]) -> Vec<Simplex<D>> {
-        let mut once: Vec<Simplex<D>> = Vec::new();
+    pub(super) fn sides_once<const D: usize>(
+        &mut self,
+        sides: &[FileElement<D>],
+    ) -> Vec<FileElement<D>> {
+        let mut once: Vec<FileElement<D>> = Vec::new();
         let mut positions: HashMap<[u32; D], usize> = HashMap::new();
         for side in sides {
             if self.sets.groups(side.groups).is_empty() {
@@ -57,7 +60,7 @@ impl Groups {
             }
             let position = *positions.entry(sorted(side.nodes)).or_insert(once.len());
             match once.get_mut(position) {
-                None => once.push(Simplex { ..*side }),
+                None => once.push(FileElement { ..*side }),
                 Some(first) => first.groups = self.sets.union(first.groups, side.groups),
             }
         }

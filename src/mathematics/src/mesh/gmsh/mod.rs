@@ -1,6 +1,7 @@
-//! Meshes of [Gmsh](https://gmsh.info), from files of the versions 2.2 and 4.1, in text and in bytes.
+//! Meshes of [Gmsh](https://gmsh.info), from files of the versions 2.0 to 2.2, 4.0 and 4.1, in text and in bytes.
 //!
-//! Triangles and tetrahedra of first order are read, and physical groups name regions and parts of the boundary. The
+//! Triangles and tetrahedra are read, those of higher order by their corners, and quadrangles, which a diagonal cuts;
+//! physical groups name regions and parts of the boundary. Sections may be repeated, and a mesh may be partitioned. The
 //! reader is our own because the crate `mshio` reads version 4.1 only, and has had no release for years.
 
 mod build;
@@ -10,6 +11,7 @@ mod groups;
 mod labels;
 mod nodes;
 mod other_file;
+mod plane;
 mod scanner;
 
 pub use error::{Fault, FilePlace, GmshError};
@@ -22,7 +24,7 @@ use groups::{Entities, GroupNames};
 use nodes::FileNodes;
 use scanner::{Scanner, Version};
 
-/// Reads a mesh: in space if there are tetrahedra, else in the plane.
+/// Reads a mesh: in space if there are tetrahedra, else in the plane, whose place is in [`Origin`](super::Origin).
 ///
 /// Nodes keep the order of the file; nodes of no line, triangle or tetrahedron are left out. A group without a name has
 /// its number for a name; cells without a group are the region `domain`. An element may be in several groups: facets of
@@ -32,29 +34,30 @@ use scanner::{Scanner, Version};
 /// [`GmshError`], with the section and the line or byte, or the number of the element.
 pub fn read(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
     let mut scanner = Scanner::new(bytes)?;
-    let (mut names, mut entities, mut nodes, mut elements) = (None, None, None, None);
+    let (mut names, mut entities) = (GroupNames::default(), Entities::default());
+    let (mut nodes, mut elements) = (None, None);
     while let Some(section) = scanner.section()? {
+        let has_entities = scanner.version != Version::Two;
         match section {
-            "PhysicalNames" => set_once(&mut names, &mut scanner, GroupNames::read)?,
-            "Entities" if scanner.version == Version::Four => {
-                if elements.is_some() {
+            "PhysicalNames" => names.read(&mut scanner)?,
+            "Entities" | "PartitionedEntities" if has_entities => {
+                if elements.is_some() && entities.is_empty() {
                     return Err(scanner.fault(Fault::Order("Entities")));
                 }
-                scanner.begin_bytes()?;
-                set_once(&mut entities, &mut scanner, Entities::read)?;
+                match section {
+                    "Entities" => entities.read(&mut scanner)?,
+                    _ => entities.read_partitioned(&mut scanner)?,
+                }
             }
-            "Nodes" => set_once(&mut nodes, &mut scanner, FileNodes::read)?,
+            "Nodes" => nodes.get_or_insert_with(FileNodes::default).read(&mut scanner)?,
             "ParametricNodes" if scanner.version == Version::Two => {
-                set_once(&mut nodes, &mut scanner, FileNodes::read_parametric)?;
+                nodes.get_or_insert_with(FileNodes::default).read_parametric(&mut scanner)?;
             }
             "Elements" => {
                 let Some(nodes) = &nodes else { return Err(scanner.fault(Fault::Order("Nodes"))) };
-                let entities = entities.get_or_insert_default();
-                set_once(&mut elements, &mut scanner, |scanner| {
-                    FileElements::read(scanner, nodes, entities)
-                })?;
+                let elements = elements.get_or_insert_with(FileElements::default);
+                elements.read(&mut scanner, nodes, &entities)?;
             }
-            "PartitionedEntities" => return Err(scanner.fault(Fault::Partitioned)),
             _ => {
                 scanner.skip()?;
                 continue;
@@ -62,23 +65,9 @@ pub fn read(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
         }
         scanner.end()?;
     }
-    let names = names.unwrap_or_default();
     let nodes = nodes.ok_or(GmshError::Missing("Nodes"))?;
     let elements = elements.ok_or(GmshError::Missing("Elements"))?;
     Sections { names, nodes, elements }.mesh()
-}
-
-/// Reads a section that may be there once.
-fn set_once<'a, T>(
-    section: &mut Option<T>,
-    scanner: &mut Scanner<'a>,
-    read: impl FnOnce(&mut Scanner<'a>) -> Result<T, GmshError>,
-) -> Result<(), GmshError> {
-    if section.is_some() {
-        return Err(scanner.fault(Fault::SectionTwice));
-    }
-    *section = Some(read(scanner)?);
-    Ok(())
 }
 
 #[cfg(test)]

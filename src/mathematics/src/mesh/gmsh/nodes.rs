@@ -54,21 +54,17 @@ impl Positions {
 }
 
 impl FileNodes {
-    /// Reads the section `$Nodes`.
-    pub(super) fn read(scanner: &mut Scanner<'_>) -> Result<Self, GmshError> {
-        let mut nodes = Self::default();
+    /// Adds the nodes of a section `$Nodes`.
+    pub(super) fn read(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         match scanner.version {
-            Version::Two => nodes.read_list(scanner, pass_over_nothing)?,
-            Version::Four => nodes.read_blocks(scanner)?,
+            Version::Two => self.read_list(scanner, pass_over_nothing),
+            Version::FourZero | Version::FourOne => self.read_blocks(scanner),
         }
-        Ok(nodes)
     }
 
-    /// Reads the section `$ParametricNodes` of version 2.2.
-    pub(super) fn read_parametric(scanner: &mut Scanner<'_>) -> Result<Self, GmshError> {
-        let mut nodes = Self::default();
-        nodes.read_list(scanner, pass_over_parameters)?;
-        Ok(nodes)
+    /// Adds the nodes of a section `$ParametricNodes` of version 2.
+    pub(super) fn read_parametric(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
+        self.read_list(scanner, pass_over_parameters)
     }
 
     /// Position of the node of this number.
@@ -76,7 +72,7 @@ impl FileNodes {
         self.positions.get(tag)
     }
 
-    /// Nodes of version 2.2; `pass` passes over what follows the coordinates.
+    /// Nodes of version 2; `pass` passes over what follows the coordinates.
     fn read_list(
         &mut self,
         scanner: &mut Scanner<'_>,
@@ -92,19 +88,25 @@ impl FileNodes {
         Ok(())
     }
 
-    /// Nodes of version 4.1. The blocks say how many there are: some files have more in their heads.
+    /// Nodes of version 4. The blocks say how many there are: some files have more in their heads.
     fn read_blocks(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
-        scanner.begin_bytes()?;
-        let [blocks, ..] = four_counts(scanner)?;
+        let blocks = blocks(scanner)?;
         for _ in 0..blocks {
-            let (dimension, _entity) = (scanner.whole()?, scanner.whole()?);
+            let (dimension, _entity) = entity(scanner)?;
             // Nodes with parameters have one on a curve, two on a surface, three in a volume.
             let parameters = if scanner.whole()? == 0 { 0 } else { dimension.clamp(0, 3) };
             let count = scanner.count()?;
-            for _ in 0..count {
-                self.add_tag(scanner)?;
+            // Version 4.1 has the numbers of a block before its points.
+            let tags_first = scanner.version == Version::FourOne;
+            if tags_first {
+                for _ in 0..count {
+                    self.add_tag(scanner)?;
+                }
             }
             for _ in 0..count {
+                if !tags_first {
+                    self.add_tag(scanner)?;
+                }
                 self.add_point(scanner)?;
                 for _ in 0..parameters {
                     scanner.real()?;
@@ -147,7 +149,20 @@ fn pass_over_parameters(scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
     Ok(())
 }
 
-/// Reads the head of a section with blocks: numbers of blocks and of nodes or elements, least and largest number.
-pub(super) fn four_counts(scanner: &mut Scanner<'_>) -> Result<[u64; 4], GmshError> {
-    Ok([scanner.count()?, scanner.count()?, scanner.count()?, scanner.count()?])
+/// Reads the head of a section with blocks: the number of blocks, then that of nodes or elements and, in version 4.1, the
+/// least and the largest number. Returns the number of blocks.
+pub(super) fn blocks(scanner: &mut Scanner<'_>) -> Result<u64, GmshError> {
+    scanner.begin_bytes()?;
+    let blocks = scanner.count()?;
+    let others = if scanner.version == Version::FourOne { 3 } else { 1 };
+    for _ in 0..others {
+        scanner.count()?;
+    }
+    Ok(blocks)
+}
+
+/// Reads the dimension and the number of the entity of a block, which version 4.0 has the other way round.
+pub(super) fn entity(scanner: &mut Scanner<'_>) -> Result<(i64, i64), GmshError> {
+    let (one, two) = (scanner.whole()?, scanner.whole()?);
+    Ok(if scanner.version == Version::FourOne { (one, two) } else { (two, one) })
 }

@@ -21,10 +21,12 @@ pub(super) enum Encoding {
 /// Version of the format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Version {
-    /// 2.2.
+    /// 2.0 to 2.2, which have the same columns.
     Two,
+    /// 4.0.
+    FourZero,
     /// 4.1.
-    Four,
+    FourOne,
 }
 
 /// Reader of words and numbers. Numbers of counts are never trusted: what is read is pushed, so that no allocation is
@@ -44,7 +46,7 @@ pub(super) struct Scanner<'a> {
 impl<'a> Scanner<'a> {
     /// Scanner after the section `$MeshFormat`.
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, GmshError> {
-        let (version, encoding) = (Version::Four, Encoding::Text);
+        let (version, encoding) = (Version::FourOne, Encoding::Text);
         let at = if bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
         let mut scanner = Self { bytes, at, last: at, section: b"MeshFormat", version, encoding };
         loop {
@@ -55,8 +57,9 @@ impl<'a> Scanner<'a> {
             }
         }
         scanner.version = match scanner.word()? {
-            b"2.2" => Version::Two,
-            b"4.1" => Version::Four,
+            b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
+            b"4" | b"4.0" => Version::FourZero,
+            b"4.1" => Version::FourOne,
             other => return Err(scanner.fault(Fault::Version(shown(other)))),
         };
         let is_binary = match scanner.word()? {
@@ -187,9 +190,9 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// Next number of a node or element: as a count in version 4.1, as a whole number in version 2.2.
+    /// Next number of a node or element: as a count in version 4.1, else as a whole number.
     pub(super) fn tag(&mut self) -> Result<u64, GmshError> {
-        if self.version == Version::Four || self.is_text() {
+        if self.version == Version::FourOne || self.is_text() {
             return self.count();
         }
         let tag = self.whole()?;

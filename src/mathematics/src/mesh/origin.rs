@@ -1,0 +1,108 @@
+//! How a mesh came from its file: the place of its plane, and what was read otherwise than it stands there.
+
+/// How a mesh came from its file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Origin {
+    /// Plane in which a mesh in the plane lies.
+    pub plane: PlaneInSpace,
+    /// Number of cells of higher order, which are read by their corners.
+    pub of_higher_order: usize,
+    /// Number of quadrangles, which a diagonal cuts.
+    pub quadrangles: usize,
+}
+
+/// Plane in space, with two coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlaneInSpace {
+    /// The plane of x and y at this z.
+    Horizontal(f64),
+    /// Another plane.
+    Other {
+        /// Its point nearest to the origin of the coordinates, which both axes are perpendicular to.
+        foot: [f64; 3],
+        /// Axes of the coordinates, of length one.
+        axes: [[f64; 3]; 2],
+    },
+}
+
+impl Default for PlaneInSpace {
+    fn default() -> Self {
+        Self::Horizontal(0.0)
+    }
+}
+
+impl PlaneInSpace {
+    /// Place in space of a point of the plane.
+    pub fn in_space(&self, [s, t]: [f64; 2]) -> [f64; 3] {
+        match *self {
+            Self::Horizontal(z) => [s, t, z],
+            Self::Other { foot, axes: [a, b] } => {
+                std::array::from_fn(|d| foot[d] + s * a[d] + t * b[d])
+            }
+        }
+    }
+
+    /// Coordinates in the plane of a point in space.
+    pub fn coordinates(&self, point: [f64; 3]) -> [f64; 2] {
+        match self {
+            Self::Horizontal(_) => [point[0], point[1]],
+            Self::Other { axes, .. } => {
+                axes.map(|axis| axis.iter().zip(point).map(|(a, x)| a * x).sum())
+            }
+        }
+    }
+}
+
+impl Origin {
+    /// Returns, in a line each, what was read otherwise than it stands in the file.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        match self.of_higher_order {
+            0 => (),
+            1 => notes.push(
+                "1 element of higher order is read by its corners, with straight sides".into(),
+            ),
+            count => notes.push(format!(
+                "{count} elements of higher order are read by their corners, with straight sides"
+            )),
+        }
+        match self.quadrangles {
+            0 => (),
+            1 => notes.push("1 quadrangle is cut into triangles, by its shorter diagonal".into()),
+            count => notes.push(format!(
+                "{count} quadrangles are cut into triangles, each by its shorter diagonal"
+            )),
+        }
+        if let PlaneInSpace::Other { axes, .. } = &self.plane {
+            let [x, y] = axes.each_ref().map(in_words);
+            notes.push(format!(
+                "the mesh lies in a plane that is not z = const: in f and curves, x stands for {x} of the file and y \
+                 for {y}"
+            ));
+        }
+        notes
+    }
+}
+
+/// Coordinate along an axis, in those of the file.
+fn in_words(axis: &[f64; 3]) -> String {
+    let mut text = String::new();
+    for (part, name) in axis.iter().zip(["x", "y", "z"]) {
+        let size = (part.abs() * 1e4).round() / 1e4;
+        if size == 0.0 {
+            continue;
+        }
+        let is_first = text.is_empty();
+        text += match (*part < 0.0, is_first) {
+            (true, true) => "-",
+            (true, false) => " - ",
+            (false, true) => "",
+            (false, false) => " + ",
+        };
+        if size != 1.0 {
+            text += &format!("{size} ");
+        }
+        text += name;
+    }
+    text
+}
