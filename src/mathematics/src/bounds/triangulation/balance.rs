@@ -3,8 +3,8 @@
 
 use super::NoBound;
 use super::cells::Cells;
-use super::sides::{BoundarySide, Neighbour, Sides};
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
+use crate::mesh::{BoundarySide, Neighbour, Sides};
 use crate::mesh::{Condition, measure};
 use crate::problem::law::Law;
 use crate::problem::unsolvable::{Component, Unsolvable};

@@ -1,9 +1,9 @@
 //! Flux of a patch: the part of the flux that belongs to the hat function of one node (Braess and Schöberl 2008).
 
 use super::cells::{Cell, Cells};
-use super::sides::{Neighbour, Sides};
 use crate::bounds::boundary::PartLaw;
 use crate::mesh::{Condition, Facet, Mesh, measure};
+use crate::mesh::{Neighbour, Sides};
 
 /// Cell of a fan.
 #[derive(Clone, Copy, Debug)]

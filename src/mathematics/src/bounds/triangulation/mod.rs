@@ -37,11 +37,11 @@
 //! `grad w - sigma` on the cell grow by as much. J(w) takes f by the means alone, and `h / pi` times the deviation
 //! times `|grad w|` is added.
 
+mod around;
 mod balance;
 mod cells;
 mod circulation;
 mod fan;
-mod sides;
 mod stream;
 mod sums;
 #[cfg(test)]
@@ -50,14 +50,14 @@ mod tests;
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
-use crate::mesh::{CellData, Mesh};
+use crate::mesh::{CellData, Mesh, Sides};
 use crate::problem::law::Law;
+use around::FirstCells;
 use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
 use fan::{Fan, SideOutflow};
 use rayon::prelude::*;
-use sides::{FirstCells, Sides};
 use std::borrow::Cow;
 use stream::circulate;
 use sums::Summands;

@@ -6,9 +6,9 @@
 //! all of the flux on which the bounds depend, whatever w is.
 
 use super::cells::{Cells, RaviartThomas};
-use super::sides::{BoundarySide, Sides};
 use crate::bounds::boundary::PartLaw;
 use crate::discrete::network::Network;
+use crate::mesh::{BoundarySide, Sides};
 use crate::mesh::{Condition, Element, measure};
 
 /// Number of Gauss-Seidel sweeps, every other one backward. More of them change the bounds by next to nothing.

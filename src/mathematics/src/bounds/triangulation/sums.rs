@@ -2,8 +2,8 @@
 
 use super::CellData;
 use super::cells::{RaviartThomas, gradient};
-use super::sides::{BoundarySide, Sides};
 use crate::bounds::boundary::{PartLaw, Slips};
+use crate::mesh::{BoundarySide, Sides};
 use crate::mesh::{Condition, Element, Mesh, dot, measure, size};
 use crate::problem::law::Law;
 use std::f64::consts::PI;
