@@ -21,9 +21,6 @@ pub struct Problem {
     is_curved: bool,
 }
 
-/// Bound of the rounding error of the integral of f, over the integral of |f|.
-const ROUNDING: f64 = 1e-12;
-
 /// Approximation that guaranteed bounds leave out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -35,6 +32,9 @@ pub enum Reserve {
 }
 
 impl Problem {
+    /// Bound of the rounding error of the integral of f, over the integral of |f|.
+    pub(super) const ROUNDING: f64 = 1e-12;
+
     /// Problem on the square, on nested grids, coarsest first.
     ///
     /// # Errors
@@ -77,11 +77,16 @@ impl Problem {
     /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding
     /// errors of integrals.
     fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
-        let rounding = ROUNDING * levels.integrals().of_size.abs();
+        let rounding = Self::ROUNDING * levels.integrals().of_size.abs();
         for component in levels.components() {
             component.check(law, rounding)?;
         }
-        Ok(Self { levels: Box::new(levels), law, is_curved })
+        Ok(Self::checked(levels, law, is_curved))
+    }
+
+    /// As [`Problem::new`], of a flux that is known to balance f.
+    pub(super) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
+        Self { levels: Box::new(levels), law, is_curved }
     }
 
     /// Nested discrete problems.

@@ -10,10 +10,10 @@ use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::{NestedNetwork, restricted};
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
-use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::driver::{self, Hierarchy, LoadScale};
 use crate::multigrid::input::{InputError, check_length, check_load};
+use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::law::Law;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error
@@ -34,7 +34,35 @@ const PATIENCE: usize = 10;
 /// If there are no levels.
 pub fn solve_nested_networks(
     levels: &[NestedNetwork],
+    problem: LawAndLoad<'_>,
+    params: &MultigridParams,
+) -> Result<(Vec<f64>, End), InputError> {
+    solve_from(levels, problem, None, params)
+}
+
+/// As [`solve_nested_networks`], from a nodal vector near the solution of the last network, with so many steps there at
+/// most.
+///
+/// # Errors
+/// As [`solve_nested_networks`].
+///
+/// # Panics
+/// If there are no levels.
+pub fn improve_on_nested_networks(
+    levels: &[NestedNetwork],
+    problem: LawAndLoad<'_>,
+    start: &[f64],
+    steps: usize,
+) -> Result<(Vec<f64>, End), InputError> {
+    let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles: steps };
+    solve_from(levels, problem, Some(start), &params)
+}
+
+/// As [`solve_nested_networks`]; a `start` takes the place of the solutions on coarser levels.
+fn solve_from(
+    levels: &[NestedNetwork],
     LawAndLoad { law, load }: LawAndLoad<'_>,
+    start: Option<&[f64]>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
     let network = &levels[levels.len() - 1].network;
@@ -46,6 +74,8 @@ pub fn solve_nested_networks(
     let loads = restricted(levels, shifted.iter().map(|value| value / scale).collect());
     let nested = NestedProblem { levels, loads, components, scale };
     let mut run = NetworkRun::new(&nested);
+    let factor = one_sided.signed(1.0) / scale;
+    run.start = start.map(|y| y.iter().map(|value| factor * value).collect());
     let end = driver::solve(&mut run, one_sided.limit, params)?;
     let mut y = run.take_y();
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
@@ -124,6 +154,8 @@ impl Components {
 struct NetworkRun<'a> {
     nested: &'a NestedProblem<'a>,
     cycle: Cycle<'a>,
+    /// Nodal vector from which the finest level starts, divided as the load.
+    start: Option<Vec<f64>>,
     /// Limit of the flux, divided as the load.
     limit: f64,
     /// Measure of the boundary of each component that balances the load if it slips down.
@@ -149,6 +181,7 @@ impl<'a> NetworkRun<'a> {
         Self {
             nested,
             cycle: Cycle::new(nested.levels),
+            start: None,
             limit: f64::INFINITY,
             needed: Vec::new(),
             coarsest: Vec::new(),
@@ -166,6 +199,21 @@ impl<'a> NetworkRun<'a> {
         let Some(iterate) = self.iterate.take() else { return std::mem::take(&mut self.coarsest) };
         self.work += iterate.work;
         iterate.y
+    }
+
+    /// Takes a nodal vector on a level finer than the coarsest; returns its residual after one sweep.
+    fn begin(&mut self, level: usize, y: Vec<f64>) -> Result<f64, InputError> {
+        let NestedProblem { levels, loads, components, .. } = self.nested;
+        let problem = ContactProblem {
+            network: &levels[level].network,
+            law: self.nested.law(self.limit, level)?,
+            components: &components.of_contact[level],
+            has_fixed: &components.has_fixed,
+            needed: self.needed.clone(),
+        };
+        let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));
+        (self.halved, self.since) = (iterate.natural_residual(), 0);
+        Ok(self.halved)
     }
 
     /// Nodal vector on the finest level, where that is not the coarsest.
@@ -202,18 +250,17 @@ impl Hierarchy for NetworkRun<'_> {
     }
 
     fn refine(&mut self, level: usize) -> Result<f64, InputError> {
-        let NestedProblem { levels, loads, components, .. } = self.nested;
-        let y = levels[level].interpolate(&self.take_y());
-        let problem = ContactProblem {
-            network: &levels[level].network,
-            law: self.nested.law(self.limit, level)?,
-            components: &components.of_contact[level],
-            has_fixed: &components.has_fixed,
-            needed: self.needed.clone(),
-        };
-        let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));
-        (self.halved, self.since) = (iterate.natural_residual(), 0);
-        Ok(self.halved)
+        let y = self.nested.levels[level].interpolate(&self.take_y());
+        self.begin(level, y)
+    }
+
+    fn starts_with_limit(&self) -> bool {
+        self.start.is_some()
+    }
+
+    fn start(&mut self) -> Result<Option<f64>, InputError> {
+        let finest = self.finest();
+        self.start.take().map(|y| self.begin(finest, y)).transpose()
     }
 
     fn settle(&mut self, level: usize) {

@@ -4,8 +4,7 @@
 use super::NoBound;
 use super::cells::Cells;
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
-use crate::mesh::{BoundarySide, Neighbour, Sides};
-use crate::mesh::{Condition, measure};
+use crate::mesh::{BoundarySide, Condition, Neighbour, Sides, measure};
 use crate::problem::law::Law;
 use crate::problem::unsolvable::{Component, Unsolvable};
 use std::cmp::Ordering;

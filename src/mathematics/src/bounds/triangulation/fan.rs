@@ -2,8 +2,7 @@
 
 use super::cells::{Cell, Cells};
 use crate::bounds::boundary::PartLaw;
-use crate::mesh::{Condition, Facet, Mesh, measure};
-use crate::mesh::{Neighbour, Sides};
+use crate::mesh::{Condition, Element, Facet, Mesh, Neighbour, Sides, measure};
 
 /// Cell of a fan.
 #[derive(Clone, Copy, Debug)]
@@ -143,6 +142,10 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// Lets the reaction at the node, as far as the law allows, out through the boundary, and takes the rest away
     /// from all cells in proportion to their volumes: then the outflows wanted from the cells and those through the
     /// boundary have the same sum.
+    ///
+    /// Where w is not zero, a reaction beyond the end of the interval to which w slips does work on w, and one that is
+    /// left to the cells lengthens the distance from `grad w`. The sum of both is about least for the reaction that is
+    /// left after the best change of w at this node alone.
     pub(super) fn prescribe(&mut self) {
         let reaction: f64 = self.members.iter().map(|member| member.wanted).sum();
         let law = self.cells.law;
@@ -154,7 +157,9 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
             self.let_out(Condition::Fixed, reaction - beside);
             reaction
         } else if part > 0.0 {
-            let allowed = PartLaw::new(law, part).clamp(reaction);
+            let w = self.cells.w[self.node as usize];
+            let left = if w == 0.0 { reaction } else { reaction - self.stiffness() * w };
+            let allowed = PartLaw::new(law, part).clamp(left);
             self.let_out(Condition::Contact, allowed);
             allowed
         } else {
@@ -165,6 +170,15 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         for member in &mut self.members {
             member.wanted -= density * member.data.volume;
         }
+    }
+
+    /// Square of the norm of the gradient of the node's hat function.
+    fn stiffness(&self) -> f64 {
+        let members = self.members.iter().map(|&Member { cell, vertex, .. }| {
+            let vertices = self.mesh.vertices(&self.mesh.cells()[cell as usize]);
+            Element::<D, V>::new(vertices).stiffness(vertex, vertex)
+        });
+        members.sum()
     }
 
     /// Measure of the facets at the node with this condition.

@@ -25,8 +25,9 @@
 //! share of `grad w . n` (`fan.rs`). The distance that is made least is the one between the part of sigma and that
 //! share as fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on
 //! fine meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at
-//! the node if the boundary allows the sign; else, and for the residual at other nodes, all outflows around the node
-//! are changed alike. In the plane, sweeps over circulations around all nodes then lower the norm of sigma
+//! the node as far as the law allows and w is zero there, or the node belongs to the contact (`fan.rs`); else, and for
+//! the residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
+//! iteration has nearly the bounds of the last one. In the plane, sweeps over circulations around all nodes then lower the norm of sigma
 //! (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every
 //! vector.
 //!
@@ -41,6 +42,7 @@ mod around;
 mod balance;
 mod cells;
 mod circulation;
+mod curve;
 mod fan;
 mod stream;
 mod sums;
@@ -56,6 +58,7 @@ use around::FirstCells;
 use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
+pub use curve::{CurveShare, curve_shares};
 use fan::{Fan, SideOutflow};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -64,12 +67,10 @@ use sums::Summands;
 
 /// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a
 /// law on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present
-/// conditions. There is no recovery, and the lower bound of the error is zero.
+/// conditions. There is no recovery.
 ///
 /// # Errors
-/// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the
-/// flux cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the range of
-/// double precision.
+/// As [`BoundedProblem::bounds`].
 ///
 /// # Panics
 /// If `y`, `network` and `mesh` have not the same number of nodes, or `f` and `mesh` not the same number of cells.
@@ -80,33 +81,84 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     law: Law,
     y: &[f64],
 ) -> Result<Bounds, NoBound> {
-    assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
-    let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
-    assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
     let sides = Sides::new(mesh);
-    let w = admissible(network, Slips::of_law(law), y);
-    let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, &sides, network)?;
-    let summands = Summands { mesh, sides: &sides, f, y, w: &w, law, flux: &flux };
-    let found = combined(&summands);
-    // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
-    let narrower = admissible(network, summands.slips(), y);
-    if narrower == w {
-        return found;
+    Ok(BoundedProblem { mesh, sides: &sides, network, f, law }.bounds(y)?.bounds)
+}
+
+/// Discrete problem on a mesh, as far as bounds are concerned.
+#[derive(Clone, Copy)]
+pub struct BoundedProblem<'a, const D: usize, const V: usize> {
+    /// Mesh.
+    pub mesh: &'a Mesh<D, V>,
+    /// Sides of its cells.
+    pub sides: &'a Sides<V>,
+    /// Discrete problem with the present conditions of the mesh.
+    pub network: &'a Network,
+    /// f on the cells.
+    pub f: &'a CellData,
+    /// Law on the boundary in contact.
+    pub law: Law,
+}
+
+/// Bounds with their parts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalBounds {
+    /// Bounds.
+    pub bounds: Bounds,
+    /// Square of the guaranteed error in each cell, of a vector in K: their sum is the square of the guaranteed error,
+    /// up to rounding.
+    pub squares: Vec<f64>,
+}
+
+impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
+    /// Returns bounds for the nodal vector `y`, one value for each node.
+    ///
+    /// # Errors
+    /// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where
+    /// the flux cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the
+    /// range of double precision.
+    ///
+    /// # Panics
+    /// If `y`, the network and the mesh have not the same number of nodes, or f and the mesh not the same number of
+    /// cells.
+    pub fn bounds(&self, y: &[f64]) -> Result<LocalBounds, NoBound> {
+        let &Self { mesh, sides, network, f, law } = self;
+        assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
+        let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
+        assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
+        let w = admissible(network, Slips::of_law(law), y);
+        let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, sides, network)?;
+        let summands = Summands { mesh, sides, f, y, w: &w, law, flux: &flux };
+        let found = combined(&summands);
+        // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
+        let narrower = admissible(network, summands.slips(), y);
+        if narrower == w {
+            return found;
+        }
+        let w = narrower;
+        let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, sides, network)?;
+        let other = combined(&Summands { w: &w, flux: &flux, ..summands });
+        match (found, other) {
+            (Ok(found), Ok(other)) => Ok(found.intersection(other)),
+            (found, other) => found.or(other),
+        }
     }
-    let w = narrower;
-    let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, &sides, network)?;
-    let other = combined(&Summands { w: &w, flux: &flux, ..summands });
-    match (found, other) {
-        (Ok(found), Ok(other)) => Ok(found.intersection(&other)),
-        (found, other) => found.or(other),
+}
+
+impl LocalBounds {
+    /// Bounds that follow from these and others of the same solution, with the parts of those that are closer.
+    fn intersection(self, other: Self) -> Self {
+        let bounds = self.bounds.intersection(&other.bounds);
+        let is_closer = other.bounds.error[1] < self.bounds.error[1];
+        Self { bounds, squares: if is_closer { other.squares } else { self.squares } }
     }
 }
 
 /// Combines the sums for a nodal vector in K and a flux to bounds.
 fn combined<const D: usize, const V: usize>(
     summands: &Summands<'_, D, V>,
-) -> Result<Bounds, NoBound> {
-    let totals = summands.totals();
+) -> Result<LocalBounds, NoBound> {
+    let (totals, squares) = summands.totals();
     let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
     let inside = 0.5 * totals.gradient - totals.load + totals.deviation;
@@ -118,14 +170,21 @@ fn combined<const D: usize, const V: usize>(
         energy: below_zero([-0.5 * totals.flux - totals.rounding_of_flux(largest), energy]),
         error: [0.0, distance + projection],
         recovered: None,
+        curve: segments(summands),
     };
     let underflows = totals.mass > 0.0 && totals.mass < LEAST_MASS;
     // The root hides a NaN.
     let numbers = [bounds.energy[0], energy, gap, rounding, projection];
     match underflows || !numbers.into_iter().all(f64::is_finite) {
         true => Err(NoBound::NotFinite),
-        false => Ok(bounds),
+        false => Ok(LocalBounds { bounds, squares }),
     }
+}
+
+/// Sum of [`CurveShare`]s as an energy; none if no part of the boundary is curved, and in space.
+fn segments<const D: usize, const V: usize>(summands: &Summands<'_, D, V>) -> Option<f64> {
+    let shares = curve_shares(summands.mesh, summands.sides, &summands.f.mean, summands.w);
+    Some(0.5 * shares?.iter().map(|share| share.square).sum::<f64>())
 }
 
 /// Nodal vector of a function in K: values in contact whose signs are left out, and all fixed values, are replaced by

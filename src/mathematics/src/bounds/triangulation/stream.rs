@@ -8,8 +8,7 @@
 use super::cells::{Cells, RaviartThomas};
 use crate::bounds::boundary::PartLaw;
 use crate::discrete::network::Network;
-use crate::mesh::{BoundarySide, Sides};
-use crate::mesh::{Condition, Element, measure};
+use crate::mesh::{BoundarySide, Condition, Element, Sides, measure};
 
 /// Number of Gauss-Seidel sweeps, every other one backward. More of them change the bounds by next to nothing.
 const SWEEPS: usize = 4;

@@ -3,14 +3,16 @@
 use super::CellData;
 use super::cells::{RaviartThomas, gradient};
 use crate::bounds::boundary::{PartLaw, Slips};
-use crate::mesh::{BoundarySide, Sides};
-use crate::mesh::{Condition, Element, Mesh, dot, measure, size};
+use crate::machine::threads::in_tasks;
+use crate::mesh::{BoundarySide, Condition, Element, Mesh, Sides, dot, measure, size};
 use crate::problem::law::Law;
+use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::ops::Range;
 
 /// Number of cells that are added one after the other; longer sums are halved, so that chains of additions stay short.
 const RUN: usize = 64;
+/// Numbers whose work takes as long as that on a cell.
+const COST: usize = 16;
 
 /// Upper bound of the number of roundings between the data and a sum: within a cell, and along a chain of additions.
 const ROUNDINGS: f64 = 256.0;
@@ -93,9 +95,27 @@ pub(super) struct Summands<'a, const D: usize, const V: usize> {
 }
 
 impl<const D: usize, const V: usize> Summands<'_, D, V> {
-    /// Sums over all cells and facets.
-    pub(super) fn totals(&self) -> Totals {
-        self.over(0..self.mesh.cells().len()).add(halved_sum(&self.boundary()))
+    /// Sums over all cells and facets, and the square of the guaranteed error in each cell: of the distance, and twice
+    /// the work on the facets in contact.
+    pub(super) fn totals(&self) -> (Totals, Vec<f64>) {
+        let mut squares = vec![0.0; self.mesh.cells().len()];
+        let runs = in_tasks(squares.par_chunks_mut(RUN).enumerate(), COST * RUN);
+        let of_runs = runs.map(|(run, squares)| {
+            let mut totals = Totals::default();
+            for (cell, square) in (RUN * run..).zip(squares) {
+                let of_cell = self.of_cell(cell);
+                *square = of_cell.distance;
+                totals = totals.add(of_cell);
+            }
+            totals
+        });
+        let of_runs: Vec<Totals> = of_runs.collect();
+        let mut of_facets = Vec::new();
+        for (cell, totals) in self.boundary() {
+            squares[cell as usize] += 2.0 * totals.work;
+            of_facets.push(totals);
+        }
+        (halved_sum(&of_runs).add(halved_sum(&of_facets)), squares)
     }
 
     /// Ends of the interval of the law that the flux through the boundary reaches; both ends of one that is not bounded
@@ -115,14 +135,6 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             }
         }
         slips
-    }
-
-    fn over(&self, cells: Range<usize>) -> Totals {
-        if cells.len() > RUN {
-            let middle = cells.start.midpoint(cells.end);
-            return self.over(cells.start..middle).add(self.over(middle..cells.end));
-        }
-        cells.fold(Totals::default(), |totals, cell| totals.add(self.of_cell(cell)))
     }
 
     fn of_cell(&self, cell: usize) -> Totals {
@@ -173,22 +185,23 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         element.volume * dot(moved, moved)
     }
 
-    /// Integrals over the facets in contact.
-    fn boundary(&self) -> Vec<Totals> {
+    /// Integrals over the facets in contact, each with its cell.
+    fn boundary(&self) -> Vec<(u32, Totals)> {
         let facets = self.mesh.facets();
         let mut terms = Vec::with_capacity(facets.len());
-        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(self.sides.of_facets()) {
+        for (facet, &BoundarySide { side, cell }) in facets.iter().zip(self.sides.of_facets()) {
             if self.mesh.condition(facet) == Condition::Contact {
                 let measure = measure(self.mesh.corners(facet));
                 let law = PartLaw::new(self.law, measure);
                 let w = facet.nodes.map(|node| self.w[node as usize]);
                 let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
-                terms.push(Totals {
+                let totals = Totals {
                     work: law.work_of_facet(w, self.flux[side as usize]),
                     potential: law.potential(w, 0.0),
                     boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
                     ..Totals::default()
-                });
+                };
+                terms.push((cell, totals));
             }
         }
         terms

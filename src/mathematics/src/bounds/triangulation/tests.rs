@@ -7,8 +7,9 @@ use super::cells::RaviartThomas;
 use super::*;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::mesh::BoundarySide;
-use crate::mesh::{BuiltIn, Condition, Element, Facet, MeshData, Part, assemble, refine};
+use crate::mesh::{
+    BoundarySide, BuiltIn, Condition, Element, Facet, MeshData, Part, assemble, refine,
+};
 use crate::multigrid::{MultigridParams, solve_square};
 use crate::problem::unsolvable::Unsolvable;
 
