@@ -2,6 +2,7 @@
 //!
 //! Central is [`solve`]: read the problem, solve, judge, print, write.
 
+mod adapting;
 mod advice;
 mod answer;
 mod bound;
@@ -14,6 +15,7 @@ use super::output::{OutputFile, say_json, tell};
 use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::accuracy::Accuracy;
+use adapting::Shown;
 use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -104,14 +106,17 @@ pub(super) struct SolveArgs {
     /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
     #[arg(long, value_name = "RESIDUAL", hide_short_help = true, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Guaranteed relative error in the energy norm; chooses the grid by itself
+    /// Guaranteed relative error in the energy norm; chooses the grid by itself, or refines the mesh where it is coarse
     #[arg(long, value_name = "REL", allow_negative_numbers = true,
         conflicts_with_all = ["h", "tolerance"])]
     accuracy: Option<f64>,
-    /// Guaranteed relative error of the energy; chooses the grid by itself
+    /// Guaranteed relative error of the energy; chooses the grid by itself, or refines the mesh where it is coarse
     #[arg(long, value_name = "REL", hide_short_help = true, allow_negative_numbers = true,
         conflicts_with_all = ["accuracy", "h", "tolerance"])]
     accuracy_energy: Option<f64>,
+    /// With an accuracy on a mesh, a line for each mesh: nodes and error
+    #[arg(short, long, hide_short_help = true)]
+    verbose: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -256,6 +261,9 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         return args.write(&request, file, (lattices, &pair));
     }
     let answer = match request.accuracy {
+        Some(accuracy) if request.problem.lattices().is_none() => {
+            adapted_answer(&mut request, accuracy, args.verbose)?
+        }
         Some(accuracy) => answer_to(&mut request, accuracy)?,
         None => answer(&request)?,
     };
@@ -270,7 +278,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     } else {
         args.write(&request, file, (request.problem.levels(), &answer.pair))?;
     }
-    answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
+    let failure = answer.failure.or(answer.shortfall);
+    failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
 }
 
 /// Solves and judges.
@@ -281,7 +290,22 @@ fn answer(request: &Request) -> Result<Answer> {
     let setup = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let run = request.run()?;
-    Ok(Answer::new(request, run, [setup, start.elapsed().as_secs_f64()]))
+    let seconds = [setup, start.elapsed().as_secs_f64()];
+    let bounds = request.problem.bounds(&run.y);
+    Ok(Answer::new(request, run, bounds, seconds))
+}
+
+/// Solves on adapted meshes until the guaranteed bound is small enough, and judges.
+fn adapted_answer(request: &mut Request, accuracy: Accuracy, verbose: bool) -> Result<Answer> {
+    let start = Instant::now();
+    let mut shown = Shown::new(accuracy, verbose);
+    let found = request.adapt(accuracy, &mut |mesh| shown.show(mesh));
+    shown.end();
+    let (run, bounds) = found?;
+    let seconds = [0.0, start.elapsed().as_secs_f64()];
+    let mut answer = Answer::new(request, run, Ok(bounds), seconds);
+    answer.judge_end(request, accuracy);
+    Ok(answer)
 }
 
 /// Solves on one grid of the square after the other until the guaranteed bound is small enough.

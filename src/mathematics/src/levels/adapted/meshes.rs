@@ -5,9 +5,10 @@ use super::{AdaptedEnd, AdaptedRun, Adaption};
 use crate::bounds::NoBound;
 use crate::bounds::triangulation::{BoundedProblem, LocalBounds, curve_shares};
 use crate::discrete::components::components;
-use crate::discrete::end::Outcome;
+use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
+use crate::discrete::stop::Stop;
 use crate::levels::{Problem, ProblemError, Triangulations};
 use crate::mesh::{
     Bisected, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
@@ -99,6 +100,7 @@ impl<'a> Meshes<'a> {
         self.note(&bounds);
         if self.has_stalled() {
             self.errors.pop();
+            self.outcomes.pop();
             bounds = self.improve(MOST_STEPS, has_solution)?;
             self.note(&bounds);
         }
@@ -135,9 +137,11 @@ impl<'a> Meshes<'a> {
             }
             solved => solved?,
         };
+        // So many steps are the goal.
+        let stop = if end.iterations == STEPS { Stop::Converged } else { end.stop };
+        let end = End { stop, ..end };
         let network = &self.networks[self.networks.len() - 1].network;
         let judgement = judge(network, law, &y, &self.load.load);
-        self.outcomes.truncate(self.networks.len() - 1);
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
         let (mesh, sides, f) = (self.finest(), &self.sides, &self.load.cells);
