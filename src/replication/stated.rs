@@ -91,7 +91,7 @@ const CHECKED_NODES: f64 = super::domain::USUAL_NODES;
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
 const MOST_NODES: f64 = 1e7;
 /// Memory per node of the finest of adapted meshes, with all coarser ones: measured, rounded up.
-const BYTES_PER_NODE: u64 = 1500;
+const BYTES_PER_NODE: u64 = 900;
 /// Folder of the project from which scenes name their meshes.
 const FOLDER: &str = "pipeline";
 

@@ -48,7 +48,7 @@ pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size};
 use geometry::{bounds, longest_side};
 pub(crate) use geometry::{dot, measure};
-pub use load::{CellData, MeshLoad, OnCells, mesh_load};
+pub use load::{CellData, CellsBefore, MeshLoad, OnCells, mesh_load, mesh_load_after};
 pub use names::Names;
 pub use nested::{NestedMeshes, nested_meshes, refined};
 pub use refine::{Refined, refine};

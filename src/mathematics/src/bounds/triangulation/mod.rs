@@ -22,12 +22,12 @@
 //! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux
 //! for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral
 //! of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its
-//! share of `grad w . n` (`fan.rs`). The distance that is made least is the one between the part of sigma and that
+//! share of `grad w . n` (`ring.rs`, in space `fan.rs`). The distance that is made least is the one between the part of sigma and that
 //! share as fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on
 //! fine meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at
-//! the node as far as the law allows and w is zero there, or the node belongs to the contact (`fan.rs`); else, and for
+//! the node as far as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for
 //! the residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
-//! iteration has nearly the bounds of the last one. In the plane, sweeps over circulations around all nodes then lower the norm of sigma
+//! iteration has nearly the bounds of the last one. In the plane, a sweep over circulations around all nodes then lowers the norm of sigma
 //! (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every
 //! vector.
 //!
@@ -44,6 +44,9 @@ mod cells;
 mod circulation;
 mod curve;
 mod fan;
+mod lower;
+mod reaction;
+mod ring;
 mod stream;
 mod sums;
 #[cfg(test)]
@@ -52,15 +55,18 @@ mod tests;
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
-use crate::mesh::{CellData, Mesh, Sides};
+use crate::machine::threads::in_tasks;
+use crate::mesh::{CellData, Element, Mesh, Sides, dot};
 use crate::problem::law::Law;
 use around::FirstCells;
 use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
 pub use curve::{CurveShare, curve_shares};
-use fan::{Fan, SideOutflow};
+use fan::Fan;
+use lower::lower;
 use rayon::prelude::*;
+use ring::Ring;
 use std::borrow::Cow;
 use stream::circulate;
 use sums::Summands;
@@ -82,7 +88,8 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     y: &[f64],
 ) -> Result<Bounds, NoBound> {
     let sides = Sides::new(mesh);
-    Ok(BoundedProblem { mesh, sides: &sides, network, f, law }.bounds(y)?.bounds)
+    let problem = BoundedProblem { mesh, sides: &sides, network, f, law };
+    Ok(problem.with_lower(problem.bounds(y)?.bounds, y))
 }
 
 /// Discrete problem on a mesh, as far as bounds are concerned.
@@ -111,7 +118,7 @@ pub struct LocalBounds {
 }
 
 impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
-    /// Returns bounds for the nodal vector `y`, one value for each node.
+    /// Returns bounds for the nodal vector `y`, one value for each node, without a lower bound of the error.
     ///
     /// # Errors
     /// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where
@@ -142,6 +149,24 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
             (Ok(found), Ok(other)) => Ok(found.intersection(other)),
             (found, other) => found.or(other),
         }
+    }
+}
+
+impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
+    /// Adds the lower bound of the error to bounds for a nodal vector; there is none in space.
+    pub fn with_lower(&self, mut bounds: Bounds, y: &[f64]) -> Bounds {
+        let w = admissible(self.network, Slips::of_law(self.law), y);
+        let mut moved = 0.0;
+        if w != y {
+            for cell in self.mesh.cells() {
+                let element = Element::new(self.mesh.vertices(cell));
+                let gradient =
+                    element.gradient(cell.map(|node| y[node as usize] - w[node as usize]));
+                moved += element.volume * dot(gradient, gradient);
+            }
+        }
+        bounds.error[0] = (lower(self, &w) - moved.sqrt() * (1.0 + 1e-9)).max(0.0);
+        bounds
     }
 }
 
@@ -211,7 +236,7 @@ fn equilibrated<const D: usize, const V: usize>(
     sides: &Sides<V>,
     network: &Network,
 ) -> Result<Vec<f64>, NoBound> {
-    let mut flux = of_fans(cells, sides);
+    let mut flux = of_patches(cells, sides);
     if D == 2 {
         circulate(cells, sides, network, &mut flux);
     }
@@ -223,32 +248,75 @@ fn equilibrated<const D: usize, const V: usize>(
 const RUN: u32 = 64;
 /// Number of such runs between additions.
 const RUNS: u32 = 64;
+/// Numbers whose work takes as long as that on a patch.
+const COST: usize = 64;
+
+/// Part of the flux through a side.
+#[derive(Clone, Copy, Debug)]
+struct SideOutflow {
+    side: u32,
+    outflow: f64,
+}
+
+/// Storage for the patches of nodes, one after the other.
+struct Patches<'a, const D: usize, const V: usize> {
+    ring: Ring<'a, D, V>,
+    fan: Fan<'a, D, V>,
+    circulations: Circulations,
+}
+
+impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
+    fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>) -> Self {
+        let (ring, fan) = (Ring::new(cells, sides), Fan::new(cells, sides));
+        Self { ring, fan, circulations: Circulations::new() }
+    }
+
+    /// Adds the outflows of the patch of a node to a list.
+    fn add(&mut self, node: u32, around: &FirstCells, outflows: &mut Vec<SideOutflow>) {
+        let Self { ring, fan, circulations } = self;
+        let all = fan.mesh.cells();
+        if D == 2 {
+            ring.begin(node);
+            while let Some(cell) = around.next(node, &ring.found, all) {
+                ring.find(cell);
+                ring.equilibrate();
+                ring.add_to(outflows);
+            }
+        } else {
+            fan.begin(node);
+            while let Some(cell) = around.next(node, &fan.found, all) {
+                fan.find(cell);
+                fan.prescribe();
+                fan.carry();
+                circulations.minimise(fan);
+                fan.add_to(outflows);
+            }
+        }
+    }
+}
 
 /// Sum of the fluxes of all patches, added in the order of the nodes whatever thread computes them.
-fn of_fans<const D: usize, const V: usize>(cells: &Cells<'_, D, V>, sides: &Sides<V>) -> Vec<f64> {
+fn of_patches<const D: usize, const V: usize>(
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+) -> Vec<f64> {
     let nodes = cells.w.len() as u32;
-    let all = cells.mesh.cells();
-    let around = FirstCells::new(cells.w.len(), all);
-    let storage = || (Fan::new(*cells, sides), Circulations::new());
+    let around = FirstCells::new(cells.w.len(), cells.mesh.cells());
     let mut flux = vec![0.0; sides.len()];
     for first in (0..nodes).step_by((RUN * RUNS) as usize) {
         let last = nodes.min(first + RUN * RUNS);
-        let runs = (0..(last - first).div_ceil(RUN)).into_par_iter();
-        let parts = runs.map_init(storage, |(fan, circulations), run| {
-            let start = first + RUN * run;
-            let mut outflows = Vec::new();
-            for node in start..last.min(start + RUN) {
-                fan.begin(node);
-                while let Some(cell) = around.next(node, &fan.found, all) {
-                    fan.find(cell);
-                    fan.prescribe();
-                    fan.carry();
-                    circulations.minimise(fan);
-                    fan.add_to(&mut outflows);
+        let runs = in_tasks((0..(last - first).div_ceil(RUN)).into_par_iter(), COST * RUN as usize);
+        let parts = runs.map_init(
+            || Patches::new(*cells, sides),
+            |patches, run| {
+                let start = first + RUN * run;
+                let mut outflows = Vec::with_capacity(8 * RUN as usize);
+                for node in start..last.min(start + RUN) {
+                    patches.add(node, &around, &mut outflows);
                 }
-            }
-            outflows
-        });
+                outflows
+            },
+        );
         for SideOutflow { side, outflow } in parts.collect::<Vec<_>>().into_iter().flatten() {
             flux[side as usize] += outflow;
         }

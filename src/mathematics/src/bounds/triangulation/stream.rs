@@ -10,9 +10,6 @@ use crate::bounds::boundary::PartLaw;
 use crate::discrete::network::Network;
 use crate::mesh::{BoundarySide, Condition, Element, Sides, measure};
 
-/// Number of Gauss-Seidel sweeps, every other one backward. More of them change the bounds by next to nothing.
-const SWEEPS: usize = 4;
-
 /// Bounds of psi at a node of the boundary by a facet in contact, relative to psi at the other end.
 #[derive(Clone, Copy)]
 struct Limit {
@@ -55,13 +52,8 @@ pub(super) fn circulate<const D: usize, const V: usize>(
 ) {
     let mut stream = Stream::new(cells, sides, flux);
     let load = load_of_flux(cells, sides, flux);
-    for sweep in 0..SWEEPS {
-        let nodes = 0..load.len();
-        match sweep % 2 {
-            0 => nodes.for_each(|node| stream.relax(node, network, &load)),
-            _ => nodes.rev().for_each(|node| stream.relax(node, network, &load)),
-        }
-    }
+    // More sweeps of Gauss and Seidel change the bounds by next to nothing.
+    (0..load.len()).for_each(|node| stream.relax(node, network, &load));
     stream.add_to(cells, sides, flux);
 }
 

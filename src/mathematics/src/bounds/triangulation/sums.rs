@@ -155,21 +155,22 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
         let gradient_square = volume * dot(slope, slope);
         let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
+        // The square of a sum is at most the sum of the squares times their number.
         let slopes =
-            element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g).sqrt() * (v - w[0]).abs());
-        let steepest = slopes.sum::<f64>();
+            element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g) * (v - w[0]) * (v - w[0]));
+        let steepest = V as f64 * slopes.sum::<f64>();
         Totals {
             distance: longer_square(fields.square(differences), field),
             flux: longer_square(fields.square(outflows), field),
             gradient: gradient_square,
             load: mean * volume * (w.iter().sum::<f64>() / V as f64),
-            deviation: field * gradient_square.sqrt(),
+            deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
             projection: self.projection(nodes, &element, w),
             work: 0.0,
             potential: 0.0,
             mass: mean.abs() * volume,
             boundary_magnitude: 0.0,
-            magnitude: volume * (steepest * steepest + mean.abs() * highest)
+            magnitude: volume * (steepest + mean.abs() * highest)
                 + longer_square(fields.largest_square(outflows), field),
             flow: outflows.iter().map(|q| q.abs()).sum(),
         }

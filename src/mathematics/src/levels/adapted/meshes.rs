@@ -11,8 +11,8 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::stop::Stop;
 use crate::levels::{Problem, ProblemError, Triangulations};
 use crate::mesh::{
-    Bisected, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
-    label_longest_edges, mesh_load,
+    Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
+    bisect, label_longest_edges, mesh_load, mesh_load_after,
 };
 use crate::multigrid::{InputError, MultigridParams};
 use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
@@ -172,7 +172,8 @@ impl<'a> Meshes<'a> {
             Some(found) => self.marked(found),
             None => (0..self.finest().cells().len() as u32).collect(),
         };
-        let Bisected { mesh, sides, parents, .. } = bisect(self.finest(), &self.sides, &marked)?;
+        let Bisected { mesh, sides, parents, origins } =
+            bisect(self.finest(), &self.sides, &marked)?;
         // Without marked cells there is nothing to gain.
         if mesh.points().len() > self.adaption.most_nodes || parents.is_empty() {
             return Ok(false);
@@ -182,7 +183,8 @@ impl<'a> Meshes<'a> {
         for &[parent, _] in &level.parents {
             self.component_of.push(self.component_of[parent as usize]);
         }
-        self.load = mesh_load(&mesh, &self.f)?;
+        let before = CellsBefore { origins: &origins, f: &self.load.cells };
+        self.load = mesh_load_after(before, &mesh, &self.f)?;
         self.sides = sides;
         self.meshes.push(mesh);
         self.networks.push(level);
@@ -211,13 +213,17 @@ impl<'a> Meshes<'a> {
         LocalBounds { bounds, squares }: LocalBounds,
     ) -> AdaptedRun {
         let law = self.adaption.law;
-        let is_curved = self.finest().parts().iter().any(|part| part.curve.is_some());
+        let y = self.y.expect("a vector with bounds");
+        let network = &self.networks[self.networks.len() - 1].network;
+        let (mesh, sides, f) = (&self.meshes[self.meshes.len() - 1], &self.sides, &self.load.cells);
+        let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(bounds, &y);
+        let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.meshes, networks: self.networks };
         let levels = Triangulations::of(nested, self.f, self.load)
             .with_errors(squares.iter().map(|square| square.max(0.0).sqrt()).collect());
         AdaptedRun {
             problem: Problem::checked(levels, law, is_curved),
-            y: self.y.expect("a vector with bounds"),
+            y,
             judgement: self.judgement.expect("a vector with bounds"),
             bounds,
             outcomes: self.outcomes,

@@ -115,8 +115,9 @@ fn every_bracket_of_every_mesh_holds_the_true_energy() {
         assert!(run.bounds.relative() <= 0.03);
         assert_eq!(run.problem.levels().count(), meshes.len());
         for mesh in &meshes {
-            let [low, high] = mesh.bounds.as_ref().unwrap().energy;
             let nodes = mesh.nodes;
+            let bounds = mesh.bounds.as_ref().map_err(|reason| format!("{name} {nodes}: {reason}"));
+            let [low, high] = bounds.unwrap().energy;
             assert!(
                 low <= energy + problem.digit && energy - problem.digit <= high,
                 "{name} {nodes}: {low} {high}"
@@ -127,6 +128,9 @@ fn every_bracket_of_every_mesh_holds_the_true_energy() {
                 assert!(effectivity > 1.0 && effectivity < 1.4, "{name} {nodes}: {effectivity}");
             }
         }
+        let [least, most] = run.bounds.error;
+        let error = root(2.0 * (run.bounds.energy[1] - energy));
+        assert!(0.4 * most < least && least < error + 1e-9, "{name}: {least} {error} {most}");
         // The bounds of the problem on its levels are those of the run.
         assert_eq!(run.problem.bounds(&run.y).unwrap().energy, run.bounds.energy);
     }
