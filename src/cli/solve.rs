@@ -128,11 +128,14 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
-    #[arg(long, requires = "out", conflicts_with = "surface")]
+    #[arg(long, requires = "out", conflicts_with_all = ["surface", "mesh"])]
     map: bool,
     /// With --out FILE.svg, draw a shaded surface [default on the square]
-    #[arg(long, hide_short_help = true, requires = "out")]
+    #[arg(long, hide_short_help = true, requires = "out", conflicts_with = "mesh")]
     surface: bool,
+    /// With --out FILE.svg, draw the mesh with f in colour, on fine meshes a coarser one
+    #[arg(long, hide_short_help = true, requires = "out")]
+    mesh: bool,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
     #[arg(long, hide_short_help = true)]
     recover: bool,
@@ -149,7 +152,11 @@ impl SolveArgs {
         let format = Format::of(&path)?;
         format.check(request.problem.levels())?;
         if self.view().is_some() && format != Format::Svg {
-            let option = if self.map { "--map" } else { "--surface" };
+            let option = match (self.map, self.surface) {
+                (true, _) => "--map",
+                (_, true) => "--surface",
+                _ => "--mesh",
+            };
             return Err(Error::input(format!(
                 "{option} is for a picture; let --out end with .svg, or leave {option} out"
             )));
@@ -159,11 +166,12 @@ impl SolveArgs {
 
     /// Returns the kind of picture, if the user says which.
     fn view(&self) -> Option<PictureKind> {
-        match (self.map, self.surface) {
-            (true, _) => Some(PictureKind::Map),
-            (false, true) => Some(PictureKind::Surface),
-            (false, false) => None,
-        }
+        let kinds = [
+            (self.map, PictureKind::Map),
+            (self.surface, PictureKind::Surface),
+            (self.mesh, PictureKind::Mesh),
+        ];
+        kinds.into_iter().find(|(given, _)| *given).map(|(_, kind)| kind)
     }
 
     /// Returns the law on the boundary, if it is another than the paper's.

@@ -406,6 +406,11 @@ fn of_scene(
             square.load = rule.unwrap_or(square.load);
         }
         Place::Mesh(place) => {
+            if args.accuracy().is_some()
+                && let Some(refine) = place.domain.refine.take()
+            {
+                overridden.push(format!("without refine = {refine}"));
+            }
             let of_scene = place.domain.refinements(&place.coarsest(&place.files)?);
             if let Some(refine) = args.refine.filter(|&refine| usize::from(refine) != of_scene) {
                 overridden.push(format!("refine {refine} instead of {of_scene}"));
@@ -649,7 +654,7 @@ fn default_solver(args: &SolveArgs, scene: Option<&Scene>) -> Solver {
 }
 
 /// Returns the accuracy by which the grids are chosen: that of the options or else of the scene, unless an option names
-/// a grid, a tolerance or another solver.
+/// a grid, a number of refinements, a tolerance or another solver.
 fn accuracy(
     args: &SolveArgs,
     scene: Option<&Scene>,
@@ -666,7 +671,8 @@ fn accuracy(
             overridden,
         );
     }
-    let is_free = args.h.is_none() && args.tolerance.is_none() && solver == Solver::Multigrid;
+    let is_fine = args.h.is_some() || args.refine.is_some() || args.tolerance.is_some();
+    let is_free = !is_fine && solver == Solver::Multigrid;
     if let Some(accuracy) = of_scene.filter(|_| !is_free) {
         overridden.push(format!("without {}", Written::Key.text(accuracy)));
     }
