@@ -16,6 +16,8 @@ pub struct MeshFields<'a, const D: usize, const V: usize> {
     pub multiplier: &'a [f64],
     /// f on each cell.
     pub f: &'a [f64],
+    /// Guaranteed error in each cell; empty if it is not known.
+    pub errors: &'a [f64],
 }
 
 impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
@@ -33,7 +35,7 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
     }
 
     /// VTK XML unstructured grid: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from
-    /// 0 on; raw little-endian numbers. In the plane z = 0.
+    /// 0 on, and the `local_error` where it is known; raw little-endian numbers. In the plane z = 0.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
         vtu(self.mesh, self, name)
     }
@@ -70,6 +72,10 @@ fn vtu<const D: usize, const V: usize>(
     // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes,
     // and takes the first one in the text.
     let mut arrays = Appended::default();
+    let errors = match fields.errors {
+        [] => String::new(),
+        errors => arrays.array("type=\"Float64\" Name=\"local_error\"", doubles(errors)),
+    };
     let region = mesh.regions().iter().map(|region| region.to_le_bytes());
     let region = arrays.array("type=\"UInt16\" Name=\"region\"", region);
     let f = arrays.array("type=\"Float64\" Name=\"f\"", doubles(fields.f));
@@ -89,7 +95,7 @@ fn vtu<const D: usize, const V: usize>(
         <Points>\n{points}</Points>\n\
         <Cells>\n{connectivity}{offsets}{types}</Cells>\n\
         <PointData Scalars=\"v\">\n{v}{multiplier}</PointData>\n\
-        <CellData Scalars=\"f\">\n{f}{region}</CellData>\n\
+        <CellData Scalars=\"f\">\n{f}{region}{errors}</CellData>\n\
         </Piece>\n</UnstructuredGrid>\n"
     );
     arrays.file("UnstructuredGrid", name, &body)
@@ -126,7 +132,7 @@ mod tests {
 
         fn fields(&self) -> MeshFields<'_, D, V> {
             let Self { mesh, at_nodes, on_cells } = self;
-            MeshFields { mesh, v: at_nodes, multiplier: at_nodes, f: on_cells }
+            MeshFields { mesh, v: at_nodes, multiplier: at_nodes, f: on_cells, errors: &[] }
         }
     }
 
