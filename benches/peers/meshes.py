@@ -5,6 +5,7 @@ CG preconditioned by smoothed aggregation. Needs Debian's python3-petsc4py, nump
 build or test.
 
     python3 benches/peers/meshes.py [REFINEMENTS IN THE PLANE] [IN SPACE]
+    python3 benches/peers/meshes.py own            fine meshes of Gmsh, without a coarser one; needs gmsh
 
 The meshes come from `signorini solve --out`; both sides count what follows the assembly of matrix and load, ours also
 the set-up of the cycle. Ours stops at the residual that the peer has reached.
@@ -46,6 +47,26 @@ CASES = [
     ("gear", ["--domain", GEAR, "--free", "hole"], PLANE, 5, 0),
     ("ball", ["--domain", "ball"], SPACE, 5, 5),
 ]
+
+
+def own_cases(folder):
+    """Meshes of about 10^4 to 10^6 nodes; the third has few nodes in contact."""
+    import own
+
+    corner = "rect(-9,0,-9,0)=3; else=-2"
+    cases = [
+        ("disc-4", own.disc(0.0195), PLANE),
+        ("disc-5", own.disc(0.006), PLANE),
+        ("disc-5", own.disc(0.006), "formula(5*x-0.0002)"),
+        ("disc-6", own.disc(0.0018), PLANE),
+        ("graded", own.graded(1e-4, 0.02), corner),
+        ("layers-30", own.layers(0.009, 30), PLANE),
+        ("layers-1000", own.layers(0.009, 1000), PLANE),
+        ("ball-4", own.ball(0.048), SPACE),
+        ("ball-5", own.ball(0.028), SPACE),
+    ]
+    return [(name, ["--domain", own.written(name, make, folder)], f, 0, 0) for name, make, f in cases]
+
 
 
 def run(arguments, f, refine, *more):
@@ -159,10 +180,12 @@ def active_set(levels):
 
 
 def main():
-    more = [int(argument) for argument in sys.argv[1:]]
+    is_own = sys.argv[1:] == ["own"]
+    cases = own_cases(tempfile.gettempdir()) if is_own else CASES
+    more = [] if is_own else [int(argument) for argument in sys.argv[1:]]
     print("# microseconds per unknown, medians; KKT residuals over the largest load")
-    print(f"# {'domain':>8} {'unknowns':>9} {'peer':>7} {'theirs':>8} {'KKT':>8} {'ours':>8} {'KKT':>8} {'ratio':>6}")
-    for name, arguments, f, refine, space in CASES:
+    print(f"# {'domain':>11} {'unknowns':>9} {'peer':>7} {'theirs':>8} {'KKT':>8} {'ours':>8} {'KKT':>8} {'ratio':>6}")
+    for name, arguments, f, refine, space in cases:
         if more:
             refine = more[-1] if space else more[0]
         with tempfile.TemporaryDirectory() as folder:
@@ -174,7 +197,7 @@ def main():
             answers = [run(arguments, f, refine, "--tolerance", repr(float(kkt))) for _ in range(REPEATS)]
             ours = statistics.median(answer["seconds"]["solve"] for answer in answers)
             line = f"{theirs * micro:8.3f} {kkt:8.1e} {ours * micro:8.4f} {answers[0]['kkt']['relative']:8.1e}"
-            print(f"  {name:>8} {len(levels[-1].load):>9} {peer:>7} {line} {theirs / ours:6.1f}", flush=True)
+            print(f"  {name:>11} {len(levels[-1].load):>9} {peer:>7} {line} {theirs / ours:6.1f}", flush=True)
 
 
 main()
