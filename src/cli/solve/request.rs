@@ -491,9 +491,12 @@ fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
     };
     let remedy = match (0..times).rev().find(fits) {
         Some(times) => format!("{} would fit", option(times)),
-        None => "choose another solver, or a coarser mesh".into(),
+        None if nodes <= most => "begin with a coarser mesh and --refine".into(),
+        None => "choose another solver, or begin with a coarser mesh".into(),
     };
-    Err(Error::input(format!("{} {reason}; {remedy}", option(times))))
+    // A mesh that is not refined is the file's own.
+    let asked = if times == 0 { place.domain.name.clone() } else { option(times) };
+    Err(Error::input(format!("{asked} {reason}; {remedy}")))
 }
 
 /// Returns the cells per side of the coarsest mesh of the cube, and the number of refinements to as many as are asked

@@ -1,7 +1,7 @@
 //! Solutions on triangulations.
 
 use super::npy::{DOUBLE, INTEGER, doubles, npy};
-use super::vtk::Appended;
+use super::vtk::{Appended, escaped};
 use super::zip;
 use crate::mesh::Mesh;
 
@@ -32,8 +32,8 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
         npz(self.mesh, self)
     }
 
-    /// VTK XML unstructured grid: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from
-    /// 0 on; raw little-endian numbers. In the plane z = 0.
+    /// VTK XML unstructured grid, in the space of the mesh's file: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from
+    /// 0 on, to whose names the field data have numbers; raw little-endian numbers.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
         vtu(self.mesh, self, name)
     }
@@ -82,10 +82,11 @@ fn vtu<const D: usize, const V: usize>(
     let connectivity = arrays.array("type=\"Int64\" Name=\"connectivity\"", vertices(mesh));
     let points = arrays.array(
         "type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"",
-        mesh.points().iter().flat_map(|point| in_space(point)),
+        mesh.points().iter().flat_map(|point| mesh.in_space(point).map(f64::to_le_bytes)),
     );
+    let regions = names_of_regions(mesh);
     let body = format!(
-        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
+        "<UnstructuredGrid>\n{regions}<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
         <Points>\n{points}</Points>\n\
         <Cells>\n{connectivity}{offsets}{types}</Cells>\n\
         <PointData Scalars=\"v\">\n{v}{multiplier}</PointData>\n\
@@ -95,9 +96,17 @@ fn vtu<const D: usize, const V: usize>(
     arrays.file("UnstructuredGrid", name, &body)
 }
 
-/// Bytes of the coordinates of a point, z = 0 in the plane.
-fn in_space(point: &[f64]) -> [[u8; 8]; 3] {
-    [0, 1, 2].map(|d| point.get(d).copied().unwrap_or(0.0).to_le_bytes())
+/// Returns field data with an array for each region, under its name: its number, and its dimension. Text of VTK's own kind
+/// for names would stop the reader of meshio, which takes this form for its own.
+fn names_of_regions<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> String {
+    let mut data = String::new();
+    for (number, names) in mesh.region_names().iter().enumerate() {
+        let name = escaped(&names.to_string());
+        data += &format!(
+            "<DataArray type=\"Int64\" Name=\"{name}\" NumberOfTuples=\"2\" format=\"ascii\">{number} {D}</DataArray>\n"
+        );
+    }
+    format!("<FieldData>\n{data}</FieldData>\n")
 }
 
 /// Numbers of the vertices of all cells, in the positive sense, as integers of 64 bits.

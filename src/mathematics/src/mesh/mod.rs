@@ -217,6 +217,19 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &self.origin
     }
 
+    /// As [`AnyMesh::notes`].
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let touching = self.touching.iter().map(Touching::to_string);
+        self.origin.notes().into_iter().chain(touching).collect()
+    }
+
+    /// Place in the space of the file of a point of the domain.
+    pub(crate) fn in_space(&self, point: &[f64; D]) -> [f64; 3] {
+        let place = std::array::from_fn(|d| point.get(d).copied().unwrap_or_default());
+        let [x, y, _] = place;
+        if D == 2 { self.origin.plane.in_space([x, y]) } else { place }
+    }
+
     /// Condition on a facet.
     pub fn condition(&self, facet: &Facet<D>) -> Condition {
         self.parts[facet.part as usize].condition
