@@ -2,6 +2,7 @@
 //!
 //! Central is [`solve`]: read the problem, solve, judge, print, write.
 
+mod adapting;
 mod advice;
 mod answer;
 mod bound;
@@ -14,6 +15,7 @@ use super::output::{OutputFile, say_json, tell};
 use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::accuracy::Accuracy;
+use adapting::Shown;
 use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -104,14 +106,17 @@ pub(super) struct SolveArgs {
     /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
     #[arg(long, value_name = "RESIDUAL", hide_short_help = true, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Guaranteed relative error in the energy norm; chooses the grid by itself
+    /// Guaranteed relative error in the energy norm; chooses the grid by itself, or refines the mesh where it is coarse
     #[arg(long, value_name = "REL", allow_negative_numbers = true,
         conflicts_with_all = ["h", "tolerance"])]
     accuracy: Option<f64>,
-    /// Guaranteed relative error of the energy; chooses the grid by itself
+    /// Guaranteed relative error of the energy; chooses the grid by itself, or refines the mesh where it is coarse
     #[arg(long, value_name = "REL", hide_short_help = true, allow_negative_numbers = true,
         conflicts_with_all = ["accuracy", "h", "tolerance"])]
     accuracy_energy: Option<f64>,
+    /// With an accuracy on a mesh, a line for each mesh: nodes and error
+    #[arg(short, long, hide_short_help = true)]
+    verbose: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -123,11 +128,14 @@ pub(super) struct SolveArgs {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
-    #[arg(long, requires = "out", conflicts_with = "surface")]
+    #[arg(long, requires = "out", conflicts_with_all = ["surface", "mesh"])]
     map: bool,
     /// With --out FILE.svg, draw a shaded surface [default on the square]
-    #[arg(long, hide_short_help = true, requires = "out")]
+    #[arg(long, hide_short_help = true, requires = "out", conflicts_with = "mesh")]
     surface: bool,
+    /// With --out FILE.svg, draw the mesh with f in colour, on fine meshes a coarser one
+    #[arg(long, hide_short_help = true, requires = "out")]
+    mesh: bool,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
     #[arg(long, hide_short_help = true)]
     recover: bool,
@@ -144,7 +152,11 @@ impl SolveArgs {
         let format = Format::of(&path)?;
         format.check(request.problem.levels())?;
         if self.view().is_some() && format != Format::Svg {
-            let option = if self.map { "--map" } else { "--surface" };
+            let option = match (self.map, self.surface) {
+                (true, _) => "--map",
+                (_, true) => "--surface",
+                _ => "--mesh",
+            };
             return Err(Error::input(format!(
                 "{option} is for a picture; let --out end with .svg, or leave {option} out"
             )));
@@ -154,11 +166,12 @@ impl SolveArgs {
 
     /// Returns the kind of picture, if the user says which.
     fn view(&self) -> Option<PictureKind> {
-        match (self.map, self.surface) {
-            (true, _) => Some(PictureKind::Map),
-            (false, true) => Some(PictureKind::Surface),
-            (false, false) => None,
-        }
+        let kinds = [
+            (self.map, PictureKind::Map),
+            (self.surface, PictureKind::Surface),
+            (self.mesh, PictureKind::Mesh),
+        ];
+        kinds.into_iter().find(|(given, _)| *given).map(|(_, kind)| kind)
     }
 
     /// Returns the law on the boundary, if it is another than the paper's.
@@ -256,6 +269,9 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         return args.write(&request, file, (lattices, &pair));
     }
     let answer = match request.accuracy {
+        Some(accuracy) if request.problem.lattices().is_none() => {
+            adapted_answer(&mut request, accuracy, args.verbose)?
+        }
         Some(accuracy) => answer_to(&mut request, accuracy)?,
         None => answer(&request)?,
     };
@@ -270,7 +286,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     } else {
         args.write(&request, file, (request.problem.levels(), &answer.pair))?;
     }
-    answer.failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
+    let failure = answer.failure.or(answer.shortfall);
+    failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
 }
 
 /// Solves and judges.
@@ -281,7 +298,22 @@ fn answer(request: &Request) -> Result<Answer> {
     let setup = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let run = request.run()?;
-    Ok(Answer::new(request, run, [setup, start.elapsed().as_secs_f64()]))
+    let seconds = [setup, start.elapsed().as_secs_f64()];
+    let bounds = request.problem.bounds(&run.y);
+    Ok(Answer::new(request, run, bounds, seconds))
+}
+
+/// Solves on adapted meshes until the guaranteed bound is small enough, and judges.
+fn adapted_answer(request: &mut Request, accuracy: Accuracy, verbose: bool) -> Result<Answer> {
+    let start = Instant::now();
+    let mut shown = Shown::new(accuracy, verbose);
+    let found = request.adapt(accuracy, &mut |mesh| shown.show(mesh));
+    shown.end();
+    let (run, bounds) = found?;
+    let seconds = [0.0, start.elapsed().as_secs_f64()];
+    let mut answer = Answer::new(request, run, Ok(bounds), seconds);
+    answer.judge_end(request, accuracy);
+    Ok(answer)
 }
 
 /// Solves on one grid of the square after the other until the guaranteed bound is small enough.

@@ -4,6 +4,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::replication::stated::MAX_CELLS;
 use serde::Serialize;
 use signorini_mathematics::bounds::Bounds;
+use signorini_mathematics::levels::ErrorGoal;
 use signorini_mathematics::multigrid::Goal;
 
 /// Cells per side of the first grid.
@@ -83,6 +84,14 @@ impl Accuracy {
             Self::Error(_) => Goal::DiscretisationError,
             // The bracket of the energy is much narrower than the error.
             Self::Energy(_) => Goal::RoundingFloor,
+        }
+    }
+
+    /// Returns the goal of adaptive refinement on a mesh.
+    pub(crate) fn goal_on_meshes(self) -> ErrorGoal {
+        match self {
+            Self::Error(wanted) => ErrorGoal::Relative(wanted),
+            Self::Energy(wanted) => ErrorGoal::RelativeEnergy(wanted),
         }
     }
 

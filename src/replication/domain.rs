@@ -113,6 +113,16 @@ impl DomainSettings {
         Ok(mesh)
     }
 
+    /// Refuses a number of refinements beside an accuracy, which chooses the meshes.
+    pub(crate) fn check_adapted(&self, asked: &str, dashes: &str) -> Result<()> {
+        match self.refine {
+            None => Ok(()),
+            Some(_) => Err(Error::input(format!(
+                "{asked} and {dashes}refine both say how fine; leave one of them out"
+            ))),
+        }
+    }
+
     /// Number of refinements of a mesh.
     pub(crate) fn refinements(&self, mesh: &AnyMesh) -> usize {
         self.refine.map_or_else(

@@ -108,8 +108,6 @@ impl<F> SceneFile<F> {
         first_given([
             ("grids", self.grids.is_some()),
             ("load", self.load.is_some()),
-            ("accuracy", self.accuracy.is_some()),
-            ("accuracy_energy", self.accuracy_energy.is_some()),
             ("prolongation", self.prolongation.is_some()),
             ("paper_table", self.paper_table.is_some()),
         ])
@@ -260,6 +258,9 @@ impl Scene {
             )));
         }
         let domain = file.domain.take().expect("a scene on a mesh names its domain");
+        if let Some(accuracy) = file.accuracy(solver)? {
+            domain.check_adapted(&Written::Key.text(accuracy), "")?;
+        }
         let f = file.f.split_whitespace().collect::<Vec<_>>().join(" ");
         let problem = StatedProblem::on_mesh(domain, f, file.law);
         file.scene(name, problem, solver)
@@ -286,6 +287,12 @@ impl Scene {
     pub(crate) fn check_mesh(&self) -> Result<Vec<String>> {
         let checked = self.problem.check_mesh().map_err(|e| in_scene(&self.name, e))?;
         let Some(CheckedMesh { dimension, nodes, notes }) = checked else { return Ok(Vec::new()) };
+        if let Some(accuracy) = self.accuracy.filter(|_| dimension == 3) {
+            let asked = Written::Key.text(accuracy);
+            let text =
+                format!("{asked} is for domains in the plane; in space, `refine` says how fine");
+            return Err(in_scene(&self.name, Error::input(text)));
+        }
         self.solver.check_nodes(dimension, nodes).map_err(|e| {
             let remedy = "choose another `solver`, or fewer refinements";
             Error::input(format!("scene `{}`: {e}; {remedy}", self.name))
@@ -545,8 +552,6 @@ mod tests {
             ("accuracy = 0.01\npaper_table = 1", "reached by multigrid, not by arrow-hurwicz"),
             ("accuracy = 2", "accuracy = 2.0: must be between 0 and 1"),
             ("accuracy_energy = 0", "accuracy_energy = 0.0: must be between 0 and 1"),
-            ("accuracy = 0.01\ndomain = \"disc\"", "`accuracy` is for the square"),
-            ("accuracy_energy = 0.01\ndomain = \"disc\"", "`accuracy_energy` is for the square"),
             ("solver = \"spectral\"\ndomain = \"disc\"", "is for the square; choose another"),
             ("solver = \"active-set\"\ngrids = [512]", "1/256 is the finest"),
             ("grids = [11, 22, 44]", "the nearest: 40 and 48"),

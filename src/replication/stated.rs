@@ -3,11 +3,13 @@
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::is_plain;
 use crate::pipeline::{InputFile, InputFiles};
+use crate::replication::accuracy::{Accuracy, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
+use crate::timing::machine;
 use serde::Serialize;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, moved_on};
-use signorini_mathematics::levels::Problem;
+use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
@@ -88,6 +90,8 @@ const MOVED: f64 = 1e-3;
 const CHECKED_NODES: f64 = super::domain::USUAL_NODES;
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
 const MOST_NODES: f64 = 1e7;
+/// Memory per node of the finest of adapted meshes, with all coarser ones: measured, rounded up.
+const BYTES_PER_NODE: u64 = 900;
 /// Folder of the project from which scenes name their meshes.
 const FOLDER: &str = "pipeline";
 
@@ -129,6 +133,56 @@ impl StatedProblem {
         let times = place.domain.refinements(coarsest);
         Problem::on_mesh(coarsest, times, &place.f, self.law()?)
             .map_err(|e| Error::input(e.to_string()))
+    }
+
+    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh.
+    ///
+    /// # Errors
+    /// [`Error::Input`] in space, on the square, and if there is no problem or no bound.
+    pub(crate) fn adapted(
+        &self,
+        coarsest: &AnyMesh,
+        (accuracy, written): (Accuracy, Written),
+        watch: &mut dyn FnMut(&AdaptedMesh),
+    ) -> Result<AdaptedRun> {
+        accuracy.check(written)?;
+        let asked = written.text(accuracy);
+        let (Place::Mesh(OnMesh { f, .. }), AnyMesh::Plane(coarsest)) = (&self.place, coarsest)
+        else {
+            return Err(Error::input(format!(
+                "{asked}: meshes are adapted in the plane alone; in space, choose how fine by the number of refinements"
+            )));
+        };
+        let memory = machine::available_memory().unwrap_or(u64::MAX);
+        let most_nodes = usize::try_from(memory / BYTES_PER_NODE).unwrap_or(usize::MAX);
+        let goal = accuracy.goal_on_meshes();
+        let run = Adaption { coarsest, f, law: self.law()?, goal, most_nodes }.run(watch);
+        run.map_err(|e| Error::input(format!("{asked}: {e}")))
+    }
+
+    /// As [`StatedProblem::adapted`], for a scene, whose mesh is read from these files. The end is that of the goal.
+    ///
+    /// # Errors
+    /// [`Error::Input`] also if the accuracy is not reached.
+    pub(crate) fn adapted_scene(
+        &self,
+        files: &InputFiles,
+        accuracy: Accuracy,
+        watch: &mut dyn FnMut(&AdaptedMesh),
+    ) -> Result<AdaptedRun> {
+        let Place::Mesh(place) = &self.place else {
+            return Err(Error::input("the square has grids in place of meshes"));
+        };
+        let run = self.adapted(&place.coarsest(files)?, (accuracy, Written::Key), watch)?;
+        match run.end {
+            AdaptedEnd::Goal => Ok(run),
+            AdaptedEnd::Nodes | AdaptedEnd::NoLongerFalls => Err(Error::input(format!(
+                "{}: {:.1e} is reached with {} nodes, and no more; ask for less",
+                Written::Key.text(accuracy),
+                accuracy.reached(&run.bounds),
+                run.y.len()
+            ))),
+        }
     }
 
     /// Checks the mesh, its parts and, on meshes of the usual size, f; none on the square.

@@ -2,6 +2,7 @@
 
 mod access;
 mod accuracy;
+mod adapted;
 mod answer_text;
 mod answers;
 mod book;

@@ -1,5 +1,6 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
+use super::adapting;
 use super::advice::{self, Warning};
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
@@ -78,10 +79,17 @@ pub(super) struct Answer {
     pub warnings: Vec<Warning>,
     /// Reason why the answer is no solution, in a sentence with a remedy.
     pub failure: Option<String>,
+    /// Reason why the solution is not as accurate as asked, in a sentence with a remedy.
+    pub shortfall: Option<String>,
 }
 
 impl Answer {
-    pub(super) fn new(request: &Request, run: Run, seconds: [f64; 2]) -> Self {
+    pub(super) fn new(
+        request: &Request,
+        run: Run,
+        bounds: Result<Bounds, NoBound>,
+        seconds: [f64; 2],
+    ) -> Self {
         let (problem, law) = (&request.problem, request.problem.law());
         let (y, judgement) = (&run.y, &run.judgement);
         let Judgement { contact, flux, states: of_nodes, .. } = judgement;
@@ -109,12 +117,13 @@ impl Answer {
             contact: levels.arcs(y, judgement),
             force,
             errors: levels.errors(y, problem.load()).filter(|_| law.is_signorini()),
-            bounds: problem.bounds(y),
+            bounds,
             pair: Pair { y: y.clone(), a: judgement.multiplier(y) },
             run,
             seconds,
             warnings: Vec::new(),
             failure: None,
+            shortfall: None,
         };
         answer.judge(request);
         answer
@@ -199,6 +208,12 @@ impl Answer {
         }
         if solver == Solver::Multigrid {
             json["work_units"] = last.end.work_units.into();
+        }
+        if let Some(curve) = bounds.and_then(|bounds| bounds.curve) {
+            json["bound"]["curve"] = curve.into();
+        }
+        if let Some(end) = request.adapted {
+            json["adapted"] = adapting::json(end, &self.run, request.accuracy.zip(bounds));
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
             json["errors"] = json!(values);
@@ -293,6 +308,9 @@ impl Answer {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
         text += &self.table(request);
+        if let Some(end) = request.adapted {
+            text += &adapting::text(end, &self.run);
+        }
         text += &format!("solved in {}", brief(Duration::from_secs_f64(self.seconds[1])));
         if request.settings.solver == Solver::Multigrid {
             text += &format!(", the cost of {:.1} sweeps", self.last().end.work_units);
@@ -322,7 +340,10 @@ impl Answer {
             let mut row = vec![
                 outcome.label(),
                 outcome.end.iterations.to_string(),
-                outcome.name().to_owned(),
+                match request.adapted {
+                    Some(_) => outcome.end.stop.name().to_owned(),
+                    None => outcome.name().to_owned(),
+                },
                 plain(outcome.energy, 7),
                 plain(outcome.kkt.natural, 3),
                 plain(outcome.kkt.relative, 3),

@@ -35,6 +35,10 @@ pub(super) fn text(bounds: &Result<Bounds, NoBound>, problem: &Problem, recovere
         _ => String::new(),
     };
     text += &share(bound.error[1]);
+    if let Some(curve) = bound.curve {
+        let curve = plain(curve, 2);
+        text += &format!(",\n  energy beside the {domain}, which no bound holds, about {curve}");
+    }
     if let Some(most) = bound.recovered.filter(|_| recovered) {
         let shown = plain(most, 4);
         text += &format!(",\n  of the recovered solution at most {shown}{}", share(most));

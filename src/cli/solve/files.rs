@@ -1,6 +1,6 @@
 //! Files that `solve --out` writes.
 
-use crate::figures::{DrawnSolution, SolutionMap, surfaces};
+use crate::figures::{DrawnSolution, MOST_CELLS, Picture, SolutionMap, mesh_map, surfaces};
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
 use signorini_mathematics::levels::Levels;
@@ -40,6 +40,7 @@ pub(super) struct Solution<'a> {
 pub(super) enum PictureKind {
     Map,
     Surface,
+    Mesh,
 }
 
 /// Panels of a row for which a picture has room.
@@ -97,6 +98,7 @@ impl Solution<'_> {
             Format::Svg => {
                 let on = (levels, law);
                 let picture = match view {
+                    PictureKind::Mesh => drawn_mesh(title, levels),
                     PictureKind::Map => {
                         SolutionMap::of(title.into(), on, pair).map(|map| map.picture())
                     }
@@ -111,4 +113,11 @@ impl Solution<'_> {
             }
         }
     }
+}
+
+/// Draws the finest mesh that is not too fine for a picture, with f in colour.
+fn drawn_mesh(title: &str, levels: &dyn Levels) -> std::result::Result<Picture, String> {
+    let map = levels.map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
+    let (drawing, f) = map.ok_or("a mesh in space has no picture")?;
+    Ok(mesh_map(title, &drawing.mesh, &f))
 }

@@ -16,11 +16,12 @@ use crate::replication::scene::Scene;
 use crate::replication::stated::{MAX_CELLS, OnMesh, OnSquare, Place, StatedProblem};
 use crate::timing::machine;
 use serde_json::{Value, json};
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::levels::{Lattices, Levels, Problem};
+use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, Lattices, Levels, Problem};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::multigrid::{Goal, InputError};
 use signorini_mathematics::problem::unsolvable::Unsolvable;
@@ -53,6 +54,8 @@ pub(super) struct Request {
     pub accuracy: Option<Accuracy>,
     /// Way in which the accuracy is written.
     pub written: Written,
+    /// Reason for which adaptive refinement ended, where the mesh was refined so.
+    pub adapted: Option<AdaptedEnd>,
     /// True for a scene of a published table.
     is_papers: bool,
     /// Options that differ from the scene, in words.
@@ -127,7 +130,11 @@ impl Request {
             Place::Mesh(place) => {
                 check_domain_options(args, Some(place))?;
                 let name = args.scene.as_deref().unwrap_or(&place.domain.name);
-                let problem = on_mesh(name, &stated, place, solver)?;
+                let asked = accuracy.map(|accuracy| written(args).text(accuracy));
+                if let Some(asked) = &asked {
+                    place.domain.check_adapted(asked, "--")?;
+                }
+                let problem = on_mesh(name, (&stated, place), (solver, asked), args.out.is_some())?;
                 let domain = stated.file_name().unwrap_or(&place.domain.name);
                 (domain, None, problem, Remedies::ON_MESHES)
             }
@@ -160,6 +167,7 @@ impl Request {
             tolerance: args.tolerance()?,
             accuracy,
             written: written(args),
+            adapted: None,
             is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
             warnings,
@@ -189,6 +197,21 @@ impl Request {
             ),
             false => format!("{name}: the solver diverged; scale f down"),
         }]))
+    }
+
+    /// Refines the mesh where the error is large until it is as small as asked; returns the run with its bounds.
+    /// `watch` is shown each mesh.
+    pub(super) fn adapt(
+        &mut self,
+        accuracy: Accuracy,
+        watch: &mut dyn FnMut(&AdaptedMesh),
+    ) -> Result<(Run, Bounds)> {
+        let asked = (accuracy, self.written);
+        let adapted = self.stated.adapted(&self.problem.levels().mesh(), asked, watch)?;
+        (self.problem, self.adapted) = (adapted.problem, Some(adapted.end));
+        let (y, ends, judgement) = (adapted.y, adapted.outcomes, adapted.judgement);
+        let first_level = self.problem.levels().count() - ends.len();
+        Ok((Run { y, ends, first_level, judgement }, adapted.bounds))
     }
 
     /// Puts the problem on the square on one grid with as many cells per side.
@@ -228,6 +251,10 @@ impl Request {
 
     /// Returns, on a mesh, how fine it is.
     pub(super) fn refined(&self) -> Option<String> {
+        let count = self.problem.levels().count();
+        if self.adapted.is_some() {
+            return Some(format!("{count} adapted meshes"));
+        }
         self.stated.refined(self.problem.finest())
     }
 
@@ -380,6 +407,11 @@ fn of_scene(
             square.load = rule.unwrap_or(square.load);
         }
         Place::Mesh(place) => {
+            if args.accuracy().is_some()
+                && let Some(refine) = place.domain.refine.take()
+            {
+                overridden.push(format!("without refine = {refine}"));
+            }
             let of_scene = place.domain.refinements(&place.coarsest(&place.files)?);
             if let Some(refine) = args.refine.filter(|&refine| usize::from(refine) != of_scene) {
                 overridden.push(format!("refine {refine} instead of {of_scene}"));
@@ -434,7 +466,13 @@ fn with_options(mut domain: DomainSettings, args: &SolveArgs) -> Result<DomainSe
 }
 
 /// Returns the problem on a mesh that is read from its file, if it is not built in.
-fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh, solver: Solver) -> Result<Problem> {
+/// An `asked` accuracy begins with that mesh.
+fn on_mesh(
+    name: &str,
+    (stated, place): (&StatedProblem, &OnMesh),
+    (solver, asked): (Solver, Option<String>),
+    is_written: bool,
+) -> Result<Problem> {
     if !solver.entry().on_meshes {
         return Err(Error::input(format!(
             "--solver {solver}: {name} has every solver but this one"
@@ -456,20 +494,55 @@ fn on_mesh(name: &str, stated: &StatedProblem, place: &OnMesh, solver: Solver) -
             place.domain.coarsest(file.as_deref(), "--")?
         }
     };
-    check_size(&coarsest, place, solver)?;
+    if let Some(asked) = asked {
+        if coarsest.dimension() == 3 {
+            return Err(Error::input(format!(
+                "{asked} is for domains in the plane; in space, say with --refine how fine, and the answer says how close"
+            )));
+        }
+        let refine = Some(0);
+        let unrefined =
+            OnMesh { domain: DomainSettings { refine, ..place.domain.clone() }, ..place.clone() };
+        // The polygon of a curved domain may be too coarse for a flux that balances f.
+        let problem = stated.on_coarsest(&unrefined, &coarsest);
+        return problem.or_else(|_| stated.on_coarsest(place, &coarsest)).map_err(in_domain);
+    }
+    check_size(&coarsest, place, solver, is_written)?;
     stated.on_coarsest(place, &coarsest).map_err(in_domain)
 }
 
+/// Memory on meshes in bytes per node, of file, mesh, network, solver and bounds: measured, rounded up.
+struct MeshMemory {
+    /// For each node of the finest mesh.
+    finest: f64,
+    /// For each node of the coarsest mesh besides, below which there are levels of aggregates.
+    coarsest: f64,
+    /// For each node of the finest mesh besides, if the solution is written.
+    written: f64,
+}
+
+impl MeshMemory {
+    const IN_PLANE: Self = Self { finest: 480.0, coarsest: 320.0, written: 240.0 };
+    const IN_SPACE: Self = Self { finest: 950.0, coarsest: 1000.0, written: 520.0 };
+
+    /// Bytes for a mesh that is refined so often.
+    fn bytes(&self, mesh: &AnyMesh, times: usize, is_written: bool) -> f64 {
+        let written = if is_written { self.written } else { 0.0 };
+        (self.finest + written) * nodes_after(mesh, times) + self.coarsest * mesh.nodes() as f64
+    }
+}
+
 /// Refuses refinements that take more memory than there is, or more nodes than the solver can do with.
-fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
-    // Of mesh, network, solver and bounds: measured, rounded up.
-    let per_node = if mesh.dimension() == 2 { 600.0 } else { 1000.0 };
+fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver, is_written: bool) -> Result<()> {
+    let is_plane = mesh.dimension() == 2;
+    let memory = if is_plane { MeshMemory::IN_PLANE } else { MeshMemory::IN_SPACE };
+    let bytes = |times| memory.bytes(mesh, times, is_written);
     let left = machine::available_memory().unwrap_or(u64::MAX) as f64;
     let most = solver.entry().most_nodes[usize::from(mesh.dimension() - 2)];
     let most = most.map_or(f64::INFINITY, |most| most as f64);
     let fits = |times: &usize| {
         let nodes = nodes_after(mesh, *times);
-        nodes <= most && per_node * nodes <= left
+        nodes <= most && bytes(*times) <= left
     };
     let times = place.domain.refinements(mesh);
     if fits(&times) {
@@ -485,7 +558,7 @@ fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
         true => format!("makes about {nodes:.0} nodes, where {solver} can do with {most}"),
         false => format!(
             "takes about {:.0} MB of memory, where {:.0} MB are left",
-            per_node * nodes / 1e6,
+            bytes(times) / 1e6,
             left / 1e6
         ),
     };
@@ -570,12 +643,7 @@ fn check_domain_options(args: &SolveArgs, on_mesh: Option<&OnMesh>) -> Result<()
     ];
     let refine = ("--refine", args.refine.is_some());
     let width = ("--h", args.h.is_some());
-    let of_the_square = [
-        ("--load", args.load.is_some()),
-        ("--accuracy", args.accuracy.is_some()),
-        ("--accuracy-energy", args.accuracy_energy.is_some()),
-        ("--recover", args.recover),
-    ];
+    let of_the_square = [("--load", args.load.is_some()), ("--recover", args.recover)];
     let (refused, remedy) = match (on_mesh, args.scene.is_some()) {
         // Where the mesh is made, the width has been refused for all domains but the cube.
         (Some(_), false) => {
@@ -612,7 +680,7 @@ fn default_solver(args: &SolveArgs, scene: Option<&Scene>) -> Solver {
 }
 
 /// Returns the accuracy by which the grids are chosen: that of the options or else of the scene, unless an option names
-/// a grid, a tolerance or another solver.
+/// a grid, a number of refinements, a tolerance or another solver.
 fn accuracy(
     args: &SolveArgs,
     scene: Option<&Scene>,
@@ -629,7 +697,8 @@ fn accuracy(
             overridden,
         );
     }
-    let is_free = args.h.is_none() && args.tolerance.is_none() && solver == Solver::Multigrid;
+    let is_fine = args.h.is_some() || args.refine.is_some() || args.tolerance.is_some();
+    let is_free = !is_fine && solver == Solver::Multigrid;
     if let Some(accuracy) = of_scene.filter(|_| !is_free) {
         overridden.push(format!("without {}", Written::Key.text(accuracy)));
     }

@@ -19,7 +19,7 @@ use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::levels::{Problem, Reserve};
+use signorini_mathematics::levels::{AdaptedMesh, Problem, Reserve};
 use signorini_mathematics::multigrid::Goal;
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
@@ -193,7 +193,10 @@ impl Cell {
     fn run(&self, files: &InputFiles) -> Result<Solved, Failure> {
         match (self.solver, self.accuracy) {
             (Solver::Spectral, _) => self.without_grid(),
-            (_, Some(accuracy)) => Ok(self.on_finer_grids(accuracy)?),
+            (_, Some(accuracy)) if self.problem.square().is_some() => {
+                Ok(self.on_finer_grids(accuracy)?)
+            }
+            (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files)?),
             (_, None) => Ok(self.on(&self.problem, files)?),
         }
     }
@@ -246,6 +249,19 @@ impl Cell {
             }
         })?;
         Ok(all)
+    }
+
+    /// Solves on one adapted mesh after the other until an accuracy is reached.
+    fn on_adapted_meshes(&self, accuracy: Accuracy, files: &InputFiles) -> Read<Solved> {
+        let mut bounds = Vec::new();
+        let mut watch = |mesh: &AdaptedMesh| bounds.push(mesh.bounds.clone().ok());
+        let run = self.problem.adapted_scene(files, accuracy, &mut watch)?;
+        // The first meshes have no solution where their polygon is too coarse.
+        bounds.drain(..bounds.len() - run.outcomes.len());
+        let (levels, reserve) = (run.outcomes, run.problem.reserves());
+        let outcomes = Outcomes { schema: 1, levels, bounds, reserve, ..Outcomes::default() };
+        let pair = Pair { a: run.judgement.multiplier(&run.y), y: run.y };
+        Ok(Solved { outcomes, pairs: vec![pair], history: Vec::new() })
     }
 
     /// Finds the solution without a grid, and its values at the nodes of the finest grid if they are drawn.
@@ -477,10 +493,13 @@ pub(crate) fn without_solution(
 }
 
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the
-/// grid that reached it.
+/// grid or the adapted mesh that reached it.
 pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure> {
     let mut stated = scene.problem.clone();
-    if scene.accuracy.is_some() {
+    if let Some(accuracy) = scene.accuracy {
+        if stated.square().is_none() {
+            return Ok(stated.adapted_scene(inputs.files, accuracy, &mut |_| ())?.problem);
+        }
         let outcomes = drawn_outcomes(inputs, scene, None)?;
         let cells = outcomes.levels.last().and_then(|level| level.cells);
         let grid = cells.map(Grid::new).transpose().map_err(|e| e.to_string())?;

@@ -114,6 +114,13 @@ impl PartLaw {
         }
     }
 
+    /// Point of the interval next to a flux, off its ends by more than rounding errors if both are finite.
+    pub(super) fn clamp_inside(self, flux: f64) -> f64 {
+        const ROOM: f64 = 1e-12;
+        let (flux, middle) = (self.clamp(flux), 0.5 * (self.least + self.most));
+        if middle.is_finite() { flux - ROOM * (flux - middle) } else { flux }
+    }
+
     /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a
     /// bubble.
     pub(super) fn potential<const N: usize>(self, values: [f64; N], bubble: f64) -> f64 {

@@ -96,6 +96,10 @@ pub struct Bounds {
     /// Upper bound of the L2 norm of `grad (u - w)`, w the recovery of v, which is piecewise quadratic; none on meshes,
     /// which have no recovery.
     pub recovered: Option<f64>,
+    /// Size of the energy between the boundary of the mesh and the curve on which it lies, which the bounds leave out:
+    /// an estimate; none without a curve, and in space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<f64>,
 }
 
 impl Bounds {
@@ -116,6 +120,7 @@ impl Bounds {
                 (Some(a), Some(b)) => Some(a.min(b)),
                 (a, b) => a.or(b),
             },
+            curve: self.curve.or(other.curve),
         }
     }
 
@@ -257,7 +262,7 @@ fn combined(n: usize, total: &Total, projection_distance: f64) -> Result<Bounds,
         return Err(NoBound::NotFinite);
     }
     let recovered = root(2.0 * (gap + 2.0 * rounding));
-    Ok(Bounds { energy: below_zero(energy), error, recovered: Some(recovered) })
+    Ok(Bounds { energy: below_zero(energy), error, recovered: Some(recovered), curve: None })
 }
 
 /// An interval that contains J(u), without the numbers above J(0) = 0.

@@ -16,6 +16,8 @@ pub struct MeshFields<'a, const D: usize, const V: usize> {
     pub multiplier: &'a [f64],
     /// f on each cell.
     pub f: &'a [f64],
+    /// Guaranteed error in each cell; empty if it is not known.
+    pub errors: &'a [f64],
 }
 
 impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
@@ -32,8 +34,9 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
         npz(self.mesh, self)
     }
 
-    /// VTK XML unstructured grid, in the space of the mesh's file: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from
-    /// 0 on, to whose names the field data have numbers; raw little-endian numbers.
+    /// VTK XML unstructured grid, in the space of the mesh's file: points with `v` and `multiplier`, cells with `f`, the
+    /// number of the `region`, from 0 on, to whose names the field data have numbers, and the `local_error` where it is
+    /// known; raw little-endian numbers.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
         vtu(self.mesh, self, name)
     }
@@ -70,6 +73,10 @@ fn vtu<const D: usize, const V: usize>(
     // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes,
     // and takes the first one in the text.
     let mut arrays = Appended::default();
+    let errors = match fields.errors {
+        [] => String::new(),
+        errors => arrays.array("type=\"Float64\" Name=\"local_error\"", doubles(errors)),
+    };
     let region = mesh.regions().iter().map(|region| region.to_le_bytes());
     let region = arrays.array("type=\"UInt16\" Name=\"region\"", region);
     let f = arrays.array("type=\"Float64\" Name=\"f\"", doubles(fields.f));
@@ -90,7 +97,7 @@ fn vtu<const D: usize, const V: usize>(
         <Points>\n{points}</Points>\n\
         <Cells>\n{connectivity}{offsets}{types}</Cells>\n\
         <PointData Scalars=\"v\">\n{v}{multiplier}</PointData>\n\
-        <CellData Scalars=\"f\">\n{f}{region}</CellData>\n\
+        <CellData Scalars=\"f\">\n{f}{region}{errors}</CellData>\n\
         </Piece>\n</UnstructuredGrid>\n"
     );
     arrays.file("UnstructuredGrid", name, &body)
@@ -117,7 +124,7 @@ fn vertices<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> impl Iterator<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::BuiltIn;
+    use crate::mesh::{BuiltIn, PlaneInSpace};
 
     /// Solution on a built-in mesh that is v = multiplier = node, f = cell.
     struct Counted<const D: usize, const V: usize> {
@@ -135,7 +142,7 @@ mod tests {
 
         fn fields(&self) -> MeshFields<'_, D, V> {
             let Self { mesh, at_nodes, on_cells } = self;
-            MeshFields { mesh, v: at_nodes, multiplier: at_nodes, f: on_cells }
+            MeshFields { mesh, v: at_nodes, multiplier: at_nodes, f: on_cells, errors: &[] }
         }
     }
 
@@ -180,6 +187,19 @@ mod tests {
         assert!(appended(&file, "v").ends_with(&((nodes - 1) as f64).to_le_bytes()));
         assert!(file.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
         assert!(!file.windows(3).any(|part| part == b"a--"));
+    }
+
+    #[test]
+    fn a_vtk_file_has_the_names_of_regions_and_places_in_space() {
+        let mut counted = Counted::on(BuiltIn::Annulus.plane().unwrap());
+        counted.mesh.region_names = vec!["a & \"b\"".into()];
+        counted.mesh.origin.plane = PlaneInSpace::Horizontal(5.0);
+        let file = counted.fields().vtu("a");
+        let names = "<FieldData>\n<DataArray type=\"Int64\" Name=\"a &amp; &quot;b&quot;\" NumberOfTuples=\"2\" \
+            format=\"ascii\">0 2</DataArray>\n</FieldData>\n<Piece";
+        assert!(file.windows(names.len()).any(|part| part == names.as_bytes()));
+        let heights = appended(&file, "points").chunks(24).map(|point| &point[16..]);
+        assert!(heights.into_iter().all(|z| z == 5f64.to_le_bytes()));
     }
 
     #[test]

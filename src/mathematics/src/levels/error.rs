@@ -1,6 +1,8 @@
 //! Reasons for which there is no problem.
 
+use crate::bounds::NoBound;
 use crate::mesh::{MeshError, MeshSourceError};
+use crate::multigrid::InputError;
 use crate::problem::error::SourceError;
 use crate::problem::unsolvable::Unsolvable;
 
@@ -19,6 +21,12 @@ pub enum ProblemError {
     /// f is not finite at some point.
     #[error("f is not finite at some point; give a formula with finite values on the whole domain")]
     NotFinite,
+    /// No bound of the error, by which a mesh would be refined.
+    #[error("no bound of the error: {0}")]
+    Bound(#[from] NoBound),
+    /// Refused by a solver.
+    #[error(transparent)]
+    Solver(#[from] InputError),
     /// No flux can balance f.
     #[error(transparent)]
     Unsolvable(#[from] Unsolvable),

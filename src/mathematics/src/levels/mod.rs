@@ -5,11 +5,13 @@
 //! square, without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has
 //! asks [`Levels::lattices`].
 
+mod adapted;
 mod error;
 mod lattices;
 mod problem;
 mod triangulations;
 
+pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, ErrorGoal};
 pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};

@@ -78,7 +78,12 @@ impl Problem {
         for component in levels.components() {
             component.check(law, rounding)?;
         }
-        Ok(Self { levels: Box::new(levels), law, is_curved })
+        Ok(Self::checked(levels, law, is_curved))
+    }
+
+    /// As [`Problem::new`], of a flux that is known to balance f.
+    pub(super) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
+        Self { levels: Box::new(levels), law, is_curved }
     }
 
     /// Nested discrete problems.

@@ -36,6 +36,8 @@ pub struct Triangulations<const D: usize, const V: usize> {
     /// f on the finest mesh.
     load: MeshLoad,
     integrals: Integrals,
+    /// Guaranteed error in each cell of the finest mesh; empty if the meshes are not adapted.
+    errors: Vec<f64>,
 }
 
 impl<const D: usize, const V: usize> Triangulations<D, V>
@@ -51,13 +53,23 @@ where
         let nested = nested_meshes(coarsest, times)?;
         let load = mesh_load(&nested.meshes[times], &f)?;
         f.check_scale(load.size)?;
+        Ok(Self::of(nested, f, load))
+    }
+
+    /// Levels on nested meshes, with f and what it is on the finest.
+    pub(super) fn of(nested: NestedMeshes<D, V>, f: MeshSource<D>, load: MeshLoad) -> Self {
         let integrals = Integrals {
             of_f: load.integral,
             of_size: load.size,
             by_quadrature: load.unsettled.is_some(),
             is_known: f.known().is_some(),
         };
-        Ok(Self { nested, f, load, integrals })
+        Self { nested, f, load, integrals, errors: Vec::new() }
+    }
+
+    /// Levels with the guaranteed error in each cell of the finest mesh.
+    pub(super) fn with_errors(self, errors: Vec<f64>) -> Self {
+        Self { errors, ..self }
     }
 
     /// Finest mesh.
@@ -81,7 +93,8 @@ where
 
     /// A pair of the finest mesh as the fields of a file, with its multiplier at all nodes.
     fn fields<'a>(&'a self, pair: &'a Pair, multiplier: &'a [f64]) -> MeshFields<'a, D, V> {
-        MeshFields { mesh: self.finest(), v: &pair.y, multiplier, f: &self.load.cells.mean }
+        let (mesh, f, errors) = (self.finest(), &self.load.cells.mean, &self.errors);
+        MeshFields { mesh, v: &pair.y, multiplier, f, errors }
     }
 
     /// Number of the finest level with no more triangles than the square has with so many cells across, or else of the
@@ -110,7 +123,7 @@ fn arc_lengths(mesh: &PlaneMesh, nodes: &[usize]) -> Vec<f64> {
 }
 
 /// Reads f on a mesh.
-fn read<const D: usize, const V: usize>(
+pub(super) fn read<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
 ) -> Result<MeshSource<D>, MeshSourceError> {

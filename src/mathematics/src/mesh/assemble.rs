@@ -1,7 +1,7 @@
 //! The discrete problem of a triangulation: stiffness matrix (5) as couplings, load vector (6), parts of the boundary.
 
 use super::geometry::measure;
-use super::{Condition, Edges, Element, Mesh};
+use super::{Condition, Edges, Element, Mesh, PlaneMesh, Sides};
 use crate::discrete::network::{Coupling, Network};
 use crate::problem::law::ContactNode;
 
@@ -33,8 +33,38 @@ pub(super) fn assemble_edges<const D: usize, const V: usize>(
             }
         }
     }
-    let ends = edges.ends();
-    let mut diagonal = vec![0.0f64; nodes];
+    network_of(mesh, Couplings { ends: edges.ends(), weights }, masses)
+}
+
+/// As [`assemble`], for a mesh in the plane whose sides are known.
+pub(crate) fn assemble_sides(mesh: &PlaneMesh, sides: &Sides<3>) -> Network {
+    let mut masses = vec![0.0; mesh.points.len()];
+    let (mut ends, mut weights) = (vec![[0; 2]; sides.len()], vec![0.0; sides.len()]);
+    for (cell, numbers) in mesh.cells.iter().zip(&sides.of_cell) {
+        let element = Element::new(mesh.vertices(cell));
+        for (k, &side) in numbers.iter().enumerate() {
+            masses[cell[k] as usize] += element.volume / 3.0;
+            let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+            ends[side as usize] = [cell[i].min(cell[j]), cell[i].max(cell[j])];
+            weights[side as usize] -= element.stiffness(i, j);
+        }
+    }
+    network_of(mesh, Couplings { ends, weights }, masses)
+}
+
+/// Edges, and minus the entries of the stiffness matrix (5) for them.
+struct Couplings {
+    ends: Vec<[u32; 2]>,
+    weights: Vec<f64>,
+}
+
+/// Returns the discrete problem with the couplings that are no rounding errors.
+fn network_of<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    Couplings { ends, weights }: Couplings,
+    masses: Vec<f64>,
+) -> Network {
+    let mut diagonal = vec![0.0f64; masses.len()];
     for (nodes, weight) in ends.iter().zip(&weights) {
         nodes.iter().for_each(|&node| diagonal[node as usize] += weight.abs());
     }

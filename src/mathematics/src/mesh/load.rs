@@ -60,6 +60,24 @@ const MOST_PARTS: usize = 1 << 17;
 /// Cells between which their parts are added to the sums.
 const RUN: usize = 1 << 16;
 
+/// Cells of the mesh before, with the same f.
+#[derive(Clone, Copy)]
+pub struct CellsBefore<'a> {
+    /// Number of the cell before in which each cell lies.
+    pub origins: &'a [u32],
+    /// f on the cells before.
+    pub f: &'a CellData,
+}
+
+impl CellsBefore<'_> {
+    /// Value of f on a cell, if the deviation from the mean says that it is constant on the cell before.
+    fn constant(&self, cell: usize) -> Option<f64> {
+        let origin = self.origins[cell] as usize;
+        let is_constant = self.f.deviation.as_ref().is_none_or(|all| all[origin] == 0.0);
+        is_constant.then_some(self.f.mean[origin])
+    }
+}
+
 /// Integrates f over all cells.
 ///
 /// # Errors
@@ -71,8 +89,35 @@ pub fn mesh_load<const D: usize, const V: usize, F: OnCells<D>>(
 where
     Shape<D>: CutShape<D, V>,
 {
+    integrated(mesh, f, None)
+}
+
+/// As [`mesh_load`], on a mesh whose cells lie in those of another: where f is constant on shapes, and on a cell there,
+/// it need not be cut again.
+///
+/// # Errors
+/// As [`mesh_load`].
+pub fn mesh_load_after<const D: usize, const V: usize, F: OnCells<D>>(
+    before: CellsBefore<'_>,
+    mesh: &Mesh<D, V>,
+    f: &F,
+) -> Result<MeshLoad, SourceError>
+where
+    Shape<D>: CutShape<D, V>,
+{
+    integrated(mesh, f, Some(before))
+}
+
+fn integrated<const D: usize, const V: usize, F: OnCells<D>>(
+    mesh: &Mesh<D, V>,
+    f: &F,
+    before: Option<CellsBefore<'_>>,
+) -> Result<MeshLoad, SourceError>
+where
+    Shape<D>: CutShape<D, V>,
+{
     let cells = mesh.cells().len();
-    let work = CellWork { mesh, f, sampler: Sampler::default(), volume: mesh.volume() };
+    let work = CellWork { mesh, f, before, sampler: Sampler::default(), volume: mesh.volume() };
     let mut made = LoadSums::new(mesh);
     // Cells that are not settled as far as f is known, with their parts.
     let mut open = Vec::new();
@@ -127,6 +172,7 @@ struct WeighedPart<const V: usize> {
 struct CellWork<'a, F, const D: usize, const V: usize> {
     mesh: &'a Mesh<D, V>,
     f: &'a F,
+    before: Option<CellsBefore<'a>>,
     sampler: Sampler<V>,
     /// Volume of the mesh.
     volume: f64,
@@ -162,7 +208,10 @@ where
         let vertices = mesh.vertices(&mesh.cells()[cell]);
         let volume = Element::new(vertices).volume;
         if let Some(pieces) = self.f.pieces(region) {
-            let part = cutter.integrate(vertices, volume, pieces);
+            let part = match self.before.and_then(|before| before.constant(cell)) {
+                Some(value) => CellPart::constant(volume, value),
+                None => cutter.integrate(vertices, volume, pieces),
+            };
             return Ok(WeighedPart { part, difference: None, worst: 0.0 });
         }
         self.check_ends(vertices, region)?;

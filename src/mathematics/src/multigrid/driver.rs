@@ -1,7 +1,8 @@
 //! The run of multigrid, one for the grids of the square and for nested networks.
 //!
 //! # Algorithm
-//! 1. Solve without the limit of the law; if the flux then exceeds it somewhere, solve again with it.
+//! 1. Solve without the limit of the law; if the flux then exceeds it somewhere, solve again with it. A start that has
+//!    the limit is solved with it at once.
 //! 2. Each time, solve on the coarsest level, and start each finer level from the one before.
 //! 3. Apply steps on the finest level. After each step:
 //!    1. Stop with `Diverged` if the residual is not finite or has grown by [`DIVERGENCE`].
@@ -67,6 +68,12 @@ pub(crate) trait Hierarchy {
         Ok(None)
     }
 
+    /// True if the start is the solution of a like problem with the limit, so that solving without it first gains
+    /// nothing.
+    fn starts_with_limit(&self) -> bool {
+        false
+    }
+
     /// Applies one step on the finest level, where the residual is this one; returns the next one.
     fn step(&mut self, residual: f64) -> f64;
 
@@ -107,8 +114,9 @@ pub(crate) fn solve(
     limit: f64,
     params: &MultigridParams,
 ) -> Result<End, InputError> {
-    let (mut stop, mut iterations) = solve_with(levels, f64::INFINITY, params)?;
-    if limit.is_finite() && exceeds(levels, limit)? {
+    let first = if levels.starts_with_limit() { limit } else { f64::INFINITY };
+    let (mut stop, mut iterations) = solve_with(levels, first, params)?;
+    if first > limit && exceeds(levels, limit)? {
         (stop, iterations) = solve_with(levels, limit, params)?;
     }
     Ok(End { iterations, work_units: levels.work_units(), stop, delta_a: None })

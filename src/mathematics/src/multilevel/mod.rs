@@ -27,4 +27,4 @@ mod smoothed;
 mod solve;
 mod springs;
 
-pub use solve::solve_nested_networks;
+pub use solve::{improve_on_nested_networks, solve_nested_networks};

@@ -69,51 +69,61 @@ fn level_of(
     strength: &Strength<'_>,
     Aggregates { of_nodes, count }: &Aggregates,
 ) -> CoarseLevel {
-    let rows = smoothed(network, strength, of_nodes);
+    let interpolation = smoothed(network, strength, of_nodes);
     let of_contact = network.contact().iter().map(|contact| of_nodes[contact.node]);
     CoarseLevel {
-        network: galerkin(network, &rows, *count),
+        network: galerkin(network, &interpolation, *count),
         of_contact: of_contact.collect(),
-        rows,
+        rows: interpolation.rows,
     }
 }
 
+/// Interpolation from a coarse level.
+struct FromAggregates {
+    rows: WeightedRows,
+    /// One less the sum of each row: zero but at and beside fixed nodes.
+    missing: Vec<f64>,
+}
+
 /// Interpolation by the smoothed indicator functions of the aggregates.
-fn smoothed(network: &Network, strength: &Strength<'_>, of_nodes: &[u32]) -> WeightedRows {
+fn smoothed(network: &Network, strength: &Strength<'_>, of_nodes: &[u32]) -> FromAggregates {
     let mut rows = WeightedRows::with_capacity(of_nodes.len(), 3 * of_nodes.len());
     let is_contact = |node: usize| matches!(network.condition(node), NodeCondition::Contact(_));
+    let mut missing = vec![0.0; of_nodes.len()];
     let mut row: Vec<WeightedNode> = Vec::new();
     for (node, &own) in of_nodes.iter().enumerate() {
         row.clear();
         if own == NONE {
             rows.push(&row);
+            missing[node] = 1.0;
             continue;
         }
         row.push(WeightedNode { node: own, weight: 0.0 });
-        let (mut sum, at_contact) = (0.0, is_contact(node));
+        let (mut sum, mut fixed, at_contact) = (0.0, 0.0, is_contact(node));
         for (other, weight) in strength.of(node) {
             if at_contact && !is_contact(other) {
                 continue;
             }
             sum += weight;
-            add(&mut row, WeightedNode { node: of_nodes[other], weight });
+            match of_nodes[other] {
+                NONE => fixed += weight,
+                aggregate => add(&mut row, WeightedNode { node: aggregate, weight }),
+            }
         }
         if sum == 0.0 {
             row[0].weight = 1.0;
         } else {
             row.iter_mut().for_each(|entry| entry.weight *= OMEGA / sum);
             row[0].weight += 1.0 - OMEGA;
+            missing[node] = OMEGA * fixed / sum;
         }
         rows.push(&row);
     }
-    rows
+    FromAggregates { rows, missing }
 }
 
 /// Adds an entry to a row.
 fn add(row: &mut Vec<WeightedNode>, WeightedNode { node, weight }: WeightedNode) {
-    if node == NONE {
-        return;
-    }
     match row.iter_mut().find(|entry| entry.node == node) {
         Some(entry) => entry.weight += weight,
         None => row.push(WeightedNode { node, weight }),
@@ -152,27 +162,28 @@ impl Accumulator {
 }
 
 /// Discrete problem of the coarse functions: `P' A P`, with the measures of the contact nodes.
-fn galerkin(network: &Network, interpolation: &WeightedRows, coarse: usize) -> Network {
+fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) -> Network {
+    let FromAggregates { rows: interpolation, missing } = interpolation;
     let nodes = network.nodes();
     let mut accumulator = Accumulator::new(coarse);
     let mut images = WeightedRows::with_capacity(nodes, 5 * nodes);
-    // A times the function that is one but at the fixed nodes: the sums of the rows of the coarse matrix.
+    // Sums of the rows of the coarse matrix: P' A times the sum of all coarse functions, which is constant but at and
+    // beside fixed nodes.
     let mut sums = vec![0.0; coarse];
     for node in 0..nodes {
         let row = network.row(node);
         let (mut within, mut beyond) = (0.0, 0.0);
+        let diagonal = network.diagonal()[node];
         for (&other, weight) in row.others.iter().zip(row.weights) {
             within += weight;
+            beyond += weight * missing[other as usize];
             let entries = interpolation.row(other as usize);
-            if entries.is_empty() {
-                beyond += weight;
-            }
             entries.iter().for_each(|entry| accumulator.add(entry.node, -weight * entry.weight));
         }
-        let diagonal = network.diagonal()[node];
+        let sum = diagonal - within + beyond - diagonal * missing[node];
         for entry in interpolation.row(node) {
             accumulator.add(entry.node, diagonal * entry.weight);
-            sums[entry.node as usize] += entry.weight * (diagonal - within + beyond);
+            sums[entry.node as usize] += entry.weight * sum;
         }
         accumulator.finish(|row| images.push(row));
     }

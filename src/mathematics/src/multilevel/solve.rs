@@ -11,10 +11,10 @@ use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
-use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::driver::{self, Hierarchy, LoadScale};
 use crate::multigrid::input::{InputError, check_length, check_load};
+use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::law::Law;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error
@@ -37,7 +37,35 @@ const COARSEST_STEPS: usize = 30;
 /// If there are no levels.
 pub fn solve_nested_networks(
     levels: &[NestedNetwork],
+    problem: LawAndLoad<'_>,
+    params: &MultigridParams,
+) -> Result<(Vec<f64>, End), InputError> {
+    solve_from(levels, problem, None, params)
+}
+
+/// As [`solve_nested_networks`], from a nodal vector near the solution of the last network, with so many steps there at
+/// most.
+///
+/// # Errors
+/// As [`solve_nested_networks`].
+///
+/// # Panics
+/// If there are no levels.
+pub fn improve_on_nested_networks(
+    levels: &[NestedNetwork],
+    problem: LawAndLoad<'_>,
+    start: &[f64],
+    steps: usize,
+) -> Result<(Vec<f64>, End), InputError> {
+    let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles: steps };
+    solve_from(levels, problem, Some(start), &params)
+}
+
+/// As [`solve_nested_networks`]; a `start` takes the place of the solutions on coarser levels.
+fn solve_from(
+    levels: &[NestedNetwork],
     LawAndLoad { law, load }: LawAndLoad<'_>,
+    start: Option<&[f64]>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
     check_length(levels[levels.len() - 1].network.nodes(), load)?;
@@ -50,6 +78,9 @@ pub fn solve_nested_networks(
     let loads = levels.restricted(shifted.iter().map(|value| value / scale).collect());
     let nested = NestedProblem { levels, loads, components, scale };
     let mut run = NetworkRun::new(&nested);
+    let factor = one_sided.signed(1.0) / scale;
+    let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();
+    run.start = start.map(|y| nested.levels.renumbered(&scaled(y)));
     let end = driver::solve(&mut run, one_sided.limit, params)?;
     let mut y = nested.levels.in_order_of_mesh(run.take_y());
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
@@ -120,6 +151,8 @@ impl Components {
 struct NetworkRun<'a> {
     nested: &'a NestedProblem<'a>,
     cycle: Cycle<'a>,
+    /// Nodal vector from which the finest level starts, divided as the load.
+    start: Option<Vec<f64>>,
     /// Limit of the flux, divided as the load.
     limit: f64,
     /// Measure of the boundary of each component that balances the load if it slips down.
@@ -145,6 +178,7 @@ impl<'a> NetworkRun<'a> {
         Self {
             nested,
             cycle: Cycle::new(&nested.levels),
+            start: None,
             limit: f64::INFINITY,
             needed: Vec::new(),
             coarsest: Vec::new(),
@@ -164,7 +198,7 @@ impl<'a> NetworkRun<'a> {
         iterate.y
     }
 
-    /// Begins with this nodal vector on a level; returns the residual.
+    /// Begins with this nodal vector on a level; returns its residual after one sweep.
     fn begin(&mut self, level: usize, y: Vec<f64>) -> Result<f64, InputError> {
         let NestedProblem { levels, loads, components, .. } = self.nested;
         let problem = ContactProblem {
@@ -232,6 +266,15 @@ impl Hierarchy for NetworkRun<'_> {
     fn refine(&mut self, level: usize) -> Result<f64, InputError> {
         let y = self.nested.levels.interpolate(level, &self.take_y());
         self.begin(level, y)
+    }
+
+    fn starts_with_limit(&self) -> bool {
+        self.start.is_some()
+    }
+
+    fn start(&mut self) -> Result<Option<f64>, InputError> {
+        let finest = self.finest();
+        self.start.take().map(|y| self.begin(finest, y)).transpose()
     }
 
     fn settle(&mut self, level: usize) {

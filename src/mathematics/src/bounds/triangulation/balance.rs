@@ -3,9 +3,8 @@
 
 use super::NoBound;
 use super::cells::Cells;
-use super::sides::{BoundarySide, Neighbour, Sides};
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
-use crate::mesh::{Condition, measure};
+use crate::mesh::{BoundarySide, Condition, Neighbour, Sides, measure};
 use crate::problem::law::Law;
 use crate::problem::unsolvable::{Component, Unsolvable};
 use std::cmp::Ordering;
@@ -75,8 +74,9 @@ pub(super) fn balance<const D: usize, const V: usize>(
             let (law, is_fixed) = (PartLaw::new(cells.law, measure), condition == Condition::Fixed);
             let flux = &mut flux[side as usize];
             if !is_fixed {
-                // Sums of parts at the end of the interval may exceed the end by rounding.
-                *flux = law.clamp(*flux);
+                // Sums of parts at the end of the interval may exceed the end by rounding, and the outlet at the root has
+                // rounding errors to take.
+                *flux = law.clamp_inside(*flux);
             }
             outlets.push(Outlet {
                 side,
@@ -89,14 +89,15 @@ pub(super) fn balance<const D: usize, const V: usize>(
         }
     }
     outlets.sort_by(Outlet::compare);
-    let mut is_seen = vec![false; cells.len()];
+    let cells = &Balanced { cells, masses: cells.masses() };
+    let mut is_seen = vec![false; cells.masses.len()];
     for outlet in outlets {
         if !is_seen[outlet.cell as usize] {
             let connected = ConnectedCells::beside(outlet, sides, &mut is_seen);
             let mut tree = Tree { outlet, cells: connected };
             if !outlet.is_fixed {
                 tree.balance_outflows(cells, sides, flux)?;
-                if cells.law.is_bounded() {
+                if cells.cells.law.is_bounded() {
                     tree.move_root(sides, &mut is_seen);
                 }
             }
@@ -107,6 +108,12 @@ pub(super) fn balance<const D: usize, const V: usize>(
         Some(_) => Err(Unsolvable::Insulated { component: None }.into()),
         None => Ok(()),
     }
+}
+
+/// Cells with their integrals of f.
+struct Balanced<'a, const D: usize, const V: usize> {
+    cells: &'a Cells<'a, D, V>,
+    masses: Vec<f64>,
 }
 
 impl ConnectedCells {
@@ -142,7 +149,7 @@ impl ConnectedCells {
 impl Tree {
     fn balance<const D: usize, const V: usize>(
         &self,
-        cells: &Cells<'_, D, V>,
+        cells: &Balanced<'_, D, V>,
         sides: &Sides<V>,
         flux: &mut [f64],
     ) -> Result<(), NoBound> {
@@ -150,10 +157,10 @@ impl Tree {
         for (&cell, &slot) in numbers.iter().zip(slots).rev() {
             let side = sides.numbers(cell)[usize::from(slot)];
             let outflow: f64 = sides.outflows(cell, flux).iter().sum();
-            let missing = -(V as f64) * cells.load(cell) - outflow;
+            let missing = -cells.masses[cell as usize] - outflow;
             flux[side as usize] += if sides.leaves(cell, side) { missing } else { -missing };
         }
-        let law = PartLaw::new(cells.law, self.outlet.measure);
+        let law = PartLaw::new(cells.cells.law, self.outlet.measure);
         match !self.outlet.is_fixed && law.room(flux[self.outlet.side as usize]) < 0.0 {
             true => Err(NoBound::NotBalanced),
             false => Ok(()),
@@ -163,18 +170,18 @@ impl Tree {
     /// Changes the outflows through the boundary until they balance f, and takes the outlet with most room.
     fn balance_outflows<const D: usize, const V: usize>(
         &mut self,
-        cells: &Cells<'_, D, V>,
+        cells: &Balanced<'_, D, V>,
         sides: &Sides<V>,
         flux: &mut [f64],
     ) -> Result<(), NoBound> {
-        let (mesh, law) = (cells.mesh, cells.law);
+        let (mesh, law) = (cells.cells.mesh, cells.cells.law);
         if law.is_bounded() {
             self.outlet.room = f64::NEG_INFINITY;
         }
         let (mut integral, mut perimeter) = (0.0, 0.0);
         let (mut outlets, mut parts) = (Vec::new(), Vec::new());
         for &cell in &self.cells.numbers {
-            integral += V as f64 * cells.load(cell);
+            integral += cells.masses[cell as usize];
             for side in sides.numbers(cell) {
                 if let Neighbour::Facet(facet) = sides.across(cell, side) {
                     let facet = &mesh.facets()[facet as usize];

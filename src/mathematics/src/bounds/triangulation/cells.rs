@@ -31,11 +31,6 @@ pub(super) struct Cells<'a, const D: usize, const V: usize> {
 }
 
 impl<const D: usize, const V: usize> Cells<'_, D, V> {
-    /// Number of cells.
-    pub(super) fn len(&self) -> usize {
-        self.f.len()
-    }
-
     /// Cell of this number.
     pub(super) fn cell(&self, number: u32) -> Cell<V> {
         let nodes = &self.mesh.cells()[number as usize];
@@ -49,10 +44,10 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
         }
     }
 
-    /// Integral of f over a cell, over the number of vertices.
-    pub(super) fn load(&self, number: u32) -> f64 {
-        let nodes = &self.mesh.cells()[number as usize];
-        self.load_on(number, Element::new(self.mesh.vertices(nodes)).volume)
+    /// Integrals of f over all cells.
+    pub(super) fn masses(&self) -> Vec<f64> {
+        let all = self.mesh.cells().iter().zip(self.f);
+        all.map(|(nodes, f)| f * Element::new(self.mesh.vertices(nodes)).volume).collect()
     }
 
     fn load_on(&self, number: u32, volume: f64) -> f64 {
@@ -104,10 +99,11 @@ impl<const D: usize, const V: usize> RaviartThomas<D, V> {
 
     /// Upper bound of [`RaviartThomas::square`] for any signs of the outflows, the size of its rounding errors.
     pub(super) fn largest_square(&self, outflows: [f64; V]) -> f64 {
-        let terms = outflows.iter().zip(self.to_centre).map(|(q, x)| q.abs() * dot(x, x).sqrt());
-        let largest = terms.sum::<f64>() / (D as f64 * self.volume);
-        let density = outflows.iter().map(|q| q.abs()).sum::<f64>() / (D as f64 * self.volume);
-        self.volume * (largest * largest + density * density * self.spread())
+        // The square of a sum is at most the sum of the squares times their number.
+        let scale = V as f64 / (D as f64 * self.volume);
+        let squares = outflows.iter().zip(self.to_centre).map(|(q, x)| q * q * dot(x, x));
+        let density = outflows.iter().map(|q| q * q).sum::<f64>() * self.spread();
+        scale * (squares.sum::<f64>() + density) / D as f64
     }
 
     /// Mean square of the distance from the centroid.

@@ -1,7 +1,6 @@
-//! Circulations around a node: fluxes without divergence, by which the flux of a patch gets its least norm.
+//! Circulations around a node in space: fluxes without divergence, by which the flux of a patch gets its least norm.
 //!
-//! In the plane there is one, around an inner node. In space there is one around each inner edge at the node; around an
-//! inner node their sum is zero. On each cell a circulation is a constant field, so that the system for their strengths
+//! There is one around each inner edge at the node; around an inner node their sum is zero. On each cell a circulation is a constant field, so that the system for their strengths
 //! is that of linear elements on the surface of the patch.
 
 use super::cells::{RaviartThomas, difference};
@@ -44,7 +43,7 @@ fn other_vertex(vertex: usize, rank: usize) -> usize {
 
 /// Circulations of the fan of a node, with storage that is used again.
 pub(super) struct Circulations {
-    /// Edges at the node in space.
+    /// Edges at the node.
     edges: Vec<Edge>,
     /// Number of circulations.
     count: usize,
@@ -67,7 +66,7 @@ impl Circulations {
             self.assemble(fan);
             self.solve();
             for place in 0..fan.members.len() {
-                for turn in self.turns(fan, &fan.members[place]).into_iter().flatten() {
+                for turn in self.turns(fan, &fan.members[place]) {
                     if turn.number != NONE {
                         let strength = turn.sense * self.strengths[turn.number as usize];
                         fan.members[place].outflows[turn.out] += strength;
@@ -80,10 +79,6 @@ impl Circulations {
 
     /// Numbers the circulations.
     fn number<const D: usize, const V: usize>(&mut self, fan: &mut Fan<'_, D, V>) {
-        if D == 2 {
-            self.count = usize::from(fan.is_closed());
-            return;
-        }
         self.count = 0;
         self.edges.clear();
         self.edges.extend(fan.boundary_nodes().map(|node| Edge { node, number: NONE }));
@@ -110,13 +105,13 @@ impl Circulations {
         }
     }
 
-    /// Circulations within a cell: one in the plane, three in space.
+    /// Circulations within a cell.
     #[inline(always)]
     fn turns<const D: usize, const V: usize>(
         &self,
         fan: &Fan<'_, D, V>,
         member: &Member<V>,
-    ) -> [Option<Turn<D>>; 3] {
+    ) -> [Turn<D>; 3] {
         let nodes = &fan.mesh.cells()[member.cell as usize];
         let vertices = fan.mesh.vertices(nodes);
         let cell = &member.data;
@@ -125,13 +120,9 @@ impl Circulations {
         let scale = sense / (D as f64 * cell.volume);
         std::array::from_fn(|k| {
             let [around, out, back] = [k, k + 1, k + 2].map(|k| other_vertex(member.vertex, k % 3));
-            let (number, out, back) = match D {
-                2 if k > 0 => return None,
-                2 => (if self.count > 0 { 0 } else { NONE }, around, out),
-                _ => (member.numbers[around], out, back),
-            };
+            let number = member.numbers[around];
             let field = difference(vertices[back], vertices[out]).map(|x| scale * x);
-            Some(Turn { number, out, back, sense, field })
+            Turn { number, out, back, sense, field }
         })
     }
 
@@ -148,10 +139,10 @@ impl Circulations {
             outflows[member.vertex] = 0.0;
             let mean = RaviartThomas::new(vertices, cell.volume).mean(outflows);
             let turns = self.turns(fan, member);
-            for turn in turns.iter().flatten().filter(|turn| turn.number != NONE) {
+            for turn in turns.iter().filter(|turn| turn.number != NONE) {
                 let row = turn.number as usize;
                 self.strengths[row] -= cell.volume * dot(turn.field, mean);
-                for other in turns.iter().flatten().filter(|other| other.number <= turn.number) {
+                for other in turns.iter().filter(|other| other.number <= turn.number) {
                     let entry = &mut self.matrix[row * self.count + other.number as usize];
                     *entry += cell.volume * dot(turn.field, other.field);
                 }

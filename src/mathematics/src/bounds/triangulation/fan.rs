@@ -1,9 +1,10 @@
-//! Flux of a patch: the part of the flux that belongs to the hat function of one node (Braess and Schöberl 2008).
+//! Flux of a patch in space: the part of the flux that belongs to the hat function of one node (Braess and Schöberl
+//! 2008). In the plane it is that of a [ring](super::ring).
 
+use super::SideOutflow;
 use super::cells::{Cell, Cells};
-use super::sides::{Neighbour, Sides};
-use crate::bounds::boundary::PartLaw;
-use crate::mesh::{Condition, Facet, Mesh, measure};
+use super::reaction::BoundaryNode;
+use crate::mesh::{Condition, Element, Facet, Mesh, Neighbour, Sides, measure};
 
 /// Cell of a fan.
 #[derive(Clone, Copy, Debug)]
@@ -22,13 +23,6 @@ pub(super) struct Member<const V: usize> {
     wanted: f64,
     /// Way to a cell nearer to the first one.
     parent: Parent,
-}
-
-/// Part of the flux through a side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SideOutflow {
-    pub side: u32,
-    pub outflow: f64,
 }
 
 /// Way from a cell of a fan to the cell from which the search came.
@@ -145,26 +139,28 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// boundary have the same sum.
     pub(super) fn prescribe(&mut self) {
         let reaction: f64 = self.members.iter().map(|member| member.wanted).sum();
-        let law = self.cells.law;
         // Each of the D nodes of a facet has the same part of the facet.
         let part = self.measure(Condition::Contact) / D as f64;
-        let kept = if self.measure(Condition::Fixed) > 0.0 {
-            let beside = part * law.project(0.0);
-            self.let_out(Condition::Contact, beside);
-            self.let_out(Condition::Fixed, reaction - beside);
-            reaction
-        } else if part > 0.0 {
-            let allowed = PartLaw::new(law, part).clamp(reaction);
-            self.let_out(Condition::Contact, allowed);
-            allowed
-        } else {
-            0.0
-        };
+        let (w, fixed) = (self.cells.w[self.node as usize], self.measure(Condition::Fixed));
+        let node = BoundaryNode { w, stiffness: self.stiffness(), part, fixed };
+        let [contact, through_fixed] = node.let_out(self.cells.law, reaction);
+        self.let_out(Condition::Contact, contact);
+        self.let_out(Condition::Fixed, through_fixed);
+        let kept = contact + through_fixed;
         let volume: f64 = self.members.iter().map(|member| member.data.volume).sum();
         let density = (reaction - kept) / volume;
         for member in &mut self.members {
             member.wanted -= density * member.data.volume;
         }
+    }
+
+    /// Square of the norm of the gradient of the node's hat function.
+    fn stiffness(&self) -> f64 {
+        let members = self.members.iter().map(|&Member { cell, vertex, .. }| {
+            let vertices = self.mesh.vertices(&self.mesh.cells()[cell as usize]);
+            Element::<D, V>::new(vertices).stiffness(vertex, vertex)
+        });
+        members.sum()
     }
 
     /// Measure of the facets at the node with this condition.

@@ -22,11 +22,12 @@
 //! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux
 //! for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral
 //! of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its
-//! share of `grad w . n` (`fan.rs`). The distance that is made least is the one between the part of sigma and that
+//! share of `grad w . n` (`ring.rs`, in space `fan.rs`). The distance that is made least is the one between the part of sigma and that
 //! share as fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on
 //! fine meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at
-//! the node if the boundary allows the sign; else, and for the residual at other nodes, all outflows around the node
-//! are changed alike. In the plane, sweeps over circulations around all nodes then lower the norm of sigma
+//! the node as far as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for
+//! the residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
+//! iteration has nearly the bounds of the last one. In the plane, a sweep over circulations around all nodes then lowers the norm of sigma
 //! (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every
 //! vector.
 //!
@@ -37,11 +38,15 @@
 //! `grad w - sigma` on the cell grow by as much. J(w) takes f by the means alone, and `h / pi` times the deviation
 //! times `|grad w|` is added.
 
+mod around;
 mod balance;
 mod cells;
 mod circulation;
+mod curve;
 mod fan;
-mod sides;
+mod lower;
+mod reaction;
+mod ring;
 mod stream;
 mod sums;
 #[cfg(test)]
@@ -50,26 +55,28 @@ mod tests;
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
-use crate::mesh::{CellData, Mesh};
+use crate::machine::threads::in_tasks;
+use crate::mesh::{CellData, Element, Mesh, Sides, dot};
 use crate::problem::law::Law;
+use around::FirstCells;
 use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
-use fan::{Fan, SideOutflow};
+pub use curve::{CurveShare, curve_shares};
+use fan::Fan;
+use lower::lower;
 use rayon::prelude::*;
-use sides::{FirstCells, Sides};
+use ring::Ring;
 use std::borrow::Cow;
 use stream::circulate;
 use sums::Summands;
 
 /// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a
 /// law on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present
-/// conditions. There is no recovery, and the lower bound of the error is zero.
+/// conditions. There is no recovery.
 ///
 /// # Errors
-/// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where the
-/// flux cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the range of
-/// double precision.
+/// As [`BoundedProblem::bounds`].
 ///
 /// # Panics
 /// If `y`, `network` and `mesh` have not the same number of nodes, or `f` and `mesh` not the same number of cells.
@@ -80,33 +87,103 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
     law: Law,
     y: &[f64],
 ) -> Result<Bounds, NoBound> {
-    assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
-    let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
-    assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
     let sides = Sides::new(mesh);
-    let w = admissible(network, Slips::of_law(law), y);
-    let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, &sides, network)?;
-    let summands = Summands { mesh, sides: &sides, f, y, w: &w, law, flux: &flux };
-    let found = combined(&summands);
-    // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
-    let narrower = admissible(network, summands.slips(), y);
-    if narrower == w {
-        return found;
+    let problem = BoundedProblem { mesh, sides: &sides, network, f, law };
+    Ok(problem.with_lower(problem.bounds(y)?.bounds, y))
+}
+
+/// Discrete problem on a mesh, as far as bounds are concerned.
+#[derive(Clone, Copy)]
+pub struct BoundedProblem<'a, const D: usize, const V: usize> {
+    /// Mesh.
+    pub mesh: &'a Mesh<D, V>,
+    /// Sides of its cells.
+    pub sides: &'a Sides<V>,
+    /// Discrete problem with the present conditions of the mesh.
+    pub network: &'a Network,
+    /// f on the cells.
+    pub f: &'a CellData,
+    /// Law on the boundary in contact.
+    pub law: Law,
+}
+
+/// Bounds with their parts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalBounds {
+    /// Bounds.
+    pub bounds: Bounds,
+    /// Square of the guaranteed error in each cell, of a vector in K: their sum is the square of the guaranteed error,
+    /// up to rounding.
+    pub squares: Vec<f64>,
+}
+
+impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
+    /// Returns bounds for the nodal vector `y`, one value for each node, without a lower bound of the error.
+    ///
+    /// # Errors
+    /// If a connected part of the domain has a free boundary alone, if nothing is fixed on the boundary of one where
+    /// the flux cannot balance the integral of f, which must be negative for the paper's law, or if numbers exceed the
+    /// range of double precision.
+    ///
+    /// # Panics
+    /// If `y`, the network and the mesh have not the same number of nodes, or f and the mesh not the same number of
+    /// cells.
+    pub fn bounds(&self, y: &[f64]) -> Result<LocalBounds, NoBound> {
+        let &Self { mesh, sides, network, f, law } = self;
+        assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
+        let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
+        assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
+        let w = admissible(network, Slips::of_law(law), y);
+        let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, sides, network)?;
+        let summands = Summands { mesh, sides, f, y, w: &w, law, flux: &flux };
+        let found = combined(&summands);
+        // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
+        let narrower = admissible(network, summands.slips(), y);
+        if narrower == w {
+            return found;
+        }
+        let w = narrower;
+        let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, sides, network)?;
+        let other = combined(&Summands { w: &w, flux: &flux, ..summands });
+        match (found, other) {
+            (Ok(found), Ok(other)) => Ok(found.intersection(other)),
+            (found, other) => found.or(other),
+        }
     }
-    let w = narrower;
-    let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, &sides, network)?;
-    let other = combined(&Summands { w: &w, flux: &flux, ..summands });
-    match (found, other) {
-        (Ok(found), Ok(other)) => Ok(found.intersection(&other)),
-        (found, other) => found.or(other),
+}
+
+impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
+    /// Adds the lower bound of the error to bounds for a nodal vector; there is none in space.
+    pub fn with_lower(&self, mut bounds: Bounds, y: &[f64]) -> Bounds {
+        let w = admissible(self.network, Slips::of_law(self.law), y);
+        let mut moved = 0.0;
+        if w != y {
+            for cell in self.mesh.cells() {
+                let element = Element::new(self.mesh.vertices(cell));
+                let gradient =
+                    element.gradient(cell.map(|node| y[node as usize] - w[node as usize]));
+                moved += element.volume * dot(gradient, gradient);
+            }
+        }
+        bounds.error[0] = (lower(self, &w) - moved.sqrt() * (1.0 + 1e-9)).max(0.0);
+        bounds
+    }
+}
+
+impl LocalBounds {
+    /// Bounds that follow from these and others of the same solution, with the parts of those that are closer.
+    fn intersection(self, other: Self) -> Self {
+        let bounds = self.bounds.intersection(&other.bounds);
+        let is_closer = other.bounds.error[1] < self.bounds.error[1];
+        Self { bounds, squares: if is_closer { other.squares } else { self.squares } }
     }
 }
 
 /// Combines the sums for a nodal vector in K and a flux to bounds.
 fn combined<const D: usize, const V: usize>(
     summands: &Summands<'_, D, V>,
-) -> Result<Bounds, NoBound> {
-    let totals = summands.totals();
+) -> Result<LocalBounds, NoBound> {
+    let (totals, squares) = summands.totals();
     let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
     let inside = 0.5 * totals.gradient - totals.load + totals.deviation;
@@ -118,14 +195,21 @@ fn combined<const D: usize, const V: usize>(
         energy: below_zero([-0.5 * totals.flux - totals.rounding_of_flux(largest), energy]),
         error: [0.0, distance + projection],
         recovered: None,
+        curve: segments(summands),
     };
     let underflows = totals.mass > 0.0 && totals.mass < LEAST_MASS;
     // The root hides a NaN.
     let numbers = [bounds.energy[0], energy, gap, rounding, projection];
     match underflows || !numbers.into_iter().all(f64::is_finite) {
         true => Err(NoBound::NotFinite),
-        false => Ok(bounds),
+        false => Ok(LocalBounds { bounds, squares }),
     }
+}
+
+/// Sum of [`CurveShare`]s as an energy; none if no part of the boundary is curved, and in space.
+fn segments<const D: usize, const V: usize>(summands: &Summands<'_, D, V>) -> Option<f64> {
+    let shares = curve_shares(summands.mesh, summands.sides, &summands.f.mean, summands.w);
+    Some(0.5 * shares?.iter().map(|share| share.square).sum::<f64>())
 }
 
 /// Nodal vector of a function in K: values in contact whose signs are left out, and all fixed values, are replaced by
@@ -152,7 +236,7 @@ fn equilibrated<const D: usize, const V: usize>(
     sides: &Sides<V>,
     network: &Network,
 ) -> Result<Vec<f64>, NoBound> {
-    let mut flux = of_fans(cells, sides);
+    let mut flux = of_patches(cells, sides);
     if D == 2 {
         circulate(cells, sides, network, &mut flux);
     }
@@ -164,32 +248,75 @@ fn equilibrated<const D: usize, const V: usize>(
 const RUN: u32 = 64;
 /// Number of such runs between additions.
 const RUNS: u32 = 64;
+/// Numbers whose work takes as long as that on a patch.
+const COST: usize = 64;
+
+/// Part of the flux through a side.
+#[derive(Clone, Copy, Debug)]
+struct SideOutflow {
+    side: u32,
+    outflow: f64,
+}
+
+/// Storage for the patches of nodes, one after the other.
+struct Patches<'a, const D: usize, const V: usize> {
+    ring: Ring<'a, D, V>,
+    fan: Fan<'a, D, V>,
+    circulations: Circulations,
+}
+
+impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
+    fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>) -> Self {
+        let (ring, fan) = (Ring::new(cells, sides), Fan::new(cells, sides));
+        Self { ring, fan, circulations: Circulations::new() }
+    }
+
+    /// Adds the outflows of the patch of a node to a list.
+    fn add(&mut self, node: u32, around: &FirstCells, outflows: &mut Vec<SideOutflow>) {
+        let Self { ring, fan, circulations } = self;
+        let all = fan.mesh.cells();
+        if D == 2 {
+            ring.begin(node);
+            while let Some(cell) = around.next(node, &ring.found, all) {
+                ring.find(cell);
+                ring.equilibrate();
+                ring.add_to(outflows);
+            }
+        } else {
+            fan.begin(node);
+            while let Some(cell) = around.next(node, &fan.found, all) {
+                fan.find(cell);
+                fan.prescribe();
+                fan.carry();
+                circulations.minimise(fan);
+                fan.add_to(outflows);
+            }
+        }
+    }
+}
 
 /// Sum of the fluxes of all patches, added in the order of the nodes whatever thread computes them.
-fn of_fans<const D: usize, const V: usize>(cells: &Cells<'_, D, V>, sides: &Sides<V>) -> Vec<f64> {
+fn of_patches<const D: usize, const V: usize>(
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+) -> Vec<f64> {
     let nodes = cells.w.len() as u32;
-    let all = cells.mesh.cells();
-    let around = FirstCells::new(cells.w.len(), all);
-    let storage = || (Fan::new(*cells, sides), Circulations::new());
+    let around = FirstCells::new(cells.w.len(), cells.mesh.cells());
     let mut flux = vec![0.0; sides.len()];
     for first in (0..nodes).step_by((RUN * RUNS) as usize) {
         let last = nodes.min(first + RUN * RUNS);
-        let runs = (0..(last - first).div_ceil(RUN)).into_par_iter();
-        let parts = runs.map_init(storage, |(fan, circulations), run| {
-            let start = first + RUN * run;
-            let mut outflows = Vec::new();
-            for node in start..last.min(start + RUN) {
-                fan.begin(node);
-                while let Some(cell) = around.next(node, &fan.found, all) {
-                    fan.find(cell);
-                    fan.prescribe();
-                    fan.carry();
-                    circulations.minimise(fan);
-                    fan.add_to(&mut outflows);
+        let runs = in_tasks((0..(last - first).div_ceil(RUN)).into_par_iter(), COST * RUN as usize);
+        let parts = runs.map_init(
+            || Patches::new(*cells, sides),
+            |patches, run| {
+                let start = first + RUN * run;
+                let mut outflows = Vec::with_capacity(8 * RUN as usize);
+                for node in start..last.min(start + RUN) {
+                    patches.add(node, &around, &mut outflows);
                 }
-            }
-            outflows
-        });
+                outflows
+            },
+        );
         for SideOutflow { side, outflow } in parts.collect::<Vec<_>>().into_iter().flatten() {
             flux[side as usize] += outflow;
         }

@@ -6,13 +6,9 @@
 //! all of the flux on which the bounds depend, whatever w is.
 
 use super::cells::{Cells, RaviartThomas};
-use super::sides::{BoundarySide, Sides};
 use crate::bounds::boundary::PartLaw;
 use crate::discrete::network::Network;
-use crate::mesh::{Condition, Element, measure};
-
-/// Number of Gauss-Seidel sweeps, every other one backward. More of them change the bounds by next to nothing.
-const SWEEPS: usize = 4;
+use crate::mesh::{BoundarySide, Condition, Element, Sides, measure};
 
 /// Bounds of psi at a node of the boundary by a facet in contact, relative to psi at the other end.
 #[derive(Clone, Copy)]
@@ -56,13 +52,8 @@ pub(super) fn circulate<const D: usize, const V: usize>(
 ) {
     let mut stream = Stream::new(cells, sides, flux);
     let load = load_of_flux(cells, sides, flux);
-    for sweep in 0..SWEEPS {
-        let nodes = 0..load.len();
-        match sweep % 2 {
-            0 => nodes.for_each(|node| stream.relax(node, network, &load)),
-            _ => nodes.rev().for_each(|node| stream.relax(node, network, &load)),
-        }
-    }
+    // More sweeps of Gauss and Seidel change the bounds by next to nothing.
+    (0..load.len()).for_each(|node| stream.relax(node, network, &load));
     stream.add_to(cells, sides, flux);
 }
 

@@ -2,15 +2,17 @@
 
 use super::CellData;
 use super::cells::{RaviartThomas, gradient};
-use super::sides::{BoundarySide, Sides};
 use crate::bounds::boundary::{PartLaw, Slips};
-use crate::mesh::{Condition, Element, Mesh, dot, measure, size};
+use crate::machine::threads::in_tasks;
+use crate::mesh::{BoundarySide, Condition, Element, Mesh, Sides, dot, measure, size};
 use crate::problem::law::Law;
+use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::ops::Range;
 
 /// Number of cells that are added one after the other; longer sums are halved, so that chains of additions stay short.
 const RUN: usize = 64;
+/// Numbers whose work takes as long as that on a cell.
+const COST: usize = 16;
 
 /// Upper bound of the number of roundings between the data and a sum: within a cell, and along a chain of additions.
 const ROUNDINGS: f64 = 256.0;
@@ -93,9 +95,27 @@ pub(super) struct Summands<'a, const D: usize, const V: usize> {
 }
 
 impl<const D: usize, const V: usize> Summands<'_, D, V> {
-    /// Sums over all cells and facets.
-    pub(super) fn totals(&self) -> Totals {
-        self.over(0..self.mesh.cells().len()).add(halved_sum(&self.boundary()))
+    /// Sums over all cells and facets, and the square of the guaranteed error in each cell: of the distance, and twice
+    /// the work on the facets in contact.
+    pub(super) fn totals(&self) -> (Totals, Vec<f64>) {
+        let mut squares = vec![0.0; self.mesh.cells().len()];
+        let runs = in_tasks(squares.par_chunks_mut(RUN).enumerate(), COST * RUN);
+        let of_runs = runs.map(|(run, squares)| {
+            let mut totals = Totals::default();
+            for (cell, square) in (RUN * run..).zip(squares) {
+                let of_cell = self.of_cell(cell);
+                *square = of_cell.distance;
+                totals = totals.add(of_cell);
+            }
+            totals
+        });
+        let of_runs: Vec<Totals> = of_runs.collect();
+        let mut of_facets = Vec::new();
+        for (cell, totals) in self.boundary() {
+            squares[cell as usize] += 2.0 * totals.work;
+            of_facets.push(totals);
+        }
+        (halved_sum(&of_runs).add(halved_sum(&of_facets)), squares)
     }
 
     /// Ends of the interval of the law that the flux through the boundary reaches; both ends of one that is not bounded
@@ -117,14 +137,6 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         slips
     }
 
-    fn over(&self, cells: Range<usize>) -> Totals {
-        if cells.len() > RUN {
-            let middle = cells.start.midpoint(cells.end);
-            return self.over(cells.start..middle).add(self.over(middle..cells.end));
-        }
-        cells.fold(Totals::default(), |totals, cell| totals.add(self.of_cell(cell)))
-    }
-
     fn of_cell(&self, cell: usize) -> Totals {
         let nodes = &self.mesh.cells()[cell];
         let vertices = self.mesh.vertices(nodes);
@@ -143,21 +155,22 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
         let gradient_square = volume * dot(slope, slope);
         let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
+        // The square of a sum is at most the sum of the squares times their number.
         let slopes =
-            element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g).sqrt() * (v - w[0]).abs());
-        let steepest = slopes.sum::<f64>();
+            element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g) * (v - w[0]) * (v - w[0]));
+        let steepest = V as f64 * slopes.sum::<f64>();
         Totals {
             distance: longer_square(fields.square(differences), field),
             flux: longer_square(fields.square(outflows), field),
             gradient: gradient_square,
             load: mean * volume * (w.iter().sum::<f64>() / V as f64),
-            deviation: field * gradient_square.sqrt(),
+            deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
             projection: self.projection(nodes, &element, w),
             work: 0.0,
             potential: 0.0,
             mass: mean.abs() * volume,
             boundary_magnitude: 0.0,
-            magnitude: volume * (steepest * steepest + mean.abs() * highest)
+            magnitude: volume * (steepest + mean.abs() * highest)
                 + longer_square(fields.largest_square(outflows), field),
             flow: outflows.iter().map(|q| q.abs()).sum(),
         }
@@ -173,22 +186,23 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         element.volume * dot(moved, moved)
     }
 
-    /// Integrals over the facets in contact.
-    fn boundary(&self) -> Vec<Totals> {
+    /// Integrals over the facets in contact, each with its cell.
+    fn boundary(&self) -> Vec<(u32, Totals)> {
         let facets = self.mesh.facets();
         let mut terms = Vec::with_capacity(facets.len());
-        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(self.sides.of_facets()) {
+        for (facet, &BoundarySide { side, cell }) in facets.iter().zip(self.sides.of_facets()) {
             if self.mesh.condition(facet) == Condition::Contact {
                 let measure = measure(self.mesh.corners(facet));
                 let law = PartLaw::new(self.law, measure);
                 let w = facet.nodes.map(|node| self.w[node as usize]);
                 let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
-                terms.push(Totals {
+                let totals = Totals {
                     work: law.work_of_facet(w, self.flux[side as usize]),
                     potential: law.potential(w, 0.0),
                     boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
                     ..Totals::default()
-                });
+                };
+                terms.push((cell, totals));
             }
         }
         terms

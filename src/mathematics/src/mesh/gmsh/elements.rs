@@ -313,11 +313,6 @@ mod tests {
                 "2 6 1 1",
                 "$Elements, line 32: element 22 lies in an entity of dimension 2; save the mesh again",
             ),
-            (
-                "$Entities\n",
-                "$PartitionedEntities\n",
-                "$PartitionedEntities, line 9: the mesh is partitioned; save the mesh in one partition",
-            ),
         ] {
             assert_eq!(after(SQUARE_41, from, to), message);
         }

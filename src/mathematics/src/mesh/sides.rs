@@ -1,21 +1,21 @@
-//! Sides of the cells of a triangulation, each numbered once, and the first cells around its nodes.
+//! Sides of the cells of a triangulation, each numbered once, with the cells that share them.
 
-use crate::mesh::{Mesh, sides_of, sorted};
+use super::{Mesh, sides_of, sorted};
 
 /// Sides of all cells: edges in the plane, triangles in space.
-pub(super) struct Sides<const V: usize> {
+pub struct Sides<const V: usize> {
     /// Numbers of the sides of each cell: opposite to the first vertex, to the second, and so on.
-    of_cell: Vec<[u32; V]>,
+    pub(super) of_cell: Vec<[u32; V]>,
     /// Exclusive or of the numbers of the two cells of each side, from which each cell finds the other. At the boundary
     /// the second number is the number of cells plus the position of the facet.
-    both_cells: Vec<u32>,
+    pub(super) both_cells: Vec<u32>,
     /// Side of each facet of the boundary.
-    of_facet: Vec<BoundarySide>,
+    pub(super) of_facet: Vec<BoundarySide>,
 }
 
 /// Side of the boundary.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct BoundarySide {
+pub(crate) struct BoundarySide {
     /// Number of the side.
     pub side: u32,
     /// Number of its cell.
@@ -24,7 +24,7 @@ pub(super) struct BoundarySide {
 
 /// Neighbour of a cell across a side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Neighbour {
+pub(crate) enum Neighbour {
     /// Number of another cell.
     Cell(u32),
     /// Position of a facet of the boundary.
@@ -34,7 +34,7 @@ pub(super) enum Neighbour {
 impl<const V: usize> Sides<V> {
     /// Sides of a mesh, in the order of their nodes. Each side is found twice: in two cells, or in a cell and among the
     /// facets of the boundary.
-    pub(super) fn new<const D: usize>(mesh: &Mesh<D, V>) -> Self {
+    pub fn new<const D: usize>(mesh: &Mesh<D, V>) -> Self {
         let places = places_in_order(mesh);
         let (pairs, rest) = places.as_chunks::<2>();
         assert!(rest.is_empty(), "each side is found twice");
@@ -65,23 +65,23 @@ impl<const V: usize> Sides<V> {
     }
 
     /// Number of sides.
-    pub(super) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.both_cells.len()
     }
 
     /// Numbers of the sides of a cell.
-    pub(super) fn numbers(&self, cell: u32) -> [u32; V] {
+    pub(crate) fn numbers(&self, cell: u32) -> [u32; V] {
         self.of_cell[cell as usize]
     }
 
     /// Position of a side among the sides of a cell.
-    pub(super) fn slot(&self, cell: u32, side: u32) -> usize {
+    pub(crate) fn slot(&self, cell: u32, side: u32) -> usize {
         let sides = &self.of_cell[cell as usize];
         sides.iter().position(|&other| other == side).expect("the side is one of the cell")
     }
 
     /// Neighbour of a cell across one of the cell's sides.
-    pub(super) fn across(&self, cell: u32, side: u32) -> Neighbour {
+    pub(crate) fn across(&self, cell: u32, side: u32) -> Neighbour {
         let other = self.other(cell, side);
         match other.checked_sub(self.of_cell.len() as u32) {
             Some(facet) => Neighbour::Facet(facet),
@@ -95,12 +95,12 @@ impl<const V: usize> Sides<V> {
     }
 
     /// True if fluxes through a side are counted out of this cell: out of that with the lower number.
-    pub(super) fn leaves(&self, cell: u32, side: u32) -> bool {
+    pub(crate) fn leaves(&self, cell: u32, side: u32) -> bool {
         cell < self.other(cell, side)
     }
 
     /// Outflows of a cell through all its sides.
-    pub(super) fn outflows(&self, cell: u32, flux: &[f64]) -> [f64; V] {
+    pub(crate) fn outflows(&self, cell: u32, flux: &[f64]) -> [f64; V] {
         self.numbers(cell).map(|side| match self.leaves(cell, side) {
             true => flux[side as usize],
             false => -flux[side as usize],
@@ -108,7 +108,7 @@ impl<const V: usize> Sides<V> {
     }
 
     /// Sides of the facets of the boundary, in the order of the facets.
-    pub(super) fn of_facets(&self) -> &[BoundarySide] {
+    pub(crate) fn of_facets(&self) -> &[BoundarySide] {
         &self.of_facet
     }
 }
@@ -150,47 +150,6 @@ fn places_in_order<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<u32
     places
 }
 
-/// First cell around each node, from which the fan of the node is found. The lists of all cells around the nodes would
-/// be as long as those of the vertices of the cells.
-pub(super) struct FirstCells {
-    /// Lowest number of a cell with the node; the number of cells if there is none.
-    first: Vec<u32>,
-    /// Number of cells with the node.
-    counts: Vec<u32>,
-}
-
-impl FirstCells {
-    /// First cells around this number of nodes.
-    pub(super) fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
-        let mut found = Self { first: vec![cells.len() as u32; nodes], counts: vec![0; nodes] };
-        for (number, cell) in cells.iter().enumerate() {
-            for &node in cell {
-                let first = &mut found.first[node as usize];
-                *first = (*first).min(number as u32);
-                found.counts[node as usize] += 1;
-            }
-        }
-        found
-    }
-
-    /// Lowest number of a cell with a node beside those found before; none if these are all.
-    ///
-    /// A fan has all cells around a node, unless the domain touches itself there: only then all cells are searched.
-    pub(super) fn next<const V: usize>(
-        &self,
-        node: u32,
-        found: &[u32],
-        cells: &[[u32; V]],
-    ) -> Option<u32> {
-        if found.len() == self.counts[node as usize] as usize {
-            return None;
-        }
-        let first = self.first[node as usize];
-        let is_next = |cell: &u32| cells[*cell as usize].contains(&node) && !found.contains(cell);
-        if found.is_empty() { Some(first) } else { (first..cells.len() as u32).find(is_next) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,9 +172,5 @@ mod tests {
             assert_eq!(cells, expected.map(Neighbour::Cell));
             assert_eq!(sides.slot(cell, two), 2);
         }
-        let around = FirstCells::new(7, mesh.cells());
-        assert_eq!(around.next(0, &[], mesh.cells()), Some(0));
-        assert_eq!(around.next(0, &[0, 2, 1], mesh.cells()), Some(3));
-        assert_eq!(around.next(0, &[0, 2, 1, 3, 5, 4], mesh.cells()), None);
     }
 }

@@ -1,0 +1,123 @@
+//! Adaptive refinement as `solve` shows it: a bar or lines while it runs, and its end.
+
+use super::answer::Answer;
+use super::request::Request;
+use crate::pipeline::{bar, talk};
+use crate::replication::accuracy::Accuracy;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use signorini_mathematics::bounds::Bounds;
+use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh};
+use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::solvers::Run;
+
+/// Meshes while they are made.
+pub(super) struct Shown {
+    bar: Option<ProgressBar>,
+    accuracy: Accuracy,
+    verbose: bool,
+    /// Number of meshes so far.
+    meshes: usize,
+    /// First error that was finite.
+    first: f64,
+}
+
+/// Steps of the bar, which shows the digits of the error.
+const STEPS: f64 = 1000.0;
+
+impl Shown {
+    pub(super) fn new(accuracy: Accuracy, verbose: bool) -> Self {
+        let bar = bar("[{bar:30}] {elapsed}  {wide_msg}");
+        if let Some(bar) = &bar {
+            bar.set_length(STEPS as u64);
+        }
+        Self { bar, accuracy, verbose, meshes: 0, first: f64::INFINITY }
+    }
+
+    /// Shows a mesh.
+    pub(super) fn show(&mut self, mesh: &AdaptedMesh) {
+        self.meshes += 1;
+        let reached = mesh.bounds.as_ref().ok().map(|bounds| self.accuracy.reached(bounds));
+        let reached = reached.filter(|reached| reached.is_finite());
+        let error =
+            reached.map_or("no bound yet".to_owned(), |reached| error(self.accuracy, reached));
+        let line = format!("mesh {}: {} nodes, {error}", self.meshes, mesh.nodes);
+        if let (Some(bar), Some(reached)) = (&self.bar, reached) {
+            self.first = if self.first.is_finite() { self.first } else { reached };
+            let done =
+                libm::log(self.first / reached) / libm::log(self.first / self.accuracy.wanted());
+            bar.set_position((STEPS * done.clamp(0.0, 1.0)) as u64);
+            bar.set_message(line.clone());
+        }
+        match &self.bar {
+            Some(bar) if self.verbose => bar.println(line),
+            None if self.verbose => talk(&line),
+            _ => (),
+        }
+    }
+
+    /// Removes the bar.
+    pub(super) fn end(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Bound that was reached, in words.
+fn error(accuracy: Accuracy, reached: f64) -> String {
+    let percent = plain(100.0 * reached, 3);
+    match accuracy {
+        Accuracy::Error(_) => format!("error at most {percent} %"),
+        Accuracy::Energy(_) => format!("error of the energy at most {percent} %"),
+    }
+}
+
+/// Reason for the end, as JSON has it.
+fn name(end: AdaptedEnd) -> &'static str {
+    match end {
+        AdaptedEnd::Goal => "goal",
+        AdaptedEnd::Nodes => "memory",
+        AdaptedEnd::NoLongerFalls => "no longer falls",
+    }
+}
+
+/// Returns the end of a run with the bound that was reached.
+pub(super) fn json(end: AdaptedEnd, run: &Run, reached: Option<(Accuracy, &Bounds)>) -> Value {
+    json!({
+        "meshes": run.ends.len(),
+        "nodes": run.y.len(),
+        "reached": reached.map(|(accuracy, bounds)| accuracy.reached(bounds)),
+        "end": name(end),
+    })
+}
+
+/// Returns the end of a run in words.
+pub(super) fn text(end: AdaptedEnd, run: &Run) -> String {
+    let reason = match end {
+        AdaptedEnd::Goal => "the error is as small as asked",
+        AdaptedEnd::Nodes => "a finer mesh takes more memory than is left",
+        AdaptedEnd::NoLongerFalls => "the bound of the error no longer falls",
+    };
+    format!("{} meshes, {} nodes: {reason}\n", run.ends.len(), run.y.len())
+}
+
+impl Answer {
+    /// Decides whether the solution is as accurate as asked.
+    pub(super) fn judge_end(&mut self, request: &Request, accuracy: Accuracy) {
+        let Ok(bounds) = &self.bounds else { return };
+        let remedy = match request.adapted {
+            None | Some(AdaptedEnd::Goal) => return,
+            Some(AdaptedEnd::Nodes) => "memory has no room for more nodes; ask for less",
+            Some(AdaptedEnd::NoLongerFalls) => {
+                "the bound no longer falls; ask for less, or write jumps of f as shapes"
+            }
+        };
+        let (asked, nodes) = (request.written.text(accuracy), self.run.y.len());
+        let reached = error(accuracy, accuracy.reached(bounds));
+        self.shortfall = Some(format!(
+            "{}: {asked} is not reached: {reached} with {nodes} nodes; {remedy}",
+            request.name
+        ));
+    }
+}

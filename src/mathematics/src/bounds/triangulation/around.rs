@@ -1,0 +1,57 @@
+//! First cells around the nodes of a triangulation.
+
+/// First cell around each node, from which the fan of the node is found. The lists of all cells around the nodes would
+/// be as long as those of the vertices of the cells.
+pub(super) struct FirstCells {
+    /// Lowest number of a cell with the node; the number of cells if there is none.
+    first: Vec<u32>,
+    /// Number of cells with the node.
+    counts: Vec<u32>,
+}
+
+impl FirstCells {
+    /// First cells around this number of nodes.
+    pub(super) fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
+        let mut found = Self { first: vec![cells.len() as u32; nodes], counts: vec![0; nodes] };
+        for (number, cell) in cells.iter().enumerate() {
+            for &node in cell {
+                let first = &mut found.first[node as usize];
+                *first = (*first).min(number as u32);
+                found.counts[node as usize] += 1;
+            }
+        }
+        found
+    }
+
+    /// Lowest number of a cell with a node beside those found before; none if these are all.
+    ///
+    /// A fan has all cells around a node, unless the domain touches itself there: only then all cells are searched.
+    pub(super) fn next<const V: usize>(
+        &self,
+        node: u32,
+        found: &[u32],
+        cells: &[[u32; V]],
+    ) -> Option<u32> {
+        if found.len() == self.counts[node as usize] as usize {
+            return None;
+        }
+        let first = self.first[node as usize];
+        let is_next = |cell: &u32| cells[*cell as usize].contains(&node) && !found.contains(cell);
+        if found.is_empty() { Some(first) } else { (first..cells.len() as u32).find(is_next) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::BuiltIn;
+
+    #[test]
+    fn cells_around_a_node_are_found_in_any_order() {
+        let mesh = BuiltIn::Disc.plane().unwrap();
+        let around = FirstCells::new(7, mesh.cells());
+        assert_eq!(around.next(0, &[], mesh.cells()), Some(0));
+        assert_eq!(around.next(0, &[0, 2, 1], mesh.cells()), Some(3));
+        assert_eq!(around.next(0, &[0, 2, 1, 3, 5, 4], mesh.cells()), None);
+    }
+}

@@ -1,0 +1,38 @@
+//! Parts of the domain between the chords of the mesh and the curve of the boundary, which the bounds do not see.
+
+use crate::mesh::{Element, Mesh, Sides, dot, measure};
+
+/// Size of the energy in the segment between a facet and its curve. It is no bound: the solution there is taken for that
+/// in the cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveShare {
+    /// Number of the cell.
+    pub cell: u32,
+    /// Twice the energy: `(2/3) l s (|grad w|^2 + 2 |f w|)`, l the length of the chord, s the height of the arc.
+    pub square: f64,
+}
+
+/// Returns the shares of all facets on curves, for the means of f over the cells and a nodal vector; none if no part of
+/// the boundary is curved, and in space.
+pub fn curve_shares<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    sides: &Sides<V>,
+    f: &[f64],
+    w: &[f64],
+) -> Option<Vec<CurveShare>> {
+    if D != 2 || mesh.parts().iter().all(|part| part.curve.is_none()) {
+        return None;
+    }
+    let mut shares = Vec::new();
+    for (facet, side) in mesh.facets().iter().zip(sides.of_facets()) {
+        let Some(curve) = mesh.parts()[usize::from(facet.part)].curve else { continue };
+        let nodes = &mesh.cells()[side.cell as usize];
+        let slope = Element::new(mesh.vertices(nodes)).gradient(nodes.map(|node| w[node as usize]));
+        let mean = facet.nodes.iter().map(|&node| w[node as usize]).sum::<f64>() / D as f64;
+        let length = measure(mesh.corners(facet));
+        let area = length * length * length / (12.0 * curve.radius);
+        let density = dot(slope, slope) + 2.0 * (f[side.cell as usize] * mean).abs();
+        shares.push(CurveShare { cell: side.cell, square: area * density });
+    }
+    Some(shares)
+}

@@ -1,0 +1,136 @@
+//! Levels by adaptive refinement in the plane: meshes that are bisected where the guaranteed error is large, until it is
+//! small enough.
+//!
+//! # Algorithm
+//! On each mesh in turn:
+//!
+//! 1. Integrate f. On the first mesh solve, on each other one improve the interpolated solution by two steps of the
+//!    multilevel method: with bounds that do not depend on convergence, more steps lower them by next to nothing.
+//! 2. Bound the error. The square of the bound is a sum over the cells. End if the goal is met.
+//! 3. Mark the cells with the largest parts, until they have half of the sum, or where less is missing, less; and bisect
+//!    them. On a curved boundary the energy between chord and curve counts as a part of the cell, since no bound feels
+//!    it.
+//!
+//! The bounds fall like the inverse root of the number of nodes, whatever the corners and ends of contact. Where they do
+//! not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does not
+//! help the run ends: f has parts that its quadrature misses, or rounding errors are reached.
+
+mod marking;
+mod meshes;
+#[cfg(test)]
+mod tests;
+
+use super::triangulations::read;
+use super::{Problem, ProblemError};
+use crate::bounds::{Bounds, NoBound};
+use crate::discrete::end::Outcome;
+use crate::discrete::kkt::Judgement;
+use crate::mesh::PlaneMesh;
+use crate::problem::law::Law;
+use meshes::Meshes;
+
+/// Largest value that a guaranteed bound may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ErrorGoal {
+    /// Error in the energy norm, relative to that of the solution.
+    Relative(f64),
+    /// Width of the bracket of the energy, relative to the energy.
+    RelativeEnergy(f64),
+}
+
+impl ErrorGoal {
+    /// The bound over the goal.
+    fn excess(self, bounds: &Bounds) -> f64 {
+        match self {
+            Self::Relative(goal) => bounds.relative() / goal,
+            Self::RelativeEnergy(goal) => bounds.relative_energy() / goal,
+        }
+    }
+
+    /// Square of the error that the goal allows over the present one; zero while the bounds do not tell.
+    fn square_left(self, bounds: &Bounds) -> f64 {
+        let excess = self.excess(bounds);
+        match self {
+            Self::Relative(_) => 1.0 / (excess * excess),
+            Self::RelativeEnergy(_) => 1.0 / excess,
+        }
+    }
+}
+
+/// Reason for which a run of adaptive refinement ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdaptedEnd {
+    /// The bound is small enough.
+    Goal,
+    /// The next mesh would have more nodes than are allowed.
+    Nodes,
+    /// The bound did not fall although the number of nodes had doubled.
+    NoLongerFalls,
+}
+
+/// Problem to be solved on adapted meshes.
+#[derive(Clone, Copy, Debug)]
+pub struct Adaption<'a> {
+    /// First mesh.
+    pub coarsest: &'a PlaneMesh,
+    /// f as text.
+    pub f: &'a str,
+    /// Law where the boundary is in contact.
+    pub law: Law,
+    /// Goal.
+    pub goal: ErrorGoal,
+    /// Most nodes of a mesh.
+    pub most_nodes: usize,
+}
+
+/// Mesh of a run, for those who watch it.
+#[derive(Clone, Debug)]
+pub struct AdaptedMesh {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Guaranteed bounds there, or the reason for which there are none.
+    pub bounds: Result<Bounds, NoBound>,
+}
+
+/// Result of a run.
+pub struct AdaptedRun {
+    /// Problem, whose levels are the meshes.
+    pub problem: Problem,
+    /// Nodal vector of the finest mesh.
+    pub y: Vec<f64>,
+    /// Judgement of the vector.
+    pub judgement: Judgement,
+    /// Guaranteed bounds for the vector.
+    pub bounds: Bounds,
+    /// End on each mesh, coarsest first.
+    pub outcomes: Vec<Outcome>,
+    /// Reason for the end.
+    pub end: AdaptedEnd,
+}
+
+impl Adaption<'_> {
+    /// Solves on one mesh after the other until the goal is met, or no finer mesh is of use or allowed. `watch` is shown
+    /// each mesh.
+    ///
+    /// # Errors
+    /// [`ProblemError`] if there is no problem, or no bound on the finest mesh that is allowed.
+    pub fn run(&self, watch: &mut dyn FnMut(&AdaptedMesh)) -> Result<AdaptedRun, ProblemError> {
+        let f = read(self.coarsest, self.f)?;
+        let mut meshes = Meshes::new(self, f)?;
+        loop {
+            let solved = meshes.solved()?;
+            let bounds =
+                solved.as_ref().map(|found| found.bounds.clone()).map_err(|reason| *reason);
+            watch(&AdaptedMesh { nodes: meshes.nodes(), bounds });
+            let end = match &solved {
+                Ok(found) if self.goal.excess(&found.bounds) <= 1.0 => Some(AdaptedEnd::Goal),
+                Ok(_) if meshes.has_stalled() => Some(AdaptedEnd::NoLongerFalls),
+                _ if meshes.refine(solved.as_ref().ok())? => None,
+                _ => Some(AdaptedEnd::Nodes),
+            };
+            if let Some(end) = end {
+                return Ok(meshes.finished(end, solved?));
+            }
+        }
+    }
+}

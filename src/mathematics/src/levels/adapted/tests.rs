@@ -1,0 +1,216 @@
+//! True energies that every bracket of every mesh must hold, and what the meshes gain.
+
+use super::*;
+use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Names, Part, lattice_mesh};
+use crate::problem::law::Law;
+
+/// Problem with its true energy.
+struct Known {
+    name: &'static str,
+    mesh: PlaneMesh,
+    f: &'static str,
+    law: Law,
+    energy: f64,
+    /// Last digit of the energy.
+    digit: f64,
+}
+
+/// Unit square of eight cells, with these conditions where a point of the boundary satisfies them.
+fn square(condition: impl Fn([f64; 2]) -> Condition) -> PlaneMesh {
+    let mut mesh = lattice_mesh(&[-0.5, 0.0, 0.5]);
+    let part = |condition| Part { names: Names::from("part"), condition, curve: None };
+    mesh.parts = [Condition::Contact, Condition::Free, Condition::Fixed].map(part).to_vec();
+    let points = mesh.points.clone();
+    for facet in &mut mesh.facets {
+        let [a, b] = facet.nodes.map(|node| points[node as usize]);
+        facet.part = match condition([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]) {
+            Condition::Contact => 0,
+            Condition::Free => 1,
+            Condition::Fixed => 2,
+        };
+    }
+    mesh
+}
+
+/// Square (-1, 1)^2 without the line from its centre to its right side.
+fn slit() -> PlaneMesh {
+    let mut data = MeshData::default();
+    // The last node is that of the lower side of the slit.
+    data.points = vec![
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, 0.0],
+        [-1.0, -1.0],
+        [0.0, -1.0],
+        [1.0, -1.0],
+        [1.0, 0.0],
+    ];
+    data.cells = (1..9).map(|k| [0, k, k + 1]).collect();
+    data.facets = vec![Facet { nodes: [0, 1], part: 0 }, Facet { nodes: [0, 9], part: 0 }];
+    data.parts =
+        vec![Part { names: Names::from("slit"), condition: Condition::Contact, curve: None }];
+    data.mesh().unwrap()
+}
+
+fn known() -> Vec<Known> {
+    let lshape = BuiltIn::LShape.plane().unwrap();
+    let contact = || square(|_| Condition::Contact);
+    let fixed_free = square(|[x, y]| match (y < -0.49, x < 0.0) {
+        (false, _) => Condition::Contact,
+        (true, true) => Condition::Fixed,
+        (true, false) => Condition::Free,
+    });
+    let friction = |g| Law::friction(g).unwrap();
+    let problem =
+        |name, mesh, f, energy| Known { name, mesh, f, law: Law::SIGNORINI, energy, digit: 1e-12 };
+    vec![
+        Known {
+            digit: 2e-8,
+            ..problem("L-shape", lshape.clone(), "rect(-9,0,-9,0)=3; else=-2", -3.019_877_99)
+        },
+        Known {
+            law: friction(0.6),
+            digit: 2e-7,
+            ..problem("L-shape with friction", lshape, "rect(-9,0,-9,0)=6; else=-3.3", -5.378_190_1)
+        },
+        Known {
+            digit: 2e-7,
+            ..problem("fixed and free", fixed_free, "rect(-9,0,-9,0)=-4; else=2", -0.452_388_2)
+        },
+        Known {
+            digit: 2e-7,
+            ..problem("slit", slit(), "rect(-9,0,-9,0)=3; else=-2", -1.322_920_3)
+        },
+        problem(
+            "tiny source",
+            contact(),
+            "disc(0.13,0.21,0.01)=2228.169203286535; else=-1",
+            -0.138_582_877_396_965_8,
+        ),
+        problem("square", contact(), "rect(-9,0,-9,0)=3; else=-1.1", -0.095_051_720_753_350_80),
+        Known {
+            law: friction(1.0),
+            ..problem("both signs", contact(), "halfplane(1,0,0)=8; else=-8", -0.627_952_316_469_3)
+        },
+    ]
+}
+
+impl Known {
+    fn adaption(&self, goal: ErrorGoal) -> Adaption<'_> {
+        Adaption { coarsest: &self.mesh, f: self.f, law: self.law, goal, most_nodes: 1 << 20 }
+    }
+}
+
+#[test]
+fn every_bracket_of_every_mesh_holds_the_true_energy() {
+    for problem in known() {
+        let mut meshes: Vec<AdaptedMesh> = Vec::new();
+        let run = problem.adaption(ErrorGoal::Relative(0.03));
+        let run = run.run(&mut |mesh| meshes.push(mesh.clone())).unwrap();
+        let (name, energy) = (problem.name, problem.energy);
+        assert_eq!(run.end, AdaptedEnd::Goal, "{name}");
+        assert!(run.bounds.relative() <= 0.03);
+        assert_eq!(run.problem.levels().count(), meshes.len());
+        for mesh in &meshes {
+            let nodes = mesh.nodes;
+            let bounds = mesh.bounds.as_ref().map_err(|reason| format!("{name} {nodes}: {reason}"));
+            let [low, high] = bounds.unwrap().energy;
+            assert!(
+                low <= energy + problem.digit && energy - problem.digit <= high,
+                "{name} {nodes}: {low} {high}"
+            );
+            let error = root(2.0 * (high - energy));
+            if nodes > 500 && nodes < 5000 {
+                let effectivity = mesh.bounds.as_ref().unwrap().error[1] / error;
+                assert!(effectivity > 1.0 && effectivity < 1.4, "{name} {nodes}: {effectivity}");
+            }
+        }
+        let [least, most] = run.bounds.error;
+        let error = root(2.0 * (run.bounds.energy[1] - energy));
+        assert!(0.4 * most < least && least < error + 1e-9, "{name}: {least} {error} {most}");
+        // The bounds of the problem on its levels are those of the run.
+        assert_eq!(run.problem.bounds(&run.y).unwrap().energy, run.bounds.energy);
+    }
+}
+
+fn root(square: f64) -> f64 {
+    square.max(0.0).sqrt()
+}
+
+#[test]
+fn errors_fall_like_the_inverse_root_of_the_number_of_nodes() {
+    for problem in &known()[..4] {
+        let mut meshes: Vec<AdaptedMesh> = Vec::new();
+        problem
+            .adaption(ErrorGoal::Relative(0.01))
+            .run(&mut |mesh| meshes.push(mesh.clone()))
+            .unwrap();
+        let error = |mesh: &AdaptedMesh| mesh.bounds.as_ref().unwrap().error[1];
+        let last = meshes.last().unwrap();
+        let first = meshes.iter().find(|mesh| 20 * mesh.nodes > last.nodes).unwrap();
+        let order = libm::log(error(first) / error(last))
+            / libm::log(last.nodes as f64 / first.nodes as f64);
+        assert!(order > 0.47, "{}: {order}", problem.name);
+    }
+}
+
+#[test]
+fn parts_of_the_error_sum_up_to_the_bound() {
+    let problem = &known()[1];
+    let adaption = problem.adaption(ErrorGoal::Relative(0.1));
+    let f = read(&problem.mesh, problem.f).unwrap();
+    let mut meshes = Meshes::new(&adaption, f).unwrap();
+    for _ in 0..6 {
+        let found = meshes.solved().unwrap().unwrap();
+        let sum: f64 = found.squares.iter().sum();
+        let whole = found.bounds.error[1] * found.bounds.error[1];
+        assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} {whole}");
+        assert!(meshes.refine(Some(&found)).unwrap());
+    }
+}
+
+#[test]
+fn threads_make_the_same_meshes_to_the_bit() {
+    let problem = &known()[0];
+    let found = [1, 16].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let run = pool.install(|| problem.adaption(ErrorGoal::Relative(0.015)).run(&mut |_| ()));
+        let run = run.unwrap();
+        (run.problem.levels().mesh(), run.y.iter().map(|y| y.to_bits()).collect::<Vec<_>>())
+    });
+    assert!(found[0] == found[1]);
+}
+
+#[test]
+fn a_run_ends_with_a_number_whatever_happens() {
+    let problem = &known()[0];
+    let few = Adaption { most_nodes: 300, ..problem.adaption(ErrorGoal::Relative(1e-3)) };
+    let run = few.run(&mut |_| ()).unwrap();
+    assert_eq!(run.end, AdaptedEnd::Nodes);
+    assert!(run.y.len() <= 300 && run.bounds.relative() < 0.3);
+    let energy = problem.adaption(ErrorGoal::RelativeEnergy(0.01)).run(&mut |_| ()).unwrap();
+    assert_eq!(energy.end, AdaptedEnd::Goal);
+    assert!(energy.bounds.relative_energy() <= 0.01);
+}
+
+#[test]
+fn circles_are_refined_for_what_the_bound_does_not_feel() {
+    let mesh = BuiltIn::Disc.plane().unwrap();
+    let adaption = Adaption {
+        coarsest: &mesh,
+        f: "else=-1",
+        law: Law::SIGNORINI,
+        goal: ErrorGoal::Relative(0.02),
+        most_nodes: 1 << 20,
+    };
+    let run = adaption.run(&mut |_| ()).unwrap();
+    // v = (|x|^2 - 1) / 4 is not allowed to be negative on the boundary: it is zero there.
+    let energy = -std::f64::consts::PI / 16.0;
+    let [low, high] = run.bounds.energy;
+    let beside = run.bounds.curve.unwrap();
+    assert!(beside > 0.0 && beside < 0.5 * (high - low), "{beside} {low} {high}");
+    assert!(low - beside < energy && energy < high + beside, "{low} {high} {energy}");
+}

@@ -1,0 +1,428 @@
+//! Newest-vertex bisection: refinement of some triangles of a mesh in the plane.
+//!
+//! Each triangle is bisected at its *refinement edge*, which lies opposite to its last vertex: (a, b, c) with the
+//! midpoint m of ab becomes (c, a, m) and (b, c, m). All edges of the marked triangles are marked; then, until nothing
+//! changes, the refinement edge of each triangle with a marked edge. This only adds edges, so that it ends whatever the
+//! refinement edges are. Each marked edge gets one node, and each triangle with marked edges becomes two, three or
+//! four. Of each triangle of the first mesh there are at most four shapes, so that no angle falls further and further.
+//!
+//! A new node lies between two nodes of the mesh before, as in uniform refinement, or on the curve of its part.
+
+use super::check::flat;
+use super::error::MeshError;
+use super::sides::BoundarySide;
+use super::{Element, Facet, PlaneMesh, Sides, dot};
+
+/// Mesh after bisections.
+pub struct Bisected {
+    /// Refined mesh; its first nodes are those of the mesh before.
+    pub mesh: PlaneMesh,
+    /// Sides of its cells.
+    pub sides: Sides<3>,
+    /// Nodes of the mesh before between which each new node lies, in the order of the new nodes.
+    pub parents: Vec<[u32; 2]>,
+    /// Number of the cell of the mesh before in which each cell lies, increasing: a number that is there once is that
+    /// of a cell that is left as it was.
+    pub origins: Vec<u32>,
+}
+
+/// Lets the refinement edge of each cell be its longest one; of equally long edges the one with the lowest numbers of
+/// nodes.
+pub fn label_longest_edges(mesh: &mut PlaneMesh) {
+    for cell in &mut mesh.cells {
+        let edge = |k: usize| {
+            let ends = [cell[k], cell[(k + 1) % 3]];
+            let [p, q] = ends.map(|node| mesh.points[node as usize]);
+            let along = [p[0] - q[0], p[1] - q[1]];
+            (dot(along, along), [ends[0].min(ends[1]), ends[0].max(ends[1])])
+        };
+        let mut longest = 0;
+        for k in 1..3 {
+            let ((most, lowest), (length, ends)) = (edge(longest), edge(k));
+            if length > most || (length == most && ends < lowest) {
+                longest = k;
+            }
+        }
+        cell.rotate_left(longest);
+    }
+}
+
+/// Bisects the marked cells, given by their numbers, and as many others as leave no hanging nodes.
+///
+/// # Errors
+/// [`MeshError::TooManyNodes`], and [`MeshError::Folded`] if a curve puts a node so far away that a cell turns inside
+/// out.
+pub fn bisect(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Result<Bisected, MeshError> {
+    let is_split = split_sides(sides, marked);
+    let new_nodes = is_split.iter().filter(|split| **split).count();
+    // At most two cells and three sides for each new node.
+    if 4 * (mesh.cells.len() + 2 * new_nodes) > u32::MAX as usize {
+        return Err(MeshError::TooManyNodes { cells: mesh.cells.len() + 2 * new_nodes });
+    }
+    let mut pieces = Pieces::new(mesh, is_split, new_nodes);
+    for (number, (&cell, of_cell)) in (0..).zip(mesh.cells.iter().zip(&sides.of_cell)) {
+        pieces.origin = number;
+        pieces.add(cell, of_cell.map(Edge::Old));
+    }
+    pieces.finished(sides)
+}
+
+/// Sides at whose midpoints there will be nodes: flags in the order of the sides.
+fn split_sides(sides: &Sides<3>, marked: &[u32]) -> Vec<bool> {
+    let mut is_split = vec![false; sides.len()];
+    let cells = sides.of_cell.len();
+    for &first in marked {
+        for mut side in sides.of_cell[first as usize] {
+            let mut cell = first;
+            // Beyond the side, the refinement edge is the next one, unless there is no cell.
+            while !std::mem::replace(&mut is_split[side as usize], true) {
+                cell ^= sides.both_cells[side as usize];
+                let Some(of_cell) = sides.of_cell[..cells].get(cell as usize) else { break };
+                side = of_cell[2];
+            }
+        }
+    }
+    is_split
+}
+
+/// Side of a cell in the making.
+#[derive(Clone, Copy)]
+enum Edge {
+    /// Side of the mesh before.
+    Old(u32),
+    /// Side of the refined mesh.
+    New(u32),
+}
+
+/// Number of what has none yet.
+const NONE: u32 = u32::MAX;
+
+/// Refined mesh in the making.
+struct Pieces<'a> {
+    coarse: &'a PlaneMesh,
+    /// Flag for each side of the mesh before, true if it is split.
+    is_split: Vec<bool>,
+    /// Number of each side of the mesh before in the refined mesh, of its first half if it is split: the half at the
+    /// end with the lower number. The other half has the next number.
+    numbers: Vec<u32>,
+    /// Number of the node at the midpoint of each side that is split.
+    midpoints: Vec<u32>,
+    parents: Vec<[u32; 2]>,
+    points: Vec<[f64; 2]>,
+    cells: Vec<[u32; 3]>,
+    of_cell: Vec<[u32; 3]>,
+    origins: Vec<u32>,
+    /// Number of sides of the refined mesh so far.
+    sides: u32,
+    /// Number of the cell that is being divided.
+    origin: u32,
+}
+
+impl<'a> Pieces<'a> {
+    fn new(coarse: &'a PlaneMesh, is_split: Vec<bool>, new_nodes: usize) -> Self {
+        let cells = coarse.cells.len() + 2 * new_nodes;
+        let mut points = Vec::with_capacity(coarse.points.len() + new_nodes);
+        points.extend_from_slice(&coarse.points);
+        Self {
+            coarse,
+            numbers: vec![NONE; is_split.len()],
+            midpoints: vec![NONE; is_split.len()],
+            is_split,
+            parents: Vec::with_capacity(new_nodes),
+            points,
+            cells: Vec::with_capacity(cells),
+            of_cell: Vec::with_capacity(cells),
+            origins: Vec::with_capacity(cells),
+            sides: 0,
+            origin: 0,
+        }
+    }
+
+    /// Adds a cell, or its pieces if its refinement edge is split.
+    fn add(&mut self, cell: [u32; 3], edges: [Edge; 3]) {
+        let ([a, b, c], [bc, ca, ab]) = (cell, edges);
+        match ab {
+            Edge::Old(side) if self.is_split[side as usize] => {
+                let m = self.midpoint(side, [a, b]);
+                let cm = Edge::New(self.next_sides(1));
+                let first = self.number(side);
+                let [am, mb] = if a < b { [first, first + 1] } else { [first + 1, first] };
+                self.add([c, a, m], [Edge::New(am), cm, ca]);
+                self.add([b, c, m], [cm, Edge::New(mb), bc]);
+            }
+            Edge::Old(_) | Edge::New(_) => {
+                let sides = edges.map(|edge| match edge {
+                    Edge::Old(side) => self.number(side),
+                    Edge::New(number) => number,
+                });
+                self.cells.push(cell);
+                self.of_cell.push(sides);
+                self.origins.push(self.origin);
+            }
+        }
+    }
+
+    /// Takes numbers for so many sides; returns the first.
+    fn next_sides(&mut self, count: u32) -> u32 {
+        self.sides += count;
+        self.sides - count
+    }
+
+    /// Number of a side of the mesh before, or of its first half. Sides are numbered in the order of the cells, so that
+    /// the sides of near cells are near in memory.
+    fn number(&mut self, side: u32) -> u32 {
+        let side = side as usize;
+        if self.numbers[side] == NONE {
+            self.numbers[side] = self.next_sides(1 + u32::from(self.is_split[side]));
+        }
+        self.numbers[side]
+    }
+
+    /// Number of the node at the midpoint of a side with these ends.
+    fn midpoint(&mut self, side: u32, [a, b]: [u32; 2]) -> u32 {
+        let node = &mut self.midpoints[side as usize];
+        if *node == NONE {
+            *node = self.points.len() as u32;
+            self.parents.push([a.min(b), a.max(b)]);
+            let [p, q] = [a, b].map(|node| self.points[node as usize]);
+            self.points.push([0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]);
+        }
+        *node
+    }
+
+    /// Puts the new nodes on the curves, and divides the facets.
+    fn finished(mut self, coarse_sides: &Sides<3>) -> Result<Bisected, MeshError> {
+        let coarse = self.coarse;
+        let mut both_cells = vec![0u32; self.sides as usize];
+        for (cell, sides) in (0..).zip(&self.of_cell) {
+            sides.iter().for_each(|&side| both_cells[side as usize] ^= cell);
+        }
+        let count = self.cells.len() as u32;
+        let (mut facets, mut of_facet): (Vec<Facet<2>>, Vec<_>) = (Vec::new(), Vec::new());
+        let mut is_curved = false;
+        for (facet, of_coarse) in coarse.facets.iter().zip(&coarse_sides.of_facet) {
+            let side = of_coarse.side as usize;
+            let (first, [a, b], part) = (self.numbers[side], facet.nodes, facet.part);
+            let mut add = |nodes, side: u32| {
+                let both = &mut both_cells[side as usize];
+                of_facet.push(BoundarySide { side, cell: *both });
+                *both ^= count + facets.len() as u32;
+                facets.push(Facet { nodes, part });
+            };
+            if !self.is_split[side] {
+                add([a, b], first);
+                continue;
+            }
+            let m = self.midpoints[side];
+            let [am, mb] = if a < b { [first, first + 1] } else { [first + 1, first] };
+            add([a, m], am);
+            add([m, b], mb);
+            if let Some(curve) = coarse.parts[usize::from(part)].curve {
+                let point = &mut self.points[m as usize];
+                *point = curve.nearest(*point);
+                is_curved = true;
+            }
+        }
+        let mesh = PlaneMesh {
+            points: self.points,
+            regions: self.origins.iter().map(|&cell| coarse.regions[cell as usize]).collect(),
+            cells: self.cells,
+            region_names: coarse.region_names.clone(),
+            facets,
+            parts: coarse.parts.clone(),
+            inside: coarse.inside.clone(),
+            touching: coarse.touching.clone(),
+            origin: coarse.origin,
+        };
+        if is_curved {
+            check_orientation(&mesh, &self.origins)?;
+        }
+        let sides = Sides { of_cell: self.of_cell, both_cells, of_facet };
+        Ok(Bisected { mesh, sides, parents: self.parents, origins: self.origins })
+    }
+}
+
+/// Checks that all cells have the positive orientation, and a volume.
+fn check_orientation(mesh: &PlaneMesh, origins: &[u32]) -> Result<(), MeshError> {
+    for (cell, &origin) in mesh.cells.iter().zip(origins) {
+        let vertices = mesh.vertices(cell);
+        let element = Element::<2, 3>::new(vertices);
+        if element.is_mirrored || flat(&element, vertices) {
+            return Err(MeshError::Folded { cell: origin as usize });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{
+        AnyMesh, BuiltIn, Condition, MeshData, Round, assemble, assemble_sides, gmsh,
+    };
+
+    /// Numbers of some cells that look random.
+    fn some(cells: usize, seed: usize) -> Vec<u32> {
+        let is_marked = |k: &usize| (k * k + 7 * k + seed).is_multiple_of(5);
+        (0..cells).filter(is_marked).map(|k| k as u32).collect()
+    }
+
+    fn gear() -> PlaneMesh {
+        let file = include_bytes!("../../../../tests/meshes/gear.msh");
+        let AnyMesh::Plane(mesh) = gmsh::read(file).unwrap() else { panic!("a mesh in the plane") };
+        mesh
+    }
+
+    /// Unit square of four triangles with a slit from its centre to the right side.
+    fn slit() -> PlaneMesh {
+        let data = MeshData {
+            points: vec![
+                [0.0, 0.0],
+                [1.0, 0.0],
+                [1.0, 1.0],
+                [-1.0, 1.0],
+                [-1.0, -1.0],
+                [1.0, -1.0],
+                [1.0, 0.0],
+            ],
+            cells: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5], [0, 5, 6]],
+            ..MeshData::default()
+        };
+        data.mesh().unwrap()
+    }
+
+    /// Bisects some cells again and again, with a check of each mesh.
+    fn bisected(mut mesh: PlaneMesh, times: usize) -> PlaneMesh {
+        label_longest_edges(&mut mesh);
+        let mut sides = Sides::new(&mesh);
+        for seed in 0..times {
+            let marked = some(mesh.cells.len(), seed);
+            let found = bisect(&mesh, &sides, &marked).unwrap();
+            check(&mesh, &found, &marked);
+            (mesh, sides) = (found.mesh, found.sides);
+        }
+        mesh
+    }
+
+    fn check(coarse: &PlaneMesh, found: &Bisected, marked: &[u32]) {
+        let Bisected { mesh, sides, parents, origins } = found;
+        assert_eq!(mesh.points[..coarse.points.len()], coarse.points);
+        assert_eq!(parents.len(), mesh.points.len() - coarse.points.len());
+        // Sides by search, whatever their numbers, are those of the bisection.
+        let searched = Sides::new(mesh);
+        assert_eq!(sides.len(), searched.len());
+        for cell in 0..mesh.cells.len() as u32 {
+            let [one, two] = [sides, &searched]
+                .map(|sides| sides.numbers(cell).map(|side| sides.across(cell, side)));
+            assert_eq!(one, two);
+        }
+        assert_eq!(assemble_sides(mesh, sides), assemble(mesh));
+        let children = |cell: u32| origins.iter().filter(|&&origin| origin == cell).count();
+        assert!(marked.iter().all(|&cell| children(cell) == 4));
+        assert!(origins.is_sorted() && origins.len() == mesh.cells.len());
+        let mut volumes = vec![0.0; coarse.cells.len()];
+        for (cell, &origin) in mesh.cells.iter().zip(origins) {
+            let element = Element::<2, 3>::new(mesh.vertices(cell));
+            assert!(!element.is_mirrored && element.volume > 0.0);
+            volumes[origin as usize] += element.volume;
+            assert_eq!(mesh.regions[0], coarse.regions[0]);
+        }
+        if coarse.parts.iter().all(|part| part.curve.is_none()) {
+            for (cell, volume) in coarse.cells.iter().zip(volumes) {
+                let whole = Element::<2, 3>::new(coarse.vertices(cell)).volume;
+                assert!((volume / whole - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    /// Length of each part of the boundary.
+    fn lengths(mesh: &PlaneMesh) -> Vec<f64> {
+        let mut lengths = vec![0.0; mesh.parts.len()];
+        for facet in &mesh.facets {
+            let part = usize::from(facet.part);
+            lengths[part] += crate::mesh::measure(mesh.corners(facet));
+        }
+        lengths
+    }
+
+    #[test]
+    fn parts_and_regions_are_inherited_by_position() {
+        let mut coarse = gear();
+        coarse.parts[0].condition = Condition::Free;
+        let mesh = bisected(coarse.clone(), 4);
+        assert_eq!(mesh.parts, coarse.parts);
+        for (one, two) in lengths(&coarse).into_iter().zip(lengths(&mesh)) {
+            assert!((one / two - 1.0).abs() < 1e-12, "{one} {two}");
+        }
+        let areas = |mesh: &PlaneMesh| {
+            let mut areas = vec![0.0; mesh.region_names.len().max(1)];
+            for (cell, &region) in mesh.cells.iter().zip(&mesh.regions) {
+                areas[usize::from(region)] += Element::<2, 3>::new(mesh.vertices(cell)).volume;
+            }
+            areas
+        };
+        for (one, two) in areas(&coarse).into_iter().zip(areas(&mesh)) {
+            assert!((one - two).abs() < 1e-12, "{one} {two}");
+        }
+    }
+
+    #[test]
+    fn new_nodes_of_a_circle_lie_on_it() {
+        let mesh = bisected(BuiltIn::Annulus.plane().unwrap(), 5);
+        for facet in &mesh.facets {
+            let curve: Round<2> = mesh.parts[usize::from(facet.part)].curve.unwrap();
+            assert!(mesh.corners(facet).iter().all(|&point| curve.distance(point) < 1e-14));
+        }
+    }
+
+    #[test]
+    fn both_sides_of_a_slit_stay_apart() {
+        let mesh = bisected(slit(), 8);
+        let on_slit = |facet: &&Facet<2>| {
+            mesh.corners(facet).iter().all(|&[x, y]| y == 0.0 && (0.0..=1.0).contains(&x))
+        };
+        let length: f64 =
+            mesh.facets.iter().filter(on_slit).map(|f| crate::mesh::measure(mesh.corners(f))).sum();
+        assert!((length - 2.0).abs() < 1e-14, "{length}");
+    }
+
+    #[test]
+    fn angles_do_not_fall_further_and_further() {
+        let least = |mesh: &PlaneMesh| {
+            let sines = mesh.cells.iter().map(|cell| {
+                let vertices = mesh.vertices(cell);
+                let longest = crate::mesh::size(vertices);
+                Element::<2, 3>::new(vertices).volume / (longest * longest)
+            });
+            sines.fold(f64::INFINITY, f64::min)
+        };
+        let [few, many] =
+            [3, 9].map(|times| least(&bisected(BuiltIn::LShape.plane().unwrap(), times)));
+        assert_eq!(few, many);
+    }
+
+    #[test]
+    fn the_longest_edge_is_the_refinement_edge_and_ties_go_to_low_numbers() {
+        let mut mesh = BuiltIn::LShape.plane().unwrap();
+        let before = mesh.clone();
+        label_longest_edges(&mut mesh);
+        for (cell, old) in mesh.cells.iter().zip(&before.cells) {
+            let [a, b, c] = mesh.vertices(cell);
+            let square = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
+            assert!(square(a, b) >= square(b, c) && square(a, b) >= square(c, a));
+            assert!((0..3).any(|k| {
+                let mut old = *old;
+                old.rotate_left(k);
+                old == *cell
+            }));
+        }
+        let data = MeshData {
+            points: vec![[1.0, 0.0], [-1.0, 0.0], [0.0, 4.0]],
+            cells: vec![[0, 2, 1]],
+            ..MeshData::default()
+        };
+        let mut isosceles: PlaneMesh = data.mesh().unwrap();
+        label_longest_edges(&mut isosceles);
+        assert_eq!(isosceles.cells[0][2], 1);
+    }
+}

@@ -1,0 +1,109 @@
+//! Meshes that are refined where the error is large, as `solve` and scenes make them.
+
+use crate::common::{Project, TABLE};
+use serde_json::Value;
+use std::fs;
+
+/// f on the L-shape whose true energy is known, by extrapolation from uniform refinements of an adapted mesh.
+const F: &str = "rect(-9,0,-9,0)=3; else=-2";
+const ENERGY: f64 = -3.019_877_99;
+
+fn pair(value: &Value) -> [f64; 2] {
+    [0, 1].map(|k| value[k].as_f64().unwrap_or_else(|| panic!("{value}")))
+}
+
+#[test]
+fn an_accuracy_on_a_mesh_is_reached_and_the_answer_says_how() {
+    let project = Project::with(TABLE);
+    let solve = |more: &[&str]| {
+        project.run(&[&["solve", "--f", F, "--domain", "lshape"][..], more].concat())
+    };
+    let json = solve(&["--accuracy", "0.05", "--json"]).json();
+    let [low, high] = pair(&json["bound"]["energy"]);
+    assert!(low < ENERGY && ENERGY < high, "{json}");
+    let reached = json["bound"]["relative"]["error"].as_f64().unwrap();
+    assert!((0.03..=0.05).contains(&reached), "{reached}");
+    let adapted = &json["adapted"];
+    assert_eq!((&adapted["end"], &adapted["reached"]), (&"goal".into(), &reached.into()));
+    assert_eq!(adapted["nodes"], json["unknowns"]);
+    assert_eq!(adapted["meshes"], json["grids"].as_array().unwrap().len());
+    assert_eq!((&json["stop"], &json["warnings"]), (&"converged".into(), &serde_json::json!([])));
+    // A lower bound of the error that is no zero.
+    let [least, most] = pair(&json["bound"]["error"]);
+    assert!(least > 0.4 * most, "{least} {most}");
+    let said = solve(&["--accuracy-energy", "0.01", "--verbose"]);
+    assert!(said.err.starts_with("mesh 1: 8 nodes, "), "{said:?}");
+    assert!(said.out.contains("the error is as small as asked"), "{said:?}");
+}
+
+#[test]
+fn curves_files_and_parts_are_adapted_too() {
+    let project = Project::with(TABLE);
+    let gear = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/gear.msh");
+    for (domain, more, is_curved) in [
+        ("annulus", &["--fixed", "inner"][..], true),
+        ("disc", &["--friction", "0.3"], true),
+        (gear, &[], false),
+        ("square", &[], false),
+    ] {
+        let command = ["solve", "--f", "rect(0,9,0,9)=1; else=-1", "--domain", domain];
+        let said = project.run(&[&command[..], more, &["--accuracy", "0.1", "--json"]].concat());
+        let json = said.json();
+        assert!(json["bound"]["relative"]["error"].as_f64() <= Some(0.1), "{domain}: {json}");
+        assert_eq!(json["bound"]["curve"].as_f64().is_some_and(|size| size > 0.0), is_curved);
+        // The square has grids of its own.
+        assert_eq!(json["adapted"].is_null(), domain == "square", "{domain}");
+    }
+}
+
+#[test]
+fn files_have_the_local_error_and_a_picture_the_mesh() {
+    let project = Project::with(TABLE);
+    for (file, more) in [("a.vtu", &[][..]), ("a.svg", &["--mesh"])] {
+        let command = ["solve", "--f", F, "--domain", "lshape", "--accuracy", "0.2", "--out", file];
+        project.run(&[&command[..], more].concat()).lines();
+    }
+    let vtu = fs::read(project.path("a.vtu")).unwrap();
+    let text = String::from_utf8_lossy(&vtu);
+    assert!(text.contains("Name=\"local_error\""));
+    let cells = text.split("NumberOfCells=\"").nth(1).unwrap().split('"').next().unwrap();
+    let svg = fs::read_to_string(project.path("a.svg")).unwrap();
+    assert!(svg.matches("<path").count() >= cells.parse().unwrap(), "{cells}");
+}
+
+#[test]
+fn what_cannot_be_adapted_is_refused_in_one_line() {
+    let project = Project::with(TABLE);
+    for (options, words) in [
+        (&["--domain", "ball", "--accuracy", "0.1"][..], "is for domains in the plane"),
+        (&["--domain", "cube", "--accuracy-energy", "0.1"], "is for domains in the plane"),
+        (&["--domain", "disc", "--refine", "2", "--accuracy", "0.1"], "both say how fine"),
+        (&["--domain", "disc", "--accuracy", "2"], "must be between 0 and 1"),
+        (&["--domain", "disc", "--accuracy", "0.1", "--solver", "uzawa"], "multigrid"),
+    ] {
+        let said = project.run(&[&["solve", "--f", "else=-1"][..], options].concat());
+        assert!(said.refusal().contains(words), "{words}: {said:?}");
+    }
+}
+
+#[test]
+fn a_scene_on_a_mesh_may_ask_for_an_accuracy() {
+    let scene = format!("title = \"L\"\ndomain = \"lshape\"\nf = \"{F}\"\naccuracy = 0.1\n");
+    let outputs = "outputs = [\"table\", \"source\", \"map\", \"contact\"]\n";
+    let project = Project::with(&format!("{scene}{outputs}"));
+    project.run(&["run"]).lines();
+    project.run(&["run"]).nothing_to_do();
+    let of_scene = project.run(&["solve", "a", "--json"]).json();
+    let option = ["solve", "--f", F, "--domain", "lshape", "--accuracy", "0.1", "--json"];
+    let option = project.run(&option).json();
+    for key in ["energy", "bound", "grids", "contact", "adapted"] {
+        assert_eq!(option[key], of_scene[key], "{key}");
+    }
+    let other = project.run(&["solve", "a", "--refine", "1"]);
+    assert!(other.out.contains("without accuracy = 0.1"), "{other:?}");
+    project.scene(
+        &name,
+        &format!("{}{outputs}", scene.replace("lshape", "ball").replace(F, "else=-1")),
+    );
+    assert!(project.run(&["run"]).refusal().contains("is for domains in the plane"));
+}
