@@ -52,7 +52,7 @@ pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, CellsBefore, MeshLoad, OnCells, mesh_load, mesh_load_after};
 pub use names::Names;
 pub use nested::{NestedMeshes, nested_meshes, refined};
-pub use origin::{Origin, PlaneInSpace};
+pub use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
 pub use same_place::Touching;
 pub use sides::Sides;
@@ -112,7 +112,7 @@ pub struct Mesh<const D: usize, const V: usize> {
     /// Place where the domain touches itself.
     pub(crate) touching: Option<Touching>,
     /// How the mesh came from its file.
-    pub(crate) origin: Origin,
+    pub(crate) origin: MeshOrigin,
 }
 
 /// Triangulation in the plane.
@@ -219,7 +219,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// How the mesh came from its file.
-    pub fn origin(&self) -> &Origin {
+    pub fn origin(&self) -> &MeshOrigin {
         &self.origin
     }
 

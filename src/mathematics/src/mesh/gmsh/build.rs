@@ -6,7 +6,7 @@ use super::groups::GroupNames;
 use super::labels::Groups;
 use super::nodes::FileNodes;
 use super::plane::plane_of;
-use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Names, Origin, Part, Tags};
+use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, MeshOrigin, Names, Part, Tags};
 
 /// Difference of two diagonals, over the longer one, that is a rounding error.
 const SAME_LENGTH: f64 = 1e-9;
@@ -36,7 +36,8 @@ impl Sections {
         if !has_cells && groups.is_any(&lines) {
             return Err(GmshError::NoCellsInGroups);
         }
-        let mut origin = Origin { of_higher_order: of_higher_order[2], ..Origin::default() };
+        let mut origin =
+            MeshOrigin { of_higher_order: of_higher_order[2], ..MeshOrigin::default() };
         if tetrahedra.is_empty() {
             let quadrangles = groups.cells_once(quadrangles)?;
             let mut has_cell = has_cell(&nodes, &triangles);
@@ -164,7 +165,7 @@ fn part<const D: usize>(names: Names) -> Part<D> {
 mod tests {
     use crate::mesh::gmsh::read;
     use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, after, plane};
-    use crate::mesh::{AnyMesh, Condition, Origin, PartError};
+    use crate::mesh::{AnyMesh, Condition, MeshOrigin, PartError};
 
     #[test]
     fn elements_that_make_no_mesh_are_named() {
@@ -238,7 +239,7 @@ mod tests {
             let notes = mesh.notes();
             assert!(notes[0].contains("1 quadrangle is cut into triangles"), "{notes:?}");
             if corners[0] == "13 1 1 0" {
-                mesh.origin = Origin::default();
+                mesh.origin = MeshOrigin::default();
                 assert_eq!(mesh, square);
             }
         }
@@ -265,7 +266,7 @@ mod tests {
         let mut mesh = plane(text.as_bytes());
         let notes = mesh.notes();
         assert!(notes[0].starts_with("2 elements of higher order are read by their corners"));
-        mesh.origin = Origin::default();
+        mesh.origin = MeshOrigin::default();
         assert_eq!(mesh, square);
     }
 
