@@ -60,6 +60,7 @@ mod single_precision;
 mod solvers;
 mod spectral;
 mod stress;
+mod stretched;
 mod terminal;
 mod touching;
 mod triangulations;

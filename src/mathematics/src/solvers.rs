@@ -4,6 +4,7 @@
 
 use crate::discrete::end::Outcome;
 use crate::discrete::kkt::Judgement;
+use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{NodalVectors, Problem, ProblemError, SaddleRun};
 use crate::multigrid::active_set::{MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE};
@@ -319,7 +320,15 @@ pub fn solve_watched(
         SolverRun::Nested { .. } => return solve_nested(problem, settings, monitor),
         SolverRun::ActiveSet => levels.active_set(law)?,
         SolverRun::Multigrid => {
-            levels.multigrid(law, &MultigridParams { goal, ..MultigridParams::default() })?
+            let params = MultigridParams { goal, ..MultigridParams::default() };
+            let solved = levels.multigrid(law, &params)?;
+            // Some meshes are stretched too much: factors solve those that are small enough.
+            let has_ended = solved.1.stop != Stop::IterationLimit;
+            let nodes = levels.nodes(problem.finest()) as f64;
+            match Solver::ActiveSet.check_nodes(levels.dimension(), nodes) {
+                Ok(()) if !has_ended => levels.active_set(law)?,
+                _ => solved,
+            }
         }
         SolverRun::Spectral => return Err(Refusal::NotOnMeshes(solver)),
     };

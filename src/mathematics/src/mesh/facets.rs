@@ -128,7 +128,8 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     /// Checks that no side has three cells, nor two on the same side of it; of the faults, that of the first cell.
     fn check_sides(&self, sides: &CellSides<D>) -> Result<(), MeshError> {
         let faults = sides.groups().filter_map(|group| Some((group, fault_at(group)?)));
-        let Some((group, fault)) = faults.min_by_key(|(_, fault)| fault.cell) else {
+        let Some((group, fault)) = faults.min_by_key(|(_, fault)| (fault.cell, fault.without))
+        else {
             return Ok(());
         };
         let nodes = self.tags.all(fault.nodes);

@@ -238,38 +238,48 @@ impl<'a> Cycle<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discrete::nested::NestedNetwork;
     use crate::mesh::{AnyMesh, refined};
     use crate::multilevel::iterate::dot;
-    use crate::multilevel::levels::NetworkLevels;
+    use std::ops::Range;
 
     #[test]
     fn the_cycle_is_symmetric_and_positive() {
         let Some(AnyMesh::Plane(mesh)) = AnyMesh::built_in("annulus") else { unreachable!() };
-        for (top, held_from, held_nodes) in
+        for (times, held_from, held_nodes) in
             [(1, 30, 3), (2, 300, 3), (3, 0, 40), (3, 370, 3), (3, 300, 80)]
         {
-            let (levels, _) = refined(&mesh, top).unwrap();
-            let network = &levels[top].network;
-            let nodes = network.nodes();
-            let count = network.contact().len();
-            let mut held = vec![false; nodes];
-            for k in held_from..held_from + held_nodes {
-                held[network.contact()[k % count].node] = true;
+            let (nested, _) = refined(&mesh, times).unwrap();
+            // The finest mesh alone lies above levels of aggregates.
+            let network = nested[times].network.clone();
+            let alone = [NestedNetwork { network, parents: Vec::new() }];
+            for meshes in [&nested[..], &alone] {
+                check_cycle(&NetworkLevels::new(meshes), held_from..held_from + held_nodes);
             }
-            let levels = NetworkLevels::new(&levels);
-            let mut cycle = Cycle::new(&levels);
-            cycle.hold(top, &held);
-            let vector = |seed: usize| -> Vec<f64> {
-                let value = |k: usize| ((k * k + 3 * seed * k + seed) % 101) as f64 / 50.0 - 1.0;
-                (0..nodes).map(|k| if held[k] { 0.0 } else { value(k) }).collect()
-            };
-            let (u, v) = (vector(1), vector(2));
-            let of_u = cycle.apply(top, &u).to_vec();
-            let of_v = cycle.apply(top, &v).to_vec();
-            let (one, two) = (dot(&of_u, &v), dot(&u, &of_v));
-            let size = (dot(&of_u, &u) * dot(&of_v, &v)).sqrt();
-            assert!((one - two).abs() < 1e-12 * size, "{top} {held_from}: {one} {two} {size}");
-            assert!(dot(&of_u, &u) > 0.0 && dot(&of_v, &v) > 0.0);
         }
+    }
+
+    /// Checks the cycle with contact nodes held at some positions.
+    fn check_cycle(levels: &NetworkLevels<'_>, held_contact: Range<usize>) {
+        let top = levels.finest();
+        let network = levels.network(top);
+        let nodes = network.nodes();
+        let mut held = vec![false; nodes];
+        for k in held_contact {
+            held[network.contact()[k % network.contact().len()].node] = true;
+        }
+        let mut cycle = Cycle::new(levels);
+        cycle.hold(top, &held);
+        let vector = |seed: usize| -> Vec<f64> {
+            let value = |k: usize| ((k * k + 3 * seed * k + seed) % 101) as f64 / 50.0 - 1.0;
+            (0..nodes).map(|k| if held[k] { 0.0 } else { value(k) }).collect()
+        };
+        let (u, v) = (vector(1), vector(2));
+        let of_u = cycle.apply(top, &u).to_vec();
+        let of_v = cycle.apply(top, &v).to_vec();
+        let (one, two) = (dot(&of_u, &v), dot(&u, &of_v));
+        let size = (dot(&of_u, &u) * dot(&of_v, &v)).sqrt();
+        assert!((one - two).abs() < 1e-12 * size, "{nodes} nodes: {one} {two} {size}");
+        assert!(dot(&of_u, &u) > 0.0 && dot(&of_v, &v) > 0.0);
     }
 }

@@ -215,3 +215,70 @@ fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) ->
     let contact = contact.map(|(node, measure)| ContactNode { node, measure }).collect();
     Network::of_rows(rows, contact, masses).with_additions(&sums)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{AnyMesh, Condition, refined};
+    use crate::multilevel::interpolation::product;
+
+    /// Discrete problem of the L-shape, refined four times, with a fixed part or without one.
+    fn network(condition: Condition) -> Network {
+        let Some(AnyMesh::Plane(mut mesh)) = AnyMesh::built_in("lshape") else { unreachable!() };
+        mesh.parts_mut()[0].condition = condition;
+        let (mut levels, _) = refined(&mesh, 4).unwrap();
+        levels.pop().expect("the finest level").network
+    }
+
+    #[test]
+    fn levels_shrink_to_a_size_for_factors() {
+        let network = network(Condition::Contact);
+        let levels = coarse_levels(&network);
+        let mut finer = network.nodes();
+        for level in &levels {
+            assert!(level.network.nodes() < finer / 4, "{} of {finer}", level.network.nodes());
+            finer = level.network.nodes();
+        }
+        assert!(finer <= MOST_DIRECT);
+    }
+
+    #[test]
+    fn contact_nodes_are_means_of_contact_nodes_and_measures_sum_up() {
+        let network = network(Condition::Contact);
+        let mut finer = &network;
+        let levels = coarse_levels(&network);
+        for CoarseLevel { network, rows, of_contact } in &levels {
+            for (contact, &aggregate) in finer.contact().iter().zip(of_contact) {
+                let row = rows.row(contact.node);
+                let sum: f64 = row.iter().map(|entry| entry.weight).sum();
+                assert!((sum - 1.0).abs() < 1e-14 && row.iter().all(|entry| entry.weight >= 0.0));
+                assert!(row.iter().any(|entry| entry.node == aggregate));
+                for entry in row {
+                    let condition = network.condition(entry.node as usize);
+                    assert!(matches!(condition, NodeCondition::Contact(_)));
+                }
+            }
+            assert!((network.perimeter() / finer.perimeter() - 1.0).abs() < 1e-13);
+            finer = network;
+        }
+    }
+
+    #[test]
+    fn the_coarse_energy_is_that_of_the_interpolated_function() {
+        for condition in [Condition::Contact, Condition::Fixed] {
+            let network = network(condition);
+            let mut finer = &network;
+            for CoarseLevel { network, rows, .. } in &coarse_levels(&network) {
+                let nodes = network.nodes();
+                let coarse: Vec<f64> = (0..nodes).map(|k| ((k * k) % 17) as f64 - 8.0).collect();
+                let fine: Vec<f64> = rows.rows().map(|row| product(row, &coarse)).collect();
+                let energies = [
+                    network.energy(&coarse, &vec![0.0; nodes]),
+                    finer.energy(&fine, &vec![0.0; fine.len()]),
+                ];
+                assert!((energies[0] / energies[1] - 1.0).abs() < 1e-12, "{energies:?}");
+                finer = network;
+            }
+        }
+    }
+}
