@@ -46,9 +46,9 @@ pub(super) struct SolveArgs {
     f: Option<String>,
     /// Domain: square, cube, disc, lshape, annulus, ball, or a Gmsh file [default: square]
     ///
-    /// A file, format 2.2 or 4.1, holds triangles or tetrahedra; physical groups name regions, for `region(name)=value`
-    /// in --f, and parts of the boundary. In space f is made of box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and
-    /// halfspace(a,b,c,d).
+    /// A file, of formats 2.0 to 4.1, holds triangles or tetrahedra; physical groups name regions, for
+    /// `region(name)=value` in --f, and parts of the boundary. In space f is made of box(x0,x1,y0,y1,z0,z1),
+    /// ball(x,y,z,radius) and halfspace(a,b,c,d).
     #[arg(long, value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
         value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
     domain: Option<String>,

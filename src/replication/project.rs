@@ -145,9 +145,8 @@ impl Project {
     pub(crate) fn check(&self, at_work: &BTreeSet<&str>) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         for scene in self.scenes.iter().filter(|scene| at_work.contains(&*scene.name)) {
-            if let Some(touching) = scene.check_mesh()? {
-                warnings.push(format!("warning: scene `{}`: {touching}", scene.name));
-            }
+            let notes = scene.check_mesh()?.into_iter();
+            warnings.extend(notes.map(|note| format!("warning: scene `{}`: {note}", scene.name)));
         }
         if let Some(file) = self.files.get(recorded::PATH) {
             Timings::parse(file.bytes()?)?;

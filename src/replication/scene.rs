@@ -13,7 +13,6 @@ use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::problems::TableProblem;
 use signorini_mathematics::identify::COARSEST;
-use signorini_mathematics::mesh::Touching;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
@@ -280,14 +279,14 @@ impl Scene {
         Ok(())
     }
 
-    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene. Returns the place where
-    /// the domain touches itself, if there is one.
+    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene. Returns what a
+    /// user has to know of the mesh, in a line each.
     ///
     /// # Errors
     /// [`Error::Input`] if it does not; [`Error::Io`].
-    pub(crate) fn check_mesh(&self) -> Result<Option<Touching>> {
+    pub(crate) fn check_mesh(&self) -> Result<Vec<String>> {
         let checked = self.problem.check_mesh().map_err(|e| in_scene(&self.name, e))?;
-        let Some(CheckedMesh { dimension, nodes, touching }) = checked else { return Ok(None) };
+        let Some(CheckedMesh { dimension, nodes, notes }) = checked else { return Ok(Vec::new()) };
         if let Some(accuracy) = self.accuracy.filter(|_| dimension == 3) {
             let asked = Written::Key.text(accuracy);
             let text =
@@ -300,7 +299,7 @@ impl Scene {
         })?;
         let mut pictures = [Output::Source, Output::Surface, Output::Map, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
-            None => Ok(touching),
+            None => Ok(notes),
             Some(output) => Err(Error::input(format!(
                 "scene `{name}`: `{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
                  at the solution with `signorini solve {name} --out {name}.vtu`",

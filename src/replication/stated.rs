@@ -10,7 +10,7 @@ use serde::Serialize;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, moved_on};
 use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem};
-use signorini_mathematics::mesh::{AnyMesh, Touching};
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
@@ -68,8 +68,8 @@ pub(crate) struct CheckedMesh {
     pub dimension: u8,
     /// Number of nodes of the finest level, about.
     pub nodes: f64,
-    /// Place where the domain touches itself with nodes of both sides, if there is one.
-    pub touching: Option<Touching>,
+    /// What a user has to know of the mesh, in a line each.
+    pub notes: Vec<String>,
 }
 
 /// Grids as their numbers of cells per side.
@@ -199,8 +199,8 @@ impl StatedProblem {
         if nodes <= CHECKED_NODES {
             self.on_coarsest(place, &coarsest)?;
         }
-        let (dimension, touching) = (coarsest.dimension(), coarsest.touching().cloned());
-        Ok(Some(CheckedMesh { dimension, nodes, touching }))
+        let (dimension, notes) = (coarsest.dimension(), coarsest.notes());
+        Ok(Some(CheckedMesh { dimension, nodes, notes }))
     }
 
     /// Part of the integral of |f| by which a nodal load moves jumps of f, half a cell where grid lines lie on them;

@@ -298,6 +298,14 @@ fn sizes_that_cannot_fit_are_refused_with_what_would() {
         assert_eq!(said.code, Some(code), "{said:?}");
     }
     let accurate = ["solve", "--f", "quadrant(ll)=3; else=-1.1", "--accuracy", "2e-4"];
+    // On a mesh.
+    let mesh = ["solve", "--domain", "disc", "--f", "else=-1", "--refine", "11"];
+    let said = limited("ulimit -v 1000000", &project, &mesh);
+    assert!(
+        said.refusal().contains("--refine 11 takes about 6040 MB of memory, where "),
+        "{said:?}"
+    );
+    assert!(said.refusal().ends_with(" MB are left; --refine 9 would fit"), "{said:?}");
     let said = limited("ulimit -v 700000", &project, &accurate);
     assert!(said.refusal().starts_with("error: --accuracy 0.0002: grid 1/7168 takes"), "{said:?}");
     // What is not foreseen ends in a line as well, not in an abort.

@@ -115,6 +115,51 @@ fn contradictions_and_numbers_that_are_none_are_refused() {
 }
 
 #[test]
+fn what_is_read_otherwise_than_it_stands_is_told() {
+    let project = Project::with(TABLE);
+    let nodes = "1 0 3 0\n2 1 3 0\n3 1 3 1\n4 0 3 1\n5 2 3 0\n6 2 3 1";
+    let file = mesh(nodes, "1", "1 3 2 1 1 1 2 3 4\n2 3 2 2 1 2 5 6 3");
+    let quadrangles = "2 quadrangles are cut into triangles, each by its shorter diagonal";
+    let plane = "the mesh lies in a plane that is not z = const: in f and curves, x stands for x of the file and y for \
+        z";
+    // Its first square is where x is below 1.
+    let same = ["region(1)=1; region(2)=-2", "halfplane(1,0,1)=1; else=-2"];
+    let [one, two] = same.map(|f| {
+        let json = solve(&project, &file, &["--f", f, "--json"]).json();
+        assert_eq!(json["warnings"], serde_json::json!([quadrangles, plane]));
+        json["energy"].as_f64().unwrap()
+    });
+    assert!((one - two).abs() <= 1e-12 * one.abs(), "{one} {two}");
+    let said = solve(&project, &file, &["--f", "else=-1", "--out", "v.vtu"]);
+    assert!(
+        said.out.contains(&format!("\nwarning: {quadrangles}\nwarning: {plane}\n")),
+        "{said:?}"
+    );
+    // Scenes say it too.
+    project.write("pipeline/m.msh", &file);
+    project.scene(
+        "read",
+        "title = \"t\"\nf = \"else=-1\"\ndomain = \"m.msh\"\noutputs = [\"table\"]\n",
+    );
+    let said = project.run(&["run", "read"]);
+    assert!(said.err.contains(&format!("warning: scene `read`: {plane}")), "{said:?}");
+}
+
+#[test]
+fn poles_at_nodes_and_at_midpoints_of_edges_are_found() {
+    let project = Project::with(TABLE);
+    let nodes = TWO_SQUARES.lines().filter(|node| !"58".contains(&node[..1]));
+    let nodes = nodes.collect::<Vec<_>>().join("\n");
+    let file = mesh(&nodes, "1", JOINED);
+    // Of two refinements, the nodes have multiples of 1/4 and the midpoints of edges multiples of 1/8.
+    for (f, at) in [("1/(x-1)-30", "(1, "), ("1/(x-0.375)-30", "(0.375, "), ("log(y)-30", ", 0)")] {
+        let refused = solve(&project, &file, &["--f", &format!("formula({f})")]);
+        let refusal = refused.refusal();
+        assert!(refusal.contains("inf at (") && refusal.contains(at), "{refused:?}");
+    }
+}
+
+#[test]
 fn a_pointer_in_the_place_of_a_mesh_is_told() {
     let project = Project::with(TABLE);
     let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";

@@ -48,7 +48,7 @@ impl Answer {
             )),
             Verdict::Solved => (),
         }
-        self.warnings.extend(levels.touching().map(|place| Warning::fact(place.to_string())));
+        self.warnings.extend(levels.notes().into_iter().map(Warning::fact));
         self.warn_of_levels(request);
         self.warn_of_tolerance(request);
         self.warn_of_load(request);

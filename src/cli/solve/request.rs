@@ -136,7 +136,7 @@ impl Request {
                 if let Some(asked) = &asked {
                     place.domain.check_adapted(asked, "--")?;
                 }
-                let problem = on_mesh(name, &stated, place, (solver, asked))?;
+                let problem = on_mesh(name, (&stated, place), (solver, asked), args.out.is_some())?;
                 let domain = stated.file_name().unwrap_or(&place.domain.name);
                 (domain, None, problem, Remedies::ON_MESHES)
             }
@@ -471,9 +471,9 @@ fn with_options(mut domain: DomainSettings, args: &SolveArgs) -> Result<DomainSe
 /// An `asked` accuracy begins with that mesh.
 fn on_mesh(
     name: &str,
-    stated: &StatedProblem,
-    place: &OnMesh,
+    (stated, place): (&StatedProblem, &OnMesh),
     (solver, asked): (Solver, Option<String>),
+    is_written: bool,
 ) -> Result<Problem> {
     if !solver.entry().on_meshes {
         return Err(Error::input(format!(
@@ -509,20 +509,42 @@ fn on_mesh(
         let problem = stated.on_coarsest(&unrefined, &coarsest);
         return problem.or_else(|_| stated.on_coarsest(place, &coarsest)).map_err(in_domain);
     }
-    check_size(&coarsest, place, solver)?;
+    check_size(&coarsest, place, solver, is_written)?;
     stated.on_coarsest(place, &coarsest).map_err(in_domain)
 }
 
+/// Memory on meshes in bytes per node, of file, mesh, network, solver and bounds: measured, rounded up.
+struct MeshMemory {
+    /// For each node of the finest mesh.
+    finest: f64,
+    /// For each node of the coarsest mesh besides, below which there are levels of aggregates.
+    coarsest: f64,
+    /// For each node of the finest mesh besides, if the solution is written.
+    written: f64,
+}
+
+impl MeshMemory {
+    const IN_PLANE: Self = Self { finest: 480.0, coarsest: 320.0, written: 240.0 };
+    const IN_SPACE: Self = Self { finest: 950.0, coarsest: 1000.0, written: 520.0 };
+
+    /// Bytes for a mesh that is refined so often.
+    fn bytes(&self, mesh: &AnyMesh, times: usize, is_written: bool) -> f64 {
+        let written = if is_written { self.written } else { 0.0 };
+        (self.finest + written) * nodes_after(mesh, times) + self.coarsest * mesh.nodes() as f64
+    }
+}
+
 /// Refuses refinements that take more memory than there is, or more nodes than the solver can do with.
-fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
-    // Of mesh, network, solver and bounds: measured, rounded up.
-    let per_node = if mesh.dimension() == 2 { 600.0 } else { 1000.0 };
+fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver, is_written: bool) -> Result<()> {
+    let is_plane = mesh.dimension() == 2;
+    let memory = if is_plane { MeshMemory::IN_PLANE } else { MeshMemory::IN_SPACE };
+    let bytes = |times| memory.bytes(mesh, times, is_written);
     let left = machine::available_memory().unwrap_or(u64::MAX) as f64;
     let most = solver.entry().most_nodes[usize::from(mesh.dimension() - 2)];
     let most = most.map_or(f64::INFINITY, |most| most as f64);
     let fits = |times: &usize| {
         let nodes = nodes_after(mesh, *times);
-        nodes <= most && per_node * nodes <= left
+        nodes <= most && bytes(*times) <= left
     };
     let times = place.domain.refinements(mesh);
     if fits(&times) {
@@ -538,15 +560,18 @@ fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver) -> Result<()> {
         true => format!("makes about {nodes:.0} nodes, where {solver} can do with {most}"),
         false => format!(
             "takes about {:.0} MB of memory, where {:.0} MB are left",
-            per_node * nodes / 1e6,
+            bytes(times) / 1e6,
             left / 1e6
         ),
     };
     let remedy = match (0..times).rev().find(fits) {
         Some(times) => format!("{} would fit", option(times)),
-        None => "choose another solver, or a coarser mesh".into(),
+        None if nodes <= most => "begin with a coarser mesh and --refine".into(),
+        None => "choose another solver, or begin with a coarser mesh".into(),
     };
-    Err(Error::input(format!("{} {reason}; {remedy}", option(times))))
+    // A mesh that is not refined is the file's own.
+    let asked = if times == 0 { place.domain.name.clone() } else { option(times) };
+    Err(Error::input(format!("{asked} {reason}; {remedy}")))
 }
 
 /// Returns the cells per side of the coarsest mesh of the cube, and the number of refinements to as many as are asked

@@ -1,7 +1,7 @@
 //! Solutions on triangulations.
 
 use super::npy::{DOUBLE, INTEGER, doubles, npy};
-use super::vtk::Appended;
+use super::vtk::{Appended, escaped};
 use super::zip;
 use crate::mesh::Mesh;
 
@@ -34,8 +34,9 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
         npz(self.mesh, self)
     }
 
-    /// VTK XML unstructured grid: points with `v` and `multiplier`, cells with `f` and the number of the `region`, from
-    /// 0 on, and the `local_error` where it is known; raw little-endian numbers. In the plane z = 0.
+    /// VTK XML unstructured grid, in the space of the mesh's file: points with `v` and `multiplier`, cells with `f`, the
+    /// number of the `region`, from 0 on, to whose names the field data have numbers, and the `local_error` where it is
+    /// known; raw little-endian numbers.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
         vtu(self.mesh, self, name)
     }
@@ -88,10 +89,11 @@ fn vtu<const D: usize, const V: usize>(
     let connectivity = arrays.array("type=\"Int64\" Name=\"connectivity\"", vertices(mesh));
     let points = arrays.array(
         "type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"",
-        mesh.points().iter().flat_map(|point| in_space(point)),
+        mesh.points().iter().flat_map(|point| mesh.in_space(point).map(f64::to_le_bytes)),
     );
+    let regions = names_of_regions(mesh);
     let body = format!(
-        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
+        "<UnstructuredGrid>\n{regions}<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
         <Points>\n{points}</Points>\n\
         <Cells>\n{connectivity}{offsets}{types}</Cells>\n\
         <PointData Scalars=\"v\">\n{v}{multiplier}</PointData>\n\
@@ -101,9 +103,17 @@ fn vtu<const D: usize, const V: usize>(
     arrays.file("UnstructuredGrid", name, &body)
 }
 
-/// Bytes of the coordinates of a point, z = 0 in the plane.
-fn in_space(point: &[f64]) -> [[u8; 8]; 3] {
-    [0, 1, 2].map(|d| point.get(d).copied().unwrap_or(0.0).to_le_bytes())
+/// Returns field data with an array for each region, under its name: its number, and its dimension. Text of VTK's own kind
+/// for names would stop the reader of meshio, which takes this form for its own.
+fn names_of_regions<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> String {
+    let mut data = String::new();
+    for (number, names) in mesh.region_names().iter().enumerate() {
+        let name = escaped(&names.to_string());
+        data += &format!(
+            "<DataArray type=\"Int64\" Name=\"{name}\" NumberOfTuples=\"2\" format=\"ascii\">{number} {D}</DataArray>\n"
+        );
+    }
+    format!("<FieldData>\n{data}</FieldData>\n")
 }
 
 /// Numbers of the vertices of all cells, in the positive sense, as integers of 64 bits.
@@ -114,7 +124,7 @@ fn vertices<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> impl Iterator<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::BuiltIn;
+    use crate::mesh::{BuiltIn, PlaneInSpace};
 
     /// Solution on a built-in mesh that is v = multiplier = node, f = cell.
     struct Counted<const D: usize, const V: usize> {
@@ -177,6 +187,19 @@ mod tests {
         assert!(appended(&file, "v").ends_with(&((nodes - 1) as f64).to_le_bytes()));
         assert!(file.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
         assert!(!file.windows(3).any(|part| part == b"a--"));
+    }
+
+    #[test]
+    fn a_vtk_file_has_the_names_of_regions_and_places_in_space() {
+        let mut counted = Counted::on(BuiltIn::Annulus.plane().unwrap());
+        counted.mesh.region_names = vec!["a & \"b\"".into()];
+        counted.mesh.origin.plane = PlaneInSpace::Horizontal(5.0);
+        let file = counted.fields().vtu("a");
+        let names = "<FieldData>\n<DataArray type=\"Int64\" Name=\"a &amp; &quot;b&quot;\" NumberOfTuples=\"2\" \
+            format=\"ascii\">0 2</DataArray>\n</FieldData>\n<Piece";
+        assert!(file.windows(names.len()).any(|part| part == names.as_bytes()));
+        let heights = appended(&file, "points").chunks(24).map(|point| &point[16..]);
+        assert!(heights.into_iter().all(|z| z == 5f64.to_le_bytes()));
     }
 
     #[test]

@@ -2,6 +2,12 @@
 
 use crate::problem::text::is_forbidden;
 
+/// Returns a text as the value of an attribute.
+pub(super) fn escaped(text: &str) -> String {
+    let text = text.replace(is_forbidden, " ").replace('&', "&amp;").replace('<', "&lt;");
+    text.replace('>', "&gt;").replace('"', "&quot;")
+}
+
 /// Arrays of a file, each after the number of its bytes.
 #[derive(Default)]
 pub(super) struct Appended {

@@ -25,7 +25,7 @@ use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::Prolongation;
-use crate::mesh::{AnyMesh, PlaneMesh, Touching};
+use crate::mesh::{AnyMesh, PlaneMesh};
 use crate::multigrid::{InputError, MultigridParams};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
@@ -80,9 +80,9 @@ pub trait Levels: Send + Sync {
     /// Boundary nodes of the finest level where the law holds, in the order of a boundary vector.
     fn contact(&self) -> Cow<'_, [ContactNode]>;
 
-    /// Place where the domain touches itself with nodes of both sides, if there is one.
-    fn touching(&self) -> Option<&Touching> {
-        None
+    /// What a user has to know of the domain, in a line each, as [`AnyMesh::notes`] has it.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// True if v = 0 on a part of the boundary.

@@ -15,7 +15,7 @@ use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
     AnyMesh, Condition, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes,
-    PlaneMesh, Touching, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
+    PlaneMesh, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
@@ -200,8 +200,8 @@ where
         self.network().contact().into()
     }
 
-    fn touching(&self) -> Option<&Touching> {
-        self.finest().touching()
+    fn notes(&self) -> Vec<String> {
+        self.finest().notes()
     }
 
     fn has_fixed_part(&self) -> bool {

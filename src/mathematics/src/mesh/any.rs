@@ -1,7 +1,7 @@
 //! A mesh of either dimension.
 
+use super::refine;
 use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
-use super::{Touching, refine};
 use crate::problem::text::plain;
 
 /// Mesh in the plane or in space.
@@ -163,11 +163,12 @@ impl AnyMesh {
         }
     }
 
-    /// Place where the domain touches itself with nodes of both sides, if there is one.
-    pub fn touching(&self) -> Option<&Touching> {
+    /// Returns, in a line each, what a user has to know of the mesh: what was read otherwise than it stands in its file,
+    /// and where the domain touches itself.
+    pub fn notes(&self) -> Vec<String> {
         match self {
-            Self::Plane(mesh) => mesh.touching(),
-            Self::Space(mesh) => mesh.touching(),
+            Self::Plane(mesh) => mesh.notes(),
+            Self::Space(mesh) => mesh.notes(),
         }
     }
 

@@ -4,7 +4,7 @@ use super::error::MeshError;
 use super::facets::{BoundaryFacets, sorted};
 use super::geometry::{Element, size};
 use super::hanging::{HangingNode, hanging_node};
-use super::{Mesh, MeshData, Origin, Tags};
+use super::{Mesh, MeshData, MeshOrigin, Tags};
 
 /// Volume of an element over the power of its longest edge, below which it is flat.
 const FLAT: f64 = 1e-10;
@@ -54,7 +54,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
             parts: self.parts,
             inside: boundary.inside,
             touching,
-            origin: Origin::default(),
+            origin: MeshOrigin::default(),
         };
         Ok(mesh)
     }

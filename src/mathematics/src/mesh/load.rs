@@ -182,6 +182,21 @@ impl<F: OnCells<D>, const D: usize, const V: usize> CellWork<'_, F, D, V>
 where
     Shape<D>: CutShape<D, V>,
 {
+    /// Checks that f, known by its values, has one at the vertices and the midpoints of the edges: the points of the
+    /// formulas lie inside, and a pole between them would be missed.
+    fn check_ends(&self, vertices: [[f64; D]; V], region: u16) -> Result<(), SourceError> {
+        for (k, one) in vertices.iter().enumerate() {
+            for two in &vertices[k..] {
+                let point: [f64; D] = std::array::from_fn(|d| 0.5 * (one[d] + two[d]));
+                let value = self.f.at(region, point);
+                if !value.is_finite() {
+                    return Err(SourceError::no_value(value, &point));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Integrates over a cell. A tolerance is for the mesh, as [`SETTLED`].
     fn integrate(
         &self,
@@ -199,6 +214,7 @@ where
             };
             return Ok(WeighedPart { part, difference: None, worst: 0.0 });
         }
+        self.check_ends(vertices, region)?;
         let fraction = volume / self.volume;
         let power = libm::pow(fraction, (D as f64 - 1.0) / D as f64);
         // The tolerance is 0 for f = 0, and the volume of a flat cell.

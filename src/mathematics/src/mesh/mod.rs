@@ -52,7 +52,7 @@ pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, CellsBefore, MeshLoad, OnCells, mesh_load, mesh_load_after};
 pub use names::Names;
 pub use nested::{NestedMeshes, nested_meshes, refined};
-pub use origin::{Origin, PlaneInSpace};
+pub use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
 pub use same_place::Touching;
 pub use sides::Sides;
@@ -112,7 +112,7 @@ pub struct Mesh<const D: usize, const V: usize> {
     /// Place where the domain touches itself.
     pub(crate) touching: Option<Touching>,
     /// How the mesh came from its file.
-    pub(crate) origin: Origin,
+    pub(crate) origin: MeshOrigin,
 }
 
 /// Triangulation in the plane.
@@ -219,8 +219,21 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// How the mesh came from its file.
-    pub fn origin(&self) -> &Origin {
+    pub fn origin(&self) -> &MeshOrigin {
         &self.origin
+    }
+
+    /// As [`AnyMesh::notes`].
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let touching = self.touching.iter().map(Touching::to_string);
+        self.origin.notes().into_iter().chain(touching).collect()
+    }
+
+    /// Place in the space of the file of a point of the domain.
+    pub(crate) fn in_space(&self, point: &[f64; D]) -> [f64; 3] {
+        let place = std::array::from_fn(|d| point.get(d).copied().unwrap_or_default());
+        let [x, y, _] = place;
+        if D == 2 { self.origin.plane.in_space([x, y]) } else { place }
     }
 
     /// Condition on a facet.

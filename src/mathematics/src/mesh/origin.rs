@@ -2,7 +2,7 @@
 
 /// How a mesh came from its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Origin {
+pub struct MeshOrigin {
     /// Plane in which a mesh in the plane lies.
     pub plane: PlaneInSpace,
     /// Number of cells of higher order, which are read by their corners.
@@ -53,7 +53,7 @@ impl PlaneInSpace {
     }
 }
 
-impl Origin {
+impl MeshOrigin {
     /// Returns, in a line each, what was read otherwise than it stands in the file.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();

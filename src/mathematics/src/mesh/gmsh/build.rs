@@ -6,7 +6,7 @@ use super::groups::GroupNames;
 use super::labels::Groups;
 use super::nodes::FileNodes;
 use super::plane::plane_of;
-use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, Names, Origin, Part, Tags};
+use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, MeshOrigin, Names, Part, Tags};
 
 /// Difference of two diagonals, over the longer one, that is a rounding error.
 const SAME_LENGTH: f64 = 1e-9;
@@ -36,7 +36,8 @@ impl Sections {
         if !has_cells && groups.is_any(&lines) {
             return Err(GmshError::NoCellsInGroups);
         }
-        let mut origin = Origin { of_higher_order: of_higher_order[2], ..Origin::default() };
+        let mut origin =
+            MeshOrigin { of_higher_order: of_higher_order[2], ..MeshOrigin::default() };
         if tetrahedra.is_empty() {
             let quadrangles = groups.cells_once(quadrangles)?;
             let mut has_cell = has_cell(&nodes, &triangles);
@@ -164,33 +165,33 @@ fn part<const D: usize>(names: Names) -> Part<D> {
 mod tests {
     use crate::mesh::gmsh::read;
     use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, after, plane};
-    use crate::mesh::{AnyMesh, Condition, PartError};
+    use crate::mesh::{AnyMesh, Condition, MeshOrigin, PartError};
 
     #[test]
     fn elements_that_make_no_mesh_are_named() {
         for (from, to, message) in [
             (
                 "23 2 2",
-                "23 3 2",
-                "$Elements, line 20: element 23 is a quadrangle; mesh with triangles only",
+                "23 17 2",
+                "$Elements, line 20: element 23 is a hexahedron; mesh with tetrahedra only",
             ),
             (
                 "23 2 2",
-                "23 9 2",
-                "$Elements, line 20: element 23 has second order; open the mesh in Gmsh, and save it after `SetOrder \
-                 1;`",
+                "23 34 2",
+                "$Elements, line 20: element 23 has type 34, which is not read; mesh with simplices only",
             ),
             (
-                "23 2 2",
-                "23 92 2",
-                "$Elements, line 20: element 23 has type 92, which is not read; mesh with simplices only",
+                "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14",
+                "23 3 2 2 1 11 12 13 14\n24 4 2 2 1 11 12 13 14",
+                "element 23 is a quadrangle on no tetrahedron: the file mixes dimensions; save only the domain and its \
+                 boundary",
             ),
             (
                 "13 1 1 0",
                 "13 1 1 1",
-                "nodes 11 and 13 differ in z, and the file has no tetrahedra: a surface in space is no domain; mesh \
-                 the volume, and put it into a Physical Volume if there are physical groups, or mesh in the plane z \
-                 = 0",
+                "node 14 is off the plane of nodes 11, 13 and 12, and the file has no tetrahedra: a surface in space is \
+                 no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or mesh in \
+                 one plane",
             ),
             (
                 "24 2 2 2 1 11 13 14",
@@ -211,6 +212,106 @@ mod tests {
             ),
         ] {
             assert_eq!(after(SQUARE_22, from, to), message);
+        }
+    }
+
+    /// Square of one quadrangle, whose last two corners are here.
+    fn quadrangle(corners: [&str; 2]) -> String {
+        let cells = "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14";
+        let nodes = ["13 1 1 0", "14 0 1 0"];
+        let text = SQUARE_22.replace("$Elements\n4", "$Elements\n3");
+        let text = text.replace(cells, "23 3 2 2 1 11 12 13 14");
+        nodes.iter().zip(corners).fold(text, |text, (node, corner)| text.replace(node, corner))
+    }
+
+    #[test]
+    fn quadrangles_are_cut_by_the_shorter_diagonal_inside() {
+        let square = plane(SQUARE_22.as_bytes());
+        for (corners, cells) in [
+            // As long: through the first corner.
+            (["13 1 1 0", "14 0 1 0"], [[0, 1, 2], [0, 2, 3]]),
+            (["13 3 3 0", "14 0 1 0"], [[0, 1, 3], [1, 2, 3]]),
+            // The diagonal between the second corner and the fourth is shorter, and outside.
+            (["13 0.9 0.3 0", "14 1 0.6 0"], [[0, 1, 2], [0, 2, 3]]),
+        ] {
+            let mut mesh = plane(quadrangle(corners).as_bytes());
+            assert_eq!((mesh.cells(), mesh.origin().quadrangles), (&cells[..], 1), "{corners:?}");
+            let notes = mesh.notes();
+            assert!(notes[0].contains("1 quadrangle is cut into triangles"), "{notes:?}");
+            if corners[0] == "13 1 1 0" {
+                mesh.origin = MeshOrigin::default();
+                assert_eq!(mesh, square);
+            }
+        }
+        // Version 2 writes a cell of two groups twice.
+        let cell = "23 3 2 2 1 11 12 13 14";
+        let both = quadrangle(["13 1 1 0", "14 0 1 0"])
+            .replace("$Elements\n3", "$Elements\n4")
+            .replace(cell, &format!("{cell}\n25 3 2 5 1 11 12 13 14"));
+        let names = plane(both.as_bytes()).region_names()[0].to_string();
+        assert_eq!(names, "plate, 5");
+    }
+
+    #[test]
+    fn elements_of_higher_order_are_read_by_their_corners() {
+        let square = plane(SQUARE_22.as_bytes());
+        let text = SQUARE_22
+            .replace(
+                "$Nodes\n4\n",
+                "$Nodes\n9\n15 .5 -.1 0\n16 1 .5 0\n17 .5 1 0\n18 0 .5 0\n19 .5 .5 0\n",
+            )
+            .replace("22 1 2 1 1 11 12", "22 8 2 1 1 11 12 15")
+            .replace("23 2 2 2 1 11 12 13", "23 9 2 2 1 11 12 13 15 16 19")
+            .replace("24 2 2 2 1 11 13 14", "24 9 2 2 1 11 13 14 19 17 18");
+        let mut mesh = plane(text.as_bytes());
+        let notes = mesh.notes();
+        assert!(notes[0].starts_with("2 elements of higher order are read by their corners"));
+        mesh.origin = MeshOrigin::default();
+        assert_eq!(mesh, square);
+    }
+
+    #[test]
+    fn meshes_lie_in_any_plane() {
+        let square = plane(SQUARE_22.as_bytes());
+        let corners = ["11 0 0 0", "12 1 0 0", "13 1 1 0", "14 0 1 0"];
+        let moved = |to: [&str; 4]| {
+            let text = SQUARE_22.to_owned();
+            let text = corners.iter().zip(to).fold(text, |text, (from, to)| text.replace(from, to));
+            plane(text.as_bytes())
+        };
+        for (to, note) in [
+            (["11 0 0 5", "12 1 0 5", "13 1 1 5", "14 0 1 5"], None),
+            (["11 0 0 0", "12 1 0 0", "13 1 1 1e-9", "14 0 1 0"], None),
+            (
+                ["11 0 7 0", "12 1 7 0", "13 1 7 1", "14 0 7 1"],
+                Some("x stands for x of the file and y for z"),
+            ),
+            (
+                ["11 2 0 0", "12 2 1 0", "13 2 1 1", "14 2 0 1"],
+                Some("x stands for y of the file and y for z"),
+            ),
+            (
+                ["11 0 0 0", "12 .6 -.8 0", "13 .6 -.8 1", "14 0 0 1"],
+                Some("x stands for 0.6 x - 0.8 y of the file and y for z"),
+            ),
+            (
+                ["11 0 0 1", "12 1 0 1", "13 1 .6 1.8", "14 0 .6 1.8"],
+                Some("x stands for x of the file and y for 0.6 y + 0.8 z"),
+            ),
+        ] {
+            let mesh = moved(to);
+            let notes = mesh.notes();
+            assert_eq!(notes.len(), usize::from(note.is_some()), "{notes:?}");
+            assert!(note.is_none_or(|note| notes[0].ends_with(note)), "{notes:?}");
+            assert_eq!(mesh.cells(), square.cells());
+            let shift = if to[0] == "11 0 0 1" { 0.8 } else { 0.0 };
+            for ((point, flat), line) in mesh.points().iter().zip(square.points()).zip(to) {
+                let near = |a: f64, b: f64| (a - b).abs() <= 1.001e-9;
+                assert!(near(point[0], flat[0]) && near(point[1], flat[1] + shift), "{mesh:?}");
+                let place = line.split(' ').skip(1).map(|word| word.parse::<f64>().unwrap());
+                let same = mesh.in_space(point).into_iter().zip(place).all(|(a, b)| near(a, b));
+                assert!(same, "{line}: {mesh:?}");
+            }
         }
     }
 

@@ -30,9 +30,9 @@ pub(super) struct FileElements {
     points: usize,
 }
 
-/// Shape of an element that is read.
+/// Outline of an element that is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Shape {
+enum Outline {
     Point,
     Line,
     Triangle,
@@ -40,7 +40,7 @@ enum Shape {
     Tetrahedron,
 }
 
-impl Shape {
+impl Outline {
     fn dimension(self) -> usize {
         match self {
             Self::Point => 0,
@@ -60,10 +60,10 @@ impl Shape {
     }
 }
 
-/// Kind of an element that is read.
+/// Type of an element that is read.
 #[derive(Clone, Copy)]
-struct Kind {
-    shape: Shape,
+struct ElementType {
+    shape: Outline,
     /// Number of nodes: the corners come first.
     nodes: usize,
 }
@@ -150,17 +150,18 @@ impl FileElements {
         scanner: &mut Scanner<'_>,
         nodes: &FileNodes,
         head: ElementHead,
-    ) -> Result<Shape, GmshError> {
-        let Kind { shape, nodes: count } = kind(head).map_err(|fault| scanner.fault(fault))?;
+    ) -> Result<Outline, GmshError> {
+        let ElementType { shape, nodes: count } =
+            kind(head).map_err(|fault| scanner.fault(fault))?;
         match shape {
-            Shape::Point => {
+            Outline::Point => {
                 scanner.tag()?;
                 self.points += 1;
             }
-            Shape::Line => self.lines.push(element(scanner, nodes, head)?),
-            Shape::Triangle => self.triangles.push(element(scanner, nodes, head)?),
-            Shape::Quadrangle => self.quadrangles.push(element(scanner, nodes, head)?),
-            Shape::Tetrahedron => self.tetrahedra.push(element(scanner, nodes, head)?),
+            Outline::Line => self.lines.push(element(scanner, nodes, head)?),
+            Outline::Triangle => self.triangles.push(element(scanner, nodes, head)?),
+            Outline::Quadrangle => self.quadrangles.push(element(scanner, nodes, head)?),
+            Outline::Tetrahedron => self.tetrahedra.push(element(scanner, nodes, head)?),
         }
         for _ in shape.corners()..count {
             position(scanner, nodes, head)?;
@@ -273,21 +274,21 @@ const TETRAHEDRA: Types = &[
     (137, 16),
 ];
 
-/// Kind of an element, by the number of its type in the manual of Gmsh.
-fn kind(head: ElementHead) -> Result<Kind, Fault> {
+/// Type of an element, by the number of its type in the manual of Gmsh.
+fn kind(head: ElementHead) -> Result<ElementType, Fault> {
     for (shape, types) in [
-        (Shape::Line, LINES),
-        (Shape::Triangle, TRIANGLES),
-        (Shape::Quadrangle, QUADRANGLES),
-        (Shape::Tetrahedron, TETRAHEDRA),
+        (Outline::Line, LINES),
+        (Outline::Triangle, TRIANGLES),
+        (Outline::Quadrangle, QUADRANGLES),
+        (Outline::Tetrahedron, TETRAHEDRA),
     ] {
         if let Some(&(_, nodes)) = types.iter().find(|(number, _)| *number == head.number_of_type) {
-            return Ok(Kind { shape, nodes });
+            return Ok(ElementType { shape, nodes });
         }
     }
     let simplices = "mesh with tetrahedra only";
     let (is, remedy) = match head.number_of_type {
-        15 => return Ok(Kind { shape: Shape::Point, nodes: 1 }),
+        15 => return Ok(ElementType { shape: Outline::Point, nodes: 1 }),
         5 | 12 | 17 | 92..=105 => ("is a hexahedron".into(), simplices),
         6 | 13 | 18 | 90 | 91 | 106..=117 => ("is a prism".into(), simplices),
         7 | 14 | 19 | 118..=131 => ("is a pyramid".into(), simplices),
@@ -312,11 +313,6 @@ mod tests {
                 "1 5 1 1",
                 "2 6 1 1",
                 "$Elements, line 32: element 22 lies in an entity of dimension 2; save the mesh again",
-            ),
-            (
-                "$Entities\n",
-                "$PartitionedEntities\n",
-                "$PartitionedEntities, line 9: the mesh is partitioned; save the mesh in one partition",
             ),
         ] {
             assert_eq!(after(SQUARE_41, from, to), message);

@@ -138,7 +138,7 @@ pub enum Fault {
         /// Number of the node.
         node: u64,
     },
-    /// An element that is neither a line nor a triangle nor a tetrahedron of first order.
+    /// An element that is neither a line nor a triangle nor a quadrangle nor a tetrahedron.
     #[error("element {element} {is}; {remedy}")]
     Kind {
         /// Element.
@@ -173,8 +173,8 @@ mod tests {
             ),
             (
                 "2.2 0",
-                "4.0 0",
-                "$MeshFormat, line 2: version 4.0 of the format is not read; save with `Mesh.MshFileVersion = 4.1`",
+                "3.0 0",
+                "$MeshFormat, line 2: version 3.0 of the format is not read; save with `Mesh.MshFileVersion = 4.1`",
             ),
             (
                 "2.2 0 8",
@@ -231,8 +231,8 @@ mod tests {
             ),
             (
                 "$EndElements\n",
-                "$EndElements\n$Nodes\n0\n$EndNodes",
-                "$Nodes, line 23: the section is there twice; save one mesh in one file",
+                "$EndElements\n$Nodes\n1\n11 0 0 0\n$EndNodes",
+                "$Nodes, line 25: node 11 is there twice; renumber the nodes of the mesh",
             ),
             (
                 "$Nodes\n4",

@@ -24,7 +24,7 @@ use groups::{Entities, GroupNames};
 use nodes::FileNodes;
 use scanner::{Scanner, Version};
 
-/// Reads a mesh: in space if there are tetrahedra, else in the plane, whose place is in [`Origin`](super::Origin).
+/// Reads a mesh: in space if there are tetrahedra, else in the plane, whose place is in [`MeshOrigin`](super::MeshOrigin).
 ///
 /// Nodes keep the order of the file; nodes of no line, triangle or tetrahedron are left out. A group without a name has
 /// its number for a name; cells without a group are the region `domain`. An element may be in several groups: facets of
@@ -155,6 +155,45 @@ mod tests {
         Counts(&[24, 11, 13, 14]),
     ];
 
+    /// Square in bytes, in version 4.0.
+    const SQUARE_40_BINARY: [Piece; 35] = [
+        Text("$MeshFormat\n4.0 1 8\n"),
+        Wholes(&[1]),
+        NAMES,
+        Text("$Entities\n"),
+        Counts(&[0, 1, 1, 0]),
+        Wholes(&[5]),
+        Reals(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+        Counts(&[1]),
+        Wholes(&[1]),
+        Counts(&[0]),
+        Wholes(&[6]),
+        Reals(&[0.0, 0.0, 0.0, 1.0, 1.0, 0.0]),
+        Counts(&[1]),
+        Wholes(&[2]),
+        Counts(&[1]),
+        Wholes(&[5]),
+        Text("\n$EndEntities\n$Nodes\n"),
+        Counts(&[1, 4]),
+        Wholes(&[6, 2, 0]),
+        Counts(&[4]),
+        Wholes(&[11]),
+        Reals(&[0.0, 0.0, 0.0]),
+        Wholes(&[12]),
+        Reals(&[1.0, 0.0, 0.0]),
+        Wholes(&[13]),
+        Reals(&[1.0, 1.0, 0.0]),
+        Wholes(&[14]),
+        Reals(&[0.0, 1.0, 0.0]),
+        Text("\n$EndNodes\n$Elements\n"),
+        Counts(&[2, 3]),
+        Wholes(&[5, 1, 1]),
+        Counts(&[1]),
+        Wholes(&[22, 11, 12, 6, 2, 2]),
+        Counts(&[2]),
+        Wholes(&[23, 11, 12, 13, 24, 11, 13, 14]),
+    ];
+
     fn encode(pieces: &[Piece], is_big_endian: bool) -> Vec<u8> {
         let mut bytes = Vec::new();
         for piece in pieces {
@@ -214,10 +253,56 @@ mod tests {
         for is_big_endian in [false, true] {
             assert_eq!(plane(&encode(&SQUARE_22_BINARY, is_big_endian)), square);
             assert_eq!(plane(&encode(&SQUARE_41_BINARY, is_big_endian)), square);
+            assert_eq!(plane(&encode(&SQUARE_40_BINARY, is_big_endian)), square);
             let bytes = encode(&SQUARE_22_BINARY, is_big_endian);
             let message = read(&bytes[..bytes.len() - 20]).unwrap_err().to_string();
             assert_eq!(message, "$Elements, byte 327: the file ends too soon; save the mesh again");
         }
+    }
+
+    #[test]
+    fn old_versions_partitions_and_repeated_sections_change_nothing() {
+        let square = plane(SQUARE_22.as_bytes());
+        for version in ["2", "2.0", "2.1"] {
+            let text = SQUARE_22.replace("2.2 0 8", &format!("{version} 0 8"));
+            assert_eq!(plane(text.as_bytes()), square, "{version}");
+        }
+        let (before, _) = SQUARE_41.split_once("$Nodes").unwrap();
+        // Points have boxes, too.
+        let before =
+            before.replace("4.1 0 8", "4.0 0 8").replace("1 0 0 0 0\n", "1 0 0 0 0 0 0 0\n");
+        let text = format!(
+            "{before}$Nodes\n1 4\n6 2 1 4\n11 0 0 0 0 0\n12 1 0 0 1 0\n13 1 1 0 1 1\n14 0 1 0 0 1\n$EndNodes\n\
+             $Elements\n3 4\n1 0 15 1\n21 11\n5 1 1 1\n22 11 12\n6 2 2 2\n23 11 12 13\n24 11 13 14\n$EndElements\n"
+        );
+        assert_eq!(plane(text.as_bytes()), square);
+
+        let partitioned = SQUARE_22
+            .replace("23 2 2 2 1 11", "23 2 4 2 1 1 1 11")
+            .replace("24 2 2 2 1 11", "24 2 5 2 1 2 2 -1 11");
+        assert_eq!(plane(partitioned.as_bytes()), square);
+        let partitioned = SQUARE_41
+            .replace(
+                "$EndEntities\n",
+                "$EndEntities\n$PartitionedEntities\n2\n1\n10 1\n0 1 2 0\n7 1 5 1 1 0 0 0 1 0 0 0 0\n\
+                 8 2 6 2 1 2 0 0 0 1 1 0 0 1 7\n9 2 6 1 2 0 0 0 1 1 0 0 0\n$EndPartitionedEntities\n",
+            )
+            .replace("$Elements\n3 4", "$Elements\n4 4")
+            .replace("1 5 1 1\n", "1 7 1 1\n")
+            .replace("2 6 2 2\n23 11 12 13\n", "2 8 2 1\n23 11 12 13\n2 9 2 1\n");
+        let partitioned = format!("{partitioned}$GhostElements\n1\n24 2 1 1\n$EndGhostElements\n");
+        assert_eq!(plane(partitioned.as_bytes()), square);
+
+        let repeated = SQUARE_22
+            .replace(
+                "2\n1 1 \"south\"\n",
+                "1\n1 1 \"south\"\n$EndPhysicalNames\n$PhysicalNames\n1\n",
+            )
+            .replace("$Nodes\n4\n", "$Nodes\n3\n")
+            .replace("14 0 1 0\n", "$EndNodes\n$Nodes\n1\n14 0 1 0\n")
+            .replace("$Elements\n4\n", "$Elements\n3\n")
+            .replace("24 2 2", "$EndElements\n$Elements\n1\n24 2 2");
+        assert_eq!(plane(repeated.as_bytes()), square);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::mesh::PlaneInSpace;
 const ROUNDING: f64 = 1e-8;
 
 /// Points of cells, measured from the first.
-struct Spread<'a> {
+struct PlanePoints<'a> {
     nodes: &'a FileNodes,
     /// Positions of the nodes.
     used: Vec<usize>,
@@ -21,11 +21,11 @@ struct Spread<'a> {
 pub(super) fn plane_of(nodes: &FileNodes, has_cell: &[bool]) -> Result<PlaneInSpace, GmshError> {
     let used: Vec<usize> = (0..has_cell.len()).filter(|&node| has_cell[node]).collect();
     let Some(&first) = used.first() else { return Ok(PlaneInSpace::default()) };
-    let mut spread = Spread { nodes, used, start: nodes.points[first], size: 0.0 };
-    let [x, y, z] = [0, 1, 2].map(|d| spread.farthest(|step| step[d].abs()).1);
-    spread.size = x.max(y).max(z);
-    let rounding = ROUNDING * spread.size;
-    let [x0, y0, z0] = spread.start;
+    let mut points = PlanePoints { nodes, used, start: nodes.points[first], size: 0.0 };
+    let [x, y, z] = [0, 1, 2].map(|d| points.farthest(|step| step[d].abs()).1);
+    points.size = x.max(y).max(z);
+    let rounding = ROUNDING * points.size;
+    let [x0, y0, z0] = points.start;
     // Axes that are exact keep the coordinates of the file.
     if z <= rounding {
         return Ok(PlaneInSpace::Horizontal(z0));
@@ -37,10 +37,10 @@ pub(super) fn plane_of(nodes: &FileNodes, has_cell: &[bool]) -> Result<PlaneInSp
     if x <= rounding {
         return Ok(PlaneInSpace::Other { foot: [x0, 0.0, 0.0], axes: [along_y, along_z] });
     }
-    spread.tilted()
+    points.tilted()
 }
 
-impl Spread<'_> {
+impl PlanePoints<'_> {
     /// Node for which a function of the step from the first point is largest, and its value.
     fn farthest(&self, of: impl Fn([f64; 3]) -> f64) -> (usize, f64) {
         let mut most = (self.used[0], 0.0);
