@@ -101,9 +101,7 @@ fn a_scene_on_a_mesh_may_ask_for_an_accuracy() {
     }
     let other = project.run(&["solve", "a", "--refine", "1"]);
     assert!(other.out.contains("without accuracy = 0.1"), "{other:?}");
-    project.scene(
-        &name,
-        &format!("{}{outputs}", scene.replace("lshape", "ball").replace(F, "else=-1")),
-    );
+    project
+        .scene("a", &format!("{}{outputs}", scene.replace("lshape", "ball").replace(F, "else=-1")));
     assert!(project.run(&["run"]).refusal().contains("is for domains in the plane"));
 }

@@ -207,8 +207,9 @@ impl Request {
     ) -> Result<(Run, Bounds)> {
         let asked = (accuracy, self.written);
         let adapted = self.stated.adapted(&self.problem.levels().mesh(), asked, watch)?;
+        let ends = adapted.outcomes().to_vec();
         (self.problem, self.adapted) = (adapted.problem, Some(adapted.end));
-        let (y, ends, judgement) = (adapted.y, adapted.outcomes, adapted.judgement);
+        let (y, judgement) = (adapted.y, adapted.judgement);
         let first_level = self.problem.levels().count() - ends.len();
         Ok((Run { y, ends, first_level, judgement }, adapted.bounds))
     }
@@ -496,7 +497,7 @@ fn on_mesh(
     if let Some(asked) = asked {
         if coarsest.dimension() == 3 {
             return Err(Error::input(format!(
-                "{asked} is for domains in the plane; in space, say with --refine how fine, and the answer says how close"
+                "{asked} is for domains in the plane; in space, --refine says how fine, and the answer how close"
             )));
         }
         let refine = Some(0);
