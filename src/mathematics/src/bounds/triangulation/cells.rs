@@ -108,10 +108,11 @@ impl<const D: usize, const V: usize> RaviartThomas<D, V> {
     /// Upper bound of [`RaviartThomas::square`] for any signs of the outflows, the size of its rounding errors.
     pub(super) fn largest_square(&self, outflows: [f64; V]) -> f64 {
         // The square of a sum is at most the sum of the squares times their number.
-        let scale = V as f64 * self.inverse;
-        let squares = outflows.iter().zip(self.to_centre).map(|(q, x)| q * q * dot(x, x));
-        let density = outflows.iter().map(|q| q * q).sum::<f64>() * self.spread();
-        scale * (squares.sum::<f64>() + density) / D as f64
+        let squares = outflows.iter().zip(self.to_centre).map(|(q, x)| {
+            let density = q * self.inverse;
+            density * density * (dot(x, x) + self.spread())
+        });
+        V as f64 * self.volume * squares.sum::<f64>()
     }
 
     /// Mean square of the distance from the centroid.

@@ -28,7 +28,7 @@ const MARKED: f64 = 0.5;
 /// Least such part, where little is missing.
 const LEAST_MARKED: f64 = 0.1;
 /// Part of the square of the error in marked cells that their bisections take away, about.
-const GAIN: f64 = 0.6;
+const GAIN: f64 = 0.7;
 /// Part of the error that is left at most when the number of nodes has doubled; 0.71 is usual.
 const FALL: f64 = 0.9;
 /// Numbers whose work takes as long as that on a node.
