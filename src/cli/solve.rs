@@ -15,7 +15,7 @@ use super::output::{OutputFile, say_json, tell};
 use super::{Suggested, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::accuracy::Accuracy;
-use adapting::Shown;
+use adapting::ShownMeshes;
 use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -306,7 +306,7 @@ fn answer(request: &Request) -> Result<Answer> {
 /// Solves on adapted meshes until the guaranteed bound is small enough, and judges.
 fn adapted_answer(request: &mut Request, accuracy: Accuracy, verbose: bool) -> Result<Answer> {
     let start = Instant::now();
-    let mut shown = Shown::new(accuracy, verbose);
+    let mut shown = ShownMeshes::new(accuracy, verbose);
     let found = request.adapt(accuracy, &mut |mesh| shown.show(mesh));
     shown.end();
     let (run, bounds) = found?;

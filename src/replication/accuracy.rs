@@ -1,12 +1,13 @@
 //! Accuracy that a scene or an option asks for: the guaranteed bounds, and the grids that are tried to reach them.
 
 use crate::pipeline::error::{Error, Result};
-use crate::replication::stated::MAX_CELLS;
 use serde::Serialize;
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::levels::ErrorGoal;
 use signorini_mathematics::multigrid::Goal;
 
+/// Largest number of cells per side; two nodal vectors of that grid take about 1 GB.
+pub const MAX_CELLS: usize = 8192;
 /// Cells per side of the first grid.
 pub(crate) const FIRST: usize = 16;
 /// Cells per side from which on errors fall like a power of the width of the grid.

@@ -3,10 +3,10 @@
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
-use crate::replication::accuracy::{Accuracy, FIRST, Written};
+use crate::replication::accuracy::{Accuracy, FIRST, MAX_CELLS, Written};
 use crate::replication::domain::{DomainSettings, first_given, name_or_table};
 use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings, repeated};
-use crate::replication::stated::{CheckedMesh, MAX_CELLS, OnSquare, StatedProblem};
+use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;

@@ -80,8 +80,6 @@ fn cells<S: serde::Serializer>(
     serializer.collect_seq(grids.iter().map(|grid| grid.cells()))
 }
 
-/// Largest number of cells per side; two nodal vectors of that grid take about 1 GB.
-pub const MAX_CELLS: usize = 8192;
 /// Cells per side of the grids of `solve` and of a scene, unless others are named: those of the paper.
 const USUAL_CELLS: [usize; 5] = [4, 8, 16, 32, 64];
 /// Part of the integral of |f| by which the nodal load may move jumps of f.

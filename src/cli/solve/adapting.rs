@@ -1,7 +1,5 @@
 //! Adaptive refinement as `solve` shows it: a bar or lines while it runs, and its end.
 
-use super::answer::Answer;
-use super::request::Request;
 use crate::pipeline::{bar, talk};
 use crate::replication::accuracy::Accuracy;
 use indicatif::ProgressBar;
@@ -12,7 +10,7 @@ use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Run;
 
 /// Meshes while they are made.
-pub(super) struct Shown {
+pub(super) struct ShownMeshes {
     bar: Option<ProgressBar>,
     accuracy: Accuracy,
     verbose: bool,
@@ -25,7 +23,7 @@ pub(super) struct Shown {
 /// Steps of the bar, which shows the digits of the error.
 const STEPS: f64 = 1000.0;
 
-impl Shown {
+impl ShownMeshes {
     pub(super) fn new(accuracy: Accuracy, verbose: bool) -> Self {
         let bar = bar("[{bar:30}] {elapsed}  {wide_msg}");
         if let Some(bar) = &bar {
@@ -65,7 +63,7 @@ impl Shown {
 }
 
 /// Bound that was reached, in words.
-fn error(accuracy: Accuracy, reached: f64) -> String {
+pub(super) fn error(accuracy: Accuracy, reached: f64) -> String {
     let percent = plain(100.0 * reached, 3);
     match accuracy {
         Accuracy::Error(_) => format!("error at most {percent} %"),
@@ -85,7 +83,7 @@ fn name(end: AdaptedEnd) -> &'static str {
 /// Returns the end of a run with the bound that was reached.
 pub(super) fn json(end: AdaptedEnd, run: &Run, reached: Option<(Accuracy, &Bounds)>) -> Value {
     json!({
-        "meshes": run.ends.len(),
+        "meshes": meshes(run),
         "nodes": run.y.len(),
         "reached": reached.map(|(accuracy, bounds)| accuracy.reached(bounds)),
         "end": name(end),
@@ -99,25 +97,10 @@ pub(super) fn text(end: AdaptedEnd, run: &Run) -> String {
         AdaptedEnd::Nodes => "a finer mesh takes more memory than is left",
         AdaptedEnd::NoLongerFalls => "the bound of the error no longer falls",
     };
-    format!("{} meshes, {} nodes: {reason}\n", run.ends.len(), run.y.len())
+    format!("{} meshes, the last of {} nodes: {reason}\n", meshes(run), run.y.len())
 }
 
-impl Answer {
-    /// Decides whether the solution is as accurate as asked.
-    pub(super) fn judge_end(&mut self, request: &Request, accuracy: Accuracy) {
-        let Ok(bounds) = &self.bounds else { return };
-        let remedy = match request.adapted {
-            None | Some(AdaptedEnd::Goal) => return,
-            Some(AdaptedEnd::Nodes) => "memory has no room for more nodes; ask for less",
-            Some(AdaptedEnd::NoLongerFalls) => {
-                "the bound no longer falls; ask for less, or write jumps of f as shapes"
-            }
-        };
-        let (asked, nodes) = (request.written.text(accuracy), self.run.y.len());
-        let reached = error(accuracy, accuracy.reached(bounds));
-        self.shortfall = Some(format!(
-            "{}: {asked} is not reached: {reached} with {nodes} nodes; {remedy}",
-            request.name
-        ));
-    }
+/// Number of meshes, with those that are too coarse for a solution.
+fn meshes(run: &Run) -> usize {
+    run.first_level + run.ends.len()
 }

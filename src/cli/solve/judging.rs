@@ -1,5 +1,6 @@
 //! Judgement of an answer: the failure, if it is no solution, and the warnings.
 
+use super::adapting;
 use super::advice::{Remedy, Warning, combined, remedies};
 use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
@@ -10,7 +11,7 @@ use crate::replication::accuracy::Accuracy;
 use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
-use signorini_mathematics::levels::Problem;
+use signorini_mathematics::levels::{AdaptedEnd, Problem};
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::tolerance;
 
@@ -62,6 +63,24 @@ impl Answer {
         if let (Ok(bounds), None, None) = (&self.bounds, request.accuracy, &self.failure) {
             self.warnings.extend(bound::warnings(bounds, energy, request));
         }
+    }
+
+    /// Decides whether the solution is as accurate as asked.
+    pub(super) fn judge_end(&mut self, request: &Request, accuracy: Accuracy) {
+        let Ok(bounds) = &self.bounds else { return };
+        let remedy = match request.adapted {
+            None | Some(AdaptedEnd::Goal) => return,
+            Some(AdaptedEnd::Nodes) => "memory has no room for more nodes; ask for less",
+            Some(AdaptedEnd::NoLongerFalls) => {
+                "the bound no longer falls; ask for less, or write jumps of f as shapes"
+            }
+        };
+        let (asked, nodes) = (request.written.text(accuracy), self.run.y.len());
+        let reached = adapting::error(accuracy, accuracy.reached(bounds));
+        self.shortfall = Some(format!(
+            "{}: {asked} is not reached: {reached} with {nodes} nodes; {remedy}",
+            request.name
+        ));
     }
 
     /// Returns the message that the discrete problem on the finest level, or on all levels, has no solution.

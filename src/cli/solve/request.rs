@@ -8,12 +8,12 @@ use crate::cli::output::{check_options, warn_of_outside};
 use crate::cli::shown::signed;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
-use crate::replication::accuracy::{Accuracy, Written};
+use crate::replication::accuracy::{Accuracy, MAX_CELLS, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
 use crate::replication::project::Project;
 use crate::replication::saddle::{SaddleSettings, positive_r};
 use crate::replication::scene::Scene;
-use crate::replication::stated::{MAX_CELLS, OnMesh, OnSquare, Place, StatedProblem};
+use crate::replication::stated::{OnMesh, OnSquare, Place, StatedProblem};
 use crate::timing::machine;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
@@ -210,8 +210,9 @@ impl Request {
     ) -> Result<(Run, Bounds)> {
         let asked = (accuracy, self.written);
         let adapted = self.stated.adapted(&self.problem.levels().mesh(), asked, watch)?;
+        let ends = adapted.outcomes().to_vec();
         (self.problem, self.adapted) = (adapted.problem, Some(adapted.end));
-        let (y, ends, judgement) = (adapted.y, adapted.outcomes, adapted.judgement);
+        let (y, judgement) = (adapted.y, adapted.judgement);
         let first_level = self.problem.levels().count() - ends.len();
         Ok((Run { y, ends, first_level, judgement }, adapted.bounds))
     }
@@ -499,7 +500,7 @@ fn on_mesh(
     if let Some(asked) = asked {
         if coarsest.dimension() == 3 {
             return Err(Error::input(format!(
-                "{asked} is for domains in the plane; in space, say with --refine how fine, and the answer says how close"
+                "{asked} is for domains in the plane; in space, --refine says how fine, and the answer how close"
             )));
         }
         let refine = Some(0);

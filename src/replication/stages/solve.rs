@@ -257,8 +257,8 @@ impl Cell {
         let mut watch = |mesh: &AdaptedMesh| bounds.push(mesh.bounds.clone().ok());
         let run = self.problem.adapted_scene(files, accuracy, &mut watch)?;
         // The first meshes have no solution where their polygon is too coarse.
-        bounds.drain(..bounds.len() - run.outcomes.len());
-        let (levels, reserve) = (run.outcomes, run.problem.reserves());
+        bounds.drain(..bounds.len() - run.outcomes().len());
+        let (levels, reserve) = (run.outcomes().to_vec(), run.problem.reserves());
         let outcomes = Outcomes { schema: 1, levels, bounds, reserve, ..Outcomes::default() };
         let pair = Pair { a: run.judgement.multiplier(&run.y), y: run.y };
         Ok(Solved { outcomes, pairs: vec![pair], history: Vec::new() })

@@ -114,11 +114,10 @@ impl PartLaw {
         }
     }
 
-    /// Point of the interval next to a flux, off its ends by more than rounding errors if both are finite.
-    pub(super) fn clamp_inside(self, flux: f64) -> f64 {
-        const ROOM: f64 = 1e-12;
-        let (flux, middle) = (self.clamp(flux), 0.5 * (self.least + self.most));
-        if middle.is_finite() { flux - ROOM * (flux - middle) } else { flux }
+    /// Interval with ends that are further inside by `room`, if it is so wide.
+    pub(super) fn within(self, room: f64) -> Self {
+        let inside = Self { least: self.least + room, most: self.most - room };
+        if inside.least <= inside.most { inside } else { self }
     }
 
     /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a

@@ -1,5 +1,5 @@
-//! Levels by adaptive refinement in the plane: meshes that are bisected where the guaranteed error is large, until it is
-//! small enough.
+//! Levels by adaptive refinement in the plane: meshes that are bisected where the guaranteed error is large, until it
+//! is small enough.
 //!
 //! # Algorithm
 //! On each mesh in turn:
@@ -7,13 +7,13 @@
 //! 1. Integrate f. On the first mesh solve, on each other one improve the interpolated solution by two steps of the
 //!    multilevel method: with bounds that do not depend on convergence, more steps lower them by next to nothing.
 //! 2. Bound the error. The square of the bound is a sum over the cells. End if the goal is met.
-//! 3. Mark the cells with the largest parts, until they have half of the sum, or where less is missing, less; and bisect
-//!    them. On a curved boundary the energy between chord and curve counts as a part of the cell, since no bound feels
-//!    it.
+//! 3. Mark the cells with the largest parts, until they have half of the sum, or where less is missing, less; and
+//!    bisect them. On a curved boundary the energy between chord and curve counts as a part of the cell, since no bound
+//!    feels it.
 //!
-//! The bounds fall like the inverse root of the number of nodes, whatever the corners and ends of contact. Where they do
-//! not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does not
-//! help the run ends: f has parts that its quadrature misses, or rounding errors are reached.
+//! The bounds fall like the inverse root of the number of nodes, whatever the corners and ends of contact. Where they
+//! do not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does
+//! not help the run ends: f has parts that its quadrature misses, or rounding errors are reached.
 
 mod marking;
 mod meshes;
@@ -102,15 +102,22 @@ pub struct AdaptedRun {
     pub judgement: Judgement,
     /// Guaranteed bounds for the vector.
     pub bounds: Bounds,
-    /// End on each mesh, coarsest first.
-    pub outcomes: Vec<Outcome>,
+    /// End on each mesh with a solution, coarsest first.
+    outcomes: Vec<Outcome>,
     /// Reason for the end.
     pub end: AdaptedEnd,
 }
 
+impl AdaptedRun {
+    /// End on each mesh with a solution, coarsest first; the first meshes of a curved domain may be too coarse for one.
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+}
+
 impl Adaption<'_> {
-    /// Solves on one mesh after the other until the goal is met, or no finer mesh is of use or allowed. `watch` is shown
-    /// each mesh.
+    /// Solves on one mesh after the other until the goal is met, or no finer mesh is of use or allowed. `watch` is
+    /// shown each mesh.
     ///
     /// # Errors
     /// [`ProblemError`] if there is no problem, or no bound on the finest mesh that is allowed.
@@ -125,6 +132,7 @@ impl Adaption<'_> {
             let end = match &solved {
                 Ok(found) if self.goal.excess(&found.bounds) <= 1.0 => Some(AdaptedEnd::Goal),
                 Ok(_) if meshes.has_stalled() => Some(AdaptedEnd::NoLongerFalls),
+                Err(reason) if meshes.is_hopeless(reason) => return Err((*reason).into()),
                 _ if meshes.refine(solved.as_ref().ok())? => None,
                 _ => Some(AdaptedEnd::Nodes),
             };

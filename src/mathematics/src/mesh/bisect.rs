@@ -62,7 +62,7 @@ pub fn bisect(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Result<Bise
     let mut pieces = Pieces::new(mesh, is_split, new_nodes);
     for (number, (&cell, of_cell)) in (0..).zip(mesh.cells.iter().zip(&sides.of_cell)) {
         pieces.origin = number;
-        pieces.add(cell, of_cell.map(Edge::Old));
+        pieces.add(cell, of_cell.map(PieceEdge::Old));
     }
     pieces.finished(sides)
 }
@@ -87,7 +87,7 @@ fn split_sides(sides: &Sides<3>, marked: &[u32]) -> Vec<bool> {
 
 /// Side of a cell in the making.
 #[derive(Clone, Copy)]
-enum Edge {
+enum PieceEdge {
     /// Side of the mesh before.
     Old(u32),
     /// Side of the refined mesh.
@@ -139,21 +139,21 @@ impl<'a> Pieces<'a> {
     }
 
     /// Adds a cell, or its pieces if its refinement edge is split.
-    fn add(&mut self, cell: [u32; 3], edges: [Edge; 3]) {
+    fn add(&mut self, cell: [u32; 3], edges: [PieceEdge; 3]) {
         let ([a, b, c], [bc, ca, ab]) = (cell, edges);
         match ab {
-            Edge::Old(side) if self.is_split[side as usize] => {
+            PieceEdge::Old(side) if self.is_split[side as usize] => {
                 let m = self.midpoint(side, [a, b]);
-                let cm = Edge::New(self.next_sides(1));
+                let cm = PieceEdge::New(self.next_sides(1));
                 let first = self.number(side);
                 let [am, mb] = if a < b { [first, first + 1] } else { [first + 1, first] };
-                self.add([c, a, m], [Edge::New(am), cm, ca]);
-                self.add([b, c, m], [cm, Edge::New(mb), bc]);
+                self.add([c, a, m], [PieceEdge::New(am), cm, ca]);
+                self.add([b, c, m], [cm, PieceEdge::New(mb), bc]);
             }
-            Edge::Old(_) | Edge::New(_) => {
+            PieceEdge::Old(_) | PieceEdge::New(_) => {
                 let sides = edges.map(|edge| match edge {
-                    Edge::Old(side) => self.number(side),
-                    Edge::New(number) => number,
+                    PieceEdge::Old(side) => self.number(side),
+                    PieceEdge::New(number) => number,
                 });
                 self.cells.push(cell);
                 self.of_cell.push(sides);

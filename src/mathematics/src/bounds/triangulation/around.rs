@@ -7,17 +7,23 @@ pub(super) struct FirstCells {
     first: Vec<u32>,
     /// Number of cells with the node.
     counts: Vec<u32>,
+    /// Nodes in the order of their first cells: patches of near nodes are near in memory.
+    pub order: Vec<u32>,
 }
 
 impl FirstCells {
     /// First cells around this number of nodes.
     pub(super) fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
-        let mut found = Self { first: vec![cells.len() as u32; nodes], counts: vec![0; nodes] };
-        for (number, cell) in cells.iter().enumerate() {
+        let (first, counts) = (vec![cells.len() as u32; nodes], vec![0; nodes]);
+        let mut found = Self { first, counts, order: Vec::with_capacity(nodes) };
+        for (number, cell) in (0..).zip(cells) {
             for &node in cell {
-                let first = &mut found.first[node as usize];
-                *first = (*first).min(number as u32);
-                found.counts[node as usize] += 1;
+                let count = &mut found.counts[node as usize];
+                if *count == 0 {
+                    found.first[node as usize] = number;
+                    found.order.push(node);
+                }
+                *count += 1;
             }
         }
         found

@@ -2,12 +2,17 @@
 //! of cells.
 
 use super::NoBound;
-use super::cells::Cells;
+use super::cells::{COST, Cells};
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
+use crate::machine::threads::in_tasks;
 use crate::mesh::{BoundarySide, Condition, Neighbour, Sides, measure};
 use crate::problem::law::Law;
 use crate::problem::unsolvable::{Component, Unsolvable};
+use rayon::prelude::*;
 use std::cmp::Ordering;
+
+/// Distance of fluxes from the ends of a bounded interval, over the largest flux.
+const ROOM: f64 = 1e-12;
 
 /// Side of the boundary through which flux may leave.
 #[derive(Clone, Copy)]
@@ -45,9 +50,8 @@ struct Tree {
 /// Connected cells, each after a neighbour nearer to the first.
 struct ConnectedCells {
     numbers: Vec<u32>,
-    /// Position of the side to that neighbour among the sides of each cell, of the first cell of a side of the
-    /// boundary.
-    slots: Vec<u8>,
+    /// Side to that neighbour, of the first cell a side of the boundary.
+    sides: Vec<u32>,
 }
 
 /// Changes a flux so that the outflow of each cell is minus the integral of f, to rounding, and the law allows the flux
@@ -67,6 +71,11 @@ pub(super) fn balance<const D: usize, const V: usize>(
 ) -> Result<(), NoBound> {
     let mesh = cells.mesh;
     let mut outlets = Vec::new();
+    let boundary = sides.of_facets().iter();
+    let largest = boundary.fold(0.0f64, |most, at| most.max(flux[at.side as usize].abs()));
+    // Sums of parts at an end of the interval may exceed the end by rounding; and where all parts are at ends, the
+    // outlet at the root has room for rounding errors nevertheless.
+    let room = if cells.law.is_bounded() { ROOM * largest } else { 0.0 };
     for (facet, &BoundarySide { side, cell }) in mesh.facets().iter().zip(sides.of_facets()) {
         let condition = mesh.condition(facet);
         if condition != Condition::Free {
@@ -74,9 +83,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
             let (law, is_fixed) = (PartLaw::new(cells.law, measure), condition == Condition::Fixed);
             let flux = &mut flux[side as usize];
             if !is_fixed {
-                // Sums of parts at the end of the interval may exceed the end by rounding, and the outlet at the root has
-                // rounding errors to take.
-                *flux = law.clamp_inside(*flux);
+                *flux = law.within(room).clamp(*flux);
             }
             outlets.push(Outlet {
                 side,
@@ -91,6 +98,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
     outlets.sort_by(Outlet::compare);
     let cells = &Balanced { cells, masses: cells.masses() };
     let mut is_seen = vec![false; cells.masses.len()];
+    let mut missing = vec![0.0; cells.masses.len()];
     for outlet in outlets {
         if !is_seen[outlet.cell as usize] {
             let connected = ConnectedCells::beside(outlet, sides, &mut is_seen);
@@ -101,7 +109,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
                     tree.move_root(sides, &mut is_seen);
                 }
             }
-            tree.balance(cells, sides, flux)?;
+            tree.balance(cells, sides, flux, &mut missing)?;
         }
     }
     match is_seen.iter().position(|seen| !seen) {
@@ -122,9 +130,9 @@ impl ConnectedCells {
         // Room for all: a list that grows takes up to twice its length.
         let mut cells = Self {
             numbers: Vec::with_capacity(is_seen.len()),
-            slots: Vec::with_capacity(is_seen.len()),
+            sides: Vec::with_capacity(is_seen.len()),
         };
-        cells.push(outlet.cell, outlet.side, sides);
+        cells.push(outlet.cell, outlet.side);
         is_seen[outlet.cell as usize] = true;
         let mut place = 0;
         while let Some(&cell) = cells.numbers.get(place) {
@@ -132,7 +140,7 @@ impl ConnectedCells {
                 if let Neighbour::Cell(next) = sides.across(cell, side)
                     && !std::mem::replace(&mut is_seen[next as usize], true)
                 {
-                    cells.push(next, side, sides);
+                    cells.push(next, side);
                 }
             }
             place += 1;
@@ -140,25 +148,39 @@ impl ConnectedCells {
         cells
     }
 
-    fn push<const V: usize>(&mut self, cell: u32, side: u32, sides: &Sides<V>) {
+    fn push(&mut self, cell: u32, side: u32) {
         self.numbers.push(cell);
-        self.slots.push(sides.slot(cell, side) as u8);
+        self.sides.push(side);
     }
 }
 
 impl Tree {
+    /// Carries to the outlet by how much the outflow of each cell, with those behind it, is too small; `missing` is
+    /// room for these numbers.
     fn balance<const D: usize, const V: usize>(
         &self,
         cells: &Balanced<'_, D, V>,
         sides: &Sides<V>,
         flux: &mut [f64],
+        missing: &mut [f64],
     ) -> Result<(), NoBound> {
-        let ConnectedCells { numbers, slots } = &self.cells;
-        for (&cell, &slot) in numbers.iter().zip(slots).rev() {
-            let side = sides.numbers(cell)[usize::from(slot)];
-            let outflow: f64 = sides.outflows(cell, flux).iter().sum();
-            let missing = -cells.masses[cell as usize] - outflow;
-            flux[side as usize] += if sides.leaves(cell, side) { missing } else { -missing };
+        let ConnectedCells { numbers, sides: ways } = &self.cells;
+        let of_cell = |cell: usize| {
+            let outflow: f64 = sides.outflows(cell as u32, flux).iter().sum();
+            -cells.masses[cell] - outflow
+        };
+        if numbers.len() == missing.len() {
+            let all = in_tasks(missing.par_iter_mut().enumerate(), COST);
+            all.for_each(|(cell, missing)| *missing = of_cell(cell));
+        } else {
+            numbers.iter().for_each(|&cell| missing[cell as usize] = of_cell(cell as usize));
+        }
+        for (&cell, &side) in numbers.iter().zip(ways).rev() {
+            let through = missing[cell as usize];
+            flux[side as usize] += if sides.leaves(cell, side) { through } else { -through };
+            if let Neighbour::Cell(next) = sides.across(cell, side) {
+                missing[next as usize] += through;
+            }
         }
         let law = PartLaw::new(cells.cells.law, self.outlet.measure);
         match !self.outlet.is_fixed && law.room(flux[self.outlet.side as usize]) < 0.0 {

@@ -1,8 +1,13 @@
 //! Cells with a linear function w and an f that is constant on each: what the flux must carry, and the field that has
 //! given fluxes through the sides.
 
+use crate::machine::threads::in_tasks;
 use crate::mesh::{Element, Mesh, centroid, dot};
 use crate::problem::law::Law;
+use rayon::prelude::*;
+
+/// Numbers whose work takes as long as that on a cell.
+pub(super) const COST: usize = 8;
 
 /// Cell as far as the outflows wanted from it are concerned.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +51,7 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
 
     /// Integrals of f over all cells.
     pub(super) fn masses(&self) -> Vec<f64> {
-        let all = self.mesh.cells().iter().zip(self.f);
+        let all = in_tasks(self.mesh.cells().par_iter().zip(self.f), COST);
         all.map(|(nodes, f)| f * Element::new(self.mesh.vertices(nodes)).volume).collect()
     }
 
@@ -72,13 +77,16 @@ pub(super) struct RaviartThomas<const D: usize, const V: usize> {
     to_centre: [[f64; D]; V],
     /// Volume.
     volume: f64,
+    /// One over D times the volume.
+    inverse: f64,
 }
 
 impl<const D: usize, const V: usize> RaviartThomas<D, V> {
     /// Fields on the cell with these vertices and this volume.
     pub(super) fn new(vertices: [[f64; D]; V], volume: f64) -> Self {
         let centre = centroid(vertices);
-        Self { to_centre: vertices.map(|vertex| difference(centre, vertex)), volume }
+        let to_centre = vertices.map(|vertex| difference(centre, vertex));
+        Self { to_centre, volume, inverse: 1.0 / (D as f64 * volume) }
     }
 
     /// Mean of the field with these outflows through the sides.
@@ -87,23 +95,24 @@ impl<const D: usize, const V: usize> RaviartThomas<D, V> {
         for (outflow, to_centre) in outflows.into_iter().zip(self.to_centre) {
             mean.iter_mut().zip(to_centre).for_each(|(sum, x)| *sum += outflow * x);
         }
-        mean.map(|sum| sum / (D as f64 * self.volume))
+        mean.map(|sum| sum * self.inverse)
     }
 
     /// Square of the L2 norm of the field with these outflows through the sides.
     pub(super) fn square(&self, outflows: [f64; V]) -> f64 {
         let mean = self.mean(outflows);
-        let density = outflows.iter().sum::<f64>() / (D as f64 * self.volume);
+        let density = outflows.iter().sum::<f64>() * self.inverse;
         self.volume * (dot(mean, mean) + density * density * self.spread())
     }
 
     /// Upper bound of [`RaviartThomas::square`] for any signs of the outflows, the size of its rounding errors.
     pub(super) fn largest_square(&self, outflows: [f64; V]) -> f64 {
         // The square of a sum is at most the sum of the squares times their number.
-        let scale = V as f64 / (D as f64 * self.volume);
-        let squares = outflows.iter().zip(self.to_centre).map(|(q, x)| q * q * dot(x, x));
-        let density = outflows.iter().map(|q| q * q).sum::<f64>() * self.spread();
-        scale * (squares.sum::<f64>() + density) / D as f64
+        let squares = outflows.iter().zip(self.to_centre).map(|(q, x)| {
+            let density = q * self.inverse;
+            density * density * (dot(x, x) + self.spread())
+        });
+        V as f64 * self.volume * squares.sum::<f64>()
     }
 
     /// Mean square of the distance from the centroid.

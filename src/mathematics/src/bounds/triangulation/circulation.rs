@@ -1,7 +1,7 @@
 //! Circulations around a node in space: fluxes without divergence, by which the flux of a patch gets its least norm.
 //!
-//! There is one around each inner edge at the node; around an inner node their sum is zero. On each cell a circulation is a constant field, so that the system for their strengths
-//! is that of linear elements on the surface of the patch.
+//! There is one around each inner edge at the node; around an inner node their sum is zero. On each cell a circulation
+//! is a constant field, so that the system for their strengths is that of linear elements on the surface of the patch.
 
 use super::cells::{RaviartThomas, difference};
 use super::fan::{Fan, Member};

@@ -2,8 +2,8 @@
 
 use crate::mesh::{Element, Mesh, Sides, dot, measure};
 
-/// Size of the energy in the segment between a facet and its curve. It is no bound: the solution there is taken for that
-/// in the cell.
+/// Size of the energy in the segment between a facet and its curve. It is no bound: the solution there is taken for
+/// that in the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveShare {
     /// Number of the cell.

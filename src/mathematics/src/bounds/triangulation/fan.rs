@@ -3,7 +3,7 @@
 
 use super::SideOutflow;
 use super::cells::{Cell, Cells};
-use super::reaction::BoundaryNode;
+use super::reaction::OpenNode;
 use crate::mesh::{Condition, Element, Facet, Mesh, Neighbour, Sides, measure};
 
 /// Cell of a fan.
@@ -142,7 +142,7 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         // Each of the D nodes of a facet has the same part of the facet.
         let part = self.measure(Condition::Contact) / D as f64;
         let (w, fixed) = (self.cells.w[self.node as usize], self.measure(Condition::Fixed));
-        let node = BoundaryNode { w, stiffness: self.stiffness(), part, fixed };
+        let node = OpenNode { w, stiffness: self.stiffness(), part, fixed };
         let [contact, through_fixed] = node.let_out(self.cells.law, reaction);
         self.let_out(Condition::Contact, contact);
         self.let_out(Condition::Fixed, through_fixed);

@@ -22,14 +22,14 @@
 //! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux
 //! for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral
 //! of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its
-//! share of `grad w . n` (`ring.rs`, in space `fan.rs`). The distance that is made least is the one between the part of sigma and that
-//! share as fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on
-//! fine meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at
-//! the node as far as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for
-//! the residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
-//! iteration has nearly the bounds of the last one. In the plane, a sweep over circulations around all nodes then lowers the norm of sigma
-//! (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every
-//! vector.
+//! share of `grad w . n` (`ring.rs`, in space `fan.rs`). The distance that is made least is the one between the part of
+//! sigma and that share as fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides
+//! stays, and on fine meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through
+//! the facets at the node as far as the law allows and w is zero there, or the node belongs to the contact
+//! (`reaction.rs`); else, and for the residual at other nodes, all outflows around the node are changed alike, so that
+//! a vector after few steps of an iteration has nearly the bounds of the last one. In the plane, a sweep over
+//! circulations around all nodes then lowers the norm of sigma (`stream.rs`). Step 2 restores the balance of each cell
+//! (`balance.rs`): sigma is a flux, to rounding, for every vector.
 //!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose
@@ -153,7 +153,7 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
 }
 
 impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
-    /// Adds the lower bound of the error to bounds for a nodal vector; there is none in space.
+    /// Adds the lower bound of the error to bounds for a nodal vector.
     pub fn with_lower(&self, mut bounds: Bounds, y: &[f64]) -> Bounds {
         let w = admissible(self.network, Slips::of_law(self.law), y);
         let mut moved = 0.0;
@@ -245,9 +245,9 @@ fn equilibrated<const D: usize, const V: usize>(
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.
-const RUN: u32 = 64;
+const RUN: usize = 64;
 /// Number of such runs between additions.
-const RUNS: u32 = 64;
+const RUNS: usize = 64;
 /// Numbers whose work takes as long as that on a patch.
 const COST: usize = 64;
 
@@ -295,25 +295,20 @@ impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
     }
 }
 
-/// Sum of the fluxes of all patches, added in the order of the nodes whatever thread computes them.
+/// Sum of the fluxes of all patches, added in one order of the nodes whatever thread computes them.
 fn of_patches<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
 ) -> Vec<f64> {
-    let nodes = cells.w.len() as u32;
     let around = FirstCells::new(cells.w.len(), cells.mesh.cells());
     let mut flux = vec![0.0; sides.len()];
-    for first in (0..nodes).step_by((RUN * RUNS) as usize) {
-        let last = nodes.min(first + RUN * RUNS);
-        let runs = in_tasks((0..(last - first).div_ceil(RUN)).into_par_iter(), COST * RUN as usize);
+    for nodes in around.order.chunks(RUN * RUNS) {
+        let runs = in_tasks(nodes.par_chunks(RUN), COST * RUN);
         let parts = runs.map_init(
             || Patches::new(*cells, sides),
             |patches, run| {
-                let start = first + RUN * run;
-                let mut outflows = Vec::with_capacity(8 * RUN as usize);
-                for node in start..last.min(start + RUN) {
-                    patches.add(node, &around, &mut outflows);
-                }
+                let mut outflows = Vec::with_capacity(8 * RUN);
+                run.iter().for_each(|&node| patches.add(node, &around, &mut outflows));
                 outflows
             },
         );

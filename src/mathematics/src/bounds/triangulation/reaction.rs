@@ -5,7 +5,7 @@ use crate::problem::law::Law;
 
 /// Node of the boundary.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BoundaryNode {
+pub(super) struct OpenNode {
     /// Value of w.
     pub w: f64,
     /// Square of the norm of the gradient of the hat function.
@@ -16,7 +16,7 @@ pub(super) struct BoundaryNode {
     pub fixed: f64,
 }
 
-impl BoundaryNode {
+impl OpenNode {
     /// Outflows through the boundary in contact and the fixed boundary: the reaction as far as the law allows.
     ///
     /// Where w is not zero, a reaction beyond the end of the interval to which w slips does work on w, and one that is
@@ -39,16 +39,16 @@ mod tests {
 
     #[test]
     fn only_what_belongs_to_the_contact_leaves() {
-        let node = BoundaryNode { w: 0.0, stiffness: 4.0, part: 0.5, fixed: 0.0 };
+        let node = OpenNode { w: 0.0, stiffness: 4.0, part: 0.5, fixed: 0.0 };
         let law = Law::SIGNORINI;
         assert_eq!(node.let_out(law, 3.0), [3.0, 0.0]);
         assert_eq!(node.let_out(law, -3.0), [0.0, 0.0]);
         // A value far from the contact, and one that an iteration has not yet brought to zero.
-        assert_eq!(BoundaryNode { w: 2.0, ..node }.let_out(law, 3.0), [0.0, 0.0]);
-        assert_eq!(BoundaryNode { w: 0.25, ..node }.let_out(law, 3.0), [2.0, 0.0]);
+        assert_eq!(OpenNode { w: 2.0, ..node }.let_out(law, 3.0), [0.0, 0.0]);
+        assert_eq!(OpenNode { w: 0.25, ..node }.let_out(law, 3.0), [2.0, 0.0]);
         let friction = Law::friction(1.0).unwrap();
-        assert_eq!(BoundaryNode { w: 2.0, ..node }.let_out(friction, -0.4), [-0.5, 0.0]);
-        assert_eq!(BoundaryNode { w: -2.0, ..node }.let_out(friction, 0.3), [0.5, 0.0]);
-        assert_eq!(BoundaryNode { fixed: 1.0, ..node }.let_out(law, -3.0), [0.0, -3.0]);
+        assert_eq!(OpenNode { w: 2.0, ..node }.let_out(friction, -0.4), [-0.5, 0.0]);
+        assert_eq!(OpenNode { w: -2.0, ..node }.let_out(friction, 0.3), [0.5, 0.0]);
+        assert_eq!(OpenNode { fixed: 1.0, ..node }.let_out(law, -3.0), [0.0, -3.0]);
     }
 }

@@ -3,7 +3,7 @@
 
 use super::SideOutflow;
 use super::cells::Cells;
-use super::reaction::BoundaryNode;
+use super::reaction::OpenNode;
 use crate::mesh::{Condition, Facet, Neighbour, Sides, measure};
 
 /// Cell of a ring: the node z and, in the positive sense, two others a and b.
@@ -141,7 +141,8 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
         });
     }
 
-    /// Gives each cell the outflow wanted from it, so that the outflows are as near to the shares of `grad w` as can be.
+    /// Gives each cell the outflow wanted from it, so that the outflows are as near to the shares of `grad w` as can
+    /// be.
     pub(super) fn equilibrate(&mut self) {
         let [before, behind] = self.prescribe();
         self.before = before;
@@ -168,7 +169,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
         out
     }
 
-    /// Outflows through two facets of the boundary for a reaction at the node; see [`BoundaryNode::let_out`].
+    /// Outflows through two facets of the boundary for a reaction at the node; see [`OpenNode::let_out`].
     fn let_out(&self, ends: [u32; 2], reaction: f64) -> [f64; 2] {
         let mesh = self.cells.mesh;
         let facets: [&Facet<D>; 2] = ends.map(|facet| &mesh.facets()[facet as usize]);
@@ -180,7 +181,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
         };
         let [contact, fixed] = [Condition::Contact, Condition::Fixed].map(measure_of);
         let w = self.cells.w[self.node as usize];
-        let node = BoundaryNode { w, stiffness: self.stiffness(), part: 0.5 * contact, fixed };
+        let node = OpenNode { w, stiffness: self.stiffness(), part: 0.5 * contact, fixed };
         let [of_contact, of_fixed] = node.let_out(self.cells.law, reaction);
         std::array::from_fn(|k| match conditions[k] {
             Condition::Contact => of_contact * (lengths[k] / contact),

@@ -10,6 +10,7 @@ use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::stop::Stop;
 use crate::levels::{Problem, ProblemError, ROUNDING, Triangulations};
+use crate::machine::threads::among_threads;
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
     bisect, label_longest_edges, mesh_load, mesh_load_after,
@@ -27,11 +28,15 @@ const MARKED: f64 = 0.5;
 /// Least such part, where little is missing.
 const LEAST_MARKED: f64 = 0.1;
 /// Part of the square of the error in marked cells that their bisections take away, about.
-const GAIN: f64 = 0.6;
+const GAIN: f64 = 0.7;
 /// Part of the error that is left at most when the number of nodes has doubled; 0.71 is usual.
 const FALL: f64 = 0.9;
+/// Numbers whose work takes as long as that on a node.
+const COST: usize = 16;
 /// Number of nodes up to which the polygon of a curved domain may be too coarse for a flux that balances f.
 const COARSE: usize = 1000;
+/// Number of nodes up to which rounding errors may leave a mesh without a bound.
+const MOST_WITHOUT_BOUND: usize = 100_000;
 
 /// Meshes so far, with the solution on the finest.
 pub(super) struct Meshes<'a> {
@@ -117,6 +122,11 @@ impl<'a> Meshes<'a> {
         is_curved && self.nodes() <= COARSE
     }
 
+    /// True if a finer mesh has no bound either, for a reason why this one has none.
+    pub(super) fn is_hopeless(&self, reason: &NoBound) -> bool {
+        *reason == NoBound::NotFinite || self.nodes() > MOST_WITHOUT_BOUND
+    }
+
     /// Solves, or improves the solution by some steps; returns the bounds.
     fn improve(
         &mut self,
@@ -141,11 +151,13 @@ impl<'a> Meshes<'a> {
         let stop = if end.iterations == STEPS { Stop::Converged } else { end.stop };
         let end = End { stop, ..end };
         let network = &self.networks[self.networks.len() - 1].network;
-        let judgement = judge(network, law, &y, &self.load.load);
+        let (mesh, sides, f) = (self.finest(), &self.sides, &self.load.cells);
+        let bounded = BoundedProblem { mesh, sides, network, f, law };
+        let (judgement, bounds) = among_threads(COST * y.len(), || {
+            rayon::join(|| judge(network, law, &y, &self.load.load), || bounded.bounds(&y))
+        });
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
-        let (mesh, sides, f) = (self.finest(), &self.sides, &self.load.cells);
-        let bounds = BoundedProblem { mesh, sides, network, f, law }.bounds(&y);
         (self.y, self.judgement) = (Some(y), Some(judgement));
         Ok(bounds)
     }
@@ -178,13 +190,17 @@ impl<'a> Meshes<'a> {
         if mesh.points().len() > self.adaption.most_nodes || parents.is_empty() {
             return Ok(false);
         }
-        let level = NestedNetwork { network: assemble_sides(&mesh, &sides), parents };
+        let before = CellsBefore { origins: &origins, f: &self.load.cells };
+        let (network, load) = among_threads(COST * mesh.points().len(), || {
+            let load = || mesh_load_after(before, &mesh, &self.f);
+            rayon::join(|| assemble_sides(&mesh, &sides), load)
+        });
+        let level = NestedNetwork { network, parents };
         self.y = self.y.take().map(|y| level.interpolate(&y));
         for &[parent, _] in &level.parents {
             self.component_of.push(self.component_of[parent as usize]);
         }
-        let before = CellsBefore { origins: &origins, f: &self.load.cells };
-        self.load = mesh_load_after(before, &mesh, &self.f)?;
+        self.load = load?;
         self.sides = sides;
         self.meshes.push(mesh);
         self.networks.push(level);

@@ -5,7 +5,7 @@ use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Names, Part, lattice_mesh
 use crate::problem::law::Law;
 
 /// Problem with its true energy.
-struct Known {
+struct KnownEnergy {
     name: &'static str,
     mesh: PlaneMesh,
     f: &'static str,
@@ -55,7 +55,7 @@ fn slit() -> PlaneMesh {
     data.mesh().unwrap()
 }
 
-fn known() -> Vec<Known> {
+fn known() -> Vec<KnownEnergy> {
     let lshape = BuiltIn::LShape.plane().unwrap();
     let contact = || square(|_| Condition::Contact);
     let fixed_free = square(|[x, y]| match (y < -0.49, x < 0.0) {
@@ -64,23 +64,29 @@ fn known() -> Vec<Known> {
         (true, false) => Condition::Free,
     });
     let friction = |g| Law::friction(g).unwrap();
-    let problem =
-        |name, mesh, f, energy| Known { name, mesh, f, law: Law::SIGNORINI, energy, digit: 1e-12 };
+    let problem = |name, mesh, f, energy| KnownEnergy {
+        name,
+        mesh,
+        f,
+        law: Law::SIGNORINI,
+        energy,
+        digit: 1e-12,
+    };
     vec![
-        Known {
+        KnownEnergy {
             digit: 2e-8,
             ..problem("L-shape", lshape.clone(), "rect(-9,0,-9,0)=3; else=-2", -3.019_877_99)
         },
-        Known {
+        KnownEnergy {
             law: friction(0.6),
             digit: 2e-7,
             ..problem("L-shape with friction", lshape, "rect(-9,0,-9,0)=6; else=-3.3", -5.378_190_1)
         },
-        Known {
+        KnownEnergy {
             digit: 2e-7,
             ..problem("fixed and free", fixed_free, "rect(-9,0,-9,0)=-4; else=2", -0.452_388_2)
         },
-        Known {
+        KnownEnergy {
             digit: 2e-7,
             ..problem("slit", slit(), "rect(-9,0,-9,0)=3; else=-2", -1.322_920_3)
         },
@@ -91,14 +97,14 @@ fn known() -> Vec<Known> {
             -0.138_582_877_396_965_8,
         ),
         problem("square", contact(), "rect(-9,0,-9,0)=3; else=-1.1", -0.095_051_720_753_350_80),
-        Known {
+        KnownEnergy {
             law: friction(1.0),
             ..problem("both signs", contact(), "halfplane(1,0,0)=8; else=-8", -0.627_952_316_469_3)
         },
     ]
 }
 
-impl Known {
+impl KnownEnergy {
     fn adaption(&self, goal: ErrorGoal) -> Adaption<'_> {
         Adaption { coarsest: &self.mesh, f: self.f, law: self.law, goal, most_nodes: 1 << 20 }
     }
@@ -191,6 +197,8 @@ fn a_run_ends_with_a_number_whatever_happens() {
     let run = few.run(&mut |_| ()).unwrap();
     assert_eq!(run.end, AdaptedEnd::Nodes);
     assert!(run.y.len() <= 300 && run.bounds.relative() < 0.3);
+    let huge = Adaption { f: "else=-1e200", ..problem.adaption(ErrorGoal::Relative(0.1)) };
+    assert!(huge.run(&mut |_| ()).is_err());
     let energy = problem.adaption(ErrorGoal::RelativeEnergy(0.01)).run(&mut |_| ()).unwrap();
     assert_eq!(energy.end, AdaptedEnd::Goal);
     assert!(energy.bounds.relative_energy() <= 0.01);
