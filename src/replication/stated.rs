@@ -68,7 +68,7 @@ pub(crate) struct CheckedMesh {
     pub dimension: u8,
     /// Number of nodes of the finest level, about.
     pub nodes: f64,
-    /// What a user has to know of the mesh, in a line each.
+    /// Facts on the mesh that a user has to know, in a line each.
     pub notes: Vec<String>,
 }
 

@@ -152,7 +152,7 @@ fn poles_at_nodes_and_at_midpoints_of_edges_are_found() {
     let nodes = nodes.collect::<Vec<_>>().join("\n");
     let file = mesh(&nodes, "1", JOINED);
     // Of two refinements, the nodes have multiples of 1/4 and the midpoints of edges multiples of 1/8.
-    for (f, at) in [("1/(x-1)-30", "(1, "), ("1/(x-0.375)-30", "(0.375, "), ("log(y)-30", ", 0)")] {
+    for (f, at) in [("1/(x-1)-30", "(1, "), ("1/(x-0.375)-30", "(0.375, "), ("ln(y)-30", ", 0)")] {
         let refused = solve(&project, &file, &["--f", &format!("formula({f})")]);
         let refusal = refused.refusal();
         assert!(refusal.contains("inf at (") && refusal.contains(at), "{refused:?}");

@@ -34,8 +34,8 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
         npz(self.mesh, self)
     }
 
-    /// VTK XML unstructured grid, in the space of the mesh's file: points with `v` and `multiplier`, cells with `f`, the
-    /// number of the `region`, from 0 on, to whose names the field data have numbers, and the `local_error` where it is
+    /// VTK XML unstructured grid, in the space of the mesh's file: points with `v` and `multiplier`, cells with `f`,
+    /// the number of the `region`, from 0 on, to whose names the field data have numbers, and the `local_error` where it is
     /// known; raw little-endian numbers.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
         vtu(self.mesh, self, name)
@@ -103,8 +103,8 @@ fn vtu<const D: usize, const V: usize>(
     arrays.file("UnstructuredGrid", name, &body)
 }
 
-/// Returns field data with an array for each region, under its name: its number, and its dimension. Text of VTK's own kind
-/// for names would stop the reader of meshio, which takes this form for its own.
+/// Returns field data with an array for each region, under its name: its number, and its dimension. Text of VTK's own
+/// kind for names would stop the reader of meshio, which takes this form for its own.
 fn names_of_regions<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> String {
     let mut data = String::new();
     for (number, names) in mesh.region_names().iter().enumerate() {

@@ -80,7 +80,7 @@ pub trait Levels: Send + Sync {
     /// Boundary nodes of the finest level where the law holds, in the order of a boundary vector.
     fn contact(&self) -> Cow<'_, [ContactNode]>;
 
-    /// What a user has to know of the domain, in a line each, as [`AnyMesh::notes`] has it.
+    /// Facts on the domain that a user has to know, in a line each, as [`AnyMesh::notes`] has them.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }

@@ -163,8 +163,8 @@ impl AnyMesh {
         }
     }
 
-    /// Returns, in a line each, what a user has to know of the mesh: what was read otherwise than it stands in its file,
-    /// and where the domain touches itself.
+    /// Returns, in a line each, what a user has to know of the mesh: what was read otherwise than it stands in its
+    /// file, and where the domain touches itself.
     pub fn notes(&self) -> Vec<String> {
         match self {
             Self::Plane(mesh) => mesh.notes(),

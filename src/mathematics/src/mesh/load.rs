@@ -182,14 +182,15 @@ impl<F: OnCells<D>, const D: usize, const V: usize> CellWork<'_, F, D, V>
 where
     Shape<D>: CutShape<D, V>,
 {
-    /// Checks that f, known by its values, has one at the vertices and the midpoints of the edges: the points of the
-    /// formulas lie inside, and a pole between them would be missed.
+    /// Refuses an f with poles at the vertices or the midpoints of the edges: the points of the formulas lie inside,
+    /// and would miss them. A value that is no number there may come from rounding, as that of sqrt(1 - x^2 - y^2) on the
+    /// circle.
     fn check_ends(&self, vertices: [[f64; D]; V], region: u16) -> Result<(), SourceError> {
         for (k, one) in vertices.iter().enumerate() {
             for two in &vertices[k..] {
                 let point: [f64; D] = std::array::from_fn(|d| 0.5 * (one[d] + two[d]));
                 let value = self.f.at(region, point);
-                if !value.is_finite() {
+                if value.is_infinite() {
                     return Err(SourceError::no_value(value, &point));
                 }
             }

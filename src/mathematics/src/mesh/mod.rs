@@ -111,7 +111,7 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) inside: Vec<String>,
     /// Place where the domain touches itself.
     pub(crate) touching: Option<Touching>,
-    /// How the mesh came from its file.
+    /// Place of the mesh in its file, and what was read otherwise than it stands there.
     pub(crate) origin: MeshOrigin,
 }
 
@@ -218,7 +218,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         self.touching.as_ref()
     }
 
-    /// How the mesh came from its file.
+    /// Place of the mesh in its file, and what was read otherwise than it stands there.
     pub fn origin(&self) -> &MeshOrigin {
         &self.origin
     }

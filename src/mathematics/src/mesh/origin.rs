@@ -1,6 +1,6 @@
-//! How a mesh came from its file: the place of its plane, and what was read otherwise than it stands there.
+//! Place of a mesh in its file, and what was read otherwise than it stands there.
 
-/// How a mesh came from its file.
+/// Place of a mesh in its file, and what was read otherwise than it stands there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshOrigin {
     /// Plane in which a mesh in the plane lies.
@@ -18,7 +18,7 @@ pub enum PlaneInSpace {
     Horizontal(f64),
     /// Another plane.
     Other {
-        /// Its point nearest to the origin of the coordinates, which both axes are perpendicular to.
+        /// Point of the plane nearest to that of zero coordinates; both axes are perpendicular to the step there.
         foot: [f64; 3],
         /// Axes of the coordinates, of length one.
         axes: [[f64; 3]; 2],

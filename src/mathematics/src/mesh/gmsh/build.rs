@@ -189,9 +189,9 @@ mod tests {
             (
                 "13 1 1 0",
                 "13 1 1 1",
-                "node 14 is off the plane of nodes 11, 13 and 12, and the file has no tetrahedra: a surface in space is \
-                 no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or mesh in \
-                 one plane",
+                "node 14 is off the plane of nodes 11, 13 and 12, and the file has no tetrahedra: a surface in space \
+                 is no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or \
+                 mesh in one plane",
             ),
             (
                 "24 2 2 2 1 11 13 14",

@@ -94,7 +94,8 @@ impl Entities {
         self.read_all(scanner, |_, _| Ok(None))
     }
 
-    /// Adds the entities of a section `$PartitionedEntities`: parts of others, whose groups they have besides their own.
+    /// Adds the entities of a section `$PartitionedEntities`: parts of others, whose groups they have besides their
+    /// own.
     pub(super) fn read_partitioned(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         scanner.begin_bytes()?;
         let _partitions = scanner.count()?;
@@ -111,8 +112,8 @@ impl Entities {
         })
     }
 
-    /// Adds entities of all dimensions; `parent` reads what follows the number of an entity, and returns the entity whose
-    /// groups it has too.
+    /// Adds entities of all dimensions; `parent` reads what follows the number of an entity, and returns the entity
+    /// whose groups it has too.
     fn read_all(
         &mut self,
         scanner: &mut Scanner<'_>,

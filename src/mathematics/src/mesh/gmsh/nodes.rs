@@ -149,8 +149,8 @@ fn pass_over_parameters(scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
     Ok(())
 }
 
-/// Reads the head of a section with blocks: the number of blocks, then that of nodes or elements and, in version 4.1, the
-/// least and the largest number. Returns the number of blocks.
+/// Reads the head of a section with blocks: the number of blocks, then that of nodes or elements and, in version 4.1,
+/// the least and the largest number. Returns the number of blocks.
 pub(super) fn blocks(scanner: &mut Scanner<'_>) -> Result<u64, GmshError> {
     scanner.begin_bytes()?;
     let blocks = scanner.count()?;
