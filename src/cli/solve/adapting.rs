@@ -35,10 +35,13 @@ impl ShownMeshes {
     /// Shows a mesh.
     pub(super) fn show(&mut self, mesh: &AdaptedMesh) {
         self.meshes += 1;
-        let reached = mesh.bounds.as_ref().ok().map(|bounds| self.accuracy.reached(bounds));
-        let reached = reached.filter(|reached| reached.is_finite());
-        let error =
-            reached.map_or("no bound yet".to_owned(), |reached| error(self.accuracy, reached));
+        let bound = mesh.bounds.as_ref().map(|bounds| self.accuracy.reached(bounds));
+        let reached = bound.as_ref().ok().copied().filter(|reached| reached.is_finite());
+        let error = match (reached, bound) {
+            (Some(reached), _) => error(self.accuracy, reached),
+            (None, Ok(_)) => "error not below the solution".into(),
+            (None, Err(reason)) => format!("no bound: {reason}"),
+        };
         let line = format!("mesh {}: {} nodes, {error}", self.meshes, mesh.nodes);
         if let (Some(bar), Some(reached)) = (&self.bar, reached) {
             self.first = if self.first.is_finite() { self.first } else { reached };

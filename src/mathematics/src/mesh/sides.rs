@@ -69,6 +69,11 @@ impl<const V: usize> Sides<V> {
         self.both_cells.len()
     }
 
+    /// True if there are no sides.
+    pub fn is_empty(&self) -> bool {
+        self.both_cells.is_empty()
+    }
+
     /// Numbers of the sides of a cell.
     pub(crate) fn numbers(&self, cell: u32) -> [u32; V] {
         self.of_cell[cell as usize]

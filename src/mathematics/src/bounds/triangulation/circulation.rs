@@ -66,7 +66,7 @@ impl Circulations {
             self.assemble(fan);
             self.solve();
             for place in 0..fan.members.len() {
-                for turn in self.turns(fan, &fan.members[place]) {
+                for turn in Self::turns(fan, &fan.members[place]) {
                     if turn.number != NONE {
                         let strength = turn.sense * self.strengths[turn.number as usize];
                         fan.members[place].outflows[turn.out] += strength;
@@ -108,7 +108,6 @@ impl Circulations {
     /// Circulations within a cell.
     #[inline(always)]
     fn turns<const D: usize, const V: usize>(
-        &self,
         fan: &Fan<'_, D, V>,
         member: &Member<V>,
     ) -> [Turn<D>; 3] {
@@ -138,7 +137,7 @@ impl Circulations {
             let mut outflows: [f64; V] = std::array::from_fn(|k| member.outflows[k] + cell.work[k]);
             outflows[member.vertex] = 0.0;
             let mean = RaviartThomas::new(vertices, cell.volume).mean(outflows);
-            let turns = self.turns(fan, member);
+            let turns = Self::turns(fan, member);
             for turn in turns.iter().filter(|turn| turn.number != NONE) {
                 let row = turn.number as usize;
                 self.strengths[row] -= cell.volume * dot(turn.field, mean);

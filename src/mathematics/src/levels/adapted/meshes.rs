@@ -42,7 +42,7 @@ const MOST_WITHOUT_BOUND: usize = 100_000;
 pub(super) struct Meshes<'a> {
     adaption: &'a Adaption<'a>,
     f: MeshSource<2>,
-    meshes: Vec<PlaneMesh>,
+    all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
     /// Number of the connected component of each node of the finest mesh.
     component_of: Vec<u32>,
@@ -72,7 +72,7 @@ impl<'a> Meshes<'a> {
             adaption,
             f,
             component_of: network.components(),
-            meshes: vec![mesh],
+            all: vec![mesh],
             networks: vec![NestedNetwork { network, parents: Vec::new() }],
             sides,
             load,
@@ -84,7 +84,7 @@ impl<'a> Meshes<'a> {
     }
 
     fn finest(&self) -> &PlaneMesh {
-        &self.meshes[self.meshes.len() - 1]
+        &self.all[self.all.len() - 1]
     }
 
     /// Number of nodes of the finest mesh.
@@ -202,7 +202,7 @@ impl<'a> Meshes<'a> {
         }
         self.load = load?;
         self.sides = sides;
-        self.meshes.push(mesh);
+        self.all.push(mesh);
         self.networks.push(level);
         Ok(true)
     }
@@ -231,10 +231,10 @@ impl<'a> Meshes<'a> {
         let law = self.adaption.law;
         let y = self.y.expect("a vector with bounds");
         let network = &self.networks[self.networks.len() - 1].network;
-        let (mesh, sides, f) = (&self.meshes[self.meshes.len() - 1], &self.sides, &self.load.cells);
+        let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load.cells);
         let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(bounds, &y);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
-        let nested = NestedMeshes { meshes: self.meshes, networks: self.networks };
+        let nested = NestedMeshes { meshes: self.all, networks: self.networks };
         let levels = Triangulations::of(nested, self.f, self.load)
             .with_errors(squares.iter().map(|square| square.max(0.0).sqrt()).collect());
         AdaptedRun {
