@@ -96,7 +96,7 @@ impl Remedies {
     const ON_MESHES: Self = Self {
         unbalanced: ["lower f somewhere", "change f, or widen the law"],
         limit: Some(
-            "its cells are stretched too much: mesh with cells of smaller aspect, or begin with a coarse mesh and --refine",
+            "its cells are stretched too much; mesh with smaller aspects, or with fewer cells and --refine",
         ),
         load: Remedy::new("refine the grid", ""),
         quadrature: Remedy::new("write jumps of f as shapes, or refine the mesh", ""),

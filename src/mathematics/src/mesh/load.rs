@@ -183,8 +183,8 @@ where
     Shape<D>: CutShape<D, V>,
 {
     /// Refuses an f with poles at the vertices or the midpoints of the edges: the points of the formulas lie inside,
-    /// and would miss them. A value that is no number there may come from rounding, as that of sqrt(1 - x^2 - y^2) on the
-    /// circle.
+    /// and would miss them. A value that is no number there may come from rounding, as that of sqrt(1 - x^2 - y^2) on
+    /// the circle.
     fn check_ends(&self, vertices: [[f64; D]; V], region: u16) -> Result<(), SourceError> {
         for (k, one) in vertices.iter().enumerate() {
             for two in &vertices[k..] {

@@ -138,8 +138,8 @@ impl<'a> NetworkLevels<'a> {
         (of_nodes, of_contact)
     }
 
-    /// Writes which nodes of the next coarser level are held if these are: on a mesh the same nodes, of aggregates those
-    /// whose contact nodes all are.
+    /// Writes which nodes of the next coarser level are held if these are: on a mesh the same nodes, of aggregates
+    /// those whose contact nodes all are.
     pub(super) fn hold_coarser(&self, level: usize, held: &[bool], coarse: &mut [bool]) {
         if level > self.coarsest_mesh {
             coarse.copy_from_slice(&held[..coarse.len()]);
