@@ -147,8 +147,8 @@ impl<'a> Meshes<'a> {
             }
             solved => solved?,
         };
-        // So many steps are the goal.
-        let stop = if end.iterations == STEPS { Stop::Converged } else { end.stop };
+        // The bound is the goal, not the number of steps or a residual.
+        let stop = if end.stop == Stop::Diverged { end.stop } else { Stop::Converged };
         let end = End { stop, ..end };
         let network = &self.networks[self.networks.len() - 1].network;
         let (mesh, sides, f) = (self.finest(), &self.sides, &self.load.cells);
