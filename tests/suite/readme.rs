@@ -101,7 +101,8 @@ fn the_citation_and_the_changes_are_of_this_version() {
     let (citation, changes) = (read("CITATION.cff"), read("CHANGELOG.md"));
     let version = env!("CARGO_PKG_VERSION");
     assert!(citation.lines().any(|line| line == format!("version: {version}")), "{version}");
-    let newest = changes.lines().find_map(|line| line.strip_prefix("## ")).unwrap();
+    let mut versions = changes.lines().filter_map(|line| line.strip_prefix("## "));
+    let newest = versions.find(|version| *version != "Unreleased").unwrap();
     let (of, date) = newest.split_once(", ").unwrap();
     assert_eq!(of, version);
     assert!(citation.lines().any(|line| line == format!("date-released: \"{date}\"")), "{date}");
