@@ -112,11 +112,10 @@ impl<'a> NetworkLevels<'a> {
     /// level.
     pub(super) fn components(&self) -> (Vec<u32>, Vec<Vec<u32>>) {
         let mesh = self.network(self.coarsest_mesh).components();
-        let mut of_contact = vec![Vec::new(); self.levels.len()];
+        let mut of_contact = Vec::with_capacity(self.levels.len());
         let mut of_nodes = mesh.clone();
         for level in (0..=self.coarsest_mesh).rev() {
-            let network = self.network(level);
-            of_contact[level] = of_contact_nodes(network, &of_nodes);
+            of_contact.push(of_contact_nodes(self.network(level), &of_nodes));
             if level > 0 {
                 let mut coarse = vec![0; self.network(level - 1).nodes()];
                 for (node, &component) in of_nodes.iter().enumerate() {
@@ -126,6 +125,7 @@ impl<'a> NetworkLevels<'a> {
                 of_nodes = coarse;
             }
         }
+        of_contact.reverse();
         let mut of_nodes = mesh;
         for level in self.coarsest_mesh + 1..self.levels.len() {
             for node in of_nodes.len()..self.network(level).nodes() {
@@ -133,7 +133,7 @@ impl<'a> NetworkLevels<'a> {
                 self.interpolation(level).for_each(node, |parent, _| own = of_nodes[parent]);
                 of_nodes.push(own);
             }
-            of_contact[level] = of_contact_nodes(self.network(level), &of_nodes);
+            of_contact.push(of_contact_nodes(self.network(level), &of_nodes));
         }
         (of_nodes, of_contact)
     }
