@@ -35,8 +35,8 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
     }
 
     /// VTK XML unstructured grid, in the space of the mesh's file: points with `v` and `multiplier`, cells with `f`,
-    /// the number of the `region`, from 0 on, to whose names the field data have numbers, and the `local_error` where it
-    /// is known; raw little-endian numbers.
+    /// the number of the `region`, from 0 on, to whose names the field data have numbers, and the `local_error` where
+    /// it is known; raw little-endian numbers.
     pub fn vtu(&self, name: &str) -> Vec<u8> {
         vtu(self.mesh, self, name)
     }

@@ -25,6 +25,9 @@ const ENERGY_ROUNDING: f64 = 1e-12;
 /// released (Z. Dostal, SIAM J. Optim. 7 (1997) 871-887, calls such a vector proportional). Otherwise a node may be
 /// released and held in turn, and no two steps have conjugate directions: on stretched cells without end.
 const RELEASE: f64 = 0.1;
+/// Changes of the set of held nodes, from the start on a level, in which all nodes that would gain are released: the
+/// set is found sooner.
+const EAGER_CHANGES: usize = 4;
 
 /// Derivatives of the energy along a direction at its beginning, as long as no value changes its sign.
 struct Slope {
@@ -60,6 +63,8 @@ pub(super) struct Iterate<'a> {
     /// Product of the residual and its correction in the last step: about twice the energy that the nodes which are not
     /// held have still to lose.
     last_product: f64,
+    /// Number of steps that have changed the set of held nodes.
+    changes: usize,
     /// True if no step may raise the energy: always where values have both signs, under the paper's law from when the
     /// residual has ceased to fall.
     pub(super) is_guarded: bool,
@@ -85,6 +90,7 @@ impl<'a> Iterate<'a> {
             image: zeros(),
             product: 0.0,
             last_product: 0.0,
+            changes: 0,
             is_guarded,
             work: 0.0,
         };
@@ -315,7 +321,8 @@ impl<'a> Iterate<'a> {
                 changed = true;
             }
         }
-        let releases = self.gain_of_releases() >= RELEASE * self.last_product;
+        let releases =
+            self.changes < EAGER_CHANGES || self.gain_of_releases() >= RELEASE * self.last_product;
         for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;
             let limit = contact.measure * law.hi();
@@ -335,6 +342,7 @@ impl<'a> Iterate<'a> {
                 changed = true;
             }
         }
+        self.changes += usize::from(changed);
         if changed && self.shift_into_contact() {
             self.renew_residual();
         }

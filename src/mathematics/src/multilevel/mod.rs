@@ -3,9 +3,9 @@
 //! # Algorithm
 //! The run is that of multigrid on the square (`driver.rs` there), with other steps.
 //!
-//! 1. If the coarsest network is too large for factors, make coarser levels of aggregates of its nodes
-//!    (`aggregates.rs`, `smoothed.rs`): smoothed aggregation. A level of aggregates is a network with contact nodes as well, so that all
-//!    that follows is the same on all levels (`levels.rs`).
+//! 1. If the coarsest network is too large for factors, make coarser levels of aggregates of its nodes: smoothed
+//!    aggregation (`aggregates.rs`, `smoothed.rs`). A level of aggregates is a network with contact nodes as well, so
+//!    that all that follows is the same on all levels (`levels.rs`).
 //! 2. Check the load, scale it by a power of two, and restrict it to every coarser level.
 //! 3. Solve the problem of the coarsest level: of a mesh by the active set method, of aggregates by some steps.
 //! 4. On each finer level in turn (`iterate.rs`): interpolate, relax all nodes once, hold the nodes that reach the
