@@ -1,0 +1,570 @@
+//! Meshes that are refined where the guaranteed error is large, beside uniform ones: the error against the number of
+//! nodes, and what the paper's method costs on them.
+//!
+//! The nodal derivatives (8) of M shrink with the patches of the nodes. Criterion (13) with a fixed number is therefore
+//! met the earlier the smaller the patches are, whatever the error is. Divided by the measures of the patches, the
+//! derivatives are residuals of the differential equation, whose greatest value is governed by the smallest patches. The
+//! energy has neither fault.
+
+use super::{Range, exponent};
+use crate::bounds::Bounds;
+use crate::discrete::network::Network;
+use crate::levels::{AdaptedRun, Adaption, ErrorGoal, Problem};
+use crate::mesh::{
+    AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
+};
+use crate::multigrid::MultigridParams;
+use crate::multilevel::solve_nested_networks;
+use crate::problem::law::Law;
+use crate::saddle::{Pair, Plain, run_nested};
+use crate::solvers::{Settings, Solver, solve};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::convert::Infallible;
+
+/// Input of the experiment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct AdaptedPlan {
+    /// Problems; the paper's method runs on the first.
+    pub problems: Vec<AdaptedProblem>,
+    /// Guaranteed error, over the norm of the solution, at which adaptive refinement ends.
+    pub accuracy: f64,
+    /// Number of uniform refinements.
+    pub refinements: usize,
+    /// Most nodes of an adapted mesh.
+    pub finest: usize,
+    /// Number of nodes from which on orders are fitted.
+    pub fitted: usize,
+    /// Most nodes of a mesh on which the paper's method runs.
+    pub most_nodes: usize,
+    /// Duality parameter of the paper's method.
+    pub r: f64,
+    /// Bound in criterion (13) as printed.
+    pub printed: f64,
+    /// Derivatives over the measures of patches are compared with so many times the product of the largest |f| and the
+    /// guaranteed error of the mesh over the norm of the solution.
+    pub divided: f64,
+    /// Changes of the energy are compared with so many times the width of its guaranteed bracket.
+    pub energy: f64,
+    /// Limit on iterations of the paper's method on a mesh.
+    pub limit: usize,
+}
+
+impl Default for AdaptedPlan {
+    fn default() -> Self {
+        Self {
+            problems: vec![AdaptedProblem::lshape(), AdaptedProblem::fixed_free()],
+            accuracy: 0.01,
+            refinements: 7,
+            finest: 100_000,
+            fitted: 1000,
+            most_nodes: 6000,
+            r: 10.0,
+            printed: 1e-4,
+            divided: 0.1,
+            energy: 0.01,
+            limit: 4000,
+        }
+    }
+}
+
+/// Domain with conditions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AdaptedDomain {
+    /// The L-shape, all of its boundary in contact.
+    LShape,
+    /// The unit square, whose lower side is fixed on its left half, free on its right half; the other sides are in
+    /// contact.
+    FixedFree,
+}
+
+impl AdaptedDomain {
+    /// Name in pictures and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LShape => "L-shape",
+            Self::FixedFree => "square, fixed and free",
+        }
+    }
+}
+
+/// Problem of the experiment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct AdaptedProblem {
+    /// Domain.
+    pub domain: AdaptedDomain,
+    /// f, as text.
+    pub f: String,
+}
+
+impl AdaptedProblem {
+    /// The L-shape with a load in its inner corner's square.
+    pub fn lshape() -> Self {
+        Self { domain: AdaptedDomain::LShape, f: "rect(-9,0,-9,0)=3; else=-2".into() }
+    }
+
+    /// The square between a fixed and a free part.
+    pub fn fixed_free() -> Self {
+        Self { domain: AdaptedDomain::FixedFree, f: "rect(-9,0,-9,0)=-4; else=2".into() }
+    }
+
+    /// First mesh.
+    ///
+    /// # Errors
+    /// A sentence if it fails the checks of meshes.
+    pub fn mesh(&self) -> Result<PlaneMesh, String> {
+        match self.domain {
+            AdaptedDomain::LShape => {
+                BuiltIn::LShape.plane().ok_or_else(|| "the L-shape lies in the plane".into())
+            }
+            AdaptedDomain::FixedFree => {
+                let square = lattice_mesh(&[-0.5, 0.0, 0.5]);
+                let part =
+                    |name, condition| Part { names: Names::from(name), condition, curve: None };
+                MeshData {
+                    points: square.points,
+                    cells: square.cells,
+                    facets: vec![
+                        Facet { nodes: [0, 1], part: 0 },
+                        Facet { nodes: [1, 2], part: 1 },
+                    ],
+                    parts: vec![part("fixed", Condition::Fixed), part("free", Condition::Free)],
+                    ..MeshData::default()
+                }
+                .mesh()
+                .map_err(|e| e.to_string())
+            }
+        }
+    }
+
+    /// Solves on adapted meshes until the guaranteed error, over the norm of the solution, is at most `accuracy`, or a
+    /// mesh would have more than `most_nodes`; returns with the run the bounds on each mesh.
+    ///
+    /// # Errors
+    /// A sentence if there is no solution, or no bound on a mesh.
+    pub fn adapted(&self, accuracy: f64, most_nodes: usize) -> Result<BoundedRun, String> {
+        let mesh = self.mesh()?;
+        let goal = ErrorGoal::Relative(accuracy);
+        let adaption =
+            Adaption { coarsest: &mesh, f: &self.f, law: Law::SIGNORINI, goal, most_nodes };
+        let mut bounds = Vec::new();
+        let run = adaption.run(&mut |mesh| bounds.push(mesh.bounds.clone()));
+        let AdaptedRun { problem, y, .. } = run.map_err(|e| e.to_string())?;
+        let bounds: Result<Vec<_>, _> = bounds.into_iter().collect();
+        Ok(BoundedRun { problem, y, bounds: bounds.map_err(|e| e.to_string())? })
+    }
+
+    /// Solves on the mesh after so many uniform refinements, with bounds on this mesh alone.
+    ///
+    /// # Errors
+    /// A sentence if there is no solution, or no bound.
+    pub fn uniform_finest(&self, refinements: usize) -> Result<BoundedRun, String> {
+        let mesh = AnyMesh::from(self.mesh()?);
+        let problem = Problem::on_mesh(&mesh, refinements, &self.f, Law::SIGNORINI)
+            .map_err(|e| e.to_string())?;
+        let run = solve(&problem, &Settings::of(Solver::Multigrid)).map_err(|e| e.to_string())?;
+        let bounds = problem.bounds(&run.y).map_err(|e| e.to_string())?;
+        Ok(BoundedRun { problem, y: run.y, bounds: vec![bounds] })
+    }
+
+    /// Solves on the first mesh and on its uniform refinements, with bounds on each.
+    ///
+    /// # Errors
+    /// A sentence if there is no solution, or no bound on a mesh.
+    pub fn uniform(&self, refinements: usize) -> Result<BoundedRun, String> {
+        let mut bounds = Vec::new();
+        for times in 0..refinements {
+            bounds.extend(self.uniform_finest(times)?.bounds);
+        }
+        let mut run = self.uniform_finest(refinements)?;
+        bounds.append(&mut run.bounds);
+        Ok(BoundedRun { bounds, ..run })
+    }
+}
+
+/// Problem on nested meshes, with guaranteed bounds.
+pub struct BoundedRun {
+    /// Problem.
+    pub problem: Problem,
+    /// Nodal vector on the finest mesh.
+    pub y: Vec<f64>,
+    /// Bounds on each mesh, coarsest first, or on the finest alone.
+    pub bounds: Vec<Bounds>,
+}
+
+impl BoundedRun {
+    /// Curve of the error over the number of nodes; the order is fitted from so many nodes on.
+    fn curve(&self, way: Way, fitted: usize) -> ErrorCurve {
+        let mut meshes = Vec::new();
+        for (level, bounds) in self.bounds.iter().enumerate() {
+            // Coarse meshes may have no bound below infinity.
+            let error = bounds.relative();
+            if error.is_finite() {
+                meshes.push(ErrorOnMesh { nodes: self.problem.levels().nodes(level), error });
+            }
+        }
+        let fine = meshes.iter().filter(|mesh| mesh.nodes >= fitted);
+        let points: Vec<_> = fine.map(|mesh| (mesh.nodes as f64, mesh.error)).collect();
+        ErrorCurve { way, order: exponent(&points).map(|p| -p), meshes }
+    }
+}
+
+/// Way of refining meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Way {
+    /// Where the guaranteed error is large.
+    Adaptive,
+    /// Everywhere.
+    Uniform,
+}
+
+impl Way {
+    /// Name in pictures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Adaptive => "adaptive",
+            Self::Uniform => "uniform",
+        }
+    }
+}
+
+/// Findings of the experiment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct AdaptedFindings {
+    /// Errors on the meshes of each problem.
+    pub problems: Vec<ErrorCurves>,
+    /// Nodes that uniform refinement of each problem needs to the last error of the adaptive one, by the order that was
+    /// fitted.
+    pub extrapolated: Vec<f64>,
+    /// Number of nodes from which on orders are fitted.
+    pub fitted: usize,
+    /// Duality parameter of the paper's method.
+    pub r: f64,
+    /// Bound in criterion (13) as printed.
+    pub printed: f64,
+    /// Factor in the rule for derivatives over measures of patches.
+    pub divided: f64,
+    /// Factor in the rule for the energy.
+    pub energy: f64,
+    /// Limit on iterations on a mesh.
+    pub limit: usize,
+    /// The paper's method on the first problem: adaptive, uniform.
+    pub method: Vec<MethodOnMeshes>,
+}
+
+/// Errors on the meshes of a problem.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ErrorCurves {
+    /// Problem.
+    pub problem: AdaptedProblem,
+    /// Name of its domain.
+    pub name: String,
+    /// Adaptive, uniform.
+    pub ways: Vec<ErrorCurve>,
+}
+
+/// Errors on meshes of one way of refinement.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ErrorCurve {
+    /// Way of refinement.
+    pub way: Way,
+    /// Exponent p of the error `N^-p` that fits best; none with fewer than two fine meshes.
+    pub order: Option<f64>,
+    /// Meshes, coarsest first.
+    pub meshes: Vec<ErrorOnMesh>,
+}
+
+/// Error on a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorOnMesh {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Guaranteed error over the norm of the solution.
+    pub error: f64,
+}
+
+/// The paper's method on meshes of one way of refinement.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct MethodOnMeshes {
+    /// Way of refinement.
+    pub way: Way,
+    /// Exponent p of the counts `N^p` to a tenth of the error that fits best.
+    pub growth: Option<f64>,
+    /// Most iterations under criterion (13) as printed.
+    pub most_printed: usize,
+    /// Distances at the stop of the rule for derivatives over measures, on fine meshes.
+    pub divided_distance: Range,
+    /// Distances at the stop of the rule for the energy, on fine meshes.
+    pub energy_distance: Range,
+    /// Meshes, coarsest first.
+    pub meshes: Vec<CountsOnMesh>,
+}
+
+/// Iterations of the paper's method on a mesh, from the interpolated pair of the mesh before under the same rule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CountsOnMesh {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Guaranteed error over the norm of the solution.
+    pub error: f64,
+    /// Distance from the discrete solution at most a tenth of the guaranteed error.
+    pub tenth: CountAndDistance,
+    /// Criterion (13) as printed.
+    pub printed: CountAndDistance,
+    /// Derivatives over the measures of patches.
+    pub divided: CountAndDistance,
+    /// Changes of the energy.
+    pub energy: CountAndDistance,
+}
+
+/// End of the paper's method on a mesh under a rule.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CountAndDistance {
+    /// Iterations, at most the limit.
+    pub iterations: usize,
+    /// True if the rule is met.
+    pub is_met: bool,
+    /// Distance from the discrete solution in the energy norm over the guaranteed error.
+    pub distance: f64,
+}
+
+/// Measures errors and counts: the central function of this module.
+///
+/// # Errors
+/// A sentence if a problem cannot be solved.
+pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
+    let solved = |problem: &AdaptedProblem| -> Result<[BoundedRun; 2], String> {
+        let (adaptive, uniform) = rayon::join(
+            || problem.adapted(plan.accuracy, plan.finest),
+            || problem.uniform(plan.refinements),
+        );
+        Ok([adaptive?, uniform?])
+    };
+    let runs = plan.problems.par_iter().map(solved).collect::<Result<Vec<_>, _>>()?;
+    let mut problems = Vec::new();
+    for (problem, [adaptive, uniform]) in plan.problems.iter().zip(&runs) {
+        let ways = vec![
+            adaptive.curve(Way::Adaptive, plan.fitted),
+            uniform.curve(Way::Uniform, plan.fitted),
+        ];
+        let name = problem.domain.name().into();
+        problems.push(ErrorCurves { problem: problem.clone(), name, ways });
+    }
+    let [adaptive, uniform] = runs.first().ok_or("no problem")?;
+    let method = [(Way::Adaptive, adaptive), (Way::Uniform, uniform)]
+        .into_par_iter()
+        .map(|(way, run)| method(way, run, plan))
+        .collect::<Result<_, _>>()?;
+    let extrapolated = problems.iter().map(ErrorCurves::uniform_nodes).collect::<Option<_>>();
+    Ok(AdaptedFindings {
+        extrapolated: extrapolated.ok_or("too few meshes for an order")?,
+        problems,
+        fitted: plan.fitted,
+        r: plan.r,
+        printed: plan.printed,
+        divided: plan.divided,
+        energy: plan.energy,
+        limit: plan.limit,
+        method,
+    })
+}
+
+impl ErrorCurves {
+    /// Nodes that uniform refinement needs to the last error of the adaptive one, by its order.
+    fn uniform_nodes(&self) -> Option<f64> {
+        let [adaptive, uniform] = &self.ways[..] else { return None };
+        let (goal, last) = (adaptive.meshes.last()?, uniform.meshes.last()?);
+        Some(last.nodes as f64 * libm::pow(last.error / goal.error, 1.0 / uniform.order?))
+    }
+}
+
+/// Rule that ends the paper's method on a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum MeshRule {
+    /// Distance from the discrete solution.
+    Tenth,
+    /// Criterion (13) as printed.
+    Printed,
+    /// Derivatives over the measures of patches.
+    Divided,
+    /// Changes of the energy.
+    Energy,
+}
+
+impl MeshRule {
+    const ALL: [Self; 4] = [Self::Tenth, Self::Printed, Self::Divided, Self::Energy];
+
+    /// Number of iterations at which the rule is asked after it was asked at `iterations`: for the energy a quarter
+    /// more, so that it changes whatever the number of nodes is; for others two per cent more, which saves time.
+    fn next(self, iterations: usize) -> usize {
+        iterations + 1 + iterations / if self == Self::Energy { 4 } else { 50 }
+    }
+}
+
+/// The paper's method on the nested meshes of a run, under each rule.
+fn method(way: Way, run: &BoundedRun, plan: &AdaptedPlan) -> Result<MethodOnMeshes, String> {
+    let networks = run.problem.networks().ok_or("the experiment is for meshes")?;
+    let count = networks.iter().take_while(|level| level.network.nodes() <= plan.most_nodes);
+    let networks = &networks[..count.count()];
+    let loads = run.problem.loads().map_err(|e| e.to_string())?;
+    let mut solutions = Vec::new();
+    for (k, load) in loads.iter().enumerate().take(networks.len()) {
+        let law = Law::SIGNORINI.with_load(load);
+        let (y, _) = solve_nested_networks(&networks[..=k], law, &MultigridParams::default())
+            .map_err(|e| e.to_string())?;
+        solutions.push(y);
+    }
+    let under = |rule: &MeshRule| {
+        let mut ends = Vec::new();
+        let Ok(()) = run_nested(networks, &mut [Pair::zero(&networks[0].network)], |k, [pair]| {
+            let network = &networks[k].network;
+            let problem = Plain { network, law: Law::SIGNORINI, load: &loads[k], r: plan.r };
+            let on_mesh = OnMesh { problem, solution: &solutions[k], bounds: &run.bounds[k] };
+            ends.push(on_mesh.iterate(*rule, pair, plan));
+            Ok::<_, Infallible>(())
+        });
+        ends
+    };
+    let ends: Vec<_> = MeshRule::ALL.par_iter().map(under).collect();
+    let mut meshes = Vec::new();
+    for (k, level) in networks.iter().enumerate() {
+        let error = run.bounds[k].relative();
+        if error.is_finite() {
+            let [tenth, printed, divided, energy] = [0, 1, 2, 3].map(|rule: usize| ends[rule][k]);
+            let nodes = level.network.nodes();
+            meshes.push(CountsOnMesh { nodes, error, tenth, printed, divided, energy });
+        }
+    }
+    let fine: Vec<_> = meshes.iter().filter(|mesh| mesh.nodes > FINE).collect();
+    let counts: Vec<_> =
+        fine.iter().map(|mesh| (mesh.nodes as f64, mesh.tenth.iterations as f64)).collect();
+    let distances = |rule: fn(&CountsOnMesh) -> CountAndDistance| {
+        Range::of(fine.iter().map(|mesh| rule(mesh).distance)).unwrap_or_default()
+    };
+    Ok(MethodOnMeshes {
+        way,
+        growth: exponent(&counts),
+        most_printed: meshes.iter().map(|mesh| mesh.printed.iterations).max().unwrap_or_default(),
+        divided_distance: distances(|mesh| mesh.divided),
+        energy_distance: distances(|mesh| mesh.energy),
+        meshes,
+    })
+}
+
+/// Number of nodes from which on counts are summed up.
+const FINE: usize = 100;
+
+/// Largest mean of |f| over the patch of a node.
+fn largest_f(network: &Network, load: &[f64]) -> f64 {
+    load.iter().zip(network.masses()).map(|(f, mass)| (f / mass).abs()).fold(0.0, f64::max)
+}
+
+/// The paper's method on a mesh.
+struct OnMesh<'a> {
+    problem: Plain<'a>,
+    /// Discrete solution.
+    solution: &'a [f64],
+    /// Bounds of the discrete solution.
+    bounds: &'a Bounds,
+}
+
+impl OnMesh<'_> {
+    /// Distance from the discrete solution in the energy norm over the guaranteed error.
+    fn distance(&self, pair: &Pair) -> f64 {
+        let difference: Vec<_> = pair.y.iter().zip(self.solution).map(|(y, v)| y - v).collect();
+        let energy = self.problem.network.energy(&difference, &vec![0.0; difference.len()]);
+        (2.0 * energy.max(0.0)).sqrt() / self.bounds.error[1]
+    }
+
+    /// Iterates until the rule is met, or to the limit.
+    fn iterate(&self, rule: MeshRule, pair: &mut Pair, plan: &AdaptedPlan) -> CountAndDistance {
+        let Plain { network, load, .. } = self.problem;
+        let (masses, nodes) = (network.masses(), 0..pair.y.len());
+        let largest = largest_f(network, load);
+        let residual = plan.divided * largest * self.bounds.relative().min(1.0);
+        let [low, high] = self.bounds.energy;
+        let mut energy = f64::INFINITY;
+        let mut asked_at = 1;
+        for iterations in 1..=plan.limit {
+            self.problem.sweep(pair);
+            self.problem.dual_step(pair);
+            if iterations < asked_at {
+                continue;
+            }
+            asked_at = rule.next(iterations);
+            let derivative = |node| self.problem.gradient(node, pair).abs();
+            let is_met = match rule {
+                MeshRule::Tenth => self.distance(pair) <= 0.1,
+                MeshRule::Printed => nodes.clone().all(|node| derivative(node) <= plan.printed),
+                MeshRule::Divided => {
+                    nodes.clone().all(|node| derivative(node) <= residual * masses[node])
+                }
+                MeshRule::Energy => {
+                    let before = std::mem::replace(&mut energy, network.energy(&pair.y, load));
+                    (energy - before).abs() <= plan.energy * (high - low)
+                }
+            };
+            if is_met {
+                return CountAndDistance { iterations, is_met, distance: self.distance(pair) };
+            }
+        }
+        let (iterations, is_met) = (plan.limit, false);
+        CountAndDistance { iterations, is_met, distance: self.distance(pair) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plan that takes little time.
+    fn small() -> AdaptedPlan {
+        AdaptedPlan {
+            accuracy: 0.05,
+            refinements: 4,
+            fitted: 50,
+            most_nodes: 900,
+            ..AdaptedPlan::default()
+        }
+    }
+
+    #[test]
+    fn adaptive_errors_fall_faster_and_brackets_hold_the_true_energies() {
+        let found = adapted(&small()).unwrap();
+        for of in &found.problems {
+            let [adaptive, uniform] = [0, 1].map(|way: usize| of.ways[way].order.unwrap());
+            assert!(adaptive > 0.45 && uniform < 0.42, "{adaptive} {uniform}");
+        }
+        let [adaptive, uniform] = [0, 1].map(|way: usize| found.method[way].growth.unwrap());
+        assert!(adaptive > 0.7 && uniform > 0.7, "{adaptive} {uniform}");
+        // Extrapolated energies, whose last digits may be off by two.
+        let energies =
+            [(AdaptedProblem::lshape(), -3.019_878), (AdaptedProblem::fixed_free(), -0.452_388)];
+        for (problem, energy) in energies {
+            let run = problem.uniform(3).unwrap();
+            assert_eq!(run.bounds.len(), 4);
+            assert!(
+                run.bounds
+                    .iter()
+                    .all(|bounds| bounds.energy[0] < energy && energy < bounds.energy[1])
+            );
+        }
+    }
+
+    #[test]
+    fn a_fixed_number_stops_the_paper_s_method_early_on_fine_meshes_and_the_energy_does_not() {
+        let found = adapted(&small()).unwrap();
+        for of in &found.method {
+            let last = of.meshes.last().unwrap();
+            assert!(
+                last.printed.iterations < last.tenth.iterations && last.printed.distance > 0.03,
+                "{last:?}"
+            );
+            for mesh in of.meshes.iter().filter(|mesh| mesh.nodes > 100) {
+                assert!(mesh.energy.is_met && mesh.energy.distance < 0.2, "{mesh:?}");
+            }
+        }
+    }
+}
