@@ -2,7 +2,7 @@
 //! nodes, and what the paper's method costs on them.
 //!
 //! The nodal derivatives (8) of M shrink with the patches of the nodes. Criterion (13) with a fixed number is therefore
-//! met the earlier the smaller the patches are, whatever the error is. Divided by the measures of their own patches, the
+//! met the earlier the smaller the patches are, whatever the error is. Over the measures of their own patches the
 //! derivatives are residuals of the differential equation, whose greatest value is governed by the smallest patches.
 //! In the slow modes of Gauss-Seidel sweeps the derivatives are about of one size at all nodes, and the square of the
 //! distance from the solution is N times the sum of their squares, up to a factor, where N is the number of nodes:
@@ -44,8 +44,8 @@ pub struct AdaptedPlan {
     pub r: f64,
     /// Bound in criterion (13) as printed.
     pub printed: f64,
-    /// Derivatives over the measures of patches, their own or the mean, are compared with so many times the product of the largest |f| and the
-    /// guaranteed error of the mesh over the norm of the solution.
+    /// Derivatives over the measures of patches, their own or the mean, are compared with so many times the product of
+    /// the largest |f| and the guaranteed error of the mesh over the norm of the solution.
     pub divided: f64,
     /// Limit on iterations of the paper's method on a mesh.
     pub limit: usize,
