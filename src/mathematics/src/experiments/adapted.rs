@@ -8,10 +8,12 @@
 //! distance from the solution is N times the sum of their squares, up to a factor, where N is the number of nodes:
 //! divided by the mean measure of a patch, they measure the distance on all meshes alike.
 
+use super::domains::{Nested, nested};
 use super::{Range, exponent};
 use crate::bounds::Bounds;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
+use crate::discrete::stop::Stop;
 use crate::levels::{AdaptedRun, Adaption, ErrorGoal, Problem};
 use crate::mesh::{
     AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
@@ -19,11 +21,10 @@ use crate::mesh::{
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::law::Law;
-use crate::saddle::{Pair, Plain, run_nested};
+use crate::saddle::{Method, Pair, Plain, RunStart, RunState, SaddleDomain, run_alone, run_nested};
 use crate::solvers::{Settings, Solver, solve};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -214,9 +215,9 @@ impl BoundedRun {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Way {
-    /// Where the guaranteed error is large.
+    /// Bisection where the guaranteed error is large.
     Adaptive,
-    /// Everywhere.
+    /// Halving of all edges.
     Uniform,
 }
 
@@ -396,10 +397,9 @@ impl MeshRule {
 
 /// The paper's method on the nested meshes of a run, under each rule.
 fn method(way: Way, run: &BoundedRun, plan: &AdaptedPlan) -> Result<MethodOnMeshes, String> {
-    let networks = run.problem.networks().ok_or("the experiment is for meshes")?;
+    let Nested { networks, loads } = nested(&run.problem)?;
     let count = networks.iter().take_while(|level| level.network.nodes() <= plan.most_nodes);
     let networks = &networks[..count.count()];
-    let loads = run.problem.loads().map_err(|e| e.to_string())?;
     let mut solutions = Vec::new();
     for (k, load) in loads.iter().enumerate().take(networks.len()) {
         let law = Law::SIGNORINI.with_load(load);
@@ -447,7 +447,7 @@ fn largest_f(network: &Network, load: &[f64]) -> f64 {
 struct Steps<'a> {
     run: &'a BoundedRun,
     networks: &'a [NestedNetwork],
-    loads: &'a [Cow<'a, [f64]>],
+    loads: &'a [Vec<f64>],
     /// Discrete solutions.
     solutions: &'a [Vec<f64>],
     plan: &'a AdaptedPlan,
@@ -496,28 +496,30 @@ impl OnMesh<'_> {
         let residual = plan.divided * largest * self.bounds.relative().min(1.0);
         let mean = masses.iter().sum::<f64>() / masses.len() as f64;
         let mut asked_at = 1;
-        for iterations in 1..=plan.limit {
-            self.problem.sweep(pair);
-            self.problem.dual_step(pair);
-            if iterations < asked_at {
-                continue;
+        let start = RunStart { load, method: Method::ArrowHurwicz, r: self.problem.r, pair };
+        let mut engine = network.engine(self.problem.law, &start);
+        let state = RunState::new(&start, plan.limit);
+        let end = run_alone(&mut *engine, state, &mut |engine, run| {
+            if run.iterations < asked_at {
+                return false;
             }
             // Two per cent more save time.
-            asked_at = iterations + 1 + iterations / 50;
-            let derivative = |node| self.problem.gradient(node, pair).abs();
-            let is_met = match rule {
-                MeshRule::Tenth => self.distance(pair) <= 0.1,
+            asked_at = run.iterations + 1 + run.iterations / 50;
+            let pair = engine.pair(0);
+            let derivative = |node| self.problem.gradient(node, &pair).abs();
+            match rule {
+                MeshRule::Tenth => self.distance(&pair) <= 0.1,
                 MeshRule::Printed => nodes.clone().all(|node| derivative(node) <= plan.printed),
                 MeshRule::Own => {
                     nodes.clone().all(|node| derivative(node) <= residual * masses[node])
                 }
                 MeshRule::Mean => nodes.clone().all(|node| derivative(node) <= residual * mean),
-            };
-            if is_met {
-                return CountAndDistance { iterations, is_met, distance: self.distance(pair) };
             }
-        }
-        let (iterations, is_met) = (plan.limit, false);
+        });
+        let last = engine.pair(0).into_owned();
+        drop(engine);
+        *pair = last;
+        let (iterations, is_met) = (end.iterations, end.stop == Stop::Converged);
         CountAndDistance { iterations, is_met, distance: self.distance(pair) }
     }
 }

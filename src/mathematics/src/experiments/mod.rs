@@ -3,8 +3,9 @@
 //! Errors, sweeps, work units and changed counts depend on no machine: they are hashed, cached and pinned like all
 //! other results. Run times are measured elsewhere, by `signorini bench`.
 //!
-//! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`], [`adapted::adapted`],
-//! [`claims::claims`], [`domains::domains`], [`sticking::sticking`], [`stress::stress`], [`truth::truth`].
+//! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
+//! [`adapted::adapted`], [`claims::claims`], [`domains::domains`], [`sticking::sticking`], [`stress::stress`],
+//! [`truth::truth`].
 
 pub mod accuracy;
 pub mod adapted;

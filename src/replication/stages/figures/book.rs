@@ -116,12 +116,17 @@ fn meshes() -> Result<Picture, String> {
     let mut refined = Vec::new();
     for (name, ..) in DRAWN {
         let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
-        refined.push((name, coarsest.refined(1).map_err(|e| e.to_string())?));
+        refined.push((name.to_owned(), coarsest.refined(1).map_err(|e| e.to_string())?));
     }
+    beside(&refined)
+}
+
+/// Draws meshes in the plane with their titles beside each other.
+fn beside(meshes: &[(String, AnyMesh)]) -> Result<Picture, String> {
     let mut panels = Vec::new();
-    for (title, mesh) in &refined {
+    for (title, mesh) in meshes {
         let AnyMesh::Plane(mesh) = mesh else { return Err(format!("{title} is no plane domain")) };
-        panels.push((*title, mesh));
+        panels.push((&title[..], mesh));
     }
     Ok(mesh_picture(&panels))
 }
@@ -137,12 +142,7 @@ fn adapted_meshes() -> Result<Picture, String> {
         let title = format!("{}, {} nodes", problem.domain.name(), run.y.len());
         adapted.push((title, run.problem.levels().mesh()));
     }
-    let mut panels = Vec::new();
-    for (title, mesh) in &adapted {
-        let AnyMesh::Plane(mesh) = mesh else { return Err(format!("{title}: no plane domain")) };
-        panels.push((&title[..], mesh));
-    }
-    Ok(mesh_picture(&panels))
+    beside(&adapted)
 }
 
 /// Draws solutions on domains in the plane.
