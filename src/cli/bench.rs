@@ -8,7 +8,7 @@ use crate::pipeline::files::read_if_there;
 use crate::replication::project::Project;
 use crate::table::Table;
 use crate::timing::measure::{TIMED, TimingPlan, measure};
-use crate::timing::recorded::{self, Peer, SolverTime, Timings, to_discretisation};
+use crate::timing::recorded::{self, OwnMesh, Peer, SolverTime, Timings, to_discretisation};
 use clap::Args;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::sync::atomic::Ordering;
@@ -60,6 +60,7 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
     if let Some(record) = &record {
         timings.peer.clone_from(&record.peers);
+        timings.own_mesh.clone_from(&record.own_meshes);
     }
     if args.json { say_json(&timings) } else { say(&text(&timings)) }?;
     if plan.interrupted.load(Ordering::Relaxed) {
@@ -77,18 +78,22 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
 /// Record of times to be replaced.
 struct RecordFile {
     file: OutputFile,
-    /// Part of the earlier record that is kept.
+    /// Parts of the earlier record that are kept.
     peers: Vec<Peer>,
+    own_meshes: Vec<OwnMesh>,
 }
 
 impl RecordFile {
     fn open() -> Result<Self> {
         let path = Project::find(&current_folder()?)?.join(recorded::PATH);
-        let peers = match read_if_there(&path)? {
-            Some(text) => Timings::parse(text)?.peer,
-            None => Vec::new(),
+        let (peers, own_meshes) = match read_if_there(&path)? {
+            Some(text) => {
+                let Timings { peer, own_mesh, .. } = Timings::parse(text)?;
+                (peer, own_mesh)
+            }
+            None => Default::default(),
         };
-        Ok(Self { file: OutputFile::check(&path)?, peers })
+        Ok(Self { file: OutputFile::check(&path)?, peers, own_meshes })
     }
 }
 
@@ -109,6 +114,10 @@ fn text(timings: &Timings) -> String {
     if !timings.spectral.is_empty() {
         text += "\nspectral: error of the energy against a finer resolution, relative\n";
         text += &spectral(timings);
+    }
+    if !timings.adapted.is_empty() {
+        text += "\nguaranteed error of multigrid on refined meshes, relative\n";
+        text += &adapted(timings);
     }
     text + &summary(timings)
 }
@@ -205,6 +214,20 @@ fn spectral(timings: &Timings) -> String {
             format!("{:.1e}", line.error),
             format!("{:.6}", line.seconds),
             percent(line.spread),
+        ]);
+    }
+    table.text()
+}
+
+fn adapted(timings: &Timings) -> String {
+    let mut table = Table::new(["domain", "meshes", "nodes", "error", "seconds"], &[0, 1]);
+    for line in &timings.adapted {
+        table.rows.push(vec![
+            line.problem.clone(),
+            line.way.name().to_owned(),
+            line.nodes.to_string(),
+            format!("{:.1e}", line.error),
+            format!("{:.6}", line.seconds),
         ]);
     }
     table.text()

@@ -4,6 +4,7 @@
 //! the optimality conditions after every eighth of the sweeps made so far; these checks are part of their time.
 //! Central is [`measure`].
 
+mod adapted;
 mod goals;
 mod median;
 
@@ -60,6 +61,7 @@ const RESOLUTIONS: [(usize, u32); 8] =
 /// 2. Multigrid from grid to grid, with one thread and with two.
 /// 3. Every solver on grids, on every problem and grid, to each of its goals.
 /// 4. The spectral solver at every resolution.
+/// 5. Adaptive and uniform refinement of the L-shape.
 ///
 /// Easily broken: a time includes everything that its run does, so that allocation, loads and checks have to be on the
 /// side of the clock on which the field of [`Timings`] says that they are.
@@ -96,8 +98,21 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings, 
             spectral.extend(resolved(name, f, plan)?);
         }
     }
-    let peer = Vec::new();
-    Ok(Timings { schema: SCHEMA, bandwidth, machine, multigrid, solver, spectral, peer })
+    let mut adapted = Vec::new();
+    if plan.has(Solver::Multigrid) {
+        adapted = adapted::times(plan, &mut say)?;
+    }
+    Ok(Timings {
+        schema: SCHEMA,
+        bandwidth,
+        machine,
+        multigrid,
+        solver,
+        spectral,
+        peer: Vec::new(),
+        own_mesh: Vec::new(),
+        adapted,
+    })
 }
 
 impl TimingPlan {

@@ -2,6 +2,7 @@
 
 use crate::pipeline::error::{Error, Result, from_record};
 use serde::{Deserialize, Deserializer, Serialize};
+use signorini_mathematics::experiments::adapted::Way;
 use signorini_mathematics::experiments::work::REACHED;
 use signorini_mathematics::multigrid;
 use signorini_mathematics::solvers::Solver;
@@ -35,6 +36,12 @@ pub struct Timings {
     /// Solvers of others beside ours; entered by hand, kept by `bench --record`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub peer: Vec<Peer>,
+    /// Solvers of others beside ours on a user's mesh; entered by hand, kept by `bench --record`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub own_mesh: Vec<OwnMesh>,
+    /// Guaranteed error against time, on adapted and on uniform meshes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub adapted: Vec<AdaptedTime>,
 }
 
 /// Machine and its state.
@@ -207,6 +214,48 @@ pub struct Peer {
     pub whole: bool,
 }
 
+/// Solver of others on a mesh without a coarser one, measured by `benches/peers/meshes.py own`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnMesh {
+    /// Mesh in words.
+    pub mesh: String,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Name, version and configuration of the other solver.
+    pub solver: String,
+    /// Time of the other solver in microseconds per node, one thread, matrix and load vector given.
+    #[serde(deserialize_with = "positive")]
+    pub theirs: f64,
+    /// Relative natural residual that the other solver reached.
+    #[serde(deserialize_with = "positive")]
+    pub their_kkt: f64,
+    /// Time of multigrid in microseconds per node, likewise.
+    #[serde(deserialize_with = "positive")]
+    pub ours: f64,
+    /// Relative natural residual that multigrid reached.
+    #[serde(deserialize_with = "positive")]
+    pub our_kkt: f64,
+}
+
+/// Run on meshes that are refined in one way, from the coarsest mesh to the bounds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AdaptedTime {
+    /// Name of the domain.
+    pub problem: String,
+    /// Way of refinement.
+    pub way: Way,
+    /// Number of nodes of the finest mesh.
+    pub nodes: usize,
+    /// Guaranteed error over the norm of the solution.
+    #[serde(deserialize_with = "positive")]
+    pub error: f64,
+    /// Median time.
+    #[serde(deserialize_with = "positive")]
+    pub seconds: f64,
+}
+
 /// Goal of a run under the stopping rule of the published tables.
 pub const PUBLISHED: &str = "published stop";
 
@@ -234,7 +283,7 @@ fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f
 }
 
 const HEADER: &str = "# Written by `signorini bench --record`; do not edit what was measured.\n\
-    # [[peer]] sections are entered by hand from benches/peers, and kept.\n\n";
+    # [[peer]] and [[own_mesh]] sections are entered by hand from benches/peers, and kept.\n\n";
 
 impl Timings {
     /// Returns the names of the problems on which solvers were timed, in their order.

@@ -5,6 +5,7 @@ use crate::solvers::{ALGEBRAIC, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, on_thread
 use signorini::timing::recorded::{Goal, PATH, PUBLISHED, Timings};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::experiments::accuracy::{AccuracyFindings, AccuracyPlan, accuracy};
+use signorini_mathematics::experiments::adapted::Way;
 use signorini_mathematics::experiments::work::REACHED;
 use signorini_mathematics::solvers::Solver;
 use std::collections::BTreeSet;
@@ -95,7 +96,7 @@ fn each_run_that_is_timed_reaches_its_goal() {
     assert!(output.status.success(), "{output:?}");
     // A field that is missing, or that nobody knows, is an error.
     let timings: Timings = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(!timings.spectral.is_empty());
+    assert!(!timings.spectral.is_empty() && !timings.adapted.is_empty());
     assert!(Goal::ALL.iter().all(|goal| timings.multigrid.iter().any(|line| line.goal == *goal)));
     for line in &timings.solver {
         let residual = match line.goal.strip_prefix("relative KKT ") {
@@ -131,10 +132,13 @@ fn a_record_keeps_what_was_entered_by_hand() {
     let read = || std::fs::read_to_string(project.path(PATH)).unwrap();
     let before = read();
     assert!(Timings::parse(&before).unwrap().peer.is_empty());
-    project.write(PATH, format!("{before}\n{PEER}"));
+    project.write(PATH, format!("{before}\n{PEER}{OWN_MESH}"));
     record();
     let after = Timings::parse(read()).unwrap();
     assert_eq!((after.peer.len(), &after.peer[0].solver[..]), (1, "other"));
+    assert_eq!((after.own_mesh.len(), &after.own_mesh[0].mesh[..]), (1, "disc"));
+    // Measured anew.
+    assert_eq!(after.adapted.len(), Timings::parse(&before).unwrap().adapted.len());
     project.write(PATH, "schema = 1");
     let said = project.run(&["bench", "--record"]);
     assert_eq!(said.code, Some(2));
@@ -143,6 +147,10 @@ fn a_record_keeps_what_was_entered_by_hand() {
 
 const PEER: &str = "[[peer]]\nsolver = \"other\"\nf = \"else=-1\"\ncells = 8\ntheirs = 1\n\
     their_kkt = 1e-9\nours = 1\nour_kkt = 1e-9\n";
+const OWN_MESH: &str = "[[own_mesh]]\nmesh = \"disc\"\nnodes = 9\nsolver = \"other\"\ntheirs = 8\n\
+    their_kkt = 1e-9\nours = 2\nour_kkt = 1e-12\n";
+const ADAPTED: &str = "[[adapted]]\nproblem = \"L-shape\"\nway = \"adaptive\"\nnodes = 40\n\
+    error = 0.3\nseconds = 1e-3\n";
 
 #[test]
 fn a_spoilt_record_is_refused_with_line_and_remedy() {
@@ -150,7 +158,17 @@ fn a_spoilt_record_is_refused_with_line_and_remedy() {
                 cores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\n\
         load = 0.1\nrepeats = 9\n";
     assert!(Timings::parse(good).is_ok());
-    assert_eq!(Timings::parse(format!("{good}{PEER}")).unwrap().peer.len(), 1);
+    let more = Timings::parse(format!("{good}{PEER}{OWN_MESH}{ADAPTED}")).unwrap();
+    assert_eq!([more.peer.len(), more.own_mesh.len(), more.adapted.len()], [1; 3]);
+    assert_eq!((more.own_mesh[0].theirs, more.adapted[0].way), (8.0, Way::Adaptive));
+    assert_eq!(Timings::parse(more.to_toml()).unwrap(), more);
+    for (record, old, new, what) in [
+        (OWN_MESH, "ours = 2", "ours = 0", "not a positive number"),
+        (ADAPTED, "adaptive", "other", "unknown variant"),
+    ] {
+        let message = Timings::parse(format!("{good}{}", record.replace(old, new))).unwrap_err();
+        assert!(message.to_string().contains(what), "{message}");
+    }
     for (old, new, line, what) in [
         ("bandwidth = 20", "bandwidth = -1", 2, "not a positive number"),
         ("bandwidth = 20", "bandwidth = nan", 2, "not a positive number"),

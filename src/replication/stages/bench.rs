@@ -17,7 +17,7 @@ use serde::de::DeserializeOwned;
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
 use signorini_mathematics::experiments::claims::ClaimsPlan;
 use signorini_mathematics::experiments::problems::TableProblem;
-use signorini_mathematics::experiments::{self, accuracy, sticking, stress, truth};
+use signorini_mathematics::experiments::{self, accuracy, adapted, sticking, stress, truth};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -37,6 +37,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let plan = ClaimsPlan::new(problems);
     vec![
         task("accuracy", accuracy::AccuracyPlan::default(), accuracy::accuracy),
+        task("adapted", adapted::AdaptedPlan::default(), adapted::adapted),
         task("claims", plan, experiments::claims::claims),
         task("friction", ClaimsPlan::friction(), experiments::claims::claims),
         task(
@@ -59,6 +60,12 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             "accuracy",
             "Errors against the width of the grid, problems with known solutions",
             cost::accuracy,
+        ),
+        picture(
+            "adapted",
+            "adapted",
+            "Guaranteed error against the number of nodes, adaptive and uniform refinement",
+            cost::adapted,
         ),
         picture(
             "truth",

@@ -5,6 +5,7 @@ use crate::figures::{Chart, Curve, Picture, charts};
 use crate::timing::recorded::{Goal, PUBLISHED, SolverTime, Timings};
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::accuracy::{self, AccuracyFindings, KnownLevels};
+use signorini_mathematics::experiments::adapted::{AdaptedFindings, ErrorCurves};
 use signorini_mathematics::experiments::truth::{Elements, ElementsLevel, Truth};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::solvers::Solver;
@@ -77,6 +78,21 @@ fn errors(
     let lines: Vec<_> = laws.iter().map(|law| law.beside(&curves)).collect();
     curves.extend(lines);
     Chart::new(title, ["1/h", axis], curves)
+}
+
+/// Guaranteed errors over the number of nodes, one panel per problem, a curve per way of refinement.
+pub(super) fn adapted(found: &AdaptedFindings) -> Picture {
+    let mut panels = Vec::new();
+    for ErrorCurves { name, ways, .. } in &found.problems {
+        let mut curves = Vec::new();
+        for way in ways {
+            let points = way.meshes.iter().map(|mesh| (mesh.nodes as f64, mesh.error));
+            curves.push(Curve::new(Marked, way.way.name(), points));
+        }
+        curves.push(Law { label: "order 1/2", power: -0.5, factor: 0.6 }.beside(&curves));
+        panels.push(Chart::new(name, ["nodes", "guaranteed error"], curves));
+    }
+    charts(false, &panels)
 }
 
 /// Time per unknown of multigrid, for both goals.

@@ -4,9 +4,11 @@
 //! other results. Run times are measured elsewhere, by `signorini bench`.
 //!
 //! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
-//! [`claims::claims`], [`domains::domains`], [`sticking::sticking`], [`stress::stress`], [`truth::truth`].
+//! [`adapted::adapted`], [`claims::claims`], [`domains::domains`], [`sticking::sticking`], [`stress::stress`],
+//! [`truth::truth`].
 
 pub mod accuracy;
+pub mod adapted;
 pub mod claims;
 pub mod domains;
 pub mod known;

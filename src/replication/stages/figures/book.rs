@@ -10,6 +10,7 @@ use crate::pipeline::{Inputs, Task, parameters};
 use crate::replication::scene::Scene;
 use crate::replication::stages::solve;
 use serde_json::json;
+use signorini_mathematics::experiments::adapted::AdaptedProblem;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
@@ -86,12 +87,15 @@ pub(super) fn iterates(scene: &Scene) -> Task {
 }
 
 /// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
-pub(super) fn drawings() -> [Task; 4] {
+pub(super) fn drawings() -> [Task; 5] {
     let domains = "Solutions on the L-shape, the disc and the annulus";
     [
         drawing("domains", domains.into(), Vec::new(), |_| Ok(on_domains()?)),
         drawing("meshes", "Meshes of three domains, refined once".into(), Vec::new(), |_| {
             Ok(meshes()?)
+        }),
+        drawing("adapted-mesh", "Adapted meshes of two domains".into(), Vec::new(), |_| {
+            Ok(adapted_meshes()?)
         }),
         drawing("membrane", "The square and its membrane".into(), Vec::new(), |_| Ok(membrane())),
         drawing("grid", "The coarsest grid, in the order of the sweep".into(), Vec::new(), |_| {
@@ -112,14 +116,33 @@ fn meshes() -> Result<Picture, String> {
     let mut refined = Vec::new();
     for (name, ..) in DRAWN {
         let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
-        refined.push((name, coarsest.refined(1).map_err(|e| e.to_string())?));
+        refined.push((name.to_owned(), coarsest.refined(1).map_err(|e| e.to_string())?));
     }
+    beside(&refined)
+}
+
+/// Draws meshes in the plane with their titles beside each other.
+fn beside(meshes: &[(String, AnyMesh)]) -> Result<Picture, String> {
     let mut panels = Vec::new();
-    for (title, mesh) in &refined {
+    for (title, mesh) in meshes {
         let AnyMesh::Plane(mesh) = mesh else { return Err(format!("{title} is no plane domain")) };
-        panels.push((*title, mesh));
+        panels.push((&title[..], mesh));
     }
     Ok(mesh_picture(&panels))
+}
+
+/// Draws the last mesh with few nodes of each problem with adapted meshes.
+fn adapted_meshes() -> Result<Picture, String> {
+    /// Most nodes of a mesh.
+    const FEW: usize = 600;
+    let mut adapted = Vec::new();
+    for problem in [AdaptedProblem::lshape(), AdaptedProblem::fixed_free()] {
+        // No mesh so coarse is so accurate: the number of nodes is what ends the run.
+        let run = problem.adapted(f64::EPSILON, FEW)?;
+        let title = format!("{}, {} nodes", problem.domain.name(), run.y.len());
+        adapted.push((title, run.problem.levels().mesh()));
+    }
+    beside(&adapted)
 }
 
 /// Draws solutions on domains in the plane.

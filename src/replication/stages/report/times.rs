@@ -32,6 +32,8 @@ pub(super) fn times(timings: &Timings, accuracy: &AccuracyFindings) -> Value {
         "comparisons": comparisons,
         "noise": noise(timings),
         "peers": peers(timings),
+        "own_meshes": timings.own_mesh,
+        "adapted": timings.adapted,
         "outdated": outdated(timings, accuracy),
         "spectral": spectral(timings),
     })

@@ -164,12 +164,15 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
 }
 
 /// Nested discrete problems of a mesh, with their load vectors.
-struct Nested<'a> {
-    networks: &'a [NestedNetwork],
-    loads: Vec<Vec<f64>>,
+pub(in crate::experiments) struct Nested<'a> {
+    /// Discrete problems, coarsest first.
+    pub(in crate::experiments) networks: &'a [NestedNetwork],
+    /// Load vectors.
+    pub(in crate::experiments) loads: Vec<Vec<f64>>,
 }
 
-fn nested(problem: &Problem) -> Result<Nested<'_>, String> {
+/// Nested discrete problems of a problem on a mesh.
+pub(in crate::experiments) fn nested(problem: &Problem) -> Result<Nested<'_>, String> {
     let loads = problem.loads().map_err(|e| e.to_string())?;
     let networks = problem.networks().ok_or("the experiment is for meshes")?;
     Ok(Nested { networks, loads: loads.into_iter().map(Cow::into_owned).collect() })

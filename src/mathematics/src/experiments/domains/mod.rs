@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 pub use counts::{CountedDomain, CountsRow, CountsSummary, Numbering, NumberingCounts};
+pub(super) use counts::{Nested, nested};
 pub use cube::CubeLevel;
 pub use disc::{DiscFindings, DiscLevel};
 
