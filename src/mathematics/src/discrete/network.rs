@@ -145,10 +145,13 @@ impl Network {
                 *place += 1;
             }
         }
-        let mut network = Self::of_rows(MatrixRows { starts, others, weights }, contact, masses);
-        network.fixed = fixed;
-        network.fixed.iter().for_each(|&node| network.places[node as usize] = FIXED);
-        network
+        Self::of_rows(MatrixRows { starts, others, weights }, contact, masses).with_fixed(fixed)
+    }
+
+    /// Network with these fixed nodes.
+    fn with_fixed(mut self, fixed: Vec<u32>) -> Self {
+        fixed.iter().for_each(|&node| self.places[node as usize] = FIXED);
+        Self { fixed, ..self }
     }
 
     /// Network without fixed nodes, with each coupling in the rows of both of its nodes.
@@ -216,11 +219,9 @@ impl Network {
         };
         let mut contact: Vec<ContactNode> = self.contact.iter().map(moved).collect();
         contact.sort_unstable_by_key(|contact| contact.node);
-        let mut network = Self::of_rows(rows, contact, masses).with_additions(&additions);
-        network.fixed = self.fixed.iter().map(|&node| places[node as usize]).collect();
-        network.fixed.sort_unstable();
-        network.fixed.iter().for_each(|&node| network.places[node as usize] = FIXED);
-        network
+        let mut fixed: Vec<u32> = self.fixed.iter().map(|&node| places[node as usize]).collect();
+        fixed.sort_unstable();
+        Self::of_rows(rows, contact, masses).with_additions(&additions).with_fixed(fixed)
     }
 
     /// Replaces the nodes in contact.

@@ -8,10 +8,10 @@
 //!
 //! A new node lies between two nodes of the mesh before, as in uniform refinement, or on the curve of its part.
 
-use super::check::flat;
+use super::check::check_piece;
 use super::error::MeshError;
 use super::sides::BoundarySide;
-use super::{Element, Facet, PlaneMesh, Sides, dot};
+use super::{Facet, PlaneMesh, Sides, dot};
 
 /// Mesh after bisections.
 pub struct Bisected {
@@ -145,8 +145,7 @@ impl<'a> Pieces<'a> {
             PieceEdge::Old(side) if self.is_split[side as usize] => {
                 let m = self.midpoint(side, [a, b]);
                 let cm = PieceEdge::New(self.next_sides(1));
-                let first = self.number(side);
-                let [am, mb] = if a < b { [first, first + 1] } else { [first + 1, first] };
+                let [am, mb] = halves(self.number(side), [a, b]);
                 self.add([c, a, m], [PieceEdge::New(am), cm, ca]);
                 self.add([b, c, m], [cm, PieceEdge::New(mb), bc]);
             }
@@ -214,7 +213,7 @@ impl<'a> Pieces<'a> {
                 continue;
             }
             let m = self.midpoints[side];
-            let [am, mb] = if a < b { [first, first + 1] } else { [first + 1, first] };
+            let [am, mb] = halves(first, [a, b]);
             add([a, m], am);
             add([m, b], mb);
             if let Some(curve) = coarse.parts[usize::from(part)].curve {
@@ -242,23 +241,22 @@ impl<'a> Pieces<'a> {
     }
 }
 
+/// Numbers of the halves of a split side, at its one and its other end, given the number of the first.
+fn halves(first: u32, [a, b]: [u32; 2]) -> [u32; 2] {
+    if a < b { [first, first + 1] } else { [first + 1, first] }
+}
+
 /// Checks that all cells have the positive orientation, and a volume.
 fn check_orientation(mesh: &PlaneMesh, origins: &[u32]) -> Result<(), MeshError> {
-    for (cell, &origin) in mesh.cells.iter().zip(origins) {
-        let vertices = mesh.vertices(cell);
-        let element = Element::<2, 3>::new(vertices);
-        if element.is_mirrored || flat(&element, vertices) {
-            return Err(MeshError::Folded { cell: origin as usize });
-        }
-    }
-    Ok(())
+    let mut cells = mesh.cells.iter().zip(origins);
+    cells.try_for_each(|(cell, &origin)| check_piece(mesh.vertices(cell), false, origin as usize))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::{
-        AnyMesh, BuiltIn, Condition, MeshData, Round, assemble, assemble_sides, gmsh,
+        AnyMesh, BuiltIn, Condition, Element, MeshData, Round, assemble, assemble_sides, gmsh,
     };
 
     /// Numbers of some cells that look random.

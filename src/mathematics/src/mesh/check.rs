@@ -19,6 +19,19 @@ pub(super) fn flat<const D: usize, const V: usize>(
     !(element.volume > FLAT * scale && element.volume.is_finite())
 }
 
+/// Checks that a piece of the cell of this number has the orientation that it would have without curves, and a volume.
+pub(super) fn check_piece<const D: usize, const V: usize>(
+    vertices: [[f64; D]; V],
+    is_mirrored: bool,
+    cell: usize,
+) -> Result<(), MeshError> {
+    let element = Element::new(vertices);
+    match element.is_mirrored != is_mirrored || flat(&element, vertices) {
+        true => Err(MeshError::Folded { cell }),
+        false => Ok(()),
+    }
+}
+
 impl<const D: usize, const V: usize> MeshData<D, V> {
     /// Checks the data, and finds the boundary.
     ///

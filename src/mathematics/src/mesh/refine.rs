@@ -3,7 +3,7 @@
 //! New nodes are numbered after the old ones in the order of the [edges](super::Edges) that they halve, and lie on the
 //! curve of their boundary part.
 
-use super::check::flat;
+use super::check::check_piece;
 use super::error::MeshError;
 use super::{Edges, Element, Facet, Mesh};
 
@@ -158,11 +158,7 @@ fn check_orientation<const D: usize, const V: usize>(
         let parent = Element::new(vertices);
         for (child, nodes) in children.iter().enumerate() {
             let expected = parent.is_mirrored != is_mirrored_child(V, child);
-            let vertices = nodes.map(|node| points[node as usize]);
-            let element = Element::<D, V>::new(vertices);
-            if element.is_mirrored != expected || flat(&element, vertices) {
-                return Err(MeshError::Folded { cell: k });
-            }
+            check_piece(nodes.map(|node| points[node as usize]), expected, k)?;
         }
     }
     Ok(())

@@ -71,13 +71,13 @@ impl<'a> NetworkLevels<'a> {
     }
 
     /// A nodal vector of the finest mesh in the numbers of the finest level.
-    pub(super) fn renumbered(&self, vector: &[f64]) -> Vec<f64> {
-        let Some(places) = &self.places else { return vector.to_vec() };
+    pub(super) fn renumbered<'v>(&self, vector: &'v [f64]) -> Cow<'v, [f64]> {
+        let Some(places) = &self.places else { return vector.into() };
         let mut moved = vec![0.0; vector.len()];
         for (&place, value) in places.iter().zip(vector) {
             moved[place as usize] = *value;
         }
-        moved
+        moved.into()
     }
 
     /// A nodal vector of the finest level in the numbers of the finest mesh.

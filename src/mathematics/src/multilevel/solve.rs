@@ -80,7 +80,7 @@ fn solve_from(
     let mut run = NetworkRun::new(&nested);
     let factor = one_sided.signed(1.0) / scale;
     let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();
-    run.start = start.map(|y| nested.levels.renumbered(&scaled(y)));
+    run.start = start.map(|y| scaled(&nested.levels.renumbered(y)));
     let end = driver::solve(&mut run, one_sided.limit, params)?;
     let mut y = nested.levels.in_order_of_mesh(run.take_y());
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));

@@ -150,9 +150,7 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
             (found, other) => found.or(other),
         }
     }
-}
 
-impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     /// Adds the lower bound of the error to bounds for a nodal vector.
     pub fn with_lower(&self, mut bounds: Bounds, y: &[f64]) -> Bounds {
         let w = admissible(self.network, Slips::of_law(self.law), y);
