@@ -154,7 +154,9 @@ impl StatedProblem {
         let memory = machine::available_memory().unwrap_or(u64::MAX);
         let most_nodes = usize::try_from(memory / BYTES_PER_NODE).unwrap_or(usize::MAX);
         let goal = accuracy.goal_on_meshes();
-        let run = Adaption { coarsest, f, law: self.law()?, goal, most_nodes }.run(watch);
+        let bisections = Adaption::BISECTIONS;
+        let run =
+            Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections }.run(watch);
         run.map_err(|e| Error::input(format!("{asked}: {e}")))
     }
 

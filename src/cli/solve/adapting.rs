@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh};
 use signorini_mathematics::problem::text::plain;
-use signorini_mathematics::solvers::Run;
 
 /// Meshes while they are made.
 pub(super) struct ShownMeshes {
@@ -83,27 +82,35 @@ fn name(end: AdaptedEnd) -> &'static str {
     }
 }
 
-/// Returns the end of a run with the bound that was reached.
-pub(super) fn json(end: AdaptedEnd, run: &Run, reached: Option<(Accuracy, &Bounds)>) -> Value {
-    json!({
-        "meshes": meshes(run),
-        "nodes": run.y.len(),
-        "reached": reached.map(|(accuracy, bounds)| accuracy.reached(bounds)),
-        "end": name(end),
-    })
+/// End of adaptive refinement.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AdaptedMeshes {
+    /// Number of meshes on which a solution was sought, with those that are too coarse for one.
+    pub count: usize,
+    /// Number of nodes of the last.
+    pub nodes: usize,
+    /// Reason for the end.
+    pub end: AdaptedEnd,
 }
 
-/// Returns the end of a run in words.
-pub(super) fn text(end: AdaptedEnd, run: &Run) -> String {
-    let reason = match end {
-        AdaptedEnd::Goal => "the error is as small as asked",
-        AdaptedEnd::Nodes => "a finer mesh takes more memory than is left",
-        AdaptedEnd::NoLongerFalls => "the bound of the error no longer falls",
-    };
-    format!("{} meshes, the last of {} nodes: {reason}\n", meshes(run), run.y.len())
-}
+impl AdaptedMeshes {
+    /// Returns the end with the bound that was reached.
+    pub(super) fn json(self, reached: Option<(Accuracy, &Bounds)>) -> Value {
+        json!({
+            "meshes": self.count,
+            "nodes": self.nodes,
+            "reached": reached.map(|(accuracy, bounds)| accuracy.reached(bounds)),
+            "end": name(self.end),
+        })
+    }
 
-/// Number of meshes, with those that are too coarse for a solution.
-fn meshes(run: &Run) -> usize {
-    run.first_level + run.ends.len()
+    /// Returns the end in words.
+    pub(super) fn text(self) -> String {
+        let reason = match self.end {
+            AdaptedEnd::Goal => "the error is as small as asked",
+            AdaptedEnd::Nodes => "a finer mesh takes more memory than is left",
+            AdaptedEnd::NoLongerFalls => "the bound of the error no longer falls",
+        };
+        format!("{} meshes, the last of {} nodes: {reason}\n", self.count, self.nodes)
+    }
 }

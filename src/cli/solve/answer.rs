@@ -1,6 +1,5 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
-use super::adapting;
 use super::advice::{self, Warning};
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
@@ -212,8 +211,8 @@ impl Answer {
         if let Some(curve) = bounds.and_then(|bounds| bounds.curve) {
             json["bound"]["curve"] = curve.into();
         }
-        if let Some(end) = request.adapted {
-            json["adapted"] = adapting::json(end, &self.run, request.accuracy.zip(bounds));
+        if let Some(meshes) = request.adapted {
+            json["adapted"] = meshes.json(request.accuracy.zip(bounds));
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
             json["errors"] = json!(values);
@@ -308,8 +307,8 @@ impl Answer {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
         text += &self.table(request);
-        if let Some(end) = request.adapted {
-            text += &adapting::text(end, &self.run);
+        if let Some(meshes) = request.adapted {
+            text += &meshes.text();
         }
         text += &format!("solved in {}", brief(Duration::from_secs_f64(self.seconds[1])));
         if request.settings.solver == Solver::Multigrid {

@@ -68,7 +68,7 @@ impl Answer {
     /// Decides whether the solution is as accurate as asked.
     pub(super) fn judge_end(&mut self, request: &Request, accuracy: Accuracy) {
         let Ok(bounds) = &self.bounds else { return };
-        let remedy = match request.adapted {
+        let remedy = match request.adapted.map(|meshes| meshes.end) {
             None | Some(AdaptedEnd::Goal) => return,
             Some(AdaptedEnd::Nodes) => "memory has no room for more nodes; ask for less",
             Some(AdaptedEnd::NoLongerFalls) => {

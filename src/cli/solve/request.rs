@@ -1,5 +1,6 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
+use super::adapting::AdaptedMeshes;
 use super::advice::Remedy;
 use super::files::{Format, PictureKind, Solution};
 use super::{SolveArgs, cells, rule_name};
@@ -21,7 +22,7 @@ use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, Lattices, Levels, Problem};
+use signorini_mathematics::levels::{AdaptedMesh, Lattices, Levels, Problem};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::multigrid::{Goal, InputError};
 use signorini_mathematics::problem::unsolvable::Unsolvable;
@@ -54,8 +55,8 @@ pub(super) struct Request {
     pub accuracy: Option<Accuracy>,
     /// Way in which the accuracy is written.
     pub written: Written,
-    /// Reason for which adaptive refinement ended, where the mesh was refined so.
-    pub adapted: Option<AdaptedEnd>,
+    /// End of adaptive refinement, where the mesh was refined so.
+    pub adapted: Option<AdaptedMeshes>,
     /// True for a scene of a published table.
     is_papers: bool,
     /// Options that differ from the scene, in words.
@@ -211,9 +212,10 @@ impl Request {
         let asked = (accuracy, self.written);
         let adapted = self.stated.adapted(&self.problem.levels().mesh(), asked, watch)?;
         let ends = adapted.outcomes().to_vec();
-        (self.problem, self.adapted) = (adapted.problem, Some(adapted.end));
         let (y, judgement) = (adapted.y, adapted.judgement);
-        let first_level = self.problem.levels().count() - ends.len();
+        let meshes = AdaptedMeshes { count: adapted.meshes, nodes: y.len(), end: adapted.end };
+        (self.problem, self.adapted) = (adapted.problem, Some(meshes));
+        let first_level = meshes.count - ends.len();
         Ok((Run { y, ends, first_level, judgement }, adapted.bounds))
     }
 
@@ -254,9 +256,8 @@ impl Request {
 
     /// Returns, on a mesh, how fine it is.
     pub(super) fn refined(&self) -> Option<String> {
-        let count = self.problem.levels().count();
-        if self.adapted.is_some() {
-            return Some(format!("{count} adapted meshes"));
+        if let Some(meshes) = self.adapted {
+            return Some(format!("{} adapted meshes", meshes.count));
         }
         self.stated.refined(self.problem.finest())
     }

@@ -239,7 +239,7 @@ pub struct Run {
     pub y: Vec<f64>,
     /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
     pub ends: Vec<Outcome>,
-    /// Number of the level of the first end; the others are on the next levels.
+    /// Number of the level of the first end, of adapted meshes its position among them; the others follow.
     pub first_level: usize,
     /// Judgement of the vector.
     pub judgement: Judgement,

@@ -5,6 +5,7 @@ use super::{LONGEST, TimingPlan};
 use crate::timing::recorded::{AdaptedTime, nodes};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::experiments::adapted::{AdaptedProblem, Way};
+use signorini_mathematics::levels::Adaption;
 
 /// Guaranteed errors, over the norm of the solution, to which adaptive refinement goes.
 const GOALS: [f64; 3] = [0.03, 0.01, 0.003];
@@ -21,10 +22,10 @@ pub(super) fn times(
     let mut measured = Vec::new();
     for goal in GOALS.into_iter().take_while(|_| !plan.ended()) {
         say(&format!("adaptive refinement, L-shape, error {goal}"));
-        let run = problem.adapted(goal, most_nodes)?;
+        let run = problem.adapted(goal, most_nodes, Adaption::BISECTIONS)?;
         let bounds = run.bounds.last().ok_or("no mesh")?;
         let median = time(plan.repeats, || {
-            let _ = problem.adapted(goal, most_nodes);
+            let _ = problem.adapted(goal, most_nodes, Adaption::BISECTIONS);
         });
         measured.push(line(Way::Adaptive, run.y.len(), bounds, &median));
         // The next run would be the same.

@@ -144,11 +144,22 @@ impl AdaptedProblem {
     ///
     /// # Errors
     /// A sentence if there is no solution, or no bound on a mesh.
-    pub fn adapted(&self, accuracy: f64, most_nodes: usize) -> Result<BoundedRun, String> {
+    pub fn adapted(
+        &self,
+        accuracy: f64,
+        most_nodes: usize,
+        bisections: usize,
+    ) -> Result<BoundedRun, String> {
         let mesh = self.mesh()?;
         let goal = ErrorGoal::Relative(accuracy);
-        let adaption =
-            Adaption { coarsest: &mesh, f: &self.f, law: Law::SIGNORINI, goal, most_nodes };
+        let adaption = Adaption {
+            coarsest: &mesh,
+            f: &self.f,
+            law: Law::SIGNORINI,
+            goal,
+            most_nodes,
+            bisections,
+        };
         let mut bounds = Vec::new();
         let run = adaption.run(&mut |mesh| bounds.push(mesh.bounds.clone()));
         let AdaptedRun { problem, y, .. } = run.map_err(|e| e.to_string())?;
@@ -336,7 +347,7 @@ pub struct CountAndDistance {
 pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
     let solved = |problem: &AdaptedProblem| -> Result<[BoundedRun; 2], String> {
         let (adaptive, uniform) = rayon::join(
-            || problem.adapted(plan.accuracy, plan.finest),
+            || problem.adapted(plan.accuracy, plan.finest, 1),
             || problem.uniform(plan.refinements),
         );
         Ok([adaptive?, uniform?])

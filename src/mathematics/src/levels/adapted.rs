@@ -4,12 +4,15 @@
 //! # Algorithm
 //! On each mesh in turn:
 //!
-//! 1. Integrate f. On the first mesh solve, on each other one improve the interpolated solution by two steps of the
-//!    multilevel method: with bounds that do not depend on convergence, more steps lower them by next to nothing.
+//! 1. Integrate f. On the first mesh solve, on each other one improve the interpolated solution by four steps of the
+//!    multilevel method: more steps lower the bounds by next to nothing. After two steps the energy has converged, but
+//!    not the bounds, for which residuals are carried along trees of cells: under friction they exceed those of the
+//!    solution by half.
 //! 2. Bound the error. The square of the bound is a sum over the cells. End if the goal is met.
-//! 3. Mark the cells with the largest parts, until they have half of the sum, or where less is missing, less; and
-//!    bisect them. On a curved boundary the energy between chord and curve counts as a part of the cell, since no bound
-//!    feels it.
+//! 3. Mark the cells with the largest parts, until they have two thirds of the sum, and bisect them; mark, by the parts
+//!    that are to be expected in their pieces, and bisect once more, before the next solution. Where less is missing,
+//!    less is marked, on all meshes until the goal alike: the last mesh is to meet it, and no other one to be near. On
+//!    a curved boundary the energy between chord and curve counts as a part of the cell, since no bound feels it.
 //!
 //! The bounds fall like the inverse root of the number of nodes, whatever the corners and ends of contact. Where they
 //! do not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does
@@ -81,9 +84,11 @@ pub struct Adaption<'a> {
     pub goal: ErrorGoal,
     /// Most nodes of a mesh.
     pub most_nodes: usize,
+    /// Number of bisections from one mesh with a solution to the next, at least one.
+    pub bisections: usize,
 }
 
-/// Mesh of a run, for those who watch it.
+/// Mesh of a run on which a solution was sought, for those who watch it.
 #[derive(Clone, Debug)]
 pub struct AdaptedMesh {
     /// Number of nodes.
@@ -106,6 +111,8 @@ pub struct AdaptedRun {
     outcomes: Vec<Outcome>,
     /// Reason for the end.
     pub end: AdaptedEnd,
+    /// Number of meshes on which a solution was sought; the problem has those between them as well.
+    pub meshes: usize,
 }
 
 impl AdaptedRun {
@@ -116,6 +123,10 @@ impl AdaptedRun {
 }
 
 impl Adaption<'_> {
+    /// Number of bisections from one solution to the next that takes the least time: each mesh with a solution has three
+    /// to four times the nodes of the one before, and all of them together have half as many again as the last.
+    pub const BISECTIONS: usize = 2;
+
     /// Solves on one mesh after the other until the goal is met, or no finer mesh is of use or allowed. `watch` is
     /// shown each mesh.
     ///

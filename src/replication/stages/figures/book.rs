@@ -138,7 +138,7 @@ fn adapted_meshes() -> Result<Picture, String> {
     let mut adapted = Vec::new();
     for problem in [AdaptedProblem::lshape(), AdaptedProblem::fixed_free()] {
         // No mesh so coarse is so accurate: the number of nodes is what ends the run.
-        let run = problem.adapted(f64::EPSILON, FEW)?;
+        let run = problem.adapted(f64::EPSILON, FEW, 1)?;
         let title = format!("{}, {} nodes", problem.domain.name(), run.y.len());
         adapted.push((title, run.problem.levels().mesh()));
     }

@@ -7,11 +7,17 @@
 //! it alone.
 
 use super::BoundedProblem;
-use super::cells::gradient;
-use crate::mesh::{Condition, Edges, Element, dot};
+use super::cells::{COST, gradient};
+use crate::machine::threads::{among_threads, in_tasks};
+use crate::mesh::{BoundarySide, Condition, Edges, Element, Facet, Sides, dot};
+use rayon::prelude::*;
 
 /// Rounding errors of a residual, in roundings of its terms.
 const ROUNDINGS: f64 = 64.0;
+/// Number of cells between which their parts are added to the bubbles.
+const RUN: usize = 1 << 14;
+/// Most edges of a cell.
+const MOST_EDGES: usize = 6;
 
 /// Bubble of an edge.
 #[derive(Clone, Copy, Default)]
@@ -30,13 +36,56 @@ impl EdgeBubble {
     }
 }
 
+/// Numbers of the edges of all cells.
+enum CellEdges<'a, const V: usize> {
+    /// In the plane the edges are the sides of the cells.
+    Sides(&'a Sides<V>),
+    /// In space they are found by their ends.
+    Edges(Edges),
+}
+
+impl<const V: usize> CellEdges<'_, V> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Sides(sides) => sides.len(),
+            Self::Edges(edges) => edges.len(),
+        }
+    }
+
+    /// Number of the edge between two vertices of a cell with these nodes.
+    fn number(&self, cell: usize, nodes: &[u32; V], [i, j]: [usize; 2]) -> usize {
+        match self {
+            // The side lies opposite to the third vertex.
+            Self::Sides(sides) => sides.numbers(cell as u32)[3 - i - j] as usize,
+            Self::Edges(edges) => edges.between(nodes[i], nodes[j]),
+        }
+    }
+
+    /// Calls a function with the number of each edge of a facet.
+    fn of_facet<const D: usize>(
+        &self,
+        facet: &Facet<D>,
+        of_facet: BoundarySide,
+        mut visit: impl FnMut(usize),
+    ) {
+        match self {
+            Self::Sides(_) => visit(of_facet.side as usize),
+            Self::Edges(edges) => {
+                for (k, &one) in facet.nodes.iter().enumerate() {
+                    facet.nodes[..k].iter().for_each(|&two| visit(edges.between(one, two)));
+                }
+            }
+        }
+    }
+}
+
 /// Bubbles on the edges of a cell, by their ends among the vertices.
 struct CellBubbles<const D: usize, const V: usize> {
     element: Element<D, V>,
 }
 
 impl<const D: usize, const V: usize> CellBubbles<D, V> {
-    /// Pairs of vertices.
+    /// Pairs of vertices, at most [`MOST_EDGES`].
     fn edges() -> impl Iterator<Item = [usize; 2]> {
         (0..V).flat_map(|j| (0..j).map(move |i| [i, j]))
     }
@@ -60,54 +109,102 @@ pub(super) fn lower<const D: usize, const V: usize>(
     problem: &BoundedProblem<'_, D, V>,
     w: &[f64],
 ) -> f64 {
-    let &BoundedProblem { mesh, f, .. } = problem;
-    let edges = Edges::new(mesh.points().len(), mesh.cells());
-    let mut bubbles = vec![EdgeBubble::default(); edges.len()];
-    for (number, nodes) in mesh.cells().iter().enumerate() {
+    let mesh = problem.mesh;
+    let edges = match D {
+        2 => CellEdges::Sides(problem.sides),
+        _ => CellEdges::Edges(Edges::new(mesh.points().len(), mesh.cells())),
+    };
+    among_threads(COST * mesh.cells().len(), || {
+        let bubbles = bubbles(problem, &edges, w);
+        let (mut product, mut rounding) = (0.0, 0.0);
+        for bubble in &bubbles {
+            product += bubble.size() * bubble.residual;
+            rounding += bubble.size().abs() * bubble.magnitude;
+        }
+        let square = square(problem, &edges, &bubbles);
+        let product = product - ROUNDINGS * f64::EPSILON * rounding;
+        // Sums of as many terms as there are cells.
+        let sums = 1.0 - f64::EPSILON * 16.0 * mesh.cells().len() as f64;
+        let bound = product.max(0.0) / square.sqrt() * sums;
+        if bound.is_finite() { bound } else { 0.0 }
+    })
+}
+
+/// Bubbles on all edges.
+fn bubbles<const D: usize, const V: usize>(
+    problem: &BoundedProblem<'_, D, V>,
+    edges: &CellEdges<'_, V>,
+    w: &[f64],
+) -> Vec<EdgeBubble> {
+    let &BoundedProblem { mesh, sides, f, .. } = problem;
+    let of_cell = |number: usize| {
+        let nodes = &mesh.cells()[number];
         let element = Element::new(mesh.vertices(nodes));
         let slope = gradient(&element, nodes.map(|node| w[node as usize]));
         // The mean of f is not enough where f is not constant.
         let is_whole = f.deviation.as_ref().is_none_or(|deviation| deviation[number] == 0.0);
         let load = 4.0 * f.mean[number] * element.volume / (V * (V + 1)) as f64;
         let cell = CellBubbles { element };
-        for [i, j] in CellBubbles::<D, V>::edges() {
+        let mut parts = [EdgeBubble::default(); MOST_EDGES];
+        for (part, [i, j]) in parts.iter_mut().zip(CellBubbles::<D, V>::edges()) {
             let [p, q] = [i, j].map(|k| dot(slope, cell.element.gradients[k]));
             let work = 4.0 * cell.element.volume * (p + q) / V as f64;
-            let bubble = &mut bubbles[edges.between(nodes[i], nodes[j])];
-            bubble.residual += load - work;
-            bubble.magnitude += load.abs() + work.abs();
-            bubble.stiffness += if is_whole { cell.product([i, j], [i, j]) } else { f64::INFINITY };
+            let stiffness = if is_whole { cell.product([i, j], [i, j]) } else { f64::INFINITY };
+            let (residual, magnitude) = (load - work, load.abs() + work.abs());
+            *part = EdgeBubble { residual, stiffness, magnitude };
         }
-    }
-    for facet in mesh.facets().iter().filter(|facet| mesh.condition(facet) != Condition::Free) {
-        for (k, &one) in facet.nodes.iter().enumerate() {
-            for &two in &facet.nodes[..k] {
-                bubbles[edges.between(one, two)].stiffness = f64::INFINITY;
+        parts
+    };
+    let mut bubbles = vec![EdgeBubble::default(); edges.len()];
+    for start in (0..mesh.cells().len()).step_by(RUN) {
+        let run = (start..mesh.cells().len().min(start + RUN)).into_par_iter();
+        let parts: Vec<_> = in_tasks(run, COST).map(of_cell).collect();
+        for (number, parts) in (start..).zip(parts) {
+            let nodes = &mesh.cells()[number];
+            for (part, ends) in parts.into_iter().zip(CellBubbles::<D, V>::edges()) {
+                let bubble = &mut bubbles[edges.number(number, nodes, ends)];
+                bubble.residual += part.residual;
+                bubble.stiffness += part.stiffness;
+                bubble.magnitude += part.magnitude;
             }
         }
     }
-    let (mut product, mut rounding) = (0.0, 0.0);
-    for bubble in &bubbles {
-        product += bubble.size() * bubble.residual;
-        rounding += bubble.size().abs() * bubble.magnitude;
+    for (facet, &of_facet) in mesh.facets().iter().zip(sides.of_facets()) {
+        if mesh.condition(facet) != Condition::Free {
+            edges.of_facet(facet, of_facet, |edge| bubbles[edge].stiffness = f64::INFINITY);
+        }
     }
-    let mut square = 0.0;
-    for nodes in mesh.cells() {
+    bubbles
+}
+
+/// Square of the norm of the gradient of the sum of the bubbles.
+fn square<const D: usize, const V: usize>(
+    problem: &BoundedProblem<'_, D, V>,
+    edges: &CellEdges<'_, V>,
+    bubbles: &[EdgeBubble],
+) -> f64 {
+    let mesh = problem.mesh;
+    let of_cell = |number: usize| {
+        let nodes = &mesh.cells()[number];
         let cell = CellBubbles { element: Element::new(mesh.vertices(nodes)) };
-        let mut all = [([0; 2], 0.0); 6];
-        for (of_edge, [i, j]) in all.iter_mut().zip(CellBubbles::<D, V>::edges()) {
-            *of_edge = ([i, j], bubbles[edges.between(nodes[i], nodes[j])].size());
+        let mut all = [([0; 2], 0.0); MOST_EDGES];
+        for (of_edge, ends) in all.iter_mut().zip(CellBubbles::<D, V>::edges()) {
+            *of_edge = (ends, bubbles[edges.number(number, nodes, ends)].size());
         }
         let all = &all[..V * (V - 1) / 2];
-        for (one, of_one) in all {
-            for (two, of_two) in all {
-                square += of_one * of_two * cell.product(*one, *two);
+        let mut square = 0.0;
+        for (k, (one, of_one)) in all.iter().enumerate() {
+            square += of_one * of_one * cell.product(*one, *one);
+            for (two, of_two) in &all[..k] {
+                square += 2.0 * of_one * of_two * cell.product(*one, *two);
             }
         }
-    }
-    let product = product - ROUNDINGS * f64::EPSILON * rounding;
-    // Sums of as many terms as there are cells.
-    let sums = 1.0 - f64::EPSILON * 16.0 * mesh.cells().len() as f64;
-    let bound = product.max(0.0) / square.sqrt() * sums;
-    if bound.is_finite() { bound } else { 0.0 }
+        square
+    };
+    let runs = 0..mesh.cells().len().div_ceil(RUN);
+    let of_run = |run: usize| -> f64 {
+        (RUN * run..mesh.cells().len().min(RUN * (run + 1))).map(of_cell).sum()
+    };
+    let of_runs = in_tasks(runs.into_par_iter(), COST * RUN).map(of_run);
+    of_runs.collect::<Vec<f64>>().iter().sum()
 }

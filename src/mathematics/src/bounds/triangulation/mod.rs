@@ -44,6 +44,7 @@ mod cells;
 mod circulation;
 mod curve;
 mod fan;
+mod forest;
 mod lower;
 mod reaction;
 mod ring;
@@ -64,6 +65,7 @@ use cells::Cells;
 use circulation::Circulations;
 pub use curve::{CurveShare, curve_shares};
 use fan::Fan;
+use forest::CellForest;
 use lower::lower;
 use rayon::prelude::*;
 use ring::Ring;
@@ -234,11 +236,17 @@ fn equilibrated<const D: usize, const V: usize>(
     sides: &Sides<V>,
     network: &Network,
 ) -> Result<Vec<f64>, NoBound> {
-    let mut flux = of_patches(cells, sides);
-    if D == 2 {
-        circulate(cells, sides, network, &mut flux);
-    }
-    balance(cells, sides, &mut flux)?;
+    let (mut flux, forest) = rayon::join(
+        || {
+            let mut flux = of_patches(cells, sides);
+            if D == 2 {
+                circulate(cells, sides, network, &mut flux);
+            }
+            flux
+        },
+        || CellForest::new(sides, cells.f.len()),
+    );
+    balance(cells, sides, &forest, &mut flux)?;
     Ok(flux)
 }
 

@@ -1,9 +1,9 @@
 //! Meshes of a run of adaptive refinement, each with its discrete problem, and the solution on the finest.
 
-use super::marking::largest_parts;
+use super::marking::{expected_squares, largest_parts};
 use super::{AdaptedEnd, AdaptedRun, Adaption};
-use crate::bounds::NoBound;
 use crate::bounds::triangulation::{BoundedProblem, LocalBounds, curve_shares};
+use crate::bounds::{Bounds, NoBound};
 use crate::discrete::components::components;
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::{Judgement, judge};
@@ -18,17 +18,23 @@ use crate::mesh::{
 use crate::multigrid::{InputError, MultigridParams};
 use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
 use crate::problem::unsolvable::{Component, Unsolvable};
+use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Steps on each mesh but the first.
-const STEPS: usize = 2;
+const STEPS: usize = 4;
 /// Steps at most to a solution up to rounding.
 const MOST_STEPS: usize = 100;
-/// Part of the square of the error that the marked cells have.
-const MARKED: f64 = 0.5;
+/// Part of the square of the error that the marked cells have at most.
+const MARKED: f64 = 0.65;
 /// Least such part, where little is missing.
-const LEAST_MARKED: f64 = 0.1;
-/// Part of the square of the error in marked cells that their bisections take away, about.
-const GAIN: f64 = 0.7;
+const LEAST_MARKED: f64 = 0.02;
+/// Part of the square of the error in marked cells that the first bisections are expected to take away, about.
+const GAIN: f64 = 0.77;
+/// Least such part that is expected of later bisections, whatever the last ones have taken away.
+const LEAST_GAIN: f64 = 0.6;
+/// Part of the goal's square that is aimed at: a mesh that just misses the goal has cost as much as the last one.
+const AIM: f64 = 0.95;
 /// Part of the error that is left at most when the number of nodes has doubled; 0.71 is usual.
 const FALL: f64 = 0.9;
 /// Numbers whose work takes as long as that on a node.
@@ -55,8 +61,14 @@ pub(super) struct Meshes<'a> {
     /// Judgement of the vector.
     judgement: Option<Judgement>,
     outcomes: Vec<Outcome>,
+    /// Number of meshes on which a solution was sought.
+    sought: usize,
     /// Number of nodes and guaranteed error of each mesh so far that has one.
     errors: Vec<[f64; 2]>,
+    /// Part of the square of the error that the cells had that were marked last.
+    marked: f64,
+    /// Part of their square that their bisections are expected to take away.
+    gain: f64,
 }
 
 impl<'a> Meshes<'a> {
@@ -79,7 +91,10 @@ impl<'a> Meshes<'a> {
             y: None,
             judgement: None,
             outcomes: Vec::new(),
+            sought: 0,
             errors: Vec::new(),
+            marked: MARKED,
+            gain: GAIN,
         })
     }
 
@@ -94,6 +109,7 @@ impl<'a> Meshes<'a> {
 
     /// Solves on the finest mesh; returns the bounds, or the reason for which there are none.
     pub(super) fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
+        self.sought += 1;
         let network = &self.networks[self.networks.len() - 1].network;
         let found = components(network, &self.component_of, &self.load.load);
         let rounding = ROUNDING * self.load.size;
@@ -127,7 +143,7 @@ impl<'a> Meshes<'a> {
         *reason == NoBound::NotFinite || self.nodes() > MOST_WITHOUT_BOUND
     }
 
-    /// Solves, or improves the solution by some steps; returns the bounds.
+    /// Solves, or improves the interpolated solution by some steps; returns the bounds.
     fn improve(
         &mut self,
         steps: usize,
@@ -178,48 +194,86 @@ impl<'a> Meshes<'a> {
         })
     }
 
-    /// Adds the next mesh; false if it would have too many nodes. Without bounds all cells are bisected.
+    /// Adds the next meshes, the last of which is to be solved on; false if it would have too many nodes. Without bounds
+    /// all cells are bisected.
     pub(super) fn refine(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
-        let marked = match bounds {
-            Some(found) => self.marked(found),
-            None => (0..self.finest().cells().len() as u32).collect(),
-        };
-        let Bisected { mesh, sides, parents, origins } =
-            bisect(self.finest(), &self.sides, &marked)?;
-        // Without marked cells there is nothing to gain.
-        if mesh.points().len() > self.adaption.most_nodes || parents.is_empty() {
-            return Ok(false);
+        let bisected = self.bisected(bounds)?;
+        let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
+        let mut origins = Cow::Borrowed(&origins[..]);
+        for before in bisected.iter().rev().skip(1) {
+            let to_before = |&cell: &u32| before.origins[cell as usize];
+            origins = origins.iter().map(to_before).collect();
         }
         let before = CellsBefore { origins: &origins, f: &self.load.cells };
-        let (network, load) = among_threads(COST * mesh.points().len(), || {
-            let load = || mesh_load_after(before, &mesh, &self.f);
-            rayon::join(|| assemble_sides(&mesh, &sides), load)
+        let assemble = |made: &Bisected| assemble_sides(&made.mesh, &made.sides);
+        let (networks, load) = among_threads(COST * mesh.points().len(), || {
+            let networks = || bisected.par_iter().map(assemble).collect::<Vec<_>>();
+            rayon::join(networks, || mesh_load_after(before, mesh, &self.f))
         });
-        let level = NestedNetwork { network, parents };
-        self.y = self.y.take().map(|y| level.interpolate(&y));
-        for &[parent, _] in &level.parents {
-            self.component_of.push(self.component_of[parent as usize]);
-        }
         self.load = load?;
-        self.sides = sides;
-        self.all.push(mesh);
-        self.networks.push(level);
+        for (Bisected { mesh, sides, parents, .. }, network) in bisected.into_iter().zip(networks) {
+            let level = NestedNetwork { network, parents };
+            self.y = self.y.take().map(|y| level.interpolate(&y));
+            for &[parent, _] in &level.parents {
+                self.component_of.push(self.component_of[parent as usize]);
+            }
+            self.sides = sides;
+            self.all.push(mesh);
+            self.networks.push(level);
+        }
         Ok(true)
     }
 
-    /// Cells to be bisected.
-    fn marked(&self, LocalBounds { bounds, squares }: &LocalBounds) -> Vec<u32> {
-        let left = 1.0 - self.adaption.goal.square_left(bounds);
-        let fraction = (left / GAIN).clamp(LEAST_MARKED, MARKED);
-        let y = self.y.as_deref().unwrap_or_default();
-        match curve_shares(self.finest(), &self.sides, &self.load.cells.mean, y) {
-            None => largest_parts(squares, fraction),
-            Some(shares) => {
-                let mut squares = squares.clone();
-                shares.iter().for_each(|share| squares[share.cell as usize] += share.square);
-                largest_parts(&squares, fraction)
+    /// The next meshes, as many as there are bisections between two solutions; fewer if one would have too many nodes
+    /// or there is nothing to gain.
+    fn bisected(&mut self, bounds: Option<&LocalBounds>) -> Result<Vec<Bisected>, ProblemError> {
+        let (mut squares, fraction, times) = match bounds {
+            Some(found) => {
+                (self.squares(found), self.fraction(&found.bounds), self.adaption.bisections)
             }
+            None => (vec![1.0; self.finest().cells().len()], 1.0, 1),
+        };
+        let mut made: Vec<Bisected> = Vec::new();
+        for _ in 0..times {
+            let (mesh, sides) = match made.last() {
+                Some(last) => (&last.mesh, &last.sides),
+                None => (self.finest(), &self.sides),
+            };
+            let next = bisect(mesh, sides, &largest_parts(&squares, fraction))?;
+            if next.mesh.points().len() > self.adaption.most_nodes || next.parents.is_empty() {
+                break;
+            }
+            squares = expected_squares(&squares, &next.origins);
+            made.push(next);
         }
+        Ok(made)
+    }
+
+    /// Part of the square of the error that the cells to be marked have: all bisections until the goal is met are
+    /// expected to take away the same part of what is left.
+    fn fraction(&mut self, bounds: &Bounds) -> f64 {
+        let bisections = self.adaption.bisections as f64;
+        if let [.., [_, before], [_, now]] = self.errors[..] {
+            let left = libm::pow(now / before, 2.0 / bisections);
+            self.gain = ((1.0 - left) / self.marked).clamp(LEAST_GAIN, 1.0);
+        }
+        let left = AIM * self.adaption.goal.square_left(bounds);
+        let most = bisections * libm::log(1.0 - self.gain * MARKED);
+        let times = bisections * (libm::log(left) / most).ceil().max(1.0);
+        let marked = (1.0 - libm::pow(left, 1.0 / times)) / self.gain;
+        self.marked = marked.clamp(LEAST_MARKED, MARKED);
+        self.marked
+    }
+
+    /// Square of the error in each cell, with what the bounds do not feel.
+    fn squares(&self, found: &LocalBounds) -> Vec<f64> {
+        let mut squares = found.squares.clone();
+        let y = self.y.as_deref().unwrap_or_default();
+        let shares = curve_shares(self.finest(), &self.sides, &self.load.cells.mean, y);
+        for share in shares.into_iter().flatten() {
+            squares[share.cell as usize] += share.square;
+        }
+        squares
     }
 
     /// Problem on the meshes, with the solution.
@@ -244,6 +298,7 @@ impl<'a> Meshes<'a> {
             bounds,
             outcomes: self.outcomes,
             end,
+            meshes: self.sought,
         }
     }
 }
