@@ -17,10 +17,12 @@ pub(super) fn interrupted() -> &'static AtomicBool {
         let Ok(mut signals) = Signals::new(asked) else { return };
         let _ = std::thread::Builder::new().name("signals".into()).spawn(move || {
             for _ in signals.forever() {
-                if FLAG.swap(true, Ordering::Relaxed) {
+                if FLAG.load(Ordering::Relaxed) {
                     std::process::exit(i32::from(Error::Interrupted.exit_code()));
                 }
+                // The flag comes after: the error that ends the work is the last line.
                 talk("finishing what has begun; Ctrl-C again to stop at once");
+                FLAG.store(true, Ordering::Relaxed);
             }
         });
     });

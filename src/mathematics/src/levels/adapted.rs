@@ -123,8 +123,8 @@ impl AdaptedRun {
 }
 
 impl Adaption<'_> {
-    /// Number of bisections from one solution to the next that takes the least time: each mesh with a solution has three
-    /// to four times the nodes of the one before, and all of them together have half as many again as the last.
+    /// Number of bisections from one solution to the next that takes the least time: each mesh with a solution has
+    /// about three times the nodes of the one before, and all of them together half as many again as the last.
     pub const BISECTIONS: usize = 2;
 
     /// Solves on one mesh after the other until the goal is met, or no finer mesh is of use or allowed. `watch` is

@@ -32,8 +32,8 @@ struct Outlet {
 }
 
 impl Outlet {
-    /// Order by fitness for what is left in the end: fixed sides first, then sides with much room, for the paper's law much outflow.
-    /// Of two sides with equal room, the one with the smaller flux.
+    /// Order by fitness for what is left in the end: fixed sides first, then sides with much room, for the paper's law
+    /// much outflow. Of two sides with equal room, the one with the smaller flux.
     fn compare(&self, other: &Self) -> Ordering {
         let by_condition = other.is_fixed.cmp(&self.is_fixed);
         let by_room = by_condition.then(other.room.total_cmp(&self.room));

@@ -131,26 +131,34 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     /// If `y`, the network and the mesh have not the same number of nodes, or f and the mesh not the same number of
     /// cells.
     pub fn bounds(&self, y: &[f64]) -> Result<LocalBounds, NoBound> {
-        let &Self { mesh, sides, network, f, law } = self;
+        let &Self { mesh, network, f, law, .. } = self;
         assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
         let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
         assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
         let w = admissible(network, Slips::of_law(law), y);
-        let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, sides, network)?;
-        let summands = Summands { mesh, sides, f, y, w: &w, law, flux: &flux };
-        let found = combined(&summands);
+        let (found, slips) = self.bounds_through(&w, y)?;
         // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
-        let narrower = admissible(network, summands.slips(), y);
+        let narrower = admissible(network, slips, y);
         if narrower == w {
             return found;
         }
-        let w = narrower;
-        let flux = equilibrated(&Cells { mesh, w: &w, f: &f.mean, law }, sides, network)?;
-        let other = combined(&Summands { w: &w, flux: &flux, ..summands });
-        match (found, other) {
+        match (found, self.bounds_through(&narrower, y)?.0) {
             (Ok(found), Ok(other)) => Ok(found.intersection(other)),
             (found, other) => found.or(other),
         }
+    }
+
+    /// Bounds for the nodal vector `y` by a vector `w` in K near it, and the ends of the interval of the law that the
+    /// flux reaches.
+    fn bounds_through(
+        &self,
+        w: &[f64],
+        y: &[f64],
+    ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
+        let &Self { mesh, sides, network, f, law } = self;
+        let flux = equilibrated(&Cells { mesh, w, f: &f.mean, law }, sides, network)?;
+        let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
+        Ok((combined(&summands), summands.slips()))
     }
 
     /// Adds the lower bound of the error to bounds for a nodal vector.

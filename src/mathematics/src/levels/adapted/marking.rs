@@ -40,8 +40,8 @@ pub(super) fn largest_parts(squares: &[f64], fraction: f64) -> Vec<u32> {
     marked
 }
 
-/// Squares to be expected in the pieces of cells, from the squares in the cells; `origins` has the number of the cell of
-/// each piece, increasing. Where the solution is smooth, the square in a cell falls like the square of its area.
+/// Squares to be expected in the pieces of cells, from the squares in the cells; `origins` has the number of the cell
+/// of each piece, increasing. Where the solution is smooth, the square in a cell falls like the square of its area.
 pub(super) fn expected_squares(squares: &[f64], origins: &[u32]) -> Vec<f64> {
     let mut expected = Vec::with_capacity(origins.len());
     for pieces in origins.chunk_by(|a, b| a == b) {

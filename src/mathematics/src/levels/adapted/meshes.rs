@@ -194,8 +194,8 @@ impl<'a> Meshes<'a> {
         })
     }
 
-    /// Adds the next meshes, the last of which is to be solved on; false if it would have too many nodes. Without bounds
-    /// all cells are bisected.
+    /// Adds the next meshes, on the last of which a solution is sought; false if there is none that is allowed. Without
+    /// bounds all cells are bisected.
     pub(super) fn refine(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
         let bisected = self.bisected(bounds)?;
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
