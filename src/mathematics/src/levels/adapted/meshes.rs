@@ -258,10 +258,14 @@ impl<'a> Meshes<'a> {
             self.gain = ((1.0 - left) / self.marked).clamp(LEAST_GAIN, 1.0);
         }
         let left = AIM * self.adaption.goal.square_left(bounds);
-        let most = bisections * libm::log(1.0 - self.gain * MARKED);
-        let times = bisections * (libm::log(left) / most).ceil().max(1.0);
-        let marked = (1.0 - libm::pow(left, 1.0 / times)) / self.gain;
-        self.marked = marked.clamp(LEAST_MARKED, MARKED);
+        // While the bounds do not tell how much is left, it is much.
+        self.marked = MARKED;
+        if left > 0.0 {
+            let most = bisections * libm::log(1.0 - self.gain * MARKED);
+            let times = bisections * (libm::log(left) / most).ceil().max(1.0);
+            let marked = (1.0 - libm::pow(left, 1.0 / times)) / self.gain;
+            self.marked = marked.clamp(LEAST_MARKED, MARKED);
+        }
         self.marked
     }
 

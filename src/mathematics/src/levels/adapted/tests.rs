@@ -206,6 +206,19 @@ fn errors_fall_like_the_inverse_root_of_the_number_of_nodes() {
 }
 
 #[test]
+fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
+    let problem = known().into_iter().find(|problem| problem.name == "tiny source").unwrap();
+    let mut meshes: Vec<AdaptedMesh> = Vec::new();
+    let adaption = problem.adaption(ErrorGoal::Relative(0.2));
+    adaption.run(&mut |mesh| meshes.push(mesh.clone())).unwrap();
+    let tells = |mesh: &AdaptedMesh| mesh.bounds.as_ref().unwrap().relative().is_finite();
+    assert!(!tells(&meshes[1]), "the source is too small for the first meshes");
+    for pair in meshes.windows(2).filter(|pair| !tells(&pair[0])) {
+        assert!(pair[1].nodes > 2 * pair[0].nodes, "{} {}", pair[0].nodes, pair[1].nodes);
+    }
+}
+
+#[test]
 fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
     let adaption = problem.adaption(ErrorGoal::Relative(0.1));
