@@ -1,7 +1,6 @@
 //! Spanning trees of the cells: one for each part of the domain whose cells are connected through sides.
 
 use crate::mesh::{Neighbour, Sides};
-use std::ops::Range;
 
 /// Way of a cell without another one before it.
 const ROOT: u32 = u32::MAX;
@@ -61,8 +60,7 @@ impl CellForest {
 
     /// Cells of a tree.
     pub(super) fn cells(&self, tree: usize) -> &[u32] {
-        let range: Range<u32> = self.starts[tree]..self.starts[tree + 1];
-        &self.order[range.start as usize..range.end as usize]
+        &self.order[self.starts[tree] as usize..self.starts[tree + 1] as usize]
     }
 
     /// Root of a tree.

@@ -70,6 +70,7 @@ use lower::lower;
 use rayon::prelude::*;
 use ring::Ring;
 use std::borrow::Cow;
+use std::sync::OnceLock;
 use stream::circulate;
 use sums::Summands;
 
@@ -136,27 +137,30 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
         assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
         let w = admissible(network, Slips::of_law(law), y);
-        let (found, slips) = self.bounds_through(&w, y)?;
+        let forest = OnceLock::new();
+        let (found, slips) = self.bounds_through(&w, y, &forest)?;
         // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
         let narrower = admissible(network, slips, y);
         if narrower == w {
             return found;
         }
-        match (found, self.bounds_through(&narrower, y)?.0) {
+        match (found, self.bounds_through(&narrower, y, &forest)?.0) {
             (Ok(found), Ok(other)) => Ok(found.intersection(other)),
             (found, other) => found.or(other),
         }
     }
 
     /// Bounds for the nodal vector `y` by a vector `w` in K near it, and the ends of the interval of the law that the
-    /// flux reaches.
+    /// flux reaches. The forest of the cells is found by the first call.
     fn bounds_through(
         &self,
         w: &[f64],
         y: &[f64],
+        forest: &OnceLock<CellForest>,
     ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
         let &Self { mesh, sides, network, f, law } = self;
-        let flux = equilibrated(&Cells { mesh, w, f: &f.mean, law }, sides, network)?;
+        let cells = Cells { mesh, w, f: &f.mean, law };
+        let flux = equilibrated(&cells, sides, network, forest)?;
         let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
         Ok((combined(&summands), summands.slips()))
     }
@@ -243,6 +247,7 @@ fn equilibrated<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     network: &Network,
+    forest: &OnceLock<CellForest>,
 ) -> Result<Vec<f64>, NoBound> {
     let (mut flux, forest) = rayon::join(
         || {
@@ -252,9 +257,9 @@ fn equilibrated<const D: usize, const V: usize>(
             }
             flux
         },
-        || CellForest::new(sides, cells.f.len()),
+        || forest.get_or_init(|| CellForest::new(sides, cells.f.len())),
     );
-    balance(cells, sides, &forest, &mut flux)?;
+    balance(cells, sides, forest, &mut flux)?;
     Ok(flux)
 }
 

@@ -210,7 +210,7 @@ fn sigma_is_a_flux_for_every_vector() {
     let sides = Sides::new(&problem.mesh);
     let (mesh, f) = (&problem.mesh, &problem.f.mean);
     let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
-    let flux = equilibrated(&cells, &sides, &problem.network).unwrap();
+    let flux = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
     for (cell, mass) in (0..).zip(cells.masses()) {
         let outflow: f64 = sides.outflows(cell, &flux).iter().sum();
         assert!((outflow + mass).abs() < 1e-13);
