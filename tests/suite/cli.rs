@@ -283,9 +283,11 @@ fn solutions_are_written_for_numpy_and_paraview() {
 #[test]
 fn multigrid_stops_at_the_tolerance_asked_for() {
     let project = Project::with(TABLE);
-    for [domain, f] in [["square", "disc(0,0,0.25)=2; else=-1"], ["cube", "exact(free-disc)"]] {
+    let problems =
+        [["square", "disc(0,0,0.25)=2; else=-1", "1/32"], ["cube", "exact(free-disc)", "1/16"]];
+    for [domain, f, h] in problems {
         let solve = |more: &[&str]| {
-            let args = ["solve", "--json", "--domain", domain, "--f", f, "--h", "1/32"];
+            let args = ["solve", "--json", "--domain", domain, "--f", f, "--h", h];
             project.run(&[&args[..], &["--solver", "multigrid"], more].concat()).json()
         };
         let (floor, early) = (solve(&[]), solve(&["--tolerance", "1e-4"]));
