@@ -1,10 +1,11 @@
 //! A make for pure functions: tasks turn hashed bytes into hashed bytes, and a task that is up to date does not run.
 //!
 //! A [`Task`] names its inputs (a value, files, artifacts of other tasks) and computes its artifacts from them alone:
-//! its function is a pointer, which can hold nothing, and gets the value as it is read back from what is hashed. The [`Store`] keeps artifacts by content and, per task, a [`Manifest`]
-//! of every run: inputs and outputs by hash. The program itself is an input of every task. A task is
-//! up to date if some manifest has today's inputs and its artifacts are intact; since artifacts are
-//! inputs by content, tasks stay up to date if those that they need reproduce their artifacts bit for bit.
+//! its function is a pointer, which can hold nothing, and gets the value as it is read back from what is hashed. The
+//! [`Store`] keeps artifacts by content and, per task, a [`Manifest`] of every run: inputs and outputs by hash. The
+//! program itself is an input of every task. A task is up to date if some manifest has today's inputs and its artifacts
+//! are intact; since artifacts are inputs by content, tasks stay up to date if those that they need reproduce their
+//! artifacts bit for bit.
 //!
 //! Central is [`execute`], which walks a [`Plan`].
 
@@ -72,11 +73,11 @@ pub struct Inputs<'a> {
     /// Folder for temporary files, in no hash; after a run that was killed, the next run empties it.
     pub scratch: &'a Path,
     /// The program.
-    pub program: &'a Program,
+    pub program: &'a RunningProgram,
 }
 
 /// The program that runs the tasks: an input of each, by its digest.
-pub struct Program {
+pub struct RunningProgram {
     /// Digest of its sources, the compiler and its options.
     pub digest: String,
     /// Returns its commands, for the book: the `name` of each, empty for the program without a command, and its `help`.
@@ -96,7 +97,7 @@ pub struct Task {
     pub needs: Vec<String>,
     /// Project folder that gets a copy of every artifact.
     pub export: Option<&'static str>,
-    /// What determines the work together with files and artifacts.
+    /// Value that determines the work together with files and artifacts.
     value: Value,
     /// The value as it is hashed, by dotted keys.
     parameters: BTreeMap<String, String>,
@@ -148,7 +149,7 @@ pub fn stage(id: &str) -> &str {
 
 /// Tasks, each after all that it needs, and the program that is to run them.
 pub struct Plan {
-    program: Program,
+    program: RunningProgram,
     tasks: Vec<Task>,
     /// Position of each task.
     index: BTreeMap<String, usize>,
@@ -160,7 +161,7 @@ impl Plan {
     /// # Errors
     /// [`Error::Input`] if two tasks have the same id, an id is no relative path, or a task needs one that does not
     /// come before it.
-    pub fn new(program: Program, tasks: Vec<Task>) -> Result<Self> {
+    pub fn new(program: RunningProgram, tasks: Vec<Task>) -> Result<Self> {
         let mut index = BTreeMap::new();
         for (k, task) in tasks.iter().enumerate() {
             if !files::is_plain(&task.id) {
@@ -240,8 +241,8 @@ fn flatten(key: &str, value: &Value, out: &mut BTreeMap<String, String>) {
 
 /// Program of tests, with this digest.
 #[cfg(test)]
-fn program(digest: &str) -> Program {
-    Program { digest: digest.into(), commands: Vec::new }
+fn program(digest: &str) -> RunningProgram {
+    RunningProgram { digest: digest.into(), commands: Vec::new }
 }
 
 /// Returns the hexadecimal blake3 of some bytes.
@@ -319,6 +320,11 @@ mod tests {
         };
         let want: Vec<u8> = parts.r.iter().flat_map(|r| r.to_le_bytes()).chain([0]).collect();
         assert_eq!(task.make(&inputs).unwrap()["out"], want);
+    }
+
+    fn task(id: &str, needs: &[&str]) -> Task {
+        let needs = needs.iter().map(|need| (*need).to_owned()).collect();
+        Task::new(id, &(), needs, |(), _| Ok(Artifacts::new()))
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     asking.into_iter().map(|scene| task(project, scene, record.as_ref())).collect()
 }
 
-/// What is asked of a published table. Of the files that hold it, the rest may change freely.
+/// Questions on a published table. Of the files that hold them, the rest may change freely.
 #[derive(Serialize, Deserialize)]
 struct Asked {
     f: Source,

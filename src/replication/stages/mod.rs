@@ -14,7 +14,7 @@ pub(crate) mod solve;
 pub(crate) mod tabulate;
 
 use crate::pipeline::error::Result;
-use crate::pipeline::{InputFiles, Inputs, Plan, Program, Task, stage};
+use crate::pipeline::{InputFiles, Inputs, Plan, RunningProgram, Task, stage};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use clap::ValueEnum;
@@ -92,7 +92,7 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     if whole {
         tasks.push(report::task(project, &tasks));
     }
-    let program = Program { digest: PROGRAM.into(), commands: project.commands };
+    let program = RunningProgram { digest: PROGRAM.into(), commands: project.commands };
     let plan = Plan::new(program, tasks)?;
     Ok(match only {
         Some(stage) => plan.only(|id| Stage::of(id) == Some(stage)),

@@ -67,9 +67,9 @@ fn missing_setting(scene: &Scene) -> Option<String> {
     Some(format!("\"{missing}\" to `outputs`"))
 }
 
-/// What the pages show, besides artifacts and files.
+/// Scenes, tasks and programs that the pages show, besides artifacts and files.
 #[derive(Serialize, Deserialize)]
-struct Pages {
+struct BookParts {
     /// The paper's problems.
     problems: Vec<Scene>,
     /// The other scenes with a table.
@@ -78,15 +78,15 @@ struct Pages {
     left_out: Option<String>,
     /// Graph of all tasks.
     graph: Graph,
-    /// Where each figure comes from.
-    origins: Vec<Origin>,
+    /// Origin of each figure.
+    origins: Vec<FigureOrigin>,
     /// Programs that the settings of the book name, by their hashes.
     programs: BTreeMap<String, String>,
 }
 
 /// A figure, and what it is drawn from.
 #[derive(Serialize, Deserialize)]
-struct Origin {
+struct FigureOrigin {
     name: String,
     /// Id of the task.
     task: String,
@@ -109,20 +109,20 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         // A file that cannot be read is refused when the task runs.
         report::program_hashes(book_toml.bytes().unwrap_or_default())
     });
-    let pages = Pages {
+    let pages = BookParts {
         problems: project.problems().into_iter().cloned().collect(),
         others,
         left_out: left_out(project),
         graph,
-        origins: earlier.iter().filter_map(Origin::of).collect(),
+        origins: earlier.iter().filter_map(FigureOrigin::of).collect(),
         programs: programs.into_iter().flatten().collect(),
     };
     Task::new(ID, &pages, needs, made).with_files(files).exported_to("report")
 }
 
 /// Makes the pages and the book.
-fn made(pages: &Pages, inputs: &Inputs) -> Made {
-    let Pages { problems, others, left_out, graph, origins, .. } = pages;
+fn made(pages: &BookParts, inputs: &Inputs) -> Made {
+    let BookParts { problems, others, left_out, graph, origins, .. } = pages;
     if let Some(reason) = left_out {
         return book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)?));
     }
@@ -137,7 +137,7 @@ fn made(pages: &Pages, inputs: &Inputs) -> Made {
     })
 }
 
-impl Origin {
+impl FigureOrigin {
     /// Origin of the figure of a task; none if it draws none.
     fn of(task: &Task) -> Option<Self> {
         let name = task.id.strip_prefix("figures/")?;
@@ -158,7 +158,7 @@ fn book(
     for (path, file) in inputs.files {
         let bytes = file.bytes()?;
         let Some(name) = path.strip_prefix("report/") else {
-            // Pages may include files of the project.
+            // BookParts may include files of the project.
             files.insert(format!("../{path}"), bytes.to_vec());
             continue;
         };
@@ -264,7 +264,8 @@ mod tests {
         let project = Project::read(root).unwrap();
         let plan = plan(&project, &project.select(&[]).unwrap(), None).unwrap();
         let (mut files, mut count) = (BTreeSet::new(), 0);
-        for (task, origin) in plan.tasks().iter().filter_map(|task| Some((task, Origin::of(task)?)))
+        for (task, origin) in
+            plan.tasks().iter().filter_map(|task| Some((task, FigureOrigin::of(task)?)))
         {
             let read = origin.needs.iter().filter(|need| project.root.join(need).is_file());
             assert!(read.clone().eq(task.files.keys()), "{}", task.id);

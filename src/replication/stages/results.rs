@@ -38,7 +38,7 @@ pub(super) fn task(project: &Project) -> Option<Task> {
     (!is_empty).then(|| task.exported_to("report"))
 }
 
-/// What is joined, in the order of the rows, besides the outcomes of the solves.
+/// Scenes and published tables that are joined, in the order of the rows.
 #[derive(Serialize, Deserialize)]
 struct Joined {
     scenes: Vec<Solves>,
@@ -51,7 +51,7 @@ struct Solves {
     name: String,
     solver: Solver,
     paper_table: Option<u8>,
-    /// Number of grids; none on a mesh.
+    /// Number of grids of a published table.
     grids: Option<usize>,
     runs: Vec<SolveOfRun>,
 }
@@ -70,7 +70,7 @@ impl Solves {
             name: scene.name.clone(),
             solver: scene.solver,
             paper_table: scene.paper_table,
-            grids: scene.problem.square().map(|square| square.grids.len()),
+            grids: scene.paper_table.map(|_| scene.on_grids().grids.len()),
             runs: runs.map(|run| SolveOfRun { task: solve::id_of(scene, run), run }).collect(),
         }
     }

@@ -27,7 +27,7 @@ use signorini_mathematics::solvers::{self, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
 use std::collections::BTreeMap;
 
-/// What determines the artifacts of a cell, besides the file of a mesh.
+/// Settings that determine the artifacts of a cell, besides the file of a mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
     #[serde(flatten)]
