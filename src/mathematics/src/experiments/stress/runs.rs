@@ -87,21 +87,8 @@ impl<'a> StressLoads<'a> {
         }
     }
 
-    /// Runs for each power of ten.
-    fn over<const N: usize>(
-        &self,
-        exponents: impl IntoIterator<Item = i32>,
-        runs: impl Fn(f64) -> [(&'static str, StressJob); N],
-    ) -> Pending<f64> {
-        let mut pending = Vec::new();
-        for x in exponents.into_iter().map(power_of_ten) {
-            pending.push(StressCase::pending(x, runs(x)));
-        }
-        pending
-    }
-
     pub(super) fn duality(&self, loads: &Loads) -> Pending<f64> {
-        self.over(-8..=12, |r| {
+        over(-8..=12, |r| {
             [
                 ("signed", self.signed(&loads.coarse, r, self.plan.tolerance)),
                 ("strict", self.strict(&loads.coarse, r, Pair::zero(self.coarse))),
@@ -127,7 +114,7 @@ impl<'a> StressLoads<'a> {
     }
 
     pub(super) fn deficits(&self, odd: f64) -> Pending<f64> {
-        self.over((-14..=-1).rev(), |deficit| {
+        over((-14..=-1).rev(), |deficit| {
             let coarse = quadrants(self.coarse, odd, deficit);
             let fine = quadrants(self.fine, odd, deficit);
             [
@@ -139,7 +126,7 @@ impl<'a> StressLoads<'a> {
 
     pub(super) fn tolerances(&self, loads: &Loads) -> Pending<f64> {
         let load = &loads.coarse;
-        self.over((1..=9).map(|k| -2 * k), |tolerance| {
+        over((1..=9).map(|k| -2 * k), |tolerance| {
             let bound = tolerance * largest(load);
             let (grid, goal) = (self.coarse, Goal::Kkt(bound));
             [
@@ -229,11 +216,23 @@ impl<'a> StressLoads<'a> {
 
     /// Series over the size of a feature of f, which is given as a function of x, y and this size.
     fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64) -> Pending<f64> {
-        self.over(0..=15, |size| {
+        over(0..=15, |size| {
             let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
             [("multigrid", self.multigrid(&load, None))]
         })
     }
+}
+
+/// Runs for each power of ten.
+fn over<const N: usize>(
+    exponents: impl IntoIterator<Item = i32>,
+    runs: impl Fn(f64) -> [(&'static str, StressJob); N],
+) -> Pending<f64> {
+    let mut pending = Vec::new();
+    for x in exponents.into_iter().map(power_of_ten) {
+        pending.push(StressCase::pending(x, runs(x)));
+    }
+    pending
 }
 
 /// Value of a start at the node in a column and a row.
