@@ -1,6 +1,7 @@
 //! One run of a method on one grid or network, until its stopping rule is met.
 
 use super::Pair;
+use super::batch::{LaneEngine, Lanes, NetworkLanes, Order};
 use super::engine::{Engine, MeasureBound, RunStart, RunState, run_alone, within};
 use super::method::Method;
 use super::network::OnNetwork;
@@ -96,6 +97,11 @@ pub trait SaddleDomain: DiscreteDomain {
     fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
     where
         Self: 'a;
+
+    /// Engine for many runs.
+    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
+    where
+        Self: 'a;
 }
 
 impl SaddleDomain for Grid {
@@ -105,6 +111,13 @@ impl SaddleDomain for Grid {
     {
         Box::new(OnSquare::new(self, law, run))
     }
+
+    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(Lanes::new(self, Law::SIGNORINI, Order::Lexicographic, 1.0))
+    }
 }
 
 impl SaddleDomain for &Network {
@@ -113,6 +126,13 @@ impl SaddleDomain for &Network {
         Self: 'a,
     {
         Box::new(OnNetwork::new(self, law, run))
+    }
+
+    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(NetworkLanes::new(self))
     }
 }
 
