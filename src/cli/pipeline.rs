@@ -53,7 +53,7 @@ impl Workplace {
         project.commands = super::commands;
         let mut store = Store::new(&folder)?;
         store.known = KnownHashes::read(&project.root);
-        Ok(Self { store, project })
+        Ok(Self { project, store })
     }
 
     /// Returns the workplace; if asked, one that reads all files, also those that have not changed for all that the

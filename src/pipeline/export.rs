@@ -64,7 +64,8 @@ struct Export<'a> {
 impl<'a> WalkResults<'a> {
     /// Returns the lock file with these results.
     pub fn lock_file(&self) -> LockFile {
-        let tasks = self.manifests.iter().map(|(id, manifest)| (id.clone(), manifest.digest()));
+        let tasks =
+            self.manifests.iter().map(|(id, manifest)| (id.clone(), manifest.digest.clone()));
         let exports = self.exports().into_iter();
         LockFile {
             tasks: tasks.collect(),
@@ -196,7 +197,9 @@ impl Exports {
     /// files outside the folders of exports and inputs of tasks stay.
     fn remove_old(&mut self, project: &Path, results: &WalkResults, locked: &Hashes) -> Result<()> {
         let mut remove = BTreeSet::new();
-        for path in locked.keys().chain(self.written.0.keys()) {
+        // Nearly always the lock file has the exports of today.
+        let old = locked.keys().ne(self.files.keys()).then(|| locked.keys());
+        for path in old.into_iter().flatten().chain(self.written.0.keys()) {
             let folder = path.split('/').next().unwrap_or_default();
             if self.files.contains_key(path)
                 || !FOLDERS.contains(&folder)

@@ -63,7 +63,7 @@ impl InputFile {
         let Content { path, bytes, hash, .. } = &*self.0;
         let is_read = bytes.get().is_some() || hash.get().is_some();
         // What is known is not kept here: a run that uses the contents hashes them.
-        match known.of(path).filter(|_| !is_read) {
+        match if is_read { None } else { known.of(path) } {
             Some(known) => Ok(known),
             None => self.hash().map(str::to_owned),
         }

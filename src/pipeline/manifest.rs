@@ -17,9 +17,18 @@ pub struct Manifest {
     pub inputs: BTreeMap<String, String>,
     /// Artifact name -> hash.
     pub outputs: Hashes,
+    /// Hash of all artifacts with their names, as the record has them.
+    #[serde(skip)]
+    pub digest: String,
 }
 
 impl Manifest {
+    /// Returns the record of a run.
+    pub(super) fn new(task: String, inputs: BTreeMap<String, String>, outputs: Hashes) -> Self {
+        let digest = hash(&serde_json::to_vec(&outputs).expect("hashes are plain data"));
+        Self { task, inputs, outputs, digest }
+    }
+
     /// Returns the line to store: the seal and the record.
     pub(super) fn to_line(&self) -> String {
         let json = self.to_json();
@@ -29,8 +38,8 @@ impl Manifest {
     /// Returns the manifest in a stored line; `None` if the line was truncated or edited, or names a path outside the
     /// cache or an export's folder.
     pub(super) fn from_line(line: &[u8]) -> Option<Self> {
-        let manifest: Self = serde_json::from_slice(sealed(line)?).ok()?;
-        are_safe(&manifest.outputs).then_some(manifest)
+        let Self { task, inputs, outputs, .. } = serde_json::from_slice(sealed(line)?).ok()?;
+        are_safe(&outputs).then(|| Self::new(task, inputs, outputs))
     }
 
     /// Returns the manifest in a stored line, as [`Manifest::from_line`], if it is of this task with these inputs. They
@@ -47,9 +56,10 @@ impl Manifest {
             rest = after_text(rest.strip_prefix(b":")?, value)?;
             before = b",";
         }
-        let outputs = rest.strip_prefix(b"},\"outputs\":")?.strip_suffix(b"}")?;
-        let outputs: Hashes = serde_json::from_slice(outputs).ok().filter(are_safe)?;
-        Some(Self { task: task.into(), inputs: inputs.clone(), outputs })
+        let stored = rest.strip_prefix(b"},\"outputs\":")?.strip_suffix(b"}")?;
+        let outputs: Hashes = serde_json::from_slice(stored).ok().filter(are_safe)?;
+        let digest = hash(stored);
+        Some(Self { task: task.into(), inputs: inputs.clone(), outputs, digest })
     }
 
     /// Returns a hash of the whole record, with which an edited record is recognised; it is also the name of the run.
@@ -59,11 +69,6 @@ impl Manifest {
 
     fn to_json(&self) -> String {
         serde_json::to_string(self).expect("a manifest is plain data")
-    }
-
-    /// Returns the hash of all artifacts with their names.
-    pub fn digest(&self) -> String {
-        hash(&serde_json::to_vec(&self.outputs).expect("hashes are plain data"))
     }
 }
 
@@ -232,11 +237,11 @@ mod tests {
     use super::*;
 
     fn sample() -> Manifest {
-        Manifest {
-            task: "solve/a".into(),
-            inputs: BTreeMap::from([("parameter r".into(), "10".into())]),
-            outputs: BTreeMap::from([("cell.json".into(), hash(b"x"))]),
-        }
+        Manifest::new(
+            "solve/a".into(),
+            BTreeMap::from([("parameter r".into(), "10".into())]),
+            BTreeMap::from([("cell.json".into(), hash(b"x"))]),
+        )
     }
 
     #[test]

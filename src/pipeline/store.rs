@@ -226,7 +226,7 @@ impl Store {
             }
             outputs.insert(name.clone(), hash);
         }
-        let manifest = Manifest { task: task.into(), inputs, outputs };
+        let manifest = Manifest::new(task.into(), inputs, outputs);
         self.renew(&manifest)?;
         Ok(manifest)
     }
