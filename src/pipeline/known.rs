@@ -139,6 +139,8 @@ fn time(folder: &Path) -> io::Result<(u64, u64)> {
     let file = tempfile::tempfile_in(folder)?;
     file.set_modified(SystemTime::UNIX_EPOCH + Duration::from_secs(1))?;
     let there = file.metadata()?;
+    // On systems that do not tell, nothing is noted.
+    state(&there).ok_or(io::ErrorKind::Unsupported)?;
     Ok((device(&there), changed(&there)))
 }
 
