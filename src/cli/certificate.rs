@@ -60,7 +60,7 @@ pub(super) struct CertificateArgs {
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let reviewer = Reviewer::read(args)?;
-    let workplace = Workplace::open(&args.cache)?;
+    let workplace = Workplace::open(&args.cache)?.verifying(true);
     let folder = match &args.output {
         Some(folder) => is_there(folder).map(|()| folder.clone())?,
         None => workplace.project.root.join("codecheck"),
@@ -188,8 +188,7 @@ fn up_to_date(workplace: &Workplace, plan: &Plan) -> Result<Summary> {
     } else if !summary.nothing_to_do() {
         "files in figures/ or report/ are missing or old".into()
     } else {
-        let differences =
-            LockFile::read(&workplace.project.root)?.differences(&summary.lock_file());
+        let differences = LockFile::read(&workplace.project.root)?.differences(&summary.lock_file);
         match differences.first() {
             Some(first) => format!(
                 "pipeline/lock.toml differs from this run in {} hashes ({first})",
@@ -214,7 +213,7 @@ fn context(
     let project = &workplace.project;
     let is_compared = !tables.is_empty();
     let lock = LockFile::path(&project.root);
-    let lock_file = summary.lock_file();
+    let lock_file = &summary.lock_file;
     let reservations = if is_compared { reservations(project) } else { Vec::new() };
     let sentences = sentences(project, tables);
     let name = match is_compared {

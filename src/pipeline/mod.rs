@@ -18,6 +18,7 @@ pub(crate) mod files;
 mod garbage;
 mod graph;
 mod input;
+mod known;
 mod lock;
 mod lockfile;
 mod manifest;
@@ -35,6 +36,7 @@ pub use export::{Edited, Editor, Exports, Rights, WalkResults};
 pub use garbage::Garbage;
 pub use graph::{Graph, GraphNode};
 pub use input::{InputFile, InputFiles};
+pub use known::KnownHashes;
 pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Manifest, Reason, Verdict, why};
@@ -252,7 +254,9 @@ pub fn hash(bytes: &[u8]) -> String {
 
 /// True if the text has the form of a hash that this program writes.
 fn is_hash(text: &str) -> bool {
-    text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
+    // Of the digits, the one that the same number gives again: this is code that is not optimised.
+    let number = blake3::Hash::from_hex(text);
+    number.is_ok_and(|number| *number.to_hex() == *text)
 }
 
 #[cfg(test)]

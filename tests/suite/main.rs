@@ -33,6 +33,7 @@ mod identify;
 mod identify_cli;
 mod init;
 mod interruption;
+mod known;
 mod last_lines;
 mod law_bounds;
 mod law_commands;
