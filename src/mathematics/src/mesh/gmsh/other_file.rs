@@ -17,7 +17,7 @@ pub struct OtherFile {
 type Beginning = (&'static [u8], &'static str, &'static str);
 
 const UNPACK: &str = "unpack it, and give the mesh that is inside";
-const CONVERT: &str = "convert it with `meshio convert FILE mesh.msh --output-format gmsh`";
+const CONVERT: &str = "convert it with `meshio convert FILE mesh.msh --output-format gmsh22`";
 const MESH: &str = "mesh it with `gmsh -2 FILE -o mesh.msh`, in space with -3";
 const SURFACE: &str = "mesh its inside, as a volume, in Gmsh, and save that as .msh";
 const DOWNLOAD: &str = "download the mesh itself";
@@ -149,11 +149,11 @@ mod tests {
             (b"PK\x03\x04", "is a ZIP archive; unpack it, and give the mesh that is inside"),
             (
                 b"# vtk DataFile Version 2.0\n",
-                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh`",
+                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh22`",
             ),
             (
                 b"<?xml version=\"1.0\"?>\n<!-- disc -->\n<VTKFile type=\"UnstructuredGrid\">",
-                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh`",
+                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh22`",
             ),
             (
                 b"$NOD\r\n4\r\n",
