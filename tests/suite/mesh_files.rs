@@ -227,17 +227,3 @@ fn regions_and_local_errors_are_in_files_of_any_mesh() {
         }
     }
 }
-
-#[test]
-fn the_last_of_adapted_meshes_is_named_by_its_nodes() {
-    let project = Project::with(TABLE);
-    let f = "formula(-2+sin(1e5*x)*sin(7e4*y))";
-    let args = ["solve", "--domain", "lshape", "--f", f, "--accuracy", "0.3", "--json"];
-    let json = project.run(&args).json();
-    let nodes = json["nodes"].as_u64().unwrap();
-    let warnings = json["warnings"].to_string();
-    assert!(
-        warnings.contains(&format!("quadrature of f on the mesh of {nodes} nodes misses")),
-        "{json}"
-    );
-}

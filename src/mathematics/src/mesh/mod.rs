@@ -110,7 +110,7 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) parts: Vec<Part<D>>,
     /// Names of facets that all lie inside the domain.
     pub(crate) inside: Vec<String>,
-    /// What is to be told of places where the domain touches itself, in a line each.
+    /// Lines to be told of places where the domain touches itself.
     pub(crate) touching: Vec<String>,
     /// Place of the mesh in its file, and what was read otherwise than it stands there.
     pub(crate) origin: MeshOrigin,
@@ -214,7 +214,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &mut self.parts
     }
 
-    /// What is to be told of places where the domain touches itself with nodes of both sides, in a line each.
+    /// Lines to be told of places where the domain touches itself with nodes of both sides.
     pub fn touching(&self) -> &[String] {
         &self.touching
     }

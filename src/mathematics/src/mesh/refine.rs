@@ -269,8 +269,8 @@ mod tests {
         disc.parts_mut()[0].curve = Some(Round::sphere([0.0; 2], 0.1));
         assert_eq!(
             refine(&disc).err().unwrap().to_string(),
-            "element 0 turns inside out, or a piece of it, when the new nodes of part `rim` are put on its curve; begin \
-             with a finer mesh there"
+            "element 0 turns inside out, or a piece of it, when the new nodes of part `rim` are put on its curve; \
+             begin with a finer mesh there"
         );
         let refused = MeshError::TooManyNodes { cells: 1 << 40 }.to_string();
         assert_eq!(refused, "1099511627776 elements are more than 32 bits number; refine less");

@@ -360,7 +360,8 @@ mod tests {
             let fault = read(alone.replace(from, to).as_bytes()).unwrap_err().to_string();
             assert!(fault.starts_with(said), "{fault}");
         }
-        let nothing = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n$Elements\n0 0 0 0\n$EndElements\n";
+        let nothing = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n\
+            $Elements\n0 0 0 0\n$EndElements\n";
         let nothing = nothing.replace("$Nodes", &format!("{entity}$Nodes"));
         let fault = read(nothing.as_bytes()).unwrap_err().to_string();
         assert_eq!(

@@ -3,7 +3,6 @@
 use super::error::{Fault, GmshError};
 use super::groups::{Entities, GroupSets};
 use super::nodes::{FileNodes, blocks, entity};
-use super::quadrangles::collapsed;
 use super::scanner::{Scanner, Version};
 use std::collections::BTreeSet;
 
@@ -15,6 +14,21 @@ pub(super) struct FileElement<const K: usize> {
     pub(super) nodes: [u32; K],
     /// Position of the set of its physical groups.
     pub(super) groups: u32,
+}
+
+impl FileElement<4> {
+    /// Triangle that a quadrangle with the same node at both ends of a side is.
+    fn collapsed(&self) -> Option<FileElement<3>> {
+        let &Self { tag, nodes: [a, b, c, d], groups } = self;
+        let nodes = if a == b || b == c {
+            [a, c, d]
+        } else if c == d || d == a {
+            [a, b, c]
+        } else {
+            return None;
+        };
+        Some(FileElement { tag, nodes, groups })
+    }
 }
 
 /// Elements by kind, in the order of the file.
@@ -208,7 +222,7 @@ impl FileElements {
             Outline::Triangle => self.triangles.push(element(scanner, nodes, head)?),
             Outline::Quadrangle => {
                 let quadrangle = element(scanner, nodes, head)?;
-                match collapsed(&quadrangle) {
+                match quadrangle.collapsed() {
                     Some(triangle) => {
                         self.triangles.push(triangle);
                         self.collapsed += 1;

@@ -70,7 +70,8 @@ pub enum GmshError {
     },
     /// A line or triangle apart from the domain that a group names.
     #[error(
-        "element {element} is a {kind} on no {cell}, and in a group: the file mixes dimensions; take it out of the group"
+        "element {element} is a {kind} on no {cell}, and in a group: the file mixes dimensions; take it out of the \
+         group"
     )]
     Mixed {
         /// Number of the line or triangle.

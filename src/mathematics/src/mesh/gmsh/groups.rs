@@ -94,7 +94,7 @@ struct Entity {
     partitions: Vec<u64>,
 }
 
-/// What stands between the number of an entity and its place.
+/// Words between the number of an entity and its place.
 #[derive(Default)]
 struct EntityOrigin {
     /// Entity whose groups it has too.

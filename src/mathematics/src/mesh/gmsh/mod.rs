@@ -2,7 +2,8 @@
 //!
 //! Triangles and tetrahedra are read, those of higher order by their corners, and quadrangles, which a diagonal cuts;
 //! physical groups name regions and parts of the boundary. Sections may be repeated, and a mesh may be partitioned, if
-//! one file has all partitions. The reader is our own because the crate `mshio` reads version 4.1 only, and has had no release for years.
+//! one file has all partitions. The reader is our own because the crate `mshio` reads version 4.1 only, and has had no
+//! release for years.
 
 mod build;
 mod elements;

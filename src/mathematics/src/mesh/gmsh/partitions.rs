@@ -49,7 +49,7 @@ mod tests {
     const TWO: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\
         $Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n\
         $Elements\n2\n1 2 4 0 1 1 1 1 2 3\n2 2 4 0 1 1 2 1 3 4\n$EndElements\n";
-    /// Its entities in version 4.
+    /// Entities of the square in version 4.
     const ENTITIES: &str = "$Entities\n0 0 2 0\n1 0 0 0 1 1 0 0 0\n2 0 0 0 1 1 0 0 0\n$EndEntities\n\
         $PartitionedEntities\n2\n1\n9 2\n0 0 2 0\n3 2 1 1 1 0 0 0 1 1 0 0 0\n4 2 2 1 2 0 0 0 1 1 0 0 0\n\
         $EndPartitionedEntities\n";
@@ -58,7 +58,7 @@ mod tests {
     const FOUR_ONE: &str =
         "$Nodes\n1 4 1 4\n2 3 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n$Elements\n";
 
-    /// What is said of a file in version 4.0 or 4.1, if it is refused.
+    /// Refusal of a file in version 4.0 or 4.1, if it is refused.
     fn said_of(version: &str, entities: &str, elements: &str) -> Option<String> {
         let nodes = if version == "4.0" { FOUR_ZERO } else { FOUR_ONE };
         let head = format!("$MeshFormat\n{version} 0 8\n$EndMeshFormat\n");

@@ -10,19 +10,6 @@ const SAME_LENGTH: f64 = 1e-9;
 /// Area of a triangle over the square of its longest side, up to which it is flat.
 const FLAT: f64 = 1e-9;
 
-/// Returns the triangle that a quadrangle with the same node at both ends of a side is.
-pub(super) fn collapsed(quadrangle: &FileElement<4>) -> Option<FileElement<3>> {
-    let &FileElement { tag, nodes: [a, b, c, d], groups } = quadrangle;
-    let nodes = if a == b || b == c {
-        [a, c, d]
-    } else if c == d || d == a {
-        [a, b, c]
-    } else {
-        return None;
-    };
-    Some(FileElement { tag, nodes, groups })
-}
-
 /// Returns the triangles into which the shorter diagonal cuts a quadrangle in the plane, or the one that lies inside;
 /// of two as long, the one through the first corner.
 ///
