@@ -27,6 +27,7 @@ mod names;
 mod nested;
 mod origin;
 mod overlap;
+mod pinched;
 mod refine;
 mod same_place;
 mod sides;

@@ -29,7 +29,14 @@ impl fmt::Display for Touching {
         let Self { nodes: [one, two], components, count, what } = self;
         let plural = if *count == 1 { "" } else { "s" };
         let touches = format!("{count} {what}{plural}");
-        write!(f, "nodes {one} and {two} have the same place: the domain ")?;
+        let is_pinched = one == two;
+        match is_pinched {
+            true => write!(
+                f,
+                "node {one} is read as a node of each side that meets there: the domain "
+            )?,
+            false => write!(f, "nodes {one} and {two} have the same place: the domain ")?,
+        }
         let join = match (components, *what) {
             (1, "node") => {
                 write!(f, "touches itself in {touches}, where v has a value for each side")?;
@@ -46,6 +53,9 @@ impl fmt::Display for Touching {
                 "join them"
             }
         };
+        if is_pinched {
+            return Ok(());
+        }
         write!(f, "; in Gmsh, `Coherence`, fragments or `removeDuplicateNodes` {join}")
     }
 }
@@ -164,7 +174,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
 }
 
 /// Root of the tree of a node; halves the way to it.
-fn root(above: &mut [u32], mut node: u32) -> u32 {
+pub(super) fn root(above: &mut [u32], mut node: u32) -> u32 {
     while above[node as usize] != node {
         above[node as usize] = above[above[node as usize] as usize];
         node = above[node as usize];
