@@ -27,6 +27,11 @@ pub enum MeshSourceError {
     /// As on the square.
     #[error(transparent)]
     Source(#[from] SourceError),
+    /// A region without a value, or with a name whose end is not to be told.
+    #[error(
+        "cannot read `{0}` in f; write region(NAME)=VALUE, a name with = or ; in quotes, as in region(\"a=b\")=-1"
+    )]
+    Region(String),
     /// A region that the mesh has not.
     #[error("f names the region `{name}`, which the mesh has not; its regions are {regions}")]
     UnknownRegion {
@@ -55,6 +60,9 @@ impl<const D: usize> MeshSource<D> {
         let mut rest = Vec::new();
         for item in items(text) {
             let Some((name, value)) = region(item) else {
+                if item.starts_with(REGION) {
+                    return Err(MeshSourceError::Region(item.into()));
+                }
                 rest.push(item);
                 continue;
             };
@@ -134,6 +142,8 @@ fn set_named<const D: usize>(
     })
 }
 
+/// Beginning of a region.
+const REGION: &str = "region(";
 /// Beginning of a region with its name in quotes, and the end of the name.
 const QUOTED: [&str; 2] = ["region(\"", "\")"];
 
@@ -159,7 +169,7 @@ fn region(item: &str) -> Option<(&str, &str)> {
         return Some((name, rest.trim_start().strip_prefix('=')?.trim()));
     }
     let (left, value) = item.split_once('=')?;
-    let name = left.trim().strip_prefix("region(")?.strip_suffix(')')?;
+    let name = left.trim().strip_prefix(REGION)?.strip_suffix(')')?;
     Some((name.trim(), value.trim()))
 }
 
@@ -230,6 +240,10 @@ mod tests {
         ] {
             let f = MeshSource::<2>::read(text, &odd, 1.0).unwrap();
             assert_eq!([f.at(0, [0.0; 2]), f.at(1, [0.0; 2])], [1.0, 2.0], "{text}");
+        }
+        for text in ["region(a=b; c)=1; else=2", "region(d); else=1"] {
+            let said = MeshSource::<2>::read(text, &odd, 1.0).unwrap_err().to_string();
+            assert!(said.contains("a name with = or ; in quotes"), "{said}");
         }
         let said = MeshSource::<2>::read("region(core)=1; region(shell)=2", &both, 1.0);
         assert_eq!(said.unwrap_err(), MeshSourceError::TwoValues("core, shell".into()));
