@@ -9,7 +9,9 @@ use crate::timing::machine;
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, moved_on};
-use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem};
+use signorini_mathematics::levels::{
+    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, ProblemError,
+};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
@@ -152,7 +154,8 @@ impl StatedProblem {
     ) -> Result<AdaptedRun> {
         accuracy.check(written)?;
         let asked = written.text(accuracy);
-        let (Place::Mesh(OnMesh { f, .. }), AnyMesh::Plane(coarsest)) = (&self.place, coarsest)
+        let (Place::Mesh(OnMesh { f, domain, .. }), AnyMesh::Plane(coarsest)) =
+            (&self.place, coarsest)
         else {
             return Err(Error::input(format!(
                 "{asked}: meshes are adapted in the plane alone; in space, choose how fine by the number of refinements"
@@ -164,7 +167,10 @@ impl StatedProblem {
         let bisections = Adaption::BISECTIONS;
         let run =
             Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections }.run(watch);
-        run.map_err(|e| Error::input(format!("{asked}: {e}")))
+        run.map_err(|e| match e {
+            ProblemError::Mesh(e) => Error::input(format!("{}: {e}", domain.name)),
+            e => Error::input(format!("{asked}: {e}")),
+        })
     }
 
     /// As [`StatedProblem::adapted`], for a scene, whose mesh is read from these files. The end is that of the goal.
