@@ -1,7 +1,7 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
 use super::interrupt::interrupted;
-use super::output::{OutputFile, say, say_json, talk};
+use super::output::{OutputFile, in_columns, say, say_json, talk};
 use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
@@ -140,7 +140,7 @@ fn multigrid(timings: &Timings) -> String {
             format!("{:.1}", line.traffic / timings.bandwidth),
         ]);
     }
-    table.text()
+    in_columns(&table)
 }
 
 /// Returns a table for each problem.
@@ -160,7 +160,7 @@ fn solvers(timings: &Timings) -> String {
                 percent(line.spread),
             ]);
         }
-        text += &format!("\n{problem}\n{}", table.text());
+        text += &format!("\n{problem}\n{}", in_columns(&table));
     }
     text
 }
@@ -216,7 +216,7 @@ fn spectral(timings: &Timings) -> String {
             percent(line.spread),
         ]);
     }
-    table.text()
+    in_columns(&table)
 }
 
 fn adapted(timings: &Timings) -> String {
@@ -230,7 +230,7 @@ fn adapted(timings: &Timings) -> String {
             format!("{:.6}", line.seconds),
         ]);
     }
-    table.text()
+    in_columns(&table)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `diff`: comparison of our tables with the published ones.
 
 use super::CacheArgs;
-use super::output::{fitted, say, say_json, styled};
+use super::output::{in_columns, paragraph, say, say_json, styled};
 use super::pipeline::Workplace;
 use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
@@ -102,7 +102,7 @@ fn legend(tables: &[TableComparison]) -> String {
         tables.iter().flat_map(|table| &table.rows).any(|row| row.capped.contains(&true));
     let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
     let marks = coloured(&format!("= exact, ~ within tolerance, ! outside{capped}"));
-    format!("{marks}\n{}\n", total(tables))
+    format!("{marks}\n{}\n", paragraph(&total(tables)))
 }
 
 /// Returns text with its marks in colours.
@@ -165,9 +165,6 @@ impl Mark {
     }
 }
 
-/// Columns of the lines.
-const WIDTH: usize = 80;
-
 /// Returns three statements: on the counts, on Delta a, and on the tolerance of both.
 fn summary(table: &TableComparison) -> [String; 3] {
     let TableComparison { exact, cells, within_tolerance, .. } = table;
@@ -195,8 +192,8 @@ fn text(table: &TableComparison, grids: &[String]) -> String {
         shown.rows.push(cells);
     }
     let title = styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan);
-    let summary = fitted(&summary(table).join("\n"), WIDTH);
-    format!("{title}: ours, then the paper's\n{}{summary}\n", coloured(&shown.text()))
+    let summary = paragraph(&summary(table).join("\n"));
+    format!("{title}: ours, then the paper's\n{}{summary}\n", coloured(&in_columns(&shown)))
 }
 
 fn markdown(table: &TableComparison, grids: &[String]) -> String {

@@ -6,7 +6,7 @@ mod watch;
 
 use super::current_folder;
 use super::interrupt::interrupted;
-use super::output::{say, say_json};
+use super::output::{say_json, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
@@ -72,7 +72,7 @@ fn find(args: &IdentifyArgs, asked: &Search) -> Result<()> {
         say_json(&serde_json::json!({ "schema": 1, "problems": answers }))?;
     } else {
         let parts: Vec<_> = answers.iter().map(table::found).collect();
-        say(&(parts.join("\n") + table::LEGEND))?;
+        tell(&(parts.join("\n") + table::LEGEND))?;
     }
     Ok(())
 }
@@ -119,7 +119,7 @@ fn compare(args: &IdentifyArgs, asked: &Search) -> Result<()> {
     if args.json {
         say_json(&serde_json::json!({ "schema": 1, "problems": numbers, "readings": readings }))?;
     } else {
-        say(&table::readings(&readings, &numbers))?;
+        tell(&table::readings(&readings, &numbers))?;
     }
     Ok(())
 }

@@ -221,6 +221,10 @@ pub fn main() -> ExitCode {
                 e.remove(ContextKind::SuggestedArg);
                 e.remove(ContextKind::Usage);
             }
+            if e.kind() == ErrorKind::ArgumentConflict {
+                // The usage is that of one of the two options.
+                e.remove(ContextKind::Usage);
+            }
             let e = e.format(&mut command);
             if e.use_stderr() {
                 let _ = e.print();

@@ -178,3 +178,16 @@ fn commands_with_a_mistake_are_recognised_whatever_options_follow() {
     assert!(said.code == Some(2) && !said.err.contains("--force"), "{said:?}");
     assert_eq!(project.run(&["list", "--json"]).json()["schema"], 1);
 }
+
+#[test]
+fn a_fixed_part_is_said_to_carry_what_the_contact_does_not() {
+    let said = "\nfixed parts carry the difference\n";
+    let f = ["--domain", "annulus", "--refine", "2", "--f", "else=-1"];
+    let (text, json) = answer(&[&f[..], &["--fixed", "inner"]].concat());
+    let forces = numbers(&text, "contact force ");
+    assert!(text.contains(said) && forces[0] < 0.9 * forces[1], "{text}");
+    assert!(near(forces[0], &json["force"]));
+    for free in [&f[..], &[&f[..], &["--free", "inner"]].concat()] {
+        assert!(!answer(free).0.contains(said));
+    }
+}

@@ -248,7 +248,7 @@ fn files_are_checked_before_the_work_and_answers_shown_in_any_case() {
     let project = Project::with(TABLE);
     fs::create_dir(project.path("folder.npy")).unwrap();
     for (out, remedy) in [
-        ("missing/v.vti", "no such folder"),
+        ("missing/folder/v.vti", "no such folder"),
         ("folder.npy", "it is a folder"),
         ("/proc/v.vti", "name a file elsewhere"),
         ("v.doc", "unknown ending"),
@@ -258,6 +258,9 @@ fn files_are_checked_before_the_work_and_answers_shown_in_any_case() {
         assert!(project.run(&args).refusal().contains(remedy), "{out}");
     }
     assert!(project.files("").keys().all(|name| !name.contains("trial")), "no traces");
+    // The last folder is made, as `init` does.
+    project.run(&["solve", "--f", "else=-1", "--h", "1/8", "--out", "missing/v.vti"]).lines();
+    assert!(project.path("missing/v.vti").is_file());
     // A file that can be opened but not be written to its end.
     let said = limited(
         "ulimit -f 0",

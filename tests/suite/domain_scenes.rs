@@ -308,7 +308,7 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
         assert!(reached <= accuracy, "{name}: {reached}");
         let error = 100.0 * json["bound"]["relative"]["error"].as_f64().unwrap();
         let error = signorini_mathematics::problem::text::plain(error, 3);
-        let title = format!(">Plate, error at most {error} %</text>");
+        let title = format!(">error at most {error} %</text>");
         assert!(svg.contains(&title), "{title}");
         assert!(svg.contains("<desc>Guaranteed: true energy in [-0.0417"), "{svg}");
     }

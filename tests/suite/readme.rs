@@ -33,6 +33,30 @@ fn blocks(page: &str) -> Vec<(String, String)> {
     blocks
 }
 
+#[test]
+fn what_is_to_be_copied_fits_its_box() {
+    /// Columns of a block of code in a window 1280 pixels wide.
+    const COLUMNS: usize = 90;
+    let mut long = Vec::new();
+    let folder = Path::new(ROOT).join("report/templates");
+    let pages = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+    let pages = pages.filter(|path| path.extension().is_some_and(|ending| ending == "tera"));
+    for page in pages.chain([Path::new(ROOT).join("README.md")]) {
+        for (language, text) in blocks(page.to_str().unwrap()) {
+            if ["sh", "toml", "python"].contains(&&*language) {
+                long.extend(
+                    text.lines().filter(|l| l.chars().count() > COLUMNS).map(str::to_owned),
+                );
+            }
+        }
+    }
+    for scene in ["plate", "regions", "free-corner"] {
+        let text = fs::read_to_string(format!("{ROOT}/pipeline/scenes/{scene}.toml")).unwrap();
+        long.extend(text.lines().filter(|l| l.chars().count() > COLUMNS).map(str::to_owned));
+    }
+    assert!(long.is_empty(), "{long:#?}");
+}
+
 /// Runs a README line in `project`, with the program that the tests built instead of `cargo run`.
 fn run(line: &str, project: &Path) -> Output {
     let program = format!("'{}'", env!("CARGO_BIN_EXE_signorini"));

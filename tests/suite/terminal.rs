@@ -52,6 +52,8 @@ fn lines_are_broken_between_words_where_the_terminal_ends() {
     let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };
     assert!(shown.lines().all(|line| line.chars().count() <= 60), "{shown}");
     assert!(shown.contains("warning: the load vector sums to "), "{shown}");
+    // A table has its last columns left out, and no cell on a line of its own.
+    assert!(shown.contains("\nno room for: "), "{shown}");
     let line = format!(
         "stty rows 24 cols 40; '{}' run nobody-of-this-name",
         env!("CARGO_BIN_EXE_signorini")
@@ -61,6 +63,21 @@ fn lines_are_broken_between_words_where_the_terminal_ends() {
     assert!(shown.lines().all(|line| line.chars().count() <= 40), "{shown}");
     // What is no terminal gets the line as it is.
     assert!(project.run(&["run", "nobody-of-this-name"]).refusal().len() > 40);
+}
+
+#[test]
+fn tables_of_narrow_terminals_lack_columns_and_no_cell_is_broken() {
+    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
+    let program = env!("CARGO_BIN_EXE_signorini");
+    for (command, columns, missing) in
+        [("diff", 20, Some("Delta a")), ("diff", 80, None), ("list", 40, None)]
+    {
+        let line = format!("stty rows 24 cols {columns}; '{program}' {command}");
+        let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };
+        assert!(shown.lines().all(|line| line.chars().count() <= columns), "{shown}");
+        assert_eq!(shown.contains("\nno room for: "), missing.is_some(), "{shown}");
+        assert!(missing.is_none_or(|missing| shown.contains(missing)), "{shown}");
+    }
 }
 
 #[test]

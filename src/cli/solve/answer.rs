@@ -3,8 +3,9 @@
 use super::advice::{self, Warning};
 use super::bound::{self, BoundaryWords};
 use super::request::Request;
-use crate::cli::output::{columns, fitted};
+use crate::cli::output::{in_columns, paragraph};
 use crate::cli::shown::brief;
+use crate::table::Table;
 use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Bounds, NoBound};
@@ -19,9 +20,6 @@ use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
 use std::time::Duration;
-
-/// Columns of the settings, which may be many.
-const WIDTH: usize = 80;
 
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -281,9 +279,12 @@ impl Answer {
         let words = BoundaryWords::of(law);
         for arc in arcs {
             let part = arc.part.clone().filter(|_| parts.is_some());
-            text += &words.arc(&ContactArc { part, ..arc.clone() }, 6);
+            text += &words.arc(&ContactArc { part, ..arc.clone() }, levels.integrals(), 6);
         }
         text += &words.force([self.force, 0.0 - integral], levels.integrals(), 6);
+        if levels.has_fixed_part() {
+            text += "fixed parts carry the difference\n";
+        }
         if self.load_misses(request) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");
@@ -302,7 +303,7 @@ impl Answer {
                 (None, None) => format!("{name} {value}"),
             });
         }
-        let mut text = fitted(&settings.join(", "), WIDTH) + "\n";
+        let mut text = paragraph(&settings.join(", ")) + "\n";
         if !request.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
@@ -352,7 +353,7 @@ impl Answer {
             }
             rows.push(row);
         }
-        columns(&head, &[], rows)
+        in_columns(&Table { rows, ..Table::new(head, &[]) })
     }
 }
 

@@ -10,7 +10,7 @@ use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::levels::{Lattices, Levels};
+use signorini_mathematics::levels::{Integrals, Lattices, Levels};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Pair;
@@ -68,7 +68,7 @@ pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) ->
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
-    text += &table(&finer, &words);
+    text += &table(&finer, &words, lattices.integrals());
     text += &words.force([force(&finer, law), 0.0 - integral], lattices.integrals(), 16);
     text += &checks(&finer.checks);
     text += &format!("solved in {}, {steps} Newton steps\n", brief(time));
@@ -96,10 +96,10 @@ fn force(solution: &Solution, law: Law) -> f64 {
     solution.boundary_points().map(|point| point.weight * point.multiplier).sum()
 }
 
-fn table(solution: &Solution, words: &BoundaryWords) -> String {
+fn table(solution: &Solution, words: &BoundaryWords, integrals: &Integrals) -> String {
     let mut text = format!("energy {}\n", plain(solution.energy, 16));
     for arc in &solution.contact {
-        text += &words.arc(arc, 16);
+        text += &words.arc(arc, integrals, 16);
     }
     text + &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16))
 }

@@ -246,14 +246,14 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     Ok(SolutionMap::of(title, on, &pair)?.picture())
 }
 
-/// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error.
+/// Returns the title of a scene, with the end of its solver unless that is a solution, above the bound of its error.
 fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (title_with_end(inputs, scene)?, scene.first_rule());
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let is_solution = rule.is_none() && solve::no_solution(inputs, scene, rule)?.is_none();
     let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
     Ok(match relative.filter(|_| is_solution) {
-        Some(error) => format!("{title}, error at most {}", solve::percent(error)),
+        Some(error) => format!("{title}\nerror at most {}", solve::percent(error)),
         None => title,
     })
 }

@@ -12,7 +12,7 @@ use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
 use crate::discrete::norms::{errors, multiplier_error};
 use crate::formats::Fields;
-use crate::mesh::{AnyMesh, lattice_mesh, mesh_load, uniform_square};
+use crate::mesh::{AnyMesh, Condition, lattice_mesh, mesh_load, uniform_square};
 use crate::multigrid::active_set::active_set;
 use crate::multigrid::{MultigridParams, solve_square};
 use crate::problem::error::SourceError;
@@ -234,7 +234,7 @@ impl Levels for Lattices {
             parts: None,
             nodes: grid.boundary().collect(),
             points: points.collect(),
-            has_law: vec![true; grid.boundary_nodes()],
+            conditions: vec![Condition::Contact; grid.boundary_nodes()],
             places,
             length: Grid::PERIMETER,
         }])

@@ -25,7 +25,7 @@ use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::Prolongation;
-use crate::mesh::{AnyMesh, PlaneMesh};
+use crate::mesh::{AnyMesh, Condition, PlaneMesh};
 use crate::multigrid::{InputError, MultigridParams};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
@@ -202,8 +202,8 @@ pub struct ClosedCurve {
     pub nodes: Vec<usize>,
     /// Coordinates of these nodes.
     pub points: Vec<[f64; 2]>,
-    /// True if the law holds on the edge from the node to the next one, the first after the last.
-    pub has_law: Vec<bool>,
+    /// Condition on the edge from the node to the next one, the first after the last.
+    pub conditions: Vec<Condition>,
     /// Arc lengths of the nodes, from 0 on.
     pub places: Vec<f64>,
     /// Length of the curve.

@@ -302,9 +302,9 @@ where
 
     fn curves(&self) -> Option<Vec<ClosedCurve>> {
         let mesh = plane(self.finest())?;
-        let mut has_law = vec![false; mesh.points().len()];
+        let mut conditions = vec![Condition::Contact; mesh.points().len()];
         for facet in mesh.facets() {
-            has_law[facet.nodes[0] as usize] = mesh.condition(facet) == Condition::Contact;
+            conditions[facet.nodes[0] as usize] = mesh.condition(facet);
         }
         let mut curves = Vec::new();
         for curve in boundary_curves(mesh) {
@@ -315,7 +315,7 @@ where
             curves.push(ClosedCurve {
                 parts,
                 points: curve.nodes.iter().map(|&node| mesh.points()[node]).collect(),
-                has_law: curve.nodes.iter().map(|&node| has_law[node]).collect(),
+                conditions: curve.nodes.iter().map(|&node| conditions[node]).collect(),
                 nodes: curve.nodes,
                 places,
                 length,

@@ -60,8 +60,14 @@ impl<const D: usize> Source<D> {
             return exact(name.trim(), D).map(Self::Exact);
         }
         if let Some(rest) = text.trim().strip_prefix("formula(") {
-            let formula = rest.strip_suffix(')').ok_or(SourceError::NotAlone)?;
-            return Formula::read(formula, D).map(Self::Formula);
+            let count = |parenthesis| rest.matches(parenthesis).count();
+            let formula = match rest.strip_suffix(')') {
+                Some(formula) => Formula::read(formula, D),
+                None if count('(') < count(')') => return Err(SourceError::NotAlone),
+                // With the parenthesis that is not closed.
+                None => Formula::read(&format!("({rest}"), D),
+            };
+            return formula.map(Self::Formula);
         }
         let (mut background, mut pieces) = (None, Vec::new());
         for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {

@@ -112,6 +112,9 @@ const GALLERY: [Shown; 8] = [
     },
 ];
 
+/// Most columns of a command on the page.
+const WIDTH: usize = 86;
+
 /// Columns of the table beside a picture.
 const COLUMNS: [&str; 3] = ["energy", "error", "held"];
 
@@ -127,28 +130,47 @@ struct SolvedPicture {
 }
 
 impl Shown {
-    /// Command that solves the problem and draws the picture.
-    fn command(&self) -> String {
-        // Long commands go on in a second line.
-        let mut command = format!("solve --f '{}' \\\n   ", self.f);
+    /// Command that solves the problem and draws the picture, as the words between which a line of it may end. A long f
+    /// is broken behind its semicolons.
+    fn command(&self) -> Vec<String> {
+        let quote = if self.f.len() < WIDTH - 40 { '\'' } else { '"' };
+        let f = format!("--f {quote}{}{quote}", self.f);
+        let mut words: Vec<String> = vec!["solve".into()];
+        match quote {
+            '"' => words.extend(f.split_inclusive("; ").map(|part| part.trim_end().to_owned())),
+            _ => words.push(f),
+        }
         if let Some((domain, refine)) = self.mesh {
-            command += &format!(" --domain {domain} --refine {refine}");
+            words.extend([format!("--domain {domain}"), format!("--refine {refine}")]);
         }
         if let Some(finest) = self.grids.last().filter(|_| self.grids != PLAIN.grids) {
-            command += &format!(" --h 1/{finest}");
+            words.push(format!("--h 1/{finest}"));
         }
-        for (option, value) in self.parts {
-            command += &format!(" {option} {value}");
+        words.extend(self.parts.iter().map(|(option, value)| format!("{option} {value}")));
+        match self.law {
+            Some(LawParameter::Friction(g)) => words.push(format!("--friction {g}")),
+            Some(LawParameter::Limit(limit)) => words.push(format!("--limit {limit}")),
+            None => {}
         }
-        command += &match self.law {
-            Some(LawParameter::Friction(g)) => format!(" --friction {g}"),
-            Some(LawParameter::Limit(limit)) => format!(" --limit {limit}"),
-            None => String::new(),
-        };
         if self.solver != Solver::Multigrid {
-            command += &format!(" --solver {}", self.solver);
+            words.push(format!("--solver {}", self.solver));
         }
-        format!("{command} --map --out target/{}.svg", self.name)
+        words.extend(["--map".into(), format!("--out target/{}.svg", self.name)]);
+        words
+    }
+
+    /// Lines of the command for a shell, behind those words.
+    fn lines(&self, first: &str) -> String {
+        let mut lines = vec![first.to_owned()];
+        for word in self.command() {
+            let last = lines.len() - 1;
+            if lines[last].len() + word.len() + " \\".len() < WIDTH {
+                lines[last] += &format!(" {word}");
+            } else {
+                lines.push(format!("    {word}"));
+            }
+        }
+        lines.join(" \\\n")
     }
 
     /// Problem as the command states it.
@@ -245,7 +267,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
             name: shown.name.into(),
             title: shown.title.into(),
             // `explain` prints changed parameters in a line each.
-            command: shown.command().replace("\\\n   ", ""),
+            command: shown.command().join(" "),
         };
         tasks.push(drawing(shown.name, &picture, Vec::new(), draw).with_files(files));
     }
@@ -283,7 +305,7 @@ pub(in crate::replication::stages) fn shown(inputs: &Inputs) -> Result<Vec<Value
         all.push(json!({
             "name": shown.name,
             "title": shown.title,
-            "command": shown.command(),
+            "command": shown.lines("cargo run --release --"),
             "energy": energy,
             "error": error,
             "held": held,
@@ -292,4 +314,24 @@ pub(in crate::replication::stages) fn shown(inputs: &Inputs) -> Result<Vec<Value
         }));
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_lines_that_fit_their_box_and_state_the_same_f() {
+        for shown in &GALLERY {
+            let lines = shown.lines("cargo run --release --");
+            assert!(lines.lines().all(|line| line.len() <= WIDTH), "{lines}");
+            // What a shell makes of it.
+            let words: Vec<_> =
+                lines.replace("\\\n", "").split_whitespace().map(str::to_owned).collect();
+            assert!(
+                words.join(" ").replace('"', "'").contains(&format!("--f '{}' -", shown.f)),
+                "{lines}"
+            );
+        }
+    }
 }
