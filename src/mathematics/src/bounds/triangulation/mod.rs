@@ -56,7 +56,7 @@ mod tests;
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
-use crate::machine::threads::in_tasks;
+use crate::machine::threads::{items_per_task, join, map_range};
 use crate::mesh::{CellData, Element, Mesh, Sides, dot};
 use crate::problem::law::Law;
 use around::FirstCells;
@@ -67,7 +67,6 @@ pub use curve::{CurveShare, curve_shares};
 use fan::Fan;
 use forest::CellForest;
 use lower::lower;
-use rayon::prelude::*;
 use ring::Ring;
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -254,7 +253,7 @@ fn equilibrated<const D: usize, const V: usize>(
     network: &Network,
     forest: &OnceLock<CellForest>,
 ) -> Result<Vec<f64>, NoBound> {
-    let (mut flux, forest) = rayon::join(
+    let (mut flux, forest) = join(
         || {
             let mut flux = of_patches(cells, sides);
             if D == 2 {
@@ -327,16 +326,15 @@ fn of_patches<const D: usize, const V: usize>(
     let around = FirstCells::new(cells.w.len(), cells.mesh.cells());
     let mut flux = vec![0.0; sides.len()];
     for nodes in around.order.chunks(RUN * RUNS) {
-        let runs = in_tasks(nodes.par_chunks(RUN), COST * RUN);
-        let parts = runs.map_init(
-            || Patches::new(*cells, sides),
-            |patches, run| {
-                let mut outflows = Vec::with_capacity(8 * RUN);
-                run.iter().for_each(|&node| patches.add(node, &around, &mut outflows));
-                outflows
-            },
-        );
-        for SideOutflow { side, outflow } in parts.collect::<Vec<_>>().into_iter().flatten() {
+        let runs: Vec<_> = nodes.chunks(RUN).collect();
+        let room = || Patches::new(*cells, sides);
+        let of_run = |patches: &mut Patches<'_, D, V>, run: usize| {
+            let mut outflows = Vec::with_capacity(8 * RUN);
+            runs[run].iter().for_each(|&node| patches.add(node, &around, &mut outflows));
+            outflows
+        };
+        let parts = map_range(0..runs.len(), items_per_task(runs.len(), COST * RUN), room, of_run);
+        for SideOutflow { side, outflow } in parts.into_iter().flatten() {
             flux[side as usize] += outflow;
         }
     }

@@ -3,10 +3,10 @@
 use super::{Evaluator, Table};
 use crate::discrete::norms::largest;
 use crate::identify::moves::MOST_ITERATIONS;
+use crate::machine::threads::map_range;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, LaneEngine};
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
-use rayon::prelude::*;
 use std::array::from_fn;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -58,8 +58,10 @@ impl Evaluator<'_> {
         let row = |row| all.iter().map(move |values| (&values[..], row));
         let runs: Vec<_> = (0..rows).flat_map(row).collect();
         let batches: Vec<_> = runs.chunks(LANES).collect();
-        let run = |evaluator: &mut Self, batch: &&[_]| evaluator.free_in_lanes(geometry, batch);
-        let done: Vec<_> = batches.par_iter().map_init(|| self.clone(), run).collect();
+        let own = || self.clone();
+        let run = |evaluator: &mut Self, k: usize| evaluator.free_in_lanes(geometry, batches[k]);
+        let each = batches.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let done = map_range(0..batches.len(), each, own, run);
         let done: Vec<_> = done.into_iter().flatten().collect();
         let of_row = |k: usize, row: usize| {
             let (counts, _) = &done[row * all.len() + k];

@@ -10,7 +10,7 @@ use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::stop::Stop;
 use crate::levels::{Problem, ProblemError, ROUNDING, Triangulations};
-use crate::machine::threads::among_threads;
+use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
     bisect, label_longest_edges, mesh_load, mesh_load_after,
@@ -18,7 +18,6 @@ use crate::mesh::{
 use crate::multigrid::{InputError, MultigridParams};
 use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
 use crate::problem::unsolvable::{Component, Unsolvable};
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Steps on each mesh but the first.
@@ -170,7 +169,7 @@ impl<'a> Meshes<'a> {
         let (mesh, sides, f) = (self.finest(), &self.sides, &self.load.cells);
         let bounded = BoundedProblem { mesh, sides, network, f, law };
         let (judgement, bounds) = among_threads(COST * y.len(), || {
-            rayon::join(|| judge(network, law, &y, &self.load.load), || bounded.bounds(&y))
+            join(|| judge(network, law, &y, &self.load.load), || bounded.bounds(&y))
         });
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
@@ -207,8 +206,8 @@ impl<'a> Meshes<'a> {
         let before = CellsBefore { origins: &origins, f: &self.load.cells };
         let assemble = |made: &Bisected| assemble_sides(&made.mesh, &made.sides);
         let (networks, load) = among_threads(COST * mesh.points().len(), || {
-            let networks = || bisected.par_iter().map(assemble).collect::<Vec<_>>();
-            rayon::join(networks, || mesh_load_after(before, mesh, &self.f))
+            let networks = || map(&bisected, 1, assemble);
+            join(networks, || mesh_load_after(before, mesh, &self.f))
         });
         self.load = load?;
         for (Bisected { mesh, sides, parents, .. }, network) in bisected.into_iter().zip(networks) {
