@@ -35,9 +35,10 @@ struct DiffJson<'a> {
 }
 
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
+    let mut workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    let tables = comparisons(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
+    let manifests = workplace.bring_up_to_date(&tasks)?;
+    let tables = comparisons(&workplace, &manifests)?;
     if tables.is_empty() {
         return Err(Error::input(
             "no scene has a `paper_table`; add one to compare with the paper",

@@ -6,8 +6,8 @@ use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Edited, Editor, Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Rights, Store,
-    Summary, WalkResults, execute, work,
+    Edited, Editor, Exports, KnownHashes, LockFile, Manifest, Options, Plan, Progress, Rights,
+    Store, Summary, WalkResults, execute, work,
 };
 use crate::replication::project::Project;
 use crate::replication::stages::{Stage, plan, scene_of};
@@ -51,7 +51,18 @@ impl Workplace {
         outside_report(&root, &folder, "the cache")?;
         let mut project = read(root)?;
         project.commands = super::commands;
-        Ok(Self { store: Store::new(&folder)?, project })
+        let mut store = Store::new(&folder)?;
+        store.known = KnownHashes::read(&project.root);
+        Ok(Self { project, store })
+    }
+
+    /// Returns the workplace; if asked, one that reads all files, also those that have not changed for all that the
+    /// file system tells.
+    pub(super) fn verifying(mut self, asked: bool) -> Self {
+        if asked {
+            self.store.known = KnownHashes::default();
+        }
+        self
     }
 
     pub(super) fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Plan> {
@@ -69,13 +80,12 @@ impl Workplace {
     /// file is to stay as it is, and the results differ from it, nothing outside the cache is written, and the summary
     /// lists the hashes that differ.
     pub(super) fn run(
-        &self,
+        &mut self,
         plan: &Plan,
         scope: Scope,
         options: Options,
         progress: &Progress,
     ) -> Result<Summary> {
-        let root = &self.project.root;
         // Judging needs no lock, writes nothing, and is enough if there is nothing to do.
         let look = Options { force: options.force, ..LOOK };
         let (summary, known) = self.walk(plan, scope, look, progress)?;
@@ -83,15 +93,21 @@ impl Workplace {
             && lock_file(scope, &summary, &known) == known
             && self.leftovers(&summary).is_empty()
         {
+            if self.store.known.missed() {
+                self.note(plan, scope, &summary);
+            }
             return Ok(summary);
         }
         // Project and cache are written only if the project can be run.
         refuse_edited(&summary)?;
         self.check(&summary, progress)?;
-        let _locks = [Exports::lock(root)?, self.store.lock()?];
+        let _locks = [Exports::lock(&self.project.root)?, self.store.lock()?];
+        // What is used is read.
+        self.store.known = KnownHashes::default();
+        let root = &self.project.root;
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
-            summary.differences = known.differences(&summary.lock_file());
+            summary.differences = known.differences(&summary.lock_file);
             if !summary.differences.is_empty() {
                 return Ok(summary);
             }
@@ -112,7 +128,26 @@ impl Workplace {
             lock_file.write(root)?;
             summary.lock_file_changed = true;
         }
+        self.note(plan, scope, &summary);
         Ok(summary)
+    }
+
+    /// Notes the hashes of all files for the next run; one of a part would lose those of the rest.
+    fn note(&self, plan: &Plan, scope: Scope, summary: &Summary) {
+        if scope != Scope::Part {
+            // Without notes, the next run reads all files.
+            let root = &self.project.root;
+            let _ =
+                self.store.known.note(root, &self.results(plan, &summary.manifests).paths(root));
+        }
+    }
+
+    fn results<'a>(
+        &'a self,
+        plan: &'a Plan,
+        manifests: &'a BTreeMap<String, Manifest>,
+    ) -> WalkResults<'a> {
+        WalkResults { plan, manifests, store: &self.store }
     }
 
     /// Refuses what a run of the tasks that are not up to date would read and could not use, and warns of meshes whose
@@ -124,7 +159,7 @@ impl Workplace {
     }
 
     /// Runs the stale tasks of a part of the plan; returns the manifests of all tasks of the part.
-    pub(super) fn bring_up_to_date(&self, part: &Plan) -> Result<BTreeMap<String, Manifest>> {
+    pub(super) fn bring_up_to_date(&mut self, part: &Plan) -> Result<BTreeMap<String, Manifest>> {
         let progress = Progress::new(false, false);
         Ok(self.run(part, Scope::Part, Options::default(), &progress)?.manifests)
     }
@@ -138,6 +173,7 @@ impl Workplace {
         let (workplace, plan) = Self::with_tasks(cache, asked)?;
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
         workplace.check(&workplace.judge(&plan, Scope::Part, false)?, progress)?;
+        let workplace = workplace.verifying(true);
         work(&plan, asked, &workplace.store, progress, interrupted())
     }
 
@@ -174,44 +210,22 @@ impl Workplace {
     ) -> Result<(Summary, LockFile)> {
         let options = Options { jobs: jobs(options.jobs), ..options };
         let root = &self.project.root;
-        // Files are read ahead only if no task runs: while tasks run, people may edit files.
-        let ((known, exports), mut summary) = if options.dry_run && scope != Scope::Part {
-            let (looked, walked) =
-                rayon::join(|| look_ahead(root), || self.execute(plan, options, progress));
-            (looked?, walked?)
-        } else {
-            let known = LockFile::read(root)?;
-            let exports = Exports::look(root, &Hashes::new())?;
-            ((known, exports), self.execute(plan, options, progress)?)
-        };
-        let results = WalkResults {
-            plan,
-            manifests: &summary.manifests,
-            store: &self.store,
-            known: &known.exports,
-        };
+        let mut summary = execute(plan, &self.store, options, progress, interrupted())?;
+        let results = self.results(plan, &summary.manifests);
+        let lock_file = results.lock_file();
+        let known = LockFile::read_expecting(root, &lock_file)?;
         let rights = Rights { overwrite: options.force, remove: scope != Scope::Part };
-        summary.exports = exports.plan(root, &results, rights)?;
+        summary.exports = Exports::plan(root, &results, &known.exports, rights)?;
+        summary.lock_file = lock_file;
         Ok((summary, known))
     }
-
-    fn execute(&self, plan: &Plan, options: Options, progress: &Progress) -> Result<Summary> {
-        execute(plan, &self.store, options, progress, interrupted())
-    }
-}
-
-/// Reads the lock file, and the exported files that it names.
-fn look_ahead(root: &Path) -> Result<(LockFile, Exports)> {
-    let known = LockFile::read(root)?;
-    let exports = Exports::look(root, &known.exports)?;
-    Ok((known, exports))
 }
 
 /// Returns the lock file after a walk.
 fn lock_file(scope: Scope, summary: &Summary, known: &LockFile) -> LockFile {
     match scope {
-        Scope::Part => known.clone().updated(summary.lock_file()),
-        Scope::Whole | Scope::Locked => summary.lock_file(),
+        Scope::Part => known.clone().updated(summary.lock_file.clone()),
+        Scope::Whole | Scope::Locked => summary.lock_file.clone(),
     }
 }
 

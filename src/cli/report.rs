@@ -19,7 +19,7 @@ pub(super) struct ReportArgs {
 }
 
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
+    let mut workplace = Workplace::open(&args.cache)?;
     let tasks = workplace.tasks(&[], Some(Stage::Report))?;
     let manifests = workplace.bring_up_to_date(&tasks)?;
     let made = manifests.values().flat_map(|manifest| manifest.outputs.keys());

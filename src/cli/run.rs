@@ -60,7 +60,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if !args.task.is_empty() {
         return single_tasks(args);
     }
-    let workplace = Workplace::open(&args.cache)?;
+    let mut workplace = Workplace::open(&args.cache)?.verifying(args.locked);
     let plan = args.plan(&workplace)?;
     args.warn(&workplace.project)?;
     if args.dry_run {

@@ -47,8 +47,8 @@ pub(super) struct SolveArgs {
     /// Domain: square, cube, disc, lshape, annulus, ball, or a Gmsh file [default: square]
     ///
     /// A file, of formats 2.0 to 4.1, holds triangles or tetrahedra; physical groups name regions, for
-    /// `region(name)=value` in --f, and parts of the boundary. In space f is made of box(x0,x1,y0,y1,z0,z1),
-    /// ball(x,y,z,radius) and halfspace(a,b,c,d).
+    /// `region(name)=value` in --f, in quotes if the name has = or ;, and parts of the boundary. In space f is made of
+    /// box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and halfspace(a,b,c,d).
     #[arg(long, value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
         value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
     domain: Option<String>,
@@ -122,9 +122,10 @@ pub(super) struct SolveArgs {
     json: bool,
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
-    /// An .npz has v, multiplier and f, an .npy v alone. The ending alone, `vti`, names the file after the scene. The
-    /// spectral solver's solution is written at the nodes of --h. A picture is a shaded surface on the square and a map
-    /// on every other domain in the plane, unless --map or --surface says otherwise; a solution in space has none.
+    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The ending alone,
+    /// `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h. A picture
+    /// is a shaded surface on the square and a map on every other domain in the plane, unless --map or --surface says
+    /// otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]

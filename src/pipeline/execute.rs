@@ -143,7 +143,8 @@ impl<'a> Walk<'a> {
     /// Returns the inputs of a task, and its run with these inputs if the cache has it.
     fn look_up(&self, k: usize) -> Result<LookedUp> {
         let task = &self.plan.tasks()[k];
-        let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs)?;
+        let inputs =
+            self.plan.inputs(task, &self.store.known, |need| &self.manifest(need).outputs)?;
         let found = if self.options.force {
             Err(Reason::Forced)
         } else {
@@ -231,8 +232,8 @@ impl<'a> Walk<'a> {
     where
         'a: 's,
     {
-        let (send, store) = (send.clone(), self.store);
-        let task = &self.plan.tasks()[job.task];
+        let (send, store, plan) = (send.clone(), self.store, self.plan);
+        let task = &plan.tasks()[job.task];
         self.progress.start(&task.id);
         let mut needed: Vec<(String, Hashes)> = Vec::new();
         for need in &task.needs {
@@ -240,7 +241,7 @@ impl<'a> Walk<'a> {
         }
         scope.spawn(move |_| {
             let start = Instant::now();
-            let made = run(task, job.inputs, needed, store);
+            let made = run((plan, task), job.inputs, needed, store);
             let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.
             let _ = send.send((ran, made));

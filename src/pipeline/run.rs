@@ -2,14 +2,14 @@
 
 use super::manifest::Manifest;
 use super::store::Store;
-use super::{Artifacts, Hashes, Inputs, PROGRAM, Task, hash};
+use super::{Artifacts, Hashes, Inputs, PROGRAM, Plan, Task, hash};
 use crate::pipeline::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Runs a task; returns its record.
+/// Runs a task of a plan; returns its record.
 pub(super) fn run(
-    task: &Task,
+    (plan, task): (&Plan, &Task),
     inputs: BTreeMap<String, String>,
     needed: Vec<(String, Hashes)>,
     store: &Store,
@@ -20,13 +20,15 @@ pub(super) fn run(
     }
     let digest = shown_digest(&inputs);
     let given = Inputs {
+        task: &task.id,
         files: &task.files,
         artifacts: &artifacts,
         digest: &digest,
         scratch: store.scratch(),
+        program: &plan.program,
     };
     // A panic must not end the other tasks; its own message has been printed.
-    let reason = match catch_unwind(AssertUnwindSafe(|| (task.work)(&given))) {
+    let reason = match catch_unwind(AssertUnwindSafe(|| task.make(&given))) {
         Ok(Ok(made)) => return store.record(&task.id, inputs, &made),
         Ok(Err(failure)) => failure.to_string(),
         Err(_) => "panicked, which is a fault of the program".to_owned(),

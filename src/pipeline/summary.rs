@@ -48,6 +48,8 @@ pub struct Summary {
     pub ran: Vec<Ran>,
     /// Files exported and removed, or in a dry run to be exported and removed.
     pub exports: Exports,
+    /// Lock file with the results of this walk.
+    pub lock_file: LockFile,
     /// Tasks that failed, and tasks that could not run because another failed, each with its reason.
     pub failed: Vec<String>,
     /// Manifests of all tasks that are up to date now.
@@ -72,13 +74,5 @@ impl Summary {
     /// Tasks that are stale, or wait for a stale one.
     pub fn not_fresh(&self) -> impl Iterator<Item = &Judged> {
         self.verdicts.iter().filter(|judged| judged.verdict != Verdict::Fresh)
-    }
-
-    /// Returns the lock file with the results of this walk.
-    pub fn lock_file(&self) -> LockFile {
-        LockFile {
-            tasks: self.manifests.iter().map(|(id, m)| (id.clone(), m.digest())).collect(),
-            exports: self.exports.files.clone(),
-        }
     }
 }

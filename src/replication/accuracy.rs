@@ -1,7 +1,7 @@
 //! Accuracy that a scene or an option asks for: the guaranteed bounds, and the grids that are tried to reach them.
 
 use crate::pipeline::error::{Error, Result};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::levels::ErrorGoal;
 use signorini_mathematics::multigrid::Goal;
@@ -16,7 +16,7 @@ const SETTLED: usize = 128;
 const STRIDE: usize = 8;
 
 /// Largest value that a guaranteed bound may have.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Accuracy {
     /// Error in the energy norm, relative to that of the solution.
     #[serde(rename = "accuracy")]

@@ -6,10 +6,12 @@ use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::accuracy::{Accuracy, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
 use crate::timing::machine;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, moved_on};
-use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem};
+use signorini_mathematics::levels::{
+    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, ProblemError,
+};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
@@ -18,18 +20,18 @@ use signorini_mathematics::solvers::Solver;
 use std::path::Path;
 
 /// Problem as a scene or the options of `solve` state it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StatedProblem {
     /// Domain with f.
     #[serde(flatten)]
     pub place: Place,
     /// Law on the boundary; none for the paper's.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<LawParameter>,
 }
 
 /// Domain with f, and its levels.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Place {
     /// The paper's square, with its grids.
@@ -39,19 +41,19 @@ pub enum Place {
 }
 
 /// f on nested grids of the square.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnSquare {
     /// Right-hand side.
     pub f: Source,
     /// Quadrature of the load vector.
     pub load: LoadRule,
     /// Nested grids, coarsest first.
-    #[serde(serialize_with = "cells")]
+    #[serde(serialize_with = "cells", deserialize_with = "grids")]
     pub grids: Vec<Grid>,
 }
 
 /// f on a mesh and its refinements.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnMesh {
     /// Domain and its refinements.
     pub domain: DomainSettings,
@@ -78,6 +80,13 @@ fn cells<S: serde::Serializer>(
     serializer: S,
 ) -> std::result::Result<S::Ok, S::Error> {
     serializer.collect_seq(grids.iter().map(|grid| grid.cells()))
+}
+
+/// Grids of these numbers of cells per side.
+pub(super) fn grids<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Vec<Grid>, D::Error> {
+    nested(&Vec::<usize>::deserialize(deserializer)?).map_err(serde::de::Error::custom)
 }
 
 /// Cells per side of the grids of `solve` and of a scene, unless others are named: those of the paper.
@@ -145,7 +154,8 @@ impl StatedProblem {
     ) -> Result<AdaptedRun> {
         accuracy.check(written)?;
         let asked = written.text(accuracy);
-        let (Place::Mesh(OnMesh { f, .. }), AnyMesh::Plane(coarsest)) = (&self.place, coarsest)
+        let (Place::Mesh(OnMesh { f, domain, .. }), AnyMesh::Plane(coarsest)) =
+            (&self.place, coarsest)
         else {
             return Err(Error::input(format!(
                 "{asked}: meshes are adapted in the plane alone; in space, choose how fine by the number of refinements"
@@ -157,7 +167,10 @@ impl StatedProblem {
         let bisections = Adaption::BISECTIONS;
         let run =
             Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections }.run(watch);
-        run.map_err(|e| Error::input(format!("{asked}: {e}")))
+        run.map_err(|e| match e {
+            ProblemError::Mesh(e) => Error::input(format!("{}: {e}", domain.name)),
+            e => Error::input(format!("{asked}: {e}")),
+        })
     }
 
     /// As [`StatedProblem::adapted`], for a scene, whose mesh is read from these files. The end is that of the goal.

@@ -10,6 +10,7 @@ use crate::pipeline::error::Error;
 use crate::pipeline::files::{read_tree, temporary_folder};
 use crate::pipeline::names::described;
 use mdbook_driver::MDBook;
+use rayon::prelude::*;
 use signorini_mathematics::problem::text::is_forbidden;
 use std::collections::BTreeMap;
 use std::fs;
@@ -71,14 +72,15 @@ pub fn build(
         }
     }
 
+    let set: Vec<_> =
+        pages.par_iter().map(|(name, text)| (*name, convert(name, text, &labels))).collect();
     let scratch = temporary_folder(scratch).map_err(|source| io(scratch, source))?;
     let root = &scratch.path().join("report");
-    for (name, bytes) in files {
-        let Some(text) = pages.get(name.as_str()) else {
-            write(&root.join(name), bytes)?;
-            continue;
-        };
-        let page = convert(name, text, &labels)?;
+    for (name, bytes) in files.iter().filter(|(name, _)| !pages.contains_key(name.as_str())) {
+        write(&root.join(name), bytes)?;
+    }
+    for (name, page) in set {
+        let page = page?;
         write(&root.join(name), page.as_bytes())?;
         if let Some(path) = name.strip_prefix("src/") {
             write(&root.join(PAGES).join(path), page.as_bytes())?;

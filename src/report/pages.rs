@@ -2,6 +2,7 @@
 
 use super::data::{Trees, as_shown, of_tables};
 use super::filters;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
@@ -89,21 +90,23 @@ fn found_in_template(
     Some(format!("report/templates/{name}{line}: {what}"))
 }
 
-/// Returns the pages of `templates`; `make` makes those of templates that end with [`PAGE`], from name and text.
+/// Returns the pages of `templates`; `make` makes those of templates that end with [`PAGE`], from name and text, side by
+/// side.
 fn made(
     templates: &BTreeMap<String, String>,
-    make: impl Fn(&str, &str) -> Result<String, String>,
+    make: impl Fn(&str, &str) -> Result<String, String> + Sync,
 ) -> Result<BTreeMap<String, String>, String> {
+    let page = |(name, text): (&String, &String)| {
+        if name.ends_with(".md") || name.ends_with(".js") {
+            return Some((name.clone(), format!("src/{name}"), Ok(text.clone())));
+        }
+        let stem = name.strip_suffix(PAGE)?;
+        Some((name.clone(), format!("src/{stem}.md"), make(name, text)))
+    };
+    let made: Vec<_> = templates.par_iter().filter_map(page).collect();
     let mut pages = BTreeMap::new();
-    for (name, text) in templates {
-        let there = if name.ends_with(".md") || name.ends_with(".js") {
-            pages.insert(format!("src/{name}"), text.clone())
-        } else if let Some(stem) = name.strip_suffix(PAGE) {
-            pages.insert(format!("src/{stem}.md"), make(name, text)?)
-        } else {
-            continue;
-        };
-        if there.is_some() {
+    for (name, page, text) in made {
+        if pages.insert(page, text?).is_some() {
             let same = name.trim_end_matches(".tera");
             return Err(format!(
                 "report/templates/{name}: {same} makes the same page; remove one of them"

@@ -6,7 +6,8 @@ use signorini_mathematics::discrete::cells::CutCube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::mesh::{
-    AnyMesh, BuiltIn, Mesh, MeshData, PlaneMesh, gmsh, mesh_load, uniform_cube, uniform_square,
+    AnyMesh, BuiltIn, ConstantPieces, Mesh, MeshData, OnCells, PlaneMesh, gmsh, mesh_load,
+    uniform_cube, uniform_square,
 };
 use std::borrow::Cow;
 
@@ -17,6 +18,7 @@ use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::{Settings, Solver, solve};
 use std::f64::consts::PI;
 use std::fs;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn mesh(name: &str) -> AnyMesh {
     AnyMesh::built_in(name).unwrap_or_else(|| {
@@ -188,10 +190,10 @@ fn energies(problem: &Problem) -> (f64, [f64; 2]) {
 }
 
 #[test]
-fn brackets_hold_the_energy_of_a_solution_four_refinements_finer() {
+fn brackets_hold_the_energy_of_a_solution_three_refinements_finer() {
     let mut dice = Dice(500);
     let mut tried = 0;
-    for case in 0..150 {
+    for case in 0..90 {
         let mesh = mesh(["lshape", "square", "gear"][case % 3]);
         let law = match case % 5 {
             0 | 1 => Law::SIGNORINI,
@@ -204,13 +206,13 @@ fn brackets_hold_the_energy_of_a_solution_four_refinements_finer() {
         let Ok(problem) = Problem::on_mesh(&mesh, times, &f, law) else { continue };
         assert!(!problem.levels().integrals().by_quadrature);
         let (_, [low, high]) = energies(&problem);
-        let (fine, finer) = energies(&Problem::on_mesh(&mesh, times + 4, &f, law).unwrap());
+        let (fine, finer) = energies(&Problem::on_mesh(&mesh, times + 3, &f, law).unwrap());
         let slack = 1e-10 * low.abs();
         assert!(low - slack <= fine && fine <= high + slack, "{f} {law}: {fine} {low} {high}");
         assert!(finer[1] - finer[0] < high - low, "{f} {law}: {finer:?} {low} {high}");
         tried += 1;
     }
-    assert!(tried >= 60, "{tried}");
+    assert!(tried >= 36, "{tried}");
 }
 
 #[test]
@@ -335,4 +337,30 @@ fn loads_on_a_mesh_do_not_depend_on_the_refinements_that_follow() {
     assert_eq!(short[..], long[..3]);
     let sums = [2, 3].map(|level: usize| long[level].iter().sum::<f64>());
     assert!((sums[0] - sums[1]).abs() > 1e-3, "{sums:?}");
+}
+
+/// f that counts how often it is asked for.
+struct Counted(AtomicUsize);
+
+impl<const D: usize> OnCells<D> for Counted {
+    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, D>> {
+        None
+    }
+
+    fn at(&self, _region: u16, point: [f64; D]) -> f64 {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        point[0] - 0.3
+    }
+}
+
+#[test]
+fn f_is_taken_once_at_each_point_of_a_cell() {
+    // So many cells that none is divided at first, and f is settled then. Both formulas have the centroid.
+    let (square, cube) = (uniform_square(Grid::new(128).unwrap()), uniform_cube(18));
+    let counted = Counted(AtomicUsize::new(0));
+    mesh_load(&square, &counted).unwrap();
+    assert_eq!(counted.0.into_inner(), square.cells().len() * (7 + 7 - 1));
+    let counted = Counted(AtomicUsize::new(0));
+    mesh_load(&cube, &counted).unwrap();
+    assert_eq!(counted.0.into_inner(), cube.cells().len() * (15 + 11 - 1));
 }

@@ -596,7 +596,8 @@ fn cube(cells: usize) -> Result<[usize; 2]> {
 /// Reads `PART=NUMBERS`: a part of the boundary, and the numbers of the curve on which it lies.
 fn curve(text: &str) -> Result<(String, Vec<f64>)> {
     let read = || {
-        let (part, numbers) = text.split_once('=')?;
+        // A name may have the sign.
+        let (part, numbers) = text.rsplit_once('=')?;
         let numbers = numbers.split(',').map(|number| number.trim().parse().ok());
         Some((part.trim().to_owned(), numbers.collect::<Option<_>>()?))
     };

@@ -3,20 +3,21 @@
 
 use super::from_json;
 use super::solve::{self, OUTCOMES, Outcomes, WithoutGrid};
-use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
 use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::saddle::{StopRule, tolerance};
+use signorini_mathematics::solvers::Solver;
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";
@@ -26,23 +27,53 @@ pub(super) const FILE: &str = "results.csv";
 /// The task that joins the results of all scenes that ask for a table; none if no scene does.
 pub(super) fn task(project: &Project) -> Option<Task> {
     let scenes = project.scenes.iter().filter(|scene| scene.wants(Output::Table));
-    let parts: Vec<(Scene, Option<StopRule>)> = scenes
-        .flat_map(|scene| scene.rules().into_iter().map(|rule| (scene.clone(), rule)))
-        .collect();
-    let needs = parts.iter().flat_map(|(scene, rule)| solve::ids(scene, *rule)).collect();
-    let paper = project.paper.clone();
-    let tables: Vec<_> = parts.iter().map(|(scene, _)| scene.paper_table).collect();
-    let printed: Vec<_> =
-        paper.table.iter().map(|table| (table.number, &table.counts, &table.delta_a)).collect();
-    let solvers: Vec<_> = parts.iter().map(|(scene, _)| scene.solver).collect();
-    let parameters = parameters(&serde_json::json!({
-        "r": paper.r, "solvers": solvers, "tables": tables, "published": printed,
-    }));
-    let task = Task::new(ID, parameters, needs, move |inputs| {
-        let results = joined(&solved(inputs, &parts)?, &paper)?;
+    let joined = Joined { scenes: scenes.map(Solves::of).collect(), paper: project.paper.clone() };
+    let runs = joined.scenes.iter().flat_map(|scene| &scene.runs);
+    let needs: Vec<String> = runs.map(|run| run.task.clone()).collect();
+    let is_empty = needs.is_empty();
+    let task = Task::new(ID, &joined, needs, |Joined { scenes, paper }, inputs| {
+        let results = table(&solved(inputs, scenes)?, paper)?;
         Ok(Artifacts::from([(FILE.into(), csv(results)?)]))
     });
-    (!task.needs.is_empty()).then(|| Task { export: Some("report"), ..task })
+    (!is_empty).then(|| task.exported_to("report"))
+}
+
+/// Scenes and published tables that are joined, in the order of the rows.
+#[derive(Serialize, Deserialize)]
+struct Joined {
+    scenes: Vec<Solves>,
+    paper: Paper,
+}
+
+/// Solves of one scene.
+#[derive(Serialize, Deserialize)]
+struct Solves {
+    name: String,
+    solver: Solver,
+    paper_table: Option<u8>,
+    /// Number of grids of a published table.
+    grids: Option<usize>,
+    runs: Vec<SolveOfRun>,
+}
+
+/// Task of one solve.
+#[derive(Serialize, Deserialize)]
+struct SolveOfRun {
+    task: String,
+    run: Option<RuleAndR>,
+}
+
+impl Solves {
+    fn of(scene: &Scene) -> Self {
+        let runs = scene.rules().into_iter().flat_map(|rule| scene.runs(rule));
+        Self {
+            name: scene.name.clone(),
+            solver: scene.solver,
+            paper_table: scene.paper_table,
+            grids: scene.paper_table.map(|_| scene.on_grids().grids.len()),
+            runs: runs.map(|run| SolveOfRun { task: solve::id_of(scene, run), run }).collect(),
+        }
+    }
 }
 
 /// Table with one row per problem, stopping rule, r and grid on which the solver ended.
@@ -174,7 +205,7 @@ fn schema() -> Schema {
 
 /// Solve on one grid, or without a grid.
 struct GridSolve<'a> {
-    scene: &'a Scene,
+    scene: &'a Solves,
     run: Option<RuleAndR>,
     /// Number of the grid among those where the solver ended, from 1.
     level: usize,
@@ -205,7 +236,7 @@ impl GridSolve<'_> {
     fn published_delta_a(&self, paper: &Paper) -> Option<f64> {
         self.published_count(paper)?;
         let (table, row) = self.published_row(paper)?;
-        (self.level == self.scene.on_grids().grids.len()).then_some(table.delta_a[row])
+        (Some(self.level) == self.scene.grids).then_some(table.delta_a[row])
     }
 
     fn iterations(&self) -> Option<i64> {
@@ -225,14 +256,11 @@ impl GridSolve<'_> {
     }
 }
 
-fn solved<'a>(
-    inputs: &Inputs,
-    parts: &'a [(Scene, Option<StopRule>)],
-) -> Result<Vec<GridSolve<'a>>, String> {
+fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>>, String> {
     let mut solves = Vec::new();
-    for (scene, rule) in parts {
-        for run in scene.runs(*rule) {
-            let solved: Outcomes = from_json(inputs, &solve::id_of(scene, run), OUTCOMES)?;
+    for scene in scenes {
+        for &SolveOfRun { ref task, run } in &scene.runs {
+            let solved: Outcomes = from_json(inputs, task, OUTCOMES)?;
             let Outcomes { levels, bounds, reserve, without_grid, .. } = solved;
             let mut words = Vec::new();
             for reserve in reserve {
@@ -272,7 +300,7 @@ fn solved<'a>(
 }
 
 /// The table of [`Results`], made from solves and published numbers.
-fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
+fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
     df!(
         "problem" => column(solves, |solve| &*solve.scene.name),
         "solver" => column(solves, |solve| solve.scene.solver.entry().name),
@@ -296,8 +324,8 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         }),
         "sum_load" => column(solves, |solve| Some(solve.outcome?.sum_load)),
         "kkt_stationarity" => column(solves, |solve| Some(solve.outcome?.kkt.stationarity)),
-        "kkt_min_y" => column(solves, |solve| Some(solve.outcome?.kkt.min_y)),
-        "kkt_min_lambda" => column(solves, |solve| Some(solve.outcome?.kkt.min_lambda)),
+        "kkt_min_y" => column(solves, |solve| solve.outcome?.kkt.min_y),
+        "kkt_min_lambda" => column(solves, |solve| solve.outcome?.kkt.min_lambda),
         "kkt_complementarity" => column(solves, |solve| Some(solve.outcome?.kkt.complementarity)),
         "kkt_natural" => column(solves, |solve| Some(solve.outcome?.kkt.natural)),
         "kkt_relative" => column(solves, |solve| Some(solve.outcome?.kkt.relative)),
@@ -342,7 +370,7 @@ mod tests {
 
     #[test]
     fn columns_have_the_types_with_which_they_are_written() {
-        let written = joined(&[], &Paper::default()).unwrap();
+        let written = table(&[], &Paper::default()).unwrap();
         assert_eq!(**written.schema(), schema());
     }
 

@@ -5,7 +5,7 @@
 
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
 use crate::replication::accuracy::{Accuracy, Written};
 use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
@@ -27,8 +27,8 @@ use signorini_mathematics::solvers::{self, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
 use std::collections::BTreeMap;
 
-/// Parameters that determine the artifacts of a cell.
-#[derive(Clone, Debug, Serialize)]
+/// Settings that determine the artifacts of a cell, besides the file of a mesh.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
     #[serde(flatten)]
     problem: StatedProblem,
@@ -46,7 +46,7 @@ pub(super) struct Cell {
 }
 
 /// Settings of a saddle-point method in one cell.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct CellSettings {
     prolongation: Prolongation,
     r: f64,
@@ -141,14 +141,9 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 /// Runs the first rule with the drawn r on a scene on the square. Returns each grid with the pair where the rule stops
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
-    let cell = Cell { keep_history: false, ..drawn(scene) };
-    let Solved { pairs, .. } = cell.run(&InputFiles::new())?;
+    let drawn = cell(scene, scene.drawn(scene.first_rule()));
+    let Solved { pairs, .. } = drawn.run(&InputFiles::new())?;
     Ok(scene.on_grids().grids.iter().copied().zip(pairs).collect())
-}
-
-/// Returns the cell of a scene that is drawn: its first rule, with the drawn r.
-pub(super) fn drawn(scene: &Scene) -> Cell {
-    cell(scene, scene.drawn(scene.first_rule()))
 }
 
 fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
@@ -173,9 +168,8 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
 }
 
 fn task(id: String, cell: Cell) -> Task {
-    let (files, parameters) = (cell.problem.files(), parameters(&cell));
-    let task = Task::new(id, parameters, Vec::new(), move |inputs| cell.artifacts(inputs.files));
-    Task { files, ..task }
+    Task::new(id, &cell, Vec::new(), |cell, inputs| cell.artifacts(inputs.files))
+        .with_files(cell.problem.files())
 }
 
 /// Results of a cell.

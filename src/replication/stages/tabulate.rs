@@ -2,10 +2,11 @@
 
 use super::from_json;
 use super::solve::{self, Outcomes, WithoutGrid};
-use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
 use crate::table::Table;
+use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::saddle::StopRule;
@@ -19,16 +20,22 @@ pub(crate) fn id(scene: &Scene, rule: Option<StopRule>) -> String {
     rule.map_or_else(|| format!("tabulate/{name}"), |rule| format!("tabulate/{name}/{rule}"))
 }
 
+/// Solves from which a table is made.
+#[derive(Serialize, Deserialize)]
+struct Tabulated {
+    /// Ids of the tasks, in the order of the rows.
+    solves: Vec<String>,
+}
+
 pub(crate) fn task(scene: &Scene, rule: Option<StopRule>) -> Task {
-    let needs: Vec<String> = solve::ids(scene, rule).collect();
-    let r = scene.settings.as_ref().map(|settings| &settings.r);
-    let parameters = parameters(&serde_json::json!({ "r": r }));
-    Task::new(id(scene, rule), parameters, needs.clone(), move |inputs| {
-        let first: Outcomes = from_json(inputs, &needs[0], solve::OUTCOMES)?;
+    let solves: Vec<String> = solve::ids(scene, rule).collect();
+    let needs = solves.clone();
+    Task::new(id(scene, rule), &Tabulated { solves }, needs, |Tabulated { solves }, inputs| {
+        let first: Outcomes = from_json(inputs, &solves[0], solve::OUTCOMES)?;
         let table = match first.r {
             Some(_) => {
                 let names: Vec<_> = first.levels.iter().map(Outcome::label).collect();
-                table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names)
+                table(&rows(inputs, solves)?, &ends(inputs, solves)?, &names)
             }
             None => table_of_levels(&first),
         };

@@ -3,6 +3,9 @@
 //! A part of the cell counts as settled if two formulas, of degree 5 inside and of degree 3 with the corners, the
 //! midpoints of the edges and the centroid, agree there on the integrals of the function times the hat functions. A
 //! part that is not settled is halved across its longest edge, the part with the largest difference first.
+//!
+//! All vertices of the cell and midpoints of its edges are among the points, however it is halved: poles there, which
+//! points inside would miss, are refused.
 
 use super::quadrature::{QuadraturePoint, quadrature};
 use crate::problem::error::SourceError;
@@ -62,9 +65,9 @@ pub(crate) struct Settling {
 /// Points and weights of both formulas on a cell with V vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Sampler<const V: usize> {
-    /// Formula of degree 5.
+    /// Formula of degree 5, the centroid first.
     inner: Vec<QuadraturePoint<V>>,
-    /// Formula of degree 3.
+    /// Formula of degree 3, the centroid last.
     outer: Vec<QuadraturePoint<V>>,
 }
 
@@ -189,10 +192,12 @@ impl<const V: usize> Sampler<V> {
         for (value, point) in values.iter().zip(&self.inner) {
             part.variance += point.weight * (value - part.mean) * (value - part.mean);
         }
-        let mut others = [0.0; V];
-        for point in &self.outer {
+        let (mut others, centroid) = ([0.0; V], self.outer.len() - 1);
+        for (number, point) in self.outer.iter().enumerate() {
             let at = within(corners, point.barycentric);
-            add(&mut others, point.weight * cell.value(at)?, at);
+            // Both formulas have the value at the centroid.
+            let value = if number == centroid { values[0] } else { cell.value(at)? };
+            add(&mut others, point.weight * value, at);
         }
         let apart = part.shares.iter().zip(others).map(|(p, q)| (p - q).abs());
         part.difference = fraction * apart.fold(0.0, f64::max);
@@ -211,6 +216,7 @@ struct CellValues<'a, const D: usize, const V: usize> {
 
 impl<const D: usize, const V: usize> CellValues<'_, D, V> {
     /// Value at the point with these barycentric coordinates.
+    #[inline]
     fn value(&self, at: [f64; V]) -> Result<f64, BadValue<D>> {
         let point = QuadraturePoint { barycentric: at, weight: 1.0 }.within(self.vertices);
         let value = (self.f)(point);
@@ -309,12 +315,16 @@ fn mean_of<const V: usize>(corners: [[f64; V]; V]) -> [f64; V] {
 }
 
 /// Barycentric coordinates in the cell of a point of a part.
+#[inline(always)]
 fn within<const V: usize>(corners: [[f64; V]; V], at: [f64; V]) -> [f64; V] {
     QuadraturePoint { barycentric: at, weight: 1.0 }.within(corners)
 }
 
+#[inline(always)]
 fn add<const V: usize>(sums: &mut [f64; V], mass: f64, hats: [f64; V]) {
-    sums.iter_mut().zip(hats).for_each(|(sum, hat)| *sum += mass * hat);
+    for (sum, hat) in sums.iter_mut().zip(hats) {
+        *sum += mass * hat;
+    }
 }
 
 #[cfg(test)]
@@ -373,6 +383,15 @@ mod tests {
         let bad = sampled(|[x, _]| 1.0 / (x - 0.5)).unwrap_err();
         assert_eq!((bad.value.is_infinite(), bad.point[0]), (true, 0.5));
         assert!(sampled(|[x, _]| (x - 0.4).sqrt()).is_err());
+        // At a vertex, at the midpoint of an edge, of a cell in one piece or in many.
+        for [a, b] in [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0], [0.5, 0.5]] {
+            let pole = |[x, y]: [f64; 2]| 1.0 / libm::hypot(x - a, y - b);
+            for least_parts in [1, 2, 4, 64] {
+                let settling = Settling { least_parts, most_parts: 0, ..SETTLING };
+                let bad = Sampler::default().integrate(TRIANGLE, &pole, settling).unwrap_err();
+                assert_eq!((bad.value.is_infinite(), bad.point), (true, [a, b]));
+            }
+        }
         assert!(sampled(|[x, _]| (x - 1e-17).sqrt()).is_ok());
         assert!(sampled(|[x, y]| x * y / (x * y)).is_ok());
     }

@@ -13,8 +13,15 @@ pub(crate) struct QuadraturePoint<const V: usize> {
 
 impl<const V: usize> QuadraturePoint<V> {
     /// Point of the cell with these vertices.
+    #[inline(always)]
     pub(crate) fn within<const D: usize>(&self, vertices: [[f64; D]; V]) -> [f64; D] {
-        std::array::from_fn(|d| self.barycentric.iter().zip(vertices).map(|(s, x)| s * x[d]).sum())
+        std::array::from_fn(|d| {
+            let mut sum = self.barycentric[0] * vertices[0][d];
+            for (share, vertex) in self.barycentric.iter().zip(&vertices).skip(1) {
+                sum += share * vertex[d];
+            }
+            sum
+        })
     }
 }
 

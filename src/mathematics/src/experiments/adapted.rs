@@ -11,6 +11,7 @@
 use super::domains::{Nested, nested};
 use super::{Range, exponent};
 use crate::bounds::Bounds;
+use crate::discrete::end::End;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::stop::Stop;
@@ -21,10 +22,14 @@ use crate::mesh::{
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::law::Law;
-use crate::saddle::{Method, Pair, Plain, RunStart, RunState, SaddleDomain, run_alone, run_nested};
+use crate::saddle::batch::{LANES, LaneEngine};
+use crate::saddle::{
+    Goals, Method, Pair, Plain, RunStart, RunState, SaddleDomain, run, run_nested,
+};
 use crate::solvers::{Settings, Solver, solve};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::convert::Infallible;
 
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -419,7 +424,7 @@ fn method(way: Way, run: &BoundedRun, plan: &AdaptedPlan) -> Result<MethodOnMesh
         solutions.push(y);
     }
     let steps = Steps { run, networks, loads: &loads, solutions: &solutions, plan };
-    let ends: Vec<_> = MeshRule::ALL.par_iter().map(|&rule| steps.ends(rule)).collect();
+    let ends = steps.ends();
     let mut meshes = Vec::new();
     for (k, level) in networks.iter().enumerate() {
         let error = run.bounds[k].relative();
@@ -465,19 +470,25 @@ struct Steps<'a> {
 }
 
 impl Steps<'_> {
-    /// End on each mesh under a rule, as far as the limit on iterations is not reached.
-    fn ends(&self, rule: MeshRule) -> Vec<CountAndDistance> {
+    /// Ends on each mesh under each of [`MeshRule::ALL`], as far as the limit on iterations is not reached.
+    fn ends(&self) -> [Vec<CountAndDistance>; 4] {
         let networks = self.networks;
-        let mut ends = Vec::new();
-        // After the limit the pair says nothing of the rule: the run ends.
-        let _ = run_nested(networks, &mut [Pair::zero(&networks[0].network)], |k, [pair]| {
+        let mut ends = [const { Vec::new() }; 4];
+        let mut pairs = vec![Pair::zero(&networks[0].network); ends.len()];
+        let on_mesh = |k: usize, pairs: &mut Vec<Pair>| {
             let (network, load) = (&networks[k].network, &self.loads[k][..]);
             let problem = Plain { network, law: Law::SIGNORINI, load, r: self.plan.r };
             let (solution, bounds) = (&self.solutions[k][..], &self.run.bounds[k]);
-            let end = OnMesh { problem, solution, bounds }.iterate(rule, pair, self.plan);
-            ends.push(end);
-            if end.is_met { Ok(()) } else { Err(end) }
-        });
+            // After the limit the pair says nothing of the rule: the run ends.
+            let goes_on = ends
+                .each_ref()
+                .map(|ends: &Vec<CountAndDistance>| ends.last().is_none_or(|end| end.is_met));
+            let on_mesh = OnMesh { problem, solution, bounds, plan: self.plan };
+            let ended = on_mesh.iterate(goes_on, pairs);
+            ends.iter_mut().zip(ended).for_each(|(ends, end)| ends.extend(end));
+            Ok::<(), Infallible>(())
+        };
+        let Ok(()) = run_nested(networks, &mut pairs, on_mesh);
         ends
     }
 }
@@ -489,6 +500,7 @@ struct OnMesh<'a> {
     solution: &'a [f64],
     /// Bounds of the discrete solution.
     bounds: &'a Bounds,
+    plan: &'a AdaptedPlan,
 }
 
 impl OnMesh<'_> {
@@ -499,39 +511,79 @@ impl OnMesh<'_> {
         (2.0 * energy.max(0.0)).sqrt() / self.bounds.error[1]
     }
 
-    /// Iterates until the rule is met, or to the limit.
-    fn iterate(&self, rule: MeshRule, pair: &mut Pair, plan: &AdaptedPlan) -> CountAndDistance {
+    /// Iterates from these pairs, side by side under those of [`MeshRule::ALL`] that go on, until the rule is met or to
+    /// the limit.
+    fn iterate(&self, goes_on: [bool; 4], pairs: &mut [Pair]) -> [Option<CountAndDistance>; 4] {
+        let Plain { network, law, load, r } = self.problem;
+        let mut engine = network.lanes();
+        let mut runs = [None; LANES];
+        for (lane, pair) in pairs.iter().enumerate().filter(|(lane, _)| goes_on[*lane]) {
+            let start = RunStart { load, method: Method::ArrowHurwicz, r, pair };
+            engine.enter(lane, law, &start);
+            runs[lane] = Some(RunState::new(&start, self.plan.limit));
+        }
+        let (ends, asked_at) = ([None; 4], [1; 4]);
+        let mut goals = GoalsOnMesh { on_mesh: self, asked_at, pairs, ends };
+        run(&mut *engine, runs, &mut goals);
+        goals.ends
+    }
+
+    /// True if a rule is met.
+    fn is_met(&self, rule: MeshRule, pair: &Pair) -> bool {
         let Plain { network, load, .. } = self.problem;
-        let (masses, nodes) = (network.masses(), 0..pair.y.len());
-        let largest = largest_f(network, load);
-        let residual = plan.divided * largest * self.bounds.relative().min(1.0);
+        let masses = network.masses();
+        let residual =
+            self.plan.divided * largest_f(network, load) * self.bounds.relative().min(1.0);
         let mean = masses.iter().sum::<f64>() / masses.len() as f64;
-        let mut asked_at = 1;
-        let start = RunStart { load, method: Method::ArrowHurwicz, r: self.problem.r, pair };
-        let mut engine = network.engine(self.problem.law, &start);
-        let state = RunState::new(&start, plan.limit);
-        let end = run_alone(&mut *engine, state, &mut |engine, run| {
-            if run.iterations < asked_at {
-                return false;
-            }
+        let mut nodes = 0..pair.y.len();
+        let derivative = |node| self.problem.gradient(node, pair).abs();
+        match rule {
+            MeshRule::Tenth => self.distance(pair) <= 0.1,
+            MeshRule::Printed => nodes.all(|node| derivative(node) <= self.plan.printed),
+            MeshRule::Own => nodes.all(|node| derivative(node) <= residual * masses[node]),
+            MeshRule::Mean => nodes.all(|node| derivative(node) <= residual * mean),
+        }
+    }
+}
+
+/// The rules on a mesh, one per lane.
+struct GoalsOnMesh<'a> {
+    on_mesh: &'a OnMesh<'a>,
+    /// Iteration at which each rule is asked next.
+    asked_at: [usize; 4],
+    /// Last pairs.
+    pairs: &'a mut [Pair],
+    ends: [Option<CountAndDistance>; 4],
+}
+
+impl<'e> Goals<dyn LaneEngine + 'e, LANES> for GoalsOnMesh<'_> {
+    fn reached(
+        &mut self,
+        engine: &mut (dyn LaneEngine + 'e),
+        runs: [Option<&RunState>; LANES],
+    ) -> [bool; LANES] {
+        let mut reached = [false; LANES];
+        for (lane, (&rule, asked_at)) in MeshRule::ALL.iter().zip(&mut self.asked_at).enumerate() {
+            let Some(run) = runs[lane].filter(|run| run.iterations >= *asked_at) else { continue };
             // Two per cent more save time.
-            asked_at = run.iterations + 1 + run.iterations / 50;
-            let pair = engine.pair(0);
-            let derivative = |node| self.problem.gradient(node, &pair).abs();
-            match rule {
-                MeshRule::Tenth => self.distance(&pair) <= 0.1,
-                MeshRule::Printed => nodes.clone().all(|node| derivative(node) <= plan.printed),
-                MeshRule::Own => {
-                    nodes.clone().all(|node| derivative(node) <= residual * masses[node])
-                }
-                MeshRule::Mean => nodes.clone().all(|node| derivative(node) <= residual * mean),
-            }
-        });
-        let last = engine.pair(0).into_owned();
-        drop(engine);
-        *pair = last;
+            *asked_at = run.iterations + 1 + run.iterations / 50;
+            reached[lane] = self.on_mesh.is_met(rule, &engine.pair(lane));
+        }
+        reached
+    }
+
+    fn ended(
+        &mut self,
+        engine: &mut (dyn LaneEngine + 'e),
+        lane: usize,
+        end: End,
+    ) -> Option<RunState> {
+        let pair = engine.pair(lane).into_owned();
         let (iterations, is_met) = (end.iterations, end.stop == Stop::Converged);
-        CountAndDistance { iterations, is_met, distance: self.distance(pair) }
+        let distance = self.on_mesh.distance(&pair);
+        self.ends[lane] = Some(CountAndDistance { iterations, is_met, distance });
+        self.pairs[lane] = pair;
+        None
     }
 }
 

@@ -13,6 +13,7 @@ pub use summary::{Plateau, StressSummary};
 use super::Range;
 use super::problems::{CONTACT, TableProblem};
 use super::trial::Trial;
+use pending::StressJobs;
 use runs::StressLoads;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -178,17 +179,29 @@ fn trials_of<'a, X: 'a>(
 /// # Errors
 /// If f cannot be read, a grid is too coarse, or a run of the tables does not meet its rule.
 pub fn stress(plan: &StressPlan) -> Result<Stress, String> {
-    let runs = StressLoads::new(plan)?;
+    let (runs, mut jobs) = (StressLoads::new(plan)?, StressJobs::default());
+    let mut of_problems = [Vec::new(), Vec::new()];
+    for loads in &runs.loads {
+        of_problems[0].push(jobs.enlist(runs.duality(loads)));
+        of_problems[1].push(jobs.enlist(runs.tolerances(loads)));
+    }
+    let scaling = jobs.enlist(runs.scaling());
+    let deficits = [1.0, -1.0].map(|odd| jobs.enlist(runs.deficits(odd)));
+    let starts = jobs.enlist(runs.starts());
+    let [jumps, spikes] = [runs.jumps(), runs.spikes()].map(|pending| jobs.enlist(pending));
+    let made = jobs.make(runs.coarse);
+    let [duality, tolerances] =
+        of_problems.map(|all| all.into_iter().map(|cases| made.series(cases)).collect());
     let mut stress = Stress {
         plan: plan.clone(),
-        duality: runs.loads.iter().map(|loads| runs.duality(loads)).collect(),
-        scaling: runs.scaling(),
-        deficits: [1.0, -1.0].map(|odd| runs.deficits(odd)),
-        tolerances: runs.loads.iter().map(|loads| runs.tolerances(loads)).collect(),
+        duality,
+        scaling: made.series(scaling),
+        deficits: deficits.map(|cases| made.series(cases)),
+        tolerances,
         floors: runs.floors(),
-        starts: runs.starts(),
-        jumps: runs.jumps(),
-        spikes: runs.spikes(),
+        starts: made.series(starts),
+        jumps: made.series(jumps),
+        spikes: made.series(spikes),
         random: RandomProblems::of(plan.random),
         load_noise: LoadNoise::of(&plan.problems)?,
         tally: Tally::default(),

@@ -81,12 +81,12 @@ fn finite(x: f64) -> Option<f64> {
 /// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
 /// bound nothing.
 pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
-    let ends = run(grid, Law::SIGNORINI, jobs);
+    let ends = run(grid, jobs);
     jobs.iter().zip(ends).map(|(job, (end, pair))| saddle_trial(grid, job, end, &pair)).collect()
 }
 
 fn saddle_trial(grid: Grid, job: &Job, end: End, pair: &Pair) -> Trial {
-    let stop = job.outcome(grid, Law::SIGNORINI, end, pair).end.stop;
+    let stop = job.outcome(grid, end, pair).end.stop;
     let claim = match job.goal {
         JobGoal::Rule(StopRule::PrintedDual, tolerance) if stop == Stop::Converged => {
             Some(Claim::AtMost(tolerance * (1.0 / job.r).max(1.0)))

@@ -2,6 +2,7 @@
 
 mod runs;
 
+use super::moves::{MOST_ITERATIONS, greatest_moves};
 use super::space::Geometry;
 use super::variant::{ResidualTime, Variant};
 use super::{COARSEST, IdentifyError, Target};
@@ -29,12 +30,16 @@ pub struct Table {
 ///
 /// Everything that does not depend on the values of f is prepared once: the load vectors of the
 /// pieces, of which that of f is the combination, and all buffers. Clone it for another thread.
+#[derive(Clone)]
 pub struct Evaluator<'a> {
     target: &'a Target,
     variant: Variant,
     prolongation: Prolongation,
     /// `basis[geometry][level][p]`: load vector of the indicator of piece p.
     basis: Arc<Vec<Vec<Vec<Vec<f64>>>>>,
+    /// `moves[geometry][row][n - 1]`: how far the measure after n iterations on the coarsest grid moves at most with
+    /// the values of f.
+    moves: Arc<Vec<Vec<Vec<f64>>>>,
     grids: Vec<Grid>,
     /// Iterates on each grid.
     lanes: Vec<Lanes>,
@@ -63,15 +68,14 @@ impl<'a> Evaluator<'a> {
         };
         let levels = |geometry| (0..target.levels()).map(|level| basis(geometry, level)).collect();
         let basis: Vec<_> = geometries.iter().map(levels).collect();
-        Ok(Self::with_basis(target, *variant, basis.into()))
-    }
-
-    fn with_basis(
-        target: &'a Target,
-        variant: Variant,
-        basis: Arc<Vec<Vec<Vec<Vec<f64>>>>>,
-    ) -> Self {
-        let (against_x, against_y) = variant.mirrored();
+        let moves = |basis: &Vec<Vec<Vec<f64>>>| {
+            let of_row = |(&r, counts): (&f64, &Vec<usize>)| {
+                let iterations = (counts[0] + variant.uncounted).min(MOST_ITERATIONS);
+                greatest_moves(variant, r, &basis[0], iterations)
+            };
+            target.r.iter().zip(&target.counts).map(of_row).collect()
+        };
+        let moves: Vec<_> = basis.iter().map(moves).collect();
         let prolongation = match variant.prolongation {
             // Turning the square over once swaps its diagonals.
             Prolongation::RisingDiagonal if against_x != against_y => Prolongation::FallingDiagonal,
@@ -83,8 +87,17 @@ impl<'a> Evaluator<'a> {
         for &grid in &grids {
             lanes.push(Lanes::new(grid, Law::SIGNORINI, variant.order, variant.corner_weight()));
         }
-        let entered = vec![0; target.levels()];
-        Self { target, variant, prolongation, basis, grids, lanes, entered, halt: None }
+        Ok(Self {
+            target,
+            variant: *variant,
+            prolongation,
+            basis: basis.into(),
+            moves: moves.into(),
+            grids,
+            lanes,
+            entered: vec![0; target.levels()],
+            halt: None,
+        })
     }
 
     /// Evaluator whose screenings discard all that is left once `halt` is set.
@@ -202,13 +215,6 @@ where
 /// The grid of a column of the table.
 pub(super) fn grid(level: usize) -> Grid {
     Grid::new(COARSEST << level).expect("fine enough")
-}
-
-impl Clone for Evaluator<'_> {
-    fn clone(&self) -> Self {
-        let basis = Arc::clone(&self.basis);
-        Self { halt: self.halt, ..Self::with_basis(self.target, self.variant, basis) }
-    }
 }
 
 fn mirror(grid: Grid, mut v: Vec<f64>, against_x: bool, against_y: bool) -> Vec<f64> {

@@ -14,7 +14,7 @@ mod evaluate;
 mod findings;
 mod found;
 mod identifiability;
-
+mod moves;
 mod search;
 mod space;
 mod variant;

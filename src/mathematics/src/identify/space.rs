@@ -88,14 +88,32 @@ impl Lattice {
         self.points
     }
 
-    /// Values of f on a quadrant and elsewhere, by their numbers: the doubles nearest to the decimals. `None` if the
-    /// integral of f is not negative, against (2).
-    pub(super) fn values(&self, numbers: [u64; 2]) -> Option<[f64; 2]> {
+    /// True if the numbers of a value on a quadrant and one elsewhere are points, with which the integral of f is
+    /// negative, as (2) asks.
+    pub(super) fn is_candidate(&self, numbers: [u64; 2]) -> bool {
+        if numbers.iter().any(|number| *number >= self.points) {
+            return false;
+        }
         let [on_quadrant, elsewhere] = numbers.map(|number| self.first + number as i64 * self.step);
+        on_quadrant + 3 * elsewhere < 0
+    }
+
+    /// Values of f on a quadrant and elsewhere, by their numbers: the doubles nearest to the decimals.
+    pub(super) fn values(&self, numbers: [u64; 2]) -> [f64; 2] {
         // Powers of ten up to 10^22 are exact: the quotient is rounded once.
-        let unit = 10f64.powi(self.places as i32);
-        let negative = on_quadrant + 3 * elsewhere < 0;
-        negative.then(|| [on_quadrant as f64 / unit, elsewhere as f64 / unit])
+        numbers.map(|number| (self.first + number as i64 * self.step) as f64 / self.unit())
+    }
+
+    /// Values in the middle of a block of candidates, given the numbers of its first values and how many it has along
+    /// each axis; and how far the values of each are from those at most.
+    pub(super) fn middle(&self, first: [u64; 2], side: u64) -> ([f64; 2], f64) {
+        let (step, half) = (self.step as f64 / self.unit(), 0.5 * (side - 1) as f64);
+        let middle = |number: u64| self.first as f64 / self.unit() + step * (number as f64 + half);
+        (first.map(middle), step * half)
+    }
+
+    fn unit(&self) -> f64 {
+        10f64.powi(self.places as i32)
     }
 }
 
@@ -177,8 +195,10 @@ mod tests {
     fn lattices_are_exact_decimals() {
         let lattice: Lattice = "-1:1:0.25".parse().unwrap();
         assert_eq!(lattice.points(), 9);
-        assert_eq!(lattice.values([8, 1]), Some([1.0, -0.75]));
-        assert_eq!(lattice.values([7, 3]), None, "0.75 and -0.25: the integral vanishes");
+        assert_eq!((lattice.values([8, 1]), lattice.is_candidate([8, 1])), ([1.0, -0.75], true));
+        assert!(!lattice.is_candidate([7, 3]), "0.75 and -0.25: the integral vanishes");
+        assert!(!lattice.is_candidate([9, 0]));
+        assert_eq!(lattice.middle([2, 0], 4), ([-0.125, -0.625], 0.375));
         for bad in ["", "1:2", "one", "1e3", "2:1:1", "0:1:0", ".", "1", "0:1:0.0000000001"] {
             assert!(bad.parse::<Lattice>().is_err(), "{bad}");
         }

@@ -244,11 +244,11 @@ impl Levels for Lattices {
         "vti"
     }
 
-    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8> {
+    fn vtk(&self, name: &str, _law: Law, pair: &Pair) -> Vec<u8> {
         Fields::new(self.finest(), &self.f, pair).vti(name)
     }
 
-    fn npz(&self, pair: &Pair) -> Option<Vec<u8>> {
+    fn npz(&self, _law: Law, pair: &Pair) -> Option<Vec<u8>> {
         Fields::new(self.finest(), &self.f, pair).npz()
     }
 

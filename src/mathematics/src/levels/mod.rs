@@ -41,7 +41,7 @@ pub trait Levels: Send + Sync {
     /// Number of dimensions, 2 or 3.
     fn dimension(&self) -> u8;
 
-    /// Name of a level in sentences, such as `grid 1/64` or `refinement 3`.
+    /// Name of a level in sentences, such as `grid 1/64`, `refinement 3` or `the mesh of 900 nodes`.
     fn name(&self, level: usize) -> String;
 
     /// Number of cells per side; none on a mesh.
@@ -153,11 +153,11 @@ pub trait Levels: Send + Sync {
     /// Ending of the files for ParaView, `vti` or `vtu`.
     fn vtk_ending(&self) -> &'static str;
 
-    /// Solution of the finest level in VTK's XML format, with this name.
-    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8>;
+    /// Solution of the finest level under a law in VTK's XML format, with this name.
+    fn vtk(&self, name: &str, law: Law, pair: &Pair) -> Vec<u8>;
 
-    /// Solution of the finest level in NPZ format; none if it is larger than the format allows.
-    fn npz(&self, pair: &Pair) -> Option<Vec<u8>>;
+    /// Solution of the finest level under a law in NPZ format; none if it is larger than the format allows.
+    fn npz(&self, law: Law, pair: &Pair) -> Option<Vec<u8>>;
 
     /// Nodal values of the finest level in NPY format.
     fn npy(&self, pair: &Pair) -> Vec<u8>;

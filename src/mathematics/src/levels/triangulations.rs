@@ -4,7 +4,7 @@ use super::{
     ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError, SaddleRun,
     Solved,
 };
-use crate::bounds::triangulation::bounds_on_mesh;
+use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
@@ -15,7 +15,7 @@ use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
     AnyMesh, Condition, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes,
-    PlaneMesh, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
+    PlaneMesh, Sides, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
@@ -36,8 +36,8 @@ pub struct Triangulations<const D: usize, const V: usize> {
     /// f on the finest mesh.
     load: MeshLoad,
     integrals: Integrals,
-    /// Guaranteed error in each cell of the finest mesh; empty if the meshes are not adapted.
-    errors: Vec<f64>,
+    /// Guaranteed error in each cell of the finest mesh, if the meshes are adapted.
+    errors: Option<Vec<f64>>,
 }
 
 impl<const D: usize, const V: usize> Triangulations<D, V>
@@ -64,12 +64,12 @@ where
             by_quadrature: load.unsettled.is_some(),
             is_known: f.known().is_some(),
         };
-        Self { nested, f, load, integrals, errors: Vec::new() }
+        Self { nested, f, load, integrals, errors: None }
     }
 
     /// Levels with the guaranteed error in each cell of the finest mesh.
     pub(super) fn with_errors(self, errors: Vec<f64>) -> Self {
-        Self { errors, ..self }
+        Self { errors: Some(errors), ..self }
     }
 
     /// Finest mesh.
@@ -91,9 +91,23 @@ where
         multiplier
     }
 
+    /// Guaranteed error in each cell of the finest mesh, as far as it is known.
+    fn local_errors(&self, law: Law, y: &[f64]) -> Cow<'_, [f64]> {
+        if let Some(errors) = &self.errors {
+            return errors.into();
+        }
+        let (mesh, network, f) = (self.finest(), self.network(), &self.load.cells);
+        let bounded = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law }.bounds(y);
+        bounded.map_or_else(|_| Cow::default(), |bounds| bounds.errors().into())
+    }
+
     /// A pair of the finest mesh as the fields of a file, with its multiplier at all nodes.
-    fn fields<'a>(&'a self, pair: &'a Pair, multiplier: &'a [f64]) -> MeshFields<'a, D, V> {
-        let (mesh, f, errors) = (self.finest(), &self.load.cells.mean, &self.errors);
+    fn fields<'a>(
+        &'a self,
+        pair: &'a Pair,
+        [multiplier, errors]: [&'a [f64]; 2],
+    ) -> MeshFields<'a, D, V> {
+        let (mesh, f) = (self.finest(), &self.load.cells.mean);
         MeshFields { mesh, v: &pair.y, multiplier, f, errors }
     }
 
@@ -148,6 +162,8 @@ where
     fn name(&self, level: usize) -> String {
         match level {
             0 => "the coarsest mesh".into(),
+            // Of adapted meshes most are not shown.
+            level if self.errors.is_some() => format!("the mesh of {} nodes", self.nodes(level)),
             level => format!("refinement {level}"),
         }
     }
@@ -312,16 +328,18 @@ where
         "vtu"
     }
 
-    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8> {
-        self.fields(pair, &self.multiplier(pair)).vtu(name)
+    fn vtk(&self, name: &str, law: Law, pair: &Pair) -> Vec<u8> {
+        let errors = self.local_errors(law, &pair.y);
+        self.fields(pair, [&self.multiplier(pair), &errors]).vtu(name)
     }
 
-    fn npz(&self, pair: &Pair) -> Option<Vec<u8>> {
-        self.fields(pair, &self.multiplier(pair)).npz()
+    fn npz(&self, law: Law, pair: &Pair) -> Option<Vec<u8>> {
+        let errors = self.local_errors(law, &pair.y);
+        self.fields(pair, [&self.multiplier(pair), &errors]).npz()
     }
 
     fn npy(&self, pair: &Pair) -> Vec<u8> {
-        self.fields(pair, &[]).npy()
+        self.fields(pair, [&[]; 2]).npy()
     }
 
     fn networks(&self) -> Option<&[NestedNetwork]> {

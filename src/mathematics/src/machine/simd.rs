@@ -196,10 +196,11 @@ mod tests {
             let mut jobs = Vec::new();
             for (method, r) in methods.iter().flat_map(|&method| [(method, 0.3), (method, 1e4)]) {
                 for goal in goals.into_iter().chain([JobGoal::Kkt(1e-4)]) {
-                    jobs.push(Job { load: &load, start: &start, method, r, goal, cap: 300 });
+                    let law = Law::SIGNORINI;
+                    jobs.push(Job { law, load: &load, start: &start, method, r, goal, cap: 300 });
                 }
             }
-            run(grid, Law::SIGNORINI, &jobs)
+            run(grid, &jobs)
         });
     }
 

@@ -135,8 +135,8 @@ impl AnyMesh {
     /// True if refinement puts new nodes on a curve, so that the domain changes with the mesh.
     pub fn is_curved(&self) -> bool {
         match self {
-            Self::Plane(mesh) => mesh.parts.iter().any(|part| part.curve.is_some()),
-            Self::Space(mesh) => mesh.parts.iter().any(|part| part.curve.is_some()),
+            Self::Plane(mesh) => mesh.is_curved(),
+            Self::Space(mesh) => mesh.is_curved(),
         }
     }
 

@@ -19,11 +19,11 @@ pub(super) struct BoundaryFacets<const D: usize> {
 
 /// Side of a cell.
 #[derive(Clone, Copy)]
-struct CellSide<const D: usize> {
+pub(super) struct CellSide<const D: usize> {
     /// Nodes in increasing order.
-    nodes: [u32; D],
+    pub(super) nodes: [u32; D],
     /// Position of the cell.
-    cell: u32,
+    pub(super) cell: u32,
     /// Position of the vertex that the side is without.
     without: u8,
     /// True if the cell has the side in the even order of its nodes.
@@ -31,7 +31,7 @@ struct CellSide<const D: usize> {
 }
 
 /// Sides of all cells, by their nodes in increasing order; the same sides of several cells in the order of the cells.
-struct CellSides<const D: usize> {
+pub(super) struct CellSides<const D: usize> {
     /// Position of the first side whose lowest node is this one, and the number of all.
     starts: Vec<u32>,
     sides: Vec<CellSide<D>>,
@@ -65,7 +65,7 @@ impl<const D: usize> CellSides<D> {
     }
 
     /// Cells at each side.
-    fn groups(&self) -> impl Iterator<Item = &[CellSide<D>]> {
+    pub(super) fn groups(&self) -> impl Iterator<Item = &[CellSide<D>]> {
         self.sides.chunk_by(|one, two| one.nodes == two.nodes)
     }
 }
@@ -102,8 +102,11 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     /// # Errors
     /// Cells that overlap at a facet, and parts that name no facet or one facet twice.
     pub(super) fn boundary(&mut self) -> Result<BoundaryFacets<D>, MeshError> {
-        let sides = CellSides::new(self.points.len(), &self.cells);
+        let mut sides = CellSides::new(self.points.len(), &self.cells);
         self.check_sides(&sides)?;
+        if self.part_pinched(&sides) {
+            sides = CellSides::new(self.points.len(), &self.cells);
+        }
         let parts = self.parts_of_facets(&sides)?;
         let single = sides.groups().filter_map(|group| match group {
             [side] => Some(*side),

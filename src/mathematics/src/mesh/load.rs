@@ -182,22 +182,6 @@ impl<F: OnCells<D>, const D: usize, const V: usize> CellWork<'_, F, D, V>
 where
     Shape<D>: CutShape<D, V>,
 {
-    /// Refuses an f with poles at the vertices or the midpoints of the edges: the points of the formulas lie inside,
-    /// and would miss them. A value that is no number there may come from rounding, as that of sqrt(1 - x^2 - y^2) on
-    /// the circle.
-    fn check_ends(&self, vertices: [[f64; D]; V], region: u16) -> Result<(), SourceError> {
-        for (k, one) in vertices.iter().enumerate() {
-            for two in &vertices[k..] {
-                let point: [f64; D] = std::array::from_fn(|d| 0.5 * (one[d] + two[d]));
-                let value = self.f.at(region, point);
-                if value.is_infinite() {
-                    return Err(SourceError::no_value(value, &point));
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Integrates over a cell. A tolerance is for the mesh, as [`SETTLED`].
     fn integrate(
         &self,
@@ -215,7 +199,6 @@ where
             };
             return Ok(WeighedPart { part, difference: None, worst: 0.0 });
         }
-        self.check_ends(vertices, region)?;
         let fraction = volume / self.volume;
         let power = libm::pow(fraction, (D as f64 - 1.0) / D as f64);
         // The tolerance is 0 for f = 0, and the volume of a flat cell.

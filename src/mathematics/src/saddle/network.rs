@@ -5,7 +5,6 @@ use super::engine::{Engine, RunStart};
 use super::plain::Plain;
 use super::stopping::{GradientMeasure, GradientTerms, RoundingFloor, size};
 use crate::discrete::network::Network;
-use crate::discrete::norms::largest;
 use crate::problem::law::Law;
 use std::borrow::Cow;
 
@@ -41,13 +40,7 @@ impl<'a> OnNetwork<'a> {
             true => Cow::Owned(network.with_masses(weight)),
             false => Cow::Borrowed(network),
         };
-        let measures = || network.contact().iter().map(|contact| contact.measure);
-        let most_measure = measures().fold(0.0, f64::max);
-        let terms = GradientTerms {
-            matrix: 2.0 * largest(inner.diagonal()) + most_measure * r,
-            most_measure,
-            least_measure: measures().fold(f64::INFINITY, f64::min),
-        };
+        let terms = GradientTerms::on_network(&inner, r);
         let problem = Plain { network, law, load, r };
         let (target, pair) = (load.into(), pair.clone());
         let mut engine = Self { problem, inner, target, weight, terms, pair };

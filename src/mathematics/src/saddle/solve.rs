@@ -1,6 +1,7 @@
 //! One run of a method on one grid or network, until its stopping rule is met.
 
 use super::Pair;
+use super::batch::{LaneEngine, Lanes, NetworkLanes, Order};
 use super::engine::{Engine, MeasureBound, RunStart, RunState, run_alone, within};
 use super::method::Method;
 use super::network::OnNetwork;
@@ -96,6 +97,11 @@ pub trait SaddleDomain: DiscreteDomain {
     fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
     where
         Self: 'a;
+
+    /// Engine for many runs.
+    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
+    where
+        Self: 'a;
 }
 
 impl SaddleDomain for Grid {
@@ -105,6 +111,13 @@ impl SaddleDomain for Grid {
     {
         Box::new(OnSquare::new(self, law, run))
     }
+
+    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(Lanes::new(self, Law::SIGNORINI, Order::Lexicographic, 1.0))
+    }
 }
 
 impl SaddleDomain for &Network {
@@ -113,6 +126,13 @@ impl SaddleDomain for &Network {
         Self: 'a,
     {
         Box::new(OnNetwork::new(self, law, run))
+    }
+
+    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
+    where
+        Self: 'a,
+    {
+        Box::new(NetworkLanes::new(self))
     }
 }
 
@@ -183,11 +203,10 @@ pub(super) fn judged(
     [gradient_signed, gradient_abs]: [f64; 2],
 ) -> Outcome {
     let (shape, judgement) = (domain.shape(), judge(domain, law, &pair.y, load));
-    // Without contact nodes the least multiplier is infinite.
     let finite = [judgement.energy, gradient_abs, judgement.kkt.natural]
         .iter()
         .all(|value| value.is_finite())
-        && judgement.kkt.min_lambda > f64::NEG_INFINITY;
+        && judgement.kkt.min_lambda.is_none_or(f64::is_finite);
     let end = End { stop: if finite { end.stop } else { Stop::Diverged }, ..end };
     let has_solution = has_solution(domain, law, load);
     let outcome = Outcome::new(end, &judgement, shape.cells, load, has_solution);

@@ -2,7 +2,8 @@
 //! and the rounding errors below which no rule is met.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::norms::worst;
+use crate::discrete::network::Network;
+use crate::discrete::norms::{largest, worst};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -108,6 +109,17 @@ impl GradientTerms {
     pub(super) fn on_square(grid: Grid, shift: f64, r: f64) -> Self {
         let h = grid.h();
         Self { matrix: 8.0 + shift + h * r, most_measure: h, least_measure: h }
+    }
+
+    /// Terms on a network, whose matrix has the proximal term.
+    pub(super) fn on_network(network: &Network, r: f64) -> Self {
+        let measures = || network.contact().iter().map(|contact| contact.measure);
+        let most_measure = measures().fold(0.0, f64::max);
+        Self {
+            matrix: 2.0 * largest(network.diagonal()) + most_measure * r,
+            most_measure,
+            least_measure: measures().fold(f64::INFINITY, f64::min),
+        }
     }
 
     /// Rounding errors where the entries of the load vector, of y and of a have these sizes.

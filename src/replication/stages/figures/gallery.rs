@@ -1,13 +1,14 @@
 //! The gallery: maps of problems of all kinds, each with the one command that makes it and three numbers.
 
-use super::{drawing, id};
+use super::{drawing, id, made};
 use crate::figures::SolutionMap;
 use crate::pipeline::error::Failure;
-use crate::pipeline::{InputFile, InputFiles, Inputs, Task, parameters};
+use crate::pipeline::{InputFile, InputFiles, Inputs, Made, Task};
 use crate::replication::domain::DomainSettings;
 use crate::replication::project::Project;
 use crate::replication::stages::artifact;
 use crate::replication::stated::{OnSquare, StatedProblem};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::levels::Problem;
@@ -240,34 +241,52 @@ fn held(problem: &Problem, pair: &Pair) -> f64 {
     held / all
 }
 
+/// Picture of the gallery, by the name of its problem there; title and command are said for `explain`.
+#[derive(Serialize, Deserialize)]
+struct GalleryPicture {
+    name: String,
+    title: String,
+    command: String,
+}
+
 /// The tasks that draw the gallery; a picture whose mesh the project lacks is left out.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let mut tasks = Vec::new();
     for shown in &GALLERY {
-        let path = shown.mesh.map(|(name, _)| name).filter(|name| *name == GEAR);
-        let file = path.map(|path| (path, project.root.join(path)));
-        if file.as_ref().is_some_and(|(_, path)| !path.is_file()) {
-            continue;
+        let mut files = InputFiles::new();
+        if let Some((GEAR, _)) = shown.mesh {
+            // A scene may have the mesh too.
+            let known = project.files.get(GEAR).cloned();
+            let path = project.root.join(GEAR);
+            let Some(file) = known.or_else(|| path.is_file().then(|| InputFile::new(path))) else {
+                continue;
+            };
+            files.insert(GEAR.into(), file);
         }
-        let files = file.map(|(name, path)| (name.to_owned(), InputFile::new(path)));
-        let files: InputFiles = files.into_iter().collect();
-        let task = drawing(shown.name, shown.title.into(), Vec::new(), move |inputs| {
-            let stated = shown.stated()?;
-            let problem = stated.problem(inputs.files)?;
-            let SolvedPicture { pair, energy, error, held } = shown.solve(&stated, &problem)?;
-            let on = (problem.levels(), problem.law());
-            // As `solve` has it.
-            let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
-            let mut picture = SolutionMap::of(title, on, &pair)?.picture();
-            picture.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
-            Ok(picture)
-        });
-        // `explain` prints changed parameters in a line each.
-        let command = shown.command().join(" ");
-        let said = parameters(&json!({ "title": shown.title, "command": command }));
-        tasks.push(Task { parameters: said, files, ..task });
+        let picture = GalleryPicture {
+            name: shown.name.into(),
+            title: shown.title.into(),
+            // `explain` prints changed parameters in a line each.
+            command: shown.command().join(" "),
+        };
+        tasks.push(drawing(shown.name, &picture, Vec::new(), draw).with_files(files));
     }
     tasks
+}
+
+/// Solves a problem of the gallery and draws its map.
+fn draw(picture: &GalleryPicture, inputs: &Inputs) -> Made {
+    let mut gallery = GALLERY.iter();
+    let shown = gallery.find(|shown| shown.name == picture.name).ok_or("not in the gallery")?;
+    let stated = shown.stated()?;
+    let problem = stated.problem(inputs.files)?;
+    let SolvedPicture { pair, energy, error, held } = shown.solve(&stated, &problem)?;
+    let on = (problem.levels(), problem.law());
+    // As `solve` has it.
+    let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
+    let mut drawn = SolutionMap::of(title, on, &pair)?.picture();
+    drawn.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
+    made(inputs, &picture.title, drawn)
 }
 
 /// Returns the pictures of the gallery that were made, each with its command and its numbers, for the templates.

@@ -183,6 +183,11 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
 }
 
 impl LocalBounds {
+    /// Guaranteed error in each cell.
+    pub fn errors(&self) -> Vec<f64> {
+        self.squares.iter().map(|square| square.max(0.0).sqrt()).collect()
+    }
+
     /// Bounds that follow from these and others of the same solution, with the parts of those that are closer.
     fn intersection(self, other: Self) -> Self {
         let bounds = self.bounds.intersection(&other.bounds);

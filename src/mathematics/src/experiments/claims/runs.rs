@@ -10,9 +10,7 @@ use crate::discrete::stop::Stop;
 use crate::experiments::problems::{ProblemOnGrids, TableProblem};
 use crate::problem::law::Law;
 use crate::saddle::batch::{Job, LANES, NestedJob, run, run_all_nested};
-use crate::saddle::{
-    JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested,
-};
+use crate::saddle::{self, JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz};
 use rayon::prelude::*;
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
@@ -27,7 +25,7 @@ const R_OF_WEIGHTS: f64 = 100.0;
 /// Stopping rules under which r is swept; the others take the paper's r only.
 pub(super) const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
 
-/// Runs in a batch: many, so that few lanes are idle when only the longest runs are left.
+/// Least number of runs for a second batch: many, so that few lanes are idle when only the longest runs are left.
 const RUNS: usize = 12 * LANES;
 
 /// A problem on all its grids.
@@ -67,54 +65,116 @@ pub(super) fn run_all(
     let done: Vec<_> = batches
         .par_iter()
         .with_max_len(1)
-        .map(|batch| problems[batch[0].problem].run(plan, batch))
+        .map(|batch| match batch[0].measure {
+            ClaimMeasure::Rule(_) => run_nested(problems, batch),
+            ClaimMeasure::Kkt(_) => run_on_grid(plan, problems, batch),
+        })
         .collect();
     batches.concat().into_iter().zip(done.into_iter().flatten()).collect()
 }
 
-/// All runs; those of a batch share the problem, and the stopping rule or the grid.
+/// All runs; those of a batch share the grids, in turn under a stopping rule, or one grid.
 fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimJob>> {
-    let swept = plan.r();
+    let mut groups: Vec<Vec<ClaimJob>> = Vec::new();
+    for job in all_jobs(plan, problems) {
+        match groups.iter_mut().find(|group| job.shares_grids(&group[0], problems)) {
+            Some(group) => group.push(job),
+            None => groups.push(vec![job]),
+        }
+    }
     let mut batches = Vec::new();
+    for group in groups {
+        // Dealt out like cards: each batch begins with long runs and ends with short ones.
+        let count = (group.len() / RUNS).max(1);
+        batches.extend((0..count).map(|k| group[k..].iter().step_by(count).copied().collect()));
+    }
+    batches
+}
+
+/// All runs, those first that are expected to take longest: over all grids, then on each grid from the finest on.
+fn all_jobs(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<ClaimJob> {
+    let swept = plan.r();
+    let (mut nested, mut on_grids) = (Vec::new(), Vec::new());
     for (index, problem) in problems.iter().enumerate() {
-        // The finest grids first: they take longest.
-        for (level, grid) in problem.grids.iter().enumerate().rev() {
-            let mut runs = Vec::new();
-            for &KktTarget { kkt: target, cells: finest } in plan.targets.iter().rev() {
+        for rule in StopRule::ALL {
+            let mut r = problem.problem.r.clone();
+            if SWEPT.contains(&rule) {
+                r.extend(swept.iter().filter(|r| !problem.problem.r.contains(r)));
+            }
+            let measure = ClaimMeasure::Rule(rule);
+            let job = ClaimJob { problem: index, measure, level: 0, variant: None, r: 0.0 };
+            nested.extend(job.for_each(&r));
+        }
+        for (level, grid) in problem.grids.iter().enumerate() {
+            for &KktTarget { kkt: target, cells: finest } in &plan.targets {
                 if grid.cells() > finest {
                     continue;
                 }
                 let measure = ClaimMeasure::Kkt(target);
                 let job = ClaimJob { problem: index, measure, level, variant: None, r: 0.0 };
-                runs.extend(job.for_each(&swept));
+                on_grids.extend(job.for_each(&swept));
                 if grid.cells() >= plan.compared_from {
                     for variant in (0..VARIANTS.len()).map(Some) {
-                        runs.extend(ClaimJob { variant, ..job }.for_each(&plan.compared_r));
+                        on_grids.extend(ClaimJob { variant, ..job }.for_each(&plan.compared_r));
                     }
                 }
             }
-            batches.extend(runs.chunks(RUNS).map(<[ClaimJob]>::to_vec));
-        }
-        let of_paper = &problem.problem.r;
-        for rule in StopRule::ALL {
-            let mut r = of_paper.clone();
-            if SWEPT.contains(&rule) {
-                r.extend(swept.iter().filter(|r| !of_paper.contains(r)));
-            }
-            r.sort_by(f64::total_cmp);
-            let measure = ClaimMeasure::Rule(rule);
-            let job = ClaimJob { problem: index, measure, level: 0, variant: None, r: 0.0 };
-            let runs: Vec<_> = job.for_each(&r).collect();
-            batches.extend(runs.chunks(RUNS).map(<[ClaimJob]>::to_vec));
         }
     }
-    batches
+    // The last rules take longest.
+    nested.sort_by(|one, two| two.rule().cmp(&one.rule()).then(one.r.total_cmp(&two.r)));
+    let cells = |job: &ClaimJob| problems[job.problem].grids[job.level].cells();
+    on_grids.sort_by(|one, two| {
+        let by_grid = cells(two).cmp(&cells(one)).then(one.target().total_cmp(&two.target()));
+        by_grid.then(one.rank().cmp(&two.rank())).then(one.r.total_cmp(&two.r))
+    });
+    nested.extend(on_grids);
+    nested
 }
 
 impl ClaimJob {
     /// This run for each r instead of its own.
     fn for_each(self, r: &[f64]) -> impl Iterator<Item = Self> {
         r.iter().map(move |&r| Self { r, ..self })
+    }
+
+    /// True if this run and another may be in one batch.
+    fn shares_grids(&self, other: &Self, problems: &[ClaimCase]) -> bool {
+        let [one, two] = [self, other].map(|job| &problems[job.problem]);
+        match (self.measure, other.measure) {
+            (ClaimMeasure::Rule(_), ClaimMeasure::Rule(_)) => {
+                one.grids == two.grids && one.problem.prolongation == two.problem.prolongation
+            }
+            (ClaimMeasure::Kkt(_), ClaimMeasure::Kkt(_)) => {
+                one.grids[self.level] == two.grids[other.level]
+            }
+            _ => false,
+        }
+    }
+
+    /// Stopping rule, if it is one that ends the run.
+    fn rule(&self) -> Option<StopRule> {
+        match self.measure {
+            ClaimMeasure::Rule(rule) => Some(rule),
+            ClaimMeasure::Kkt(_) => None,
+        }
+    }
+
+    /// KKT residual at which the run ends; infinite under a rule.
+    fn target(&self) -> f64 {
+        match self.measure {
+            ClaimMeasure::Rule(_) => f64::INFINITY,
+            ClaimMeasure::Kkt(target) => target,
+        }
+    }
+
+    /// Place among the methods by the length of their runs: exact inner minimisations take longest.
+    fn rank(&self) -> u8 {
+        match self.variant.map(|k| VARIANTS[k].loose) {
+            Some(false) => 0,
+            Some(true) => 1,
+            None => 2,
+        }
     }
 }
 
@@ -127,7 +187,7 @@ impl<'a> ClaimCase<'a> {
             Params { r: 100.0, tolerance: START, rule: StopRule::PrintedDual, ..Params::default() };
         let levels = NestedGrids { grids: &grids, prolongation: problem.prolongation };
         let mut starts = Vec::new();
-        run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
+        saddle::run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
             starts.push(pair.clone());
             if k + 1 == grids.len() {
                 return Ok(());
@@ -139,50 +199,6 @@ impl<'a> ClaimCase<'a> {
             }
         })?;
         Ok(Self { problem, law, grids, published, solvable, starts })
-    }
-
-    /// Makes the runs of a batch. Returns, for each run, its ends on the grids that it visits.
-    fn run(&self, plan: &ClaimsPlan, batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
-        match batch[0].measure {
-            ClaimMeasure::Rule(rule) => self.run_nested(rule, batch),
-            ClaimMeasure::Kkt(_) => self.run_on_grid(plan, batch),
-        }
-    }
-
-    /// Makes runs over all grids, as [`crate::saddle::solve_nested`] does for one r.
-    fn run_nested(&self, rule: StopRule, batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
-        let loads = &self.published[..];
-        let runs: Vec<_> = batch.iter().map(|run| NestedJob { loads, r: run.r, rule }).collect();
-        let (limit, prolongation) = (self.problem.max_iterations, self.problem.prolongation);
-        let grids = NestedGrids { grids: &self.grids, prolongation };
-        let ends = run_all_nested(grids, self.law, &runs, |_, _| limit);
-        let mut results = Vec::new();
-        for ends in &ends {
-            let on_grids = self.grids.iter().zip(loads).zip(ends);
-            results.push(on_grids.map(|((g, load), end)| self.measured(*g, load, end)).collect());
-        }
-        results
-    }
-
-    /// Makes runs on one grid towards a KKT residual.
-    fn run_on_grid(&self, plan: &ClaimsPlan, batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
-        let level = batch[0].level;
-        let (grid, load, start) = (self.grids[level], &self.solvable[level], &self.starts[level]);
-        let scale = largest(load);
-        let mut jobs = Vec::new();
-        for run in batch {
-            let ClaimMeasure::Kkt(target) = run.measure else {
-                unreachable!("the runs of a batch are of one kind")
-            };
-            let method = match run.variant {
-                None => Method::ArrowHurwicz,
-                Some(k) => VARIANTS[k].method(plan.weight, 0.1 * target * scale),
-            };
-            let goal = JobGoal::Kkt(target);
-            jobs.push(Job { load, start, method, r: run.r, goal, cap: plan.cap });
-        }
-        let ends = run(grid, self.law, &jobs);
-        ends.iter().map(|end| vec![self.measured(grid, load, end)]).collect()
     }
 
     /// The end of a run on one grid, with the KKT residual of its last pair.
@@ -202,9 +218,10 @@ impl<'a> ClaimCase<'a> {
         let mut jobs = Vec::new();
         for method in plan.weights.iter().map(of_weight).chain([Method::ArrowHurwicz]) {
             let goal = JobGoal::Kkt(target);
-            jobs.push(Job { load, start, method, r: R_OF_WEIGHTS, goal, cap: plan.cap });
+            let (law, r) = (self.law, R_OF_WEIGHTS);
+            jobs.push(Job { law, load, start, method, r, goal, cap: plan.cap });
         }
-        let ends = run(grid, self.law, &jobs);
+        let ends = run(grid, &jobs);
         let mut counts: Vec<_> = ends.iter().map(|(end, _)| Count::of(end)).collect();
         let arrow_hurwicz = counts.pop().expect("one run more than weights");
         let without = counts.first().map_or(1.0, |count| count.iterations as f64);
@@ -216,6 +233,78 @@ impl<'a> ClaimCase<'a> {
             ahead: counts.iter().any(|count| count.iterations <= arrow_hurwicz.iterations),
             counts,
             arrow_hurwicz,
+        }
+    }
+}
+
+/// Makes runs over all grids, as [`crate::saddle::solve_nested`] does for one r. Returns, for each run, its ends on the
+/// grids.
+fn run_nested(problems: &[ClaimCase], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
+    let first = &problems[batch[0].problem];
+    let levels = NestedGrids { grids: &first.grids, prolongation: first.problem.prolongation };
+    let mut runs = Vec::new();
+    for job in batch {
+        let ClaimCase { law, published: loads, .. } = &problems[job.problem];
+        let rule = job.rule().expect("the runs of a batch are of one kind");
+        runs.push(NestedJob { law: *law, loads, r: job.r, rule });
+    }
+    let limit = |run: usize, _| problems[batch[run].problem].problem.max_iterations;
+    let mut results = Vec::new();
+    for (job, ends) in batch.iter().zip(run_all_nested(&levels, &runs, limit)) {
+        let case = &problems[job.problem];
+        let on_grids = case.grids.iter().zip(&case.published).zip(&ends);
+        results.push(on_grids.map(|((g, load), end)| case.measured(*g, load, end)).collect());
+    }
+    results
+}
+
+/// Makes runs on one grid towards a KKT residual. Returns the end of each.
+fn run_on_grid(
+    plan: &ClaimsPlan,
+    problems: &[ClaimCase],
+    batch: &[ClaimJob],
+) -> Vec<Vec<(End, f64)>> {
+    let mut jobs = Vec::new();
+    for run in batch {
+        let ClaimCase { law, solvable, starts, .. } = &problems[run.problem];
+        let (law, load, start) = (*law, &solvable[run.level], &starts[run.level]);
+        let method = match run.variant {
+            None => Method::ArrowHurwicz,
+            Some(k) => VARIANTS[k].method(plan.weight, 0.1 * run.target() * largest(load)),
+        };
+        let goal = JobGoal::Kkt(run.target());
+        jobs.push(Job { law, load, start, method, r: run.r, goal, cap: plan.cap });
+    }
+    let grid = problems[batch[0].problem].grids[batch[0].level];
+    let mut results = Vec::new();
+    for ((job, run), end) in jobs.iter().zip(batch).zip(run(grid, &jobs)) {
+        results.push(vec![problems[run.problem].measured(grid, job.load, &end)]);
+    }
+    results
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiments::problems::PAPER;
+
+    #[test]
+    fn every_run_is_in_one_batch_and_no_batch_leaves_lanes_idle_from_the_start() {
+        let plan = ClaimsPlan::friction();
+        let papers = ClaimsPlan::new(vec![
+            TableProblem { f: PAPER[0].1.into(), law: None, ..plan.problems[0].clone() },
+            TableProblem { f: PAPER[1].1.into(), law: None, ..plan.problems[1].clone() },
+        ]);
+        for mut plan in [plan, papers] {
+            // The batches are the same without the finest grids.
+            plan.problems.iter_mut().for_each(|problem| problem.grids = vec![4, 8, 16]);
+            let problems: Vec<_> =
+                plan.problems.iter().map(|problem| ClaimCase::new(problem).unwrap()).collect();
+            let (all, batches) = (all_jobs(&plan, &problems), batches(&plan, &problems));
+            assert!(batches.iter().all(|batch| batch.len() >= 4 * LANES && batch.len() < 2 * RUNS));
+            let batched = batches.concat();
+            assert_eq!(batched.len(), all.len());
+            assert!(all.iter().all(|job| batched.contains(job)));
         }
     }
 }

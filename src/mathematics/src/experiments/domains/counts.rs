@@ -1,14 +1,15 @@
 //! Counts of iterations of the paper's method on nested meshes, and for other numberings of the nodes.
 
 use super::{DomainPlan, DomainsPlan, problem};
+use crate::discrete::end::End;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
 use crate::experiments::numbers::RandomNumbers;
 use crate::levels::Problem;
 use crate::mesh::AnyMesh;
 use crate::problem::law::ContactNode;
-use crate::saddle::{NestedLevels, Pair, Params, StopRule, solve_nested};
-use rayon::prelude::*;
+use crate::saddle::batch::{NestedJob, run_all_nested};
+use crate::saddle::{NestedLevels, Pair, StopRule};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -116,24 +117,21 @@ pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<Counted
     let made = problem(domain, domain.first + plan.levels - 1)?;
     let Nested { networks, loads } = nested(&made)?;
     let (levels, loads) = (&networks[domain.first..], &loads[domain.first..]);
-    let row = |&r: &f64| {
-        let run = |rule| {
-            let params =
-                Params { r, rule, max_iterations: plan.max_iterations, ..Params::default() };
-            let (outcomes, _) =
-                solve_nested(levels, made.law().with_loads(loads), &params, &mut ());
-            let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.end.iterations).collect();
-            (counts, outcomes[outcomes.len() - 1].end.change())
-        };
-        let ((signed, delta_a), (printed, _)) = (run(StopRule::Signed), run(StopRule::Printed));
-        CountsRow { r, signed, printed, delta_a }
-    };
+    let rules = [StopRule::Signed, StopRule::Printed];
+    let runs = plan.r.iter().flat_map(|&r| rules.map(|rule| (r, rule)));
+    let ends = ends(levels, &made, loads, runs, plan.max_iterations);
+    let mut rows = Vec::new();
+    for (&r, ends) in plan.r.iter().zip(ends.chunks(rules.len())) {
+        let [signed, printed] = [0, 1].map(|rule: usize| iterations(&ends[rule]));
+        let delta_a = ends[0].last().map_or(0.0, End::change);
+        rows.push(CountsRow { r, signed, printed, delta_a });
+    }
     Ok(CountedDomain {
         name: domain.name.clone(),
         f: made.levels().f(),
         dimension: made.levels().dimension(),
         nodes: levels.iter().map(|level| level.network.nodes()).collect(),
-        rows: plan.r.par_iter().map(row).collect(),
+        rows,
     })
 }
 
@@ -151,16 +149,32 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
         let levels = RenumberedNetworks::new(networks, orders(&made, numbering)?);
         let loads: Vec<_> =
             loads.iter().zip(&levels.orders).map(|(load, places)| moved(load, places)).collect();
-        for &r in &plan.numbered_r {
-            let max_iterations = plan.max_iterations;
-            let params = Params { r, rule: StopRule::Signed, max_iterations, ..Params::default() };
-            let (outcomes, _) =
-                solve_nested(&levels, made.law().with_loads(&loads), &params, &mut ());
-            let counts_of_r = outcomes.iter().map(|outcome| outcome.end.iterations).collect();
-            counts.push(NumberingCounts { numbering, r, counts: counts_of_r });
+        let runs = plan.numbered_r.iter().map(|&r| (r, StopRule::Signed));
+        let ends = ends(&levels, &made, &loads, runs, plan.max_iterations);
+        for (&r, ends) in plan.numbered_r.iter().zip(&ends) {
+            counts.push(NumberingCounts { numbering, r, counts: iterations(ends) });
         }
     }
     Ok(counts)
+}
+
+/// Ends of the paper's method on all levels, side by side for each r and rule.
+fn ends<L: NestedLevels + ?Sized>(
+    levels: &L,
+    problem: &Problem,
+    loads: &[Vec<f64>],
+    runs: impl Iterator<Item = (f64, StopRule)>,
+    limit: usize,
+) -> Vec<Vec<End>> {
+    let law = problem.law();
+    let runs: Vec<_> = runs.map(|(r, rule)| NestedJob { law, loads, r, rule }).collect();
+    let ended = run_all_nested(levels, &runs, |_, _| limit);
+    ended.iter().map(|levels| levels.iter().map(|(end, _)| *end).collect()).collect()
+}
+
+/// Iterations on each level.
+fn iterations(ends: &[End]) -> Vec<usize> {
+    ends.iter().map(|end| end.iterations).collect()
 }
 
 /// Nested discrete problems of a mesh, with their load vectors.

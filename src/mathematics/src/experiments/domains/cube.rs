@@ -2,7 +2,7 @@
 
 use crate::discrete::norms::Errors;
 use crate::experiments::accuracy::KnownLevels;
-use crate::mesh::{mesh_errors, mesh_load, refined, uniform_cube};
+use crate::mesh::{NestedMeshes, mesh_errors, mesh_load, nested_meshes, uniform_cube};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::exact::CubeExact;
@@ -24,13 +24,15 @@ pub struct CubeLevel {
 
 /// Measures the errors of every known solution on the last two refinements: one order for each.
 pub(super) fn convergence(refinements: usize) -> Result<Vec<KnownLevels<CubeLevel>>, String> {
-    CubeExact::ALL.into_par_iter().map(|exact| on_cube(exact, refinements)).collect()
+    let cubes = nested_meshes(&uniform_cube(1), refinements).map_err(|e| e.to_string())?;
+    CubeExact::ALL.into_par_iter().map(|exact| on_cube(exact, &cubes)).collect()
 }
 
-fn on_cube(exact: CubeExact, refinements: usize) -> Result<KnownLevels<CubeLevel>, String> {
+fn on_cube(exact: CubeExact, cubes: &NestedMeshes<3, 4>) -> Result<KnownLevels<CubeLevel>, String> {
     let mut levels: Vec<CubeLevel> = Vec::new();
-    for times in refinements.saturating_sub(1)..=refinements {
-        let Errors { l2, h1, max } = errors(exact, times)?;
+    let finest = cubes.meshes.len() - 1;
+    for times in finest.saturating_sub(1)..=finest {
+        let Errors { l2, h1, max } = errors(exact, cubes, times)?;
         let errors = [l2, h1, max];
         let orders = levels
             .last()
@@ -40,13 +42,13 @@ fn on_cube(exact: CubeExact, refinements: usize) -> Result<KnownLevels<CubeLevel
     Ok(KnownLevels { name: exact.name().into(), levels })
 }
 
-fn errors(exact: CubeExact, times: usize) -> Result<Errors, String> {
-    let (levels, mesh) = refined(&uniform_cube(1), times).map_err(|e| e.to_string())?;
-    let load = mesh_load(&mesh, &Source::from(exact)).map_err(|e| e.to_string())?.load;
+fn errors(exact: CubeExact, cubes: &NestedMeshes<3, 4>, times: usize) -> Result<Errors, String> {
+    let (levels, mesh) = (&cubes.networks[..=times], &cubes.meshes[times]);
+    let load = mesh_load(mesh, &Source::from(exact)).map_err(|e| e.to_string())?.load;
     let loaded = Law::SIGNORINI.with_load(&load);
-    let (y, _) = solve_nested_networks(&levels, loaded, &MultigridParams::default())
+    let (y, _) = solve_nested_networks(levels, loaded, &MultigridParams::default())
         .map_err(|e| format!("on the cube, {}: {e}", exact.name()))?;
-    Ok(mesh_errors(&mesh, |point| exact.at(point), &y))
+    Ok(mesh_errors(mesh, |point| exact.at(point), &y))
 }
 
 #[cfg(test)]
@@ -55,8 +57,9 @@ mod tests {
 
     #[test]
     fn errors_fall_at_the_optimal_rate() {
+        let cubes = nested_meshes(&uniform_cube(1), 5).unwrap();
         for exact in CubeExact::ALL {
-            let errors = [4, 5].map(|times| errors(exact, times).unwrap());
+            let errors = [4, 5].map(|times| errors(exact, &cubes, times).unwrap());
             let rate = |norm: fn(&Errors) -> f64| libm::log2(norm(&errors[0]) / norm(&errors[1]));
             assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{exact:?} L2 {}", rate(|e| e.l2));
             assert!((rate(|e| e.h1) - 1.0).abs() < 0.05, "{exact:?} H1 {}", rate(|e| e.h1));

@@ -2,8 +2,8 @@
 
 use crate::discrete::kkt::judge;
 use crate::mesh::{
-    BuiltIn, ConstantPieces, Mesh, MeshPlace, OnCells, distance_squared, integrals, mesh_arcs,
-    mesh_load, refined,
+    BuiltIn, ConstantPieces, Mesh, MeshPlace, NestedMeshes, OnCells, distance_squared, integrals,
+    mesh_arcs, mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
@@ -70,14 +70,20 @@ const PROBLEMS: [DiscProblem; 4] = [
 
 /// Measures the errors on all refinements from the third on.
 pub(super) fn convergence(refinements: usize) -> Result<Vec<DiscFindings>, String> {
-    PROBLEMS.into_par_iter().map(|problem| on_disc(problem, refinements)).collect()
+    let discs = discs(refinements)?;
+    PROBLEMS.into_par_iter().map(|problem| on_discs(problem, &discs)).collect()
 }
 
-fn on_disc(problem: DiscProblem, refinements: usize) -> Result<DiscFindings, String> {
+/// The disc and its refinements.
+fn discs(refinements: usize) -> Result<NestedMeshes<2, 3>, String> {
     let coarsest = BuiltIn::Disc.plane().expect("the disc lies in the plane");
+    nested_meshes(&coarsest, refinements).map_err(|e| e.to_string())
+}
+
+fn on_discs(problem: DiscProblem, discs: &NestedMeshes<2, 3>) -> Result<DiscFindings, String> {
     let mut levels: Vec<DiscLevel> = Vec::new();
-    for times in 3..=refinements {
-        let mut level = errors(problem, &coarsest, times)?;
+    for times in 3..discs.meshes.len() {
+        let mut level = errors(problem, discs, times)?;
         level.orders = levels.last().map(|before| {
             [
                 before.energy / level.energy,
@@ -93,11 +99,15 @@ fn on_disc(problem: DiscProblem, refinements: usize) -> Result<DiscFindings, Str
     Ok(DiscFindings { c0, c1, k, energy: problem.energy(), levels })
 }
 
-fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<DiscLevel, String> {
-    let (levels, mesh) = refined(coarsest, times).map_err(|e| e.to_string())?;
-    let load = mesh_load(&mesh, &problem).map_err(|e| e.to_string())?.load;
+fn errors(
+    problem: DiscProblem,
+    discs: &NestedMeshes<2, 3>,
+    times: usize,
+) -> Result<DiscLevel, String> {
+    let (levels, mesh) = (&discs.networks[..=times], &discs.meshes[times]);
+    let load = mesh_load(mesh, &problem).map_err(|e| e.to_string())?.load;
     let loaded = Law::SIGNORINI.with_load(&load);
-    let (y, _) = solve_nested_networks(&levels, loaded, &MultigridParams::default())
+    let (y, _) = solve_nested_networks(levels, loaded, &MultigridParams::default())
         .map_err(|e| e.to_string())?;
     let network = &levels[times].network;
     let judged = judge(network, Law::SIGNORINI, &y, &load);
@@ -111,7 +121,7 @@ fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<D
     }
     let alpha = problem.free_angle();
     let ends = (alpha > 0.0).then(|| {
-        let arcs = mesh_arcs(&mesh, network, &y, &judged);
+        let arcs = mesh_arcs(mesh, network, &y, &judged);
         let ends = arcs.iter().flat_map(|arc| [arc.from, arc.to]);
         let distances = ends.map(|[px, py]| {
             // The ends are at k t = alpha and -alpha, up to whole turns.
@@ -124,7 +134,7 @@ fn errors(problem: DiscProblem, coarsest: &Mesh<2, 3>, times: usize) -> Result<D
     Ok(DiscLevel {
         nodes: y.len(),
         energy: judged.energy - problem.energy(),
-        h1: gradient_error(&problem, &mesh, &y),
+        h1: gradient_error(&problem, mesh, &y),
         centre: y[0] - problem.centre(),
         rim,
         multiplier: square.sqrt(),
@@ -147,11 +157,11 @@ mod tests {
 
     #[test]
     fn energies_are_of_order_two_and_gradients_of_order_one() {
+        let discs = discs(6).unwrap();
         for (c0, c1, k) in [(1.3, 7.0, 1), (1.3, 7.0, 2), (1.3, 7.0, 3), (0.8, 20.0, 2)] {
             let problem = DiscProblem { c0, c1, k };
-            let coarsest = BuiltIn::Disc.plane().unwrap();
             let levels: Vec<_> =
-                (3..7).map(|times| errors(problem, &coarsest, times).unwrap()).collect();
+                (3..7).map(|times| errors(problem, &discs, times).unwrap()).collect();
             for pair in levels.windows(2) {
                 let energy = libm::log2(pair[0].energy / pair[1].energy);
                 let gradient = libm::log2(pair[0].h1 / pair[1].h1);

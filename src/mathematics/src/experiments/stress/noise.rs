@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 const EXPONENTS: std::ops::RangeInclusive<i32> = -15..=-2;
 /// Repetitions for each r and size of the errors.
 const REPETITIONS: u64 = 16;
+/// Repetitions in a batch, so that few lanes are idle.
+const TOGETHER: usize = 4;
 
 /// Sizes of random relative errors of the load, and the least one that changes a count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -73,13 +75,16 @@ impl<'a> Undisturbed<'a> {
 
     /// True if errors of this size change a count in a repetition.
     fn changes(&self, size: f64) -> bool {
-        (0..REPETITIONS).into_par_iter().any(|repetition| {
-            let repeated = self.disturbed(size, repetition);
+        let repetitions: Vec<u64> = (0..REPETITIONS).collect();
+        repetitions.par_chunks(TOGETHER).any(|some| {
+            let repeated: Vec<_> = some.iter().flat_map(|k| self.disturbed(size, *k)).collect();
             // One sweep more than the count would show a late stop; with the others a finer grid starts from about
             // where a run without a limit would end.
             let runs = self.runs(&repeated, |row, grid| self.counts[row][grid] + 10);
-            let wanted = self.counts.iter().flatten().map(|&count| Some(count));
-            !runs.into_iter().flatten().eq(wanted)
+            let mut ran = repeated.iter().zip(runs);
+            ran.any(|(of, counts)| {
+                !counts.into_iter().eq(self.counts[of.row].iter().map(|&n| Some(n)))
+            })
         })
     }
 
@@ -106,12 +111,11 @@ impl<'a> Undisturbed<'a> {
     ) -> Vec<Vec<Option<usize>>> {
         let mut nested = Vec::new();
         for Repeated { row, loads } in repeated {
-            nested.push(NestedJob { loads, r: self.problem.r[*row], rule: StopRule::Signed });
+            let (law, r, rule) = (Law::SIGNORINI, self.problem.r[*row], StopRule::Signed);
+            nested.push(NestedJob { law, loads, r, rule });
         }
         let grids = NestedGrids { grids: &self.grids, prolongation: self.problem.prolongation };
-        let all = run_all_nested(grids, Law::SIGNORINI, &nested, |run, grid| {
-            limit(repeated[run].row, grid)
-        });
+        let all = run_all_nested(&grids, &nested, |run, grid| limit(repeated[run].row, grid));
         all.iter().map(|ends| ends.iter().map(|(end, _)| end.count()).collect()).collect()
     }
 }

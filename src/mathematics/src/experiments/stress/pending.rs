@@ -4,12 +4,15 @@ use super::{Series, StressCase};
 use crate::discrete::grid::Grid;
 use crate::experiments::trial::{Trial, multigrid_trial, saddle_trials};
 use crate::multigrid::Goal;
+use crate::problem::law::Law;
 use crate::saddle::batch::{Job, LANES};
-use crate::saddle::{JobGoal, Method, Pair};
+use crate::saddle::{JobGoal, Method, Pair, StopRule};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
-/// Runs of the paper's method in a batch: enough that few lanes are idle when only the longest are left.
-const BATCH: usize = 4 * LANES;
+/// Least number of runs of the paper's method for a second batch, so that few lanes are idle when only the longest are
+/// left.
+const BATCH: usize = 12 * LANES;
 
 /// A run that is yet to be made.
 pub(super) enum StressJob {
@@ -26,42 +29,74 @@ impl<X> StressCase<X, StressJob> {
     }
 }
 
-/// Makes the runs of all cases: those of the paper's method on the grid `coarse` in vector lanes, the others side by
-/// side.
-pub(super) fn make_all<X>(coarse: Grid, pending: Vec<StressCase<X, StressJob>>) -> Series<X> {
-    let runs: Vec<_> = pending.iter().flat_map(|case| case.trials.values()).collect();
-    let mut jobs = Vec::new();
-    for run in &runs {
-        if let &StressJob::Saddle { load, r, goal, limit: cap, start } = run {
-            jobs.push(Job {
-                load,
-                start,
-                method: Method::ArrowHurwicz,
-                r: *r,
-                goal: *goal,
-                cap: *cap,
+/// Runs of all series, which are made together: the runs of one alone would leave lanes idle.
+#[derive(Default)]
+pub(super) struct StressJobs(Vec<StressJob>);
+
+impl StressJobs {
+    /// Lists the runs of some cases, in which each is then a number.
+    pub(super) fn enlist<X>(
+        &mut self,
+        pending: Vec<StressCase<X, StressJob>>,
+    ) -> Vec<StressCase<X, usize>> {
+        let mut cases = Vec::new();
+        for StressCase { x, trials } in pending {
+            let numbered = trials.into_iter().map(|(name, run)| {
+                self.0.push(run);
+                (name, self.0.len() - 1)
             });
+            cases.push(StressCase { x, trials: numbered.collect() });
         }
+        cases
     }
-    let in_lanes: Vec<Trial> =
-        jobs.par_chunks(BATCH).flat_map(|jobs| saddle_trials(coarse, jobs)).collect();
-    let alone: Vec<Option<Trial>> = runs
-        .par_iter()
-        .map(|run| match run {
+
+    /// Makes all runs: those of the paper's method on the grid `coarse` in vector lanes, the others side by side.
+    pub(super) fn make(&self, coarse: Grid) -> StressTrials {
+        let mut saddle: Vec<_> =
+            (0..self.0.len()).filter(|&k| self.saddle_job(k).is_some()).collect();
+        // A rule with a dual bound takes longer. Dealt out like cards: each batch begins with long runs.
+        let is_short = |k: &usize| {
+            let goal = self.saddle_job(*k).map(|job| job.goal);
+            matches!(goal, Some(JobGoal::Rule(StopRule::Signed, _)))
+        };
+        saddle.sort_by_key(is_short);
+        let count = (saddle.len() / BATCH).max(1);
+        let batches: Vec<Vec<usize>> =
+            (0..count).map(|k| saddle[k..].iter().step_by(count).copied().collect()).collect();
+        let in_lanes = batches.par_iter().with_max_len(1).flat_map(|batch| {
+            let jobs: Vec<_> = batch.iter().filter_map(|&k| self.saddle_job(k)).collect();
+            batch.iter().copied().zip(saddle_trials(coarse, &jobs)).collect::<Vec<_>>()
+        });
+        let alone = self.0.par_iter().enumerate().filter_map(|(k, run)| match run {
             StressJob::Saddle { .. } => None,
             StressJob::Multigrid { grid, load, goal, start } => {
-                Some(multigrid_trial(*grid, load, *goal, start.as_deref()))
+                Some((k, multigrid_trial(*grid, load, *goal, start.as_deref())))
             }
-        })
-        .collect();
-    let (mut in_lanes, mut alone) = (in_lanes.into_iter(), alone.into_iter());
-    let mut series = Vec::new();
-    for StressCase { x, trials } in pending {
-        let made = trials.into_keys().map(|name| {
-            let trial = alone.next().flatten().or_else(|| in_lanes.next());
-            (name, trial.expect("each run was made"))
         });
-        series.push(StressCase { x, trials: made.collect() });
+        StressTrials(in_lanes.chain(alone).collect())
     }
-    series
+
+    /// The run with this number, if it is one of the paper's method.
+    fn saddle_job(&self, number: usize) -> Option<Job<'_>> {
+        let StressJob::Saddle { load, r, goal, limit, start } = &self.0[number] else {
+            return None;
+        };
+        let (law, method) = (Law::SIGNORINI, Method::ArrowHurwicz);
+        Some(Job { law, load, start, method, r: *r, goal: *goal, cap: *limit })
+    }
+}
+
+/// Ends of the runs, by their numbers.
+pub(super) struct StressTrials(BTreeMap<usize, Trial>);
+
+impl StressTrials {
+    /// Cases with the ends of their runs.
+    pub(super) fn series<X>(&self, cases: Vec<StressCase<X, usize>>) -> Series<X> {
+        let mut series = Vec::new();
+        for StressCase { x, trials } in cases {
+            let made = trials.into_iter().map(|(name, number)| (name, self.0[&number].clone()));
+            series.push(StressCase { x, trials: made.collect() });
+        }
+        series
+    }
 }

@@ -1,6 +1,6 @@
 //! Runs of the experiments, one function per kind of stress.
 
-use super::pending::{StressJob, make_all};
+use super::pending::StressJob;
 use super::{Series, StressCase, StressPlan};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
@@ -10,11 +10,15 @@ use crate::experiments::power_of_ten;
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{multigrid_trial, saddle_trials};
 use crate::multigrid::Goal;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::batch::Job;
 use crate::saddle::{JobGoal, Method, Pair, StopRule};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+
+/// A series whose runs are yet to be made.
+type Pending<X> = Vec<StressCase<X, StressJob>>;
 
 /// Duality parameter of the series that do not vary it.
 const R: f64 = 10.0;
@@ -40,7 +44,7 @@ pub(super) struct Loads {
 /// Loads of all problems of the plan, on the grids of the runs.
 pub(super) struct StressLoads<'a> {
     plan: &'a StressPlan,
-    coarse: Grid,
+    pub(super) coarse: Grid,
     fine: Grid,
     /// Loads of all problems.
     pub(super) loads: Vec<Loads>,
@@ -83,21 +87,8 @@ impl<'a> StressLoads<'a> {
         }
     }
 
-    /// Makes the runs for each power of ten.
-    fn over<const N: usize>(
-        &self,
-        exponents: impl IntoIterator<Item = i32>,
-        runs: impl Fn(f64) -> [(&'static str, StressJob); N],
-    ) -> Series<f64> {
-        let mut pending = Vec::new();
-        for x in exponents.into_iter().map(power_of_ten) {
-            pending.push(StressCase::pending(x, runs(x)));
-        }
-        make_all(self.coarse, pending)
-    }
-
-    pub(super) fn duality(&self, loads: &Loads) -> Series<f64> {
-        self.over(-8..=12, |r| {
+    pub(super) fn duality(&self, loads: &Loads) -> Pending<f64> {
+        over(-8..=12, |r| {
             [
                 ("signed", self.signed(&loads.coarse, r, self.plan.tolerance)),
                 ("strict", self.strict(&loads.coarse, r, Pair::zero(self.coarse))),
@@ -105,7 +96,7 @@ impl<'a> StressLoads<'a> {
         })
     }
 
-    pub(super) fn scaling(&self) -> Series<i32> {
+    pub(super) fn scaling(&self) -> Pending<i32> {
         let Some(loads) = self.loads.last() else { return Vec::new() };
         let mut pending = Vec::new();
         for exponent in EXPONENTS {
@@ -119,11 +110,11 @@ impl<'a> StressLoads<'a> {
             ];
             pending.push(StressCase::pending(exponent, runs));
         }
-        make_all(self.coarse, pending)
+        pending
     }
 
-    pub(super) fn deficits(&self, odd: f64) -> Series<f64> {
-        self.over((-14..=-1).rev(), |deficit| {
+    pub(super) fn deficits(&self, odd: f64) -> Pending<f64> {
+        over((-14..=-1).rev(), |deficit| {
             let coarse = quadrants(self.coarse, odd, deficit);
             let fine = quadrants(self.fine, odd, deficit);
             [
@@ -133,9 +124,9 @@ impl<'a> StressLoads<'a> {
         })
     }
 
-    pub(super) fn tolerances(&self, loads: &Loads) -> Series<f64> {
+    pub(super) fn tolerances(&self, loads: &Loads) -> Pending<f64> {
         let load = &loads.coarse;
-        self.over((1..=9).map(|k| -2 * k), |tolerance| {
+        over((1..=9).map(|k| -2 * k), |tolerance| {
             let bound = tolerance * largest(load);
             let (grid, goal) = (self.coarse, Goal::Kkt(bound));
             [
@@ -168,6 +159,7 @@ impl<'a> StressLoads<'a> {
         let mut trials = BTreeMap::from([("multigrid".to_owned(), floor)]);
         if cells <= FINEST_SADDLE {
             let job = Job {
+                law: Law::SIGNORINI,
                 load: &load,
                 start: &Pair::zero(grid),
                 method: Method::ArrowHurwicz,
@@ -181,7 +173,7 @@ impl<'a> StressLoads<'a> {
         StressCase { x: cells as f64, trials }
     }
 
-    pub(super) fn starts(&self) -> Series<String> {
+    pub(super) fn starts(&self) -> Pending<String> {
         let coarse = quadrants(self.coarse, -1.0, self.plan.deficit);
         let fine = quadrants(self.fine, -1.0, self.plan.deficit);
         let starts: [(&str, StartValue); 9] = [
@@ -204,10 +196,10 @@ impl<'a> StressLoads<'a> {
             ];
             pending.push(StressCase::pending(name.to_owned(), runs));
         }
-        make_all(self.coarse, pending)
+        pending
     }
 
-    pub(super) fn jumps(&self) -> Series<f64> {
+    pub(super) fn jumps(&self) -> Pending<f64> {
         self.loads_of_size(|x, y, size| match (x <= 0.0, y <= 0.0) {
             (true, true) => -size,
             (true, false) => 0.3 * size,
@@ -215,7 +207,7 @@ impl<'a> StressLoads<'a> {
         })
     }
 
-    pub(super) fn spikes(&self) -> Series<f64> {
+    pub(super) fn spikes(&self) -> Pending<f64> {
         let h = self.fine.h();
         self.loads_of_size(|x, y, size| {
             if (x - 0.25).abs().max((y - 0.125).abs()) < 0.5 * h { size } else { -1.0 }
@@ -223,12 +215,24 @@ impl<'a> StressLoads<'a> {
     }
 
     /// Series over the size of a feature of f, which is given as a function of x, y and this size.
-    fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64) -> Series<f64> {
-        self.over(0..=15, |size| {
+    fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64) -> Pending<f64> {
+        over(0..=15, |size| {
             let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
             [("multigrid", self.multigrid(&load, None))]
         })
     }
+}
+
+/// Runs for each power of ten.
+fn over<const N: usize>(
+    exponents: impl IntoIterator<Item = i32>,
+    runs: impl Fn(f64) -> [(&'static str, StressJob); N],
+) -> Pending<f64> {
+    let mut pending = Vec::new();
+    for x in exponents.into_iter().map(power_of_ten) {
+        pending.push(StressCase::pending(x, runs(x)));
+    }
+    pending
 }
 
 /// Value of a start at the node in a column and a row.

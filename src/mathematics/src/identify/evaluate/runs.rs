@@ -1,16 +1,22 @@
 //! Forced and free runs, grid by grid.
 
 use super::{Evaluator, Table};
-use crate::saddle::batch::LANES;
+use crate::discrete::norms::largest;
+use crate::identify::moves::MOST_ITERATIONS;
+use crate::problem::law::Law;
+use crate::saddle::batch::{LANES, LaneEngine};
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
 use rayon::prelude::*;
 use std::array::from_fn;
 use std::convert::Infallible;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Iterations a free run makes on a grid, in multiples of the largest published count, plus this many.
 const FREE_FACTOR: usize = 4;
 const FREE_EXTRA: usize = 20;
+/// Share of the largest value of f whose move moves the iterates by more than rounding errors do.
+const ROUNDING: f64 = 1e-10;
 
 impl Evaluator<'_> {
     /// Iterations of a forced run of a row.
@@ -37,7 +43,8 @@ impl Evaluator<'_> {
                 made_for = Some(values);
             }
             let (method, r) = (Method::ArrowHurwicz, self.target.r[row]);
-            self.lanes[level].enter(lane, &RunStart { load: &load, method, r, pair: start });
+            let run = RunStart { load: &load, method, r, pair: start };
+            self.lanes[level].enter(lane, Law::SIGNORINI, &run);
         }
     }
 
@@ -93,6 +100,64 @@ impl Evaluator<'_> {
             });
         }
         held
+    }
+
+    /// For which of many f, given by their values, bounds tell that no f whose values are within `reach` of theirs gives
+    /// all counts on the coarsest grid.
+    pub(in crate::identify) fn missed_around(
+        &mut self,
+        geometry: usize,
+        all: &[[f64; 2]],
+        reach: f64,
+    ) -> Vec<bool> {
+        let mut missed = vec![false; all.len()];
+        for row in (0..self.target.r.len()).rev() {
+            let open: Vec<usize> = (0..all.len()).filter(|&k| !missed[k]).collect();
+            for some in open.chunks(LANES) {
+                let values: Vec<_> = some.iter().map(|&k| &all[k]).collect();
+                let run = self.missed_in_lanes(geometry, in_lanes(&values), row, reach);
+                some.iter().zip(run).for_each(|(&k, is_missed)| missed[k] = is_missed);
+            }
+        }
+        missed
+    }
+
+    /// In which lanes bounds tell that no f within `reach` gives the count of a row on the coarsest grid.
+    fn missed_in_lanes(
+        &mut self,
+        geometry: usize,
+        values: [&[f64]; LANES],
+        row: usize,
+        reach: f64,
+    ) -> [bool; LANES] {
+        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
+        let (halt, tolerance, last) = (self.halt, tolerance(1), self.last(row, 0));
+        let moves = Arc::clone(&self.moves);
+        let reach = values.map(|values| reach + ROUNDING * largest(values));
+        let mut missed = [false; LANES];
+        self.enter_all(geometry, 0, values, row);
+        let limits = [Some(last.min(MOST_ITERATIONS)); LANES];
+        self.iterate(0, limits, None, |lanes, n, _| {
+            if n > uncounted {
+                let (worst, moves) = (lanes.worst(measure), moves[geometry][row][n - 1]);
+                missed = from_fn(|k| {
+                    let room = moves * reach[k];
+                    // Before the last iteration the measure stays above the tolerance.
+                    let is_missed = match n == last {
+                        true => worst[k] > tolerance + room,
+                        false => worst[k] < tolerance - room,
+                    };
+                    is_missed || missed[k]
+                });
+            }
+            missed.map(|missed| missed || is_set(halt))
+        });
+        missed
+    }
+
+    /// Counts so many f whose screening has failed on the coarsest grid.
+    pub(in crate::identify) fn discard(&mut self, count: usize) {
+        self.entered[0] += count as u64;
     }
 
     /// Places of those among many f, given by their values on the pieces, that give all counts.

@@ -281,20 +281,16 @@ impl<'a> Meshes<'a> {
     }
 
     /// Problem on the meshes, with the solution.
-    pub(super) fn finished(
-        self,
-        end: AdaptedEnd,
-        LocalBounds { bounds, squares }: LocalBounds,
-    ) -> AdaptedRun {
+    pub(super) fn finished(self, end: AdaptedEnd, found: LocalBounds) -> AdaptedRun {
         let law = self.adaption.law;
         let y = self.y.expect("a vector with bounds");
         let network = &self.networks[self.networks.len() - 1].network;
         let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load.cells);
-        let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(bounds, &y);
+        let errors = found.errors();
+        let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(found.bounds, &y);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
-        let levels = Triangulations::of(nested, self.f, self.load)
-            .with_errors(squares.iter().map(|square| square.max(0.0).sqrt()).collect());
+        let levels = Triangulations::of(nested, self.f, self.load).with_errors(errors);
         AdaptedRun {
             problem: Problem::checked(levels, law, is_curved),
             y,

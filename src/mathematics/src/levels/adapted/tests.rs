@@ -252,6 +252,9 @@ fn a_run_ends_with_a_number_whatever_happens() {
     let run = few.run(&mut |_| ()).unwrap();
     assert_eq!(run.end, AdaptedEnd::Nodes);
     assert!(run.y.len() <= 300 && run.bounds.relative() < 0.3);
+    // There are more levels than meshes that are shown.
+    let name = run.problem.levels().name(run.problem.finest());
+    assert_eq!(name, format!("the mesh of {} nodes", run.y.len()));
     let huge = Adaption { f: "else=-1e200", ..problem.adaption(ErrorGoal::Relative(0.1)) };
     assert!(huge.run(&mut |_| ()).is_err());
     let energy = problem.adaption(ErrorGoal::RelativeEnergy(0.01)).run(&mut |_| ()).unwrap();

@@ -1,13 +1,14 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::V;
+use super::arithmetic::{LaneLaws, V};
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::problem::law::Law;
 use crate::saddle::RunStart;
 use std::array::from_fn;
+use std::sync::Arc;
 
 /// Order in which a sweep visits the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -44,9 +45,10 @@ impl LaneEdge {
 }
 
 /// The iterates of all lanes.
+#[derive(Clone)]
 pub struct Lanes {
     pub(super) grid: Grid,
-    pub(super) law: Law,
+    pub(super) laws: LaneLaws,
     order: Order,
     /// Weight of the multiplier in (7), h, and its weight at the corners.
     pub(super) weights: [f64; 2],
@@ -63,9 +65,9 @@ pub struct Lanes {
     pub(super) load: Vec<V>,
     pub(super) target: Vec<V>,
     /// In the order of rows.
-    pub(super) edges: Vec<LaneEdge>,
+    pub(super) edges: Arc<[LaneEdge]>,
     /// Place in `edges` of the boundary node in column `i` and row `j`, by `j * side + i`.
-    pub(super) edge_at: Vec<u32>,
+    pub(super) edge_at: Arc<[u32]>,
     pub(super) regularised: bool,
     /// In each lane, the node that last broke a bound, the likeliest to break the next: on a measure of the outer
     /// problem, and on that of the inner one.
@@ -102,7 +104,7 @@ impl Lanes {
         let nodes = || vec![V::all(0.0); grid.nodes()];
         Self {
             grid,
-            law,
+            laws: LaneLaws::all(law),
             order,
             weights: [1.0, corner_weight].map(|weight| grid.h() * weight),
             r: V::all(1.0),
@@ -114,19 +116,17 @@ impl Lanes {
             a: vec![V::all(0.0); 4 * n],
             load: nodes(),
             target: Vec::new(),
-            edges,
-            edge_at,
+            edges: edges.into(),
+            edge_at: edge_at.into(),
             regularised: false,
             witnesses: [[0; LANES]; 2],
         }
     }
 
     /// Puts a run into a lane.
-    ///
-    /// # Panics
-    /// If a vector has the wrong length for the grid, or r is not positive.
-    pub fn enter(&mut self, lane: usize, run: &RunStart<'_>) {
+    pub(super) fn take(&mut self, lane: usize, law: Law, run: &RunStart<'_>) {
         let &RunStart { r, load, method, pair: start } = run;
+        self.laws.set(lane, law);
         let weight = method.weight();
         assert!(load.len() == self.grid.nodes() && start.y.len() == self.grid.nodes());
         assert!(start.a.len() == self.a.len() && r > 0.0);
@@ -149,8 +149,8 @@ impl Lanes {
         self.regularise(lane);
     }
 
-    /// Puts a run of Arrow-Hurwicz into every lane, all with the same r, from zero; returns the load vectors, which
-    /// the caller sets.
+    /// Puts a run of Arrow-Hurwicz into every lane, all with the same r, from zero and under the lanes' laws; returns
+    /// the load vectors, which the caller sets.
     ///
     /// # Panics
     /// If r is not positive, or a run before had a proximal term.
@@ -276,29 +276,8 @@ impl Lanes {
                 false => (&self.edge, self.weights[0]),
                 true => (&self.corner, self.weights[1]),
             };
-            let (a, r) = (&self.a[edge.place as usize], &self.r);
-            let (lo, hi) = (self.law.lo(), self.law.hi());
-            let up = *inverse * (sum + V::all(h * lo));
-            let least = V(from_fn(|l| (a.0[l] - lo) / r.0[l]));
-            let slips_up: [bool; LANES] = from_fn(|l| up.0[l] >= least.0[l]);
-            let next = match slips_up.iter().all(|slips| *slips) {
-                true => up,
-                false => {
-                    let mut other =
-                        V(from_fn(|l| (sum.0[l] + h * a.0[l]) / (diagonal.0[l] + h * r.0[l])));
-                    // Without an upper end nothing slips down, and a division for each node is saved.
-                    if hi.is_finite() {
-                        let down = *inverse * (sum + V::all(h * hi));
-                        let most = V(from_fn(|l| (a.0[l] - hi) / r.0[l]));
-                        other =
-                            V(from_fn(
-                                |l| if down.0[l] <= most.0[l] { down.0[l] } else { other.0[l] },
-                            ));
-                    }
-                    V(from_fn(|l| if slips_up[l] { up.0[l] } else { other.0[l] }))
-                }
-            };
-            self.y[node] = next;
+            let row = [sum, self.a[edge.place as usize], self.r];
+            self.y[node] = self.laws.relax(row, *diagonal, h, |sum| *inverse * sum);
         }
     }
 
@@ -306,13 +285,13 @@ impl Lanes {
     pub(super) fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
         let steps = V(steps.map(|steps| f64::from(u8::from(steps))));
         let (mut changes, mut not_finite) = (V::all(0.0), V::all(0.0));
-        for edge in &self.edges {
+        for edge in &*self.edges {
             let (y, a) = (self.y[edge.node as usize], &mut self.a[edge.place as usize]);
             let next = *a - self.r * y;
             let next = V(from_fn(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
             // Zero, unless a value is no finite number.
             not_finite = not_finite + next * V::all(0.0);
-            let next = next.project(self.law);
+            let next = self.laws.project(next);
             changes = (next - *a).abs().greatest(changes);
             *a = next;
         }

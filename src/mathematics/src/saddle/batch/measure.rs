@@ -1,14 +1,21 @@
 //! The lanes as an engine: measures of the iterates, node by node in all lanes at once.
 
-use super::LANES;
 use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
+use super::{LANES, LaneEngine};
 use crate::discrete::norms::worst;
 use crate::machine::simd::vectorised;
+use crate::problem::law::Law;
 use crate::saddle::stopping::{GradientTerms, RoundingFloor};
-use crate::saddle::{Engine, GradientMeasure, Pair};
+use crate::saddle::{Engine, GradientMeasure, Pair, RunStart};
 use std::array::from_fn;
 use std::borrow::Cow;
+
+impl LaneEngine for Lanes {
+    fn enter(&mut self, lane: usize, law: Law, run: &RunStart<'_>) {
+        self.take(lane, law, run);
+    }
+}
 
 impl Engine<LANES> for Lanes {
     fn sweep(&mut self) {
@@ -200,7 +207,7 @@ impl Lanes {
         let mut flux = here * diagonal - (((load + first) + second) + third);
         if measure == GradientMeasure::Kkt {
             let h = self.weights[usize::from(edge.is_corner)];
-            return V(from_fn(|l| self.law.residual(here.0[l], flux.0[l], h)));
+            return self.laws.residual(here, flux, h);
         }
         if measure == GradientMeasure::Inner {
             // As `Gradient` adds it: the mass of a row, less half of it at the row's ends.
@@ -214,7 +221,7 @@ impl Lanes {
         }
         let pull = self.a[edge.place as usize] - self.r * here;
         let h = V::all(self.weights[usize::from(edge.is_corner)]);
-        let value = flux - h * pull.project(self.law);
+        let value = flux - h * self.laws.project(pull);
         if measure == GradientMeasure::Signed { value } else { value.abs() }
     }
 }
