@@ -37,13 +37,13 @@ impl Table {
     /// a last line names those.
     pub(crate) fn text_within(&self, room: usize) -> String {
         let widths = self.widths();
-        let is_too_wide = |columns: usize| {
-            let shown = &widths[..columns];
-            shown.iter().sum::<usize>() + GAP.len() * columns.saturating_sub(1) > room
-        };
-        let mut columns = widths.len();
-        while columns > 1 && !self.head.is_empty() && is_too_wide(columns) {
-            columns -= 1;
+        let (mut columns, mut taken) = (0, 0);
+        for width in &widths {
+            taken += width + if columns > 0 { GAP.len() } else { 0 };
+            if taken > room && columns > 0 && !self.head.is_empty() {
+                break;
+            }
+            columns += 1;
         }
         let mut text = self.first_columns(&widths[..columns]);
         if let Some(first @ [_, ..]) = self.head.get(columns..) {

@@ -101,7 +101,8 @@ fn legend(tables: &[TableComparison]) -> String {
     let any_capped =
         tables.iter().flat_map(|table| &table.rows).any(|row| row.capped.contains(&true));
     let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
-    let marks = coloured(&format!("= exact, ~ within tolerance, ! outside{capped}"));
+    let marks = paragraph(&format!("= exact, ~ within tolerance, ! outside{capped}"));
+    let marks = coloured(&marks);
     format!("{marks}\n{}\n", paragraph(&total(tables)))
 }
 
@@ -193,7 +194,8 @@ fn text(table: &TableComparison, grids: &[String]) -> String {
     }
     let title = styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan);
     let summary = paragraph(&summary(table).join("\n"));
-    format!("{title}: ours, then the paper's\n{}{summary}\n", coloured(&in_columns(&shown)))
+    let title = paragraph(&format!("{title}: ours, then the paper's"));
+    format!("{title}\n{}{summary}\n", coloured(&in_columns(&shown)))
 }
 
 fn markdown(table: &TableComparison, grids: &[String]) -> String {

@@ -47,8 +47,8 @@ pub(super) fn columns_of(stream: &(impl IsTerminal + std::os::fd::AsFd)) -> usiz
     columns.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
 }
 
-/// Returns a text with the lines that are longer than `width` broken between words, and not within a number whose digits
-/// stand in groups of three; what follows is indented.
+/// Returns a text with the lines that are longer than `width` broken between words, and not between the groups of three
+/// digits of a number; what follows is indented.
 pub(super) fn fitted(text: &str, width: usize) -> String {
     const MORE: &str = "  ";
     let mut lines = Vec::new();
@@ -76,9 +76,8 @@ pub(super) fn fitted(text: &str, width: usize) -> String {
 fn words(line: &str) -> Vec<&str> {
     let (mut words, mut start) = (Vec::new(), 0);
     for (at, _) in line.match_indices(' ') {
-        let is_digit = |c: char| c.is_ascii_digit();
-        let group = line[at + 1..].chars().take_while(|&c| is_digit(c)).count();
-        if group == 3 && line[..at].ends_with(is_digit) {
+        let group = line[at + 1..].chars().take_while(char::is_ascii_digit).count();
+        if group == 3 && line[..at].ends_with(|c: char| c.is_ascii_digit()) {
             continue;
         }
         words.push(&line[start..=at]);

@@ -130,21 +130,22 @@ fn legend(panel: &ContactPanel) -> Legend<'_> {
 
 /// Draws the bars of all lines, and that of the parts without the law, in the band between the plots.
 fn draw_bars(picture: &mut Picture, panel: &ContactPanel, band: &Frame) {
-    let bar = |picture: &mut Picture, row: usize, (from, to): (f64, f64), color| {
-        let y = band.down.0 + 8.0 + ROW * row as f64;
-        picture.rect((band.right(from), y + 1.5), (band.right(to), y + ROW - 1.5), color);
-    };
+    let mut bars = Vec::new();
     for (k, line) in panel.lines.iter().enumerate() {
-        for arc in arcs(&runs(&line.in_contact), panel) {
-            bar(picture, k, arc, series(k));
-        }
+        bars.extend(
+            arcs(&runs(&line.in_contact), panel).into_iter().map(|arc| (k, arc, series(k))),
+        );
     }
-    let place = |node: usize| panel.places.get(node).copied().unwrap_or(panel.length);
     for (condition, _, color) in WITHOUT_LAW {
         let edges: Vec<bool> = panel.conditions.iter().map(|given| *given == condition).collect();
         for [first, end] in runs(&edges) {
-            bar(picture, panel.lines.len(), (place(first), place(end)), color);
+            let to = panel.places.get(end).copied().unwrap_or(panel.length);
+            bars.push((panel.lines.len(), (panel.places[first], to), color));
         }
+    }
+    for (row, (from, to), color) in bars {
+        let y = band.down.0 + 8.0 + ROW * row as f64;
+        picture.rect((band.right(from), y + 1.5), (band.right(to), y + ROW - 1.5), color);
     }
     let holds = if panel.law.is_signorini() { "contact" } else { "sticks" };
     if panel.conditions.contains(&Condition::Contact) {
@@ -282,8 +283,8 @@ mod tests {
             let panels = ContactPanel::of("t", &problem, &lines).unwrap();
             let pictures = panels.iter().map(|panel| svg(&contact(std::slice::from_ref(panel))));
             let pictures: Vec<String> = pictures.collect();
-            let of = |title: &str| pictures.iter().find(|svg| svg.contains(title)).unwrap();
-            let (inner, outer) = (of(">t: inner</text>"), of(">t: outer</text>"));
+            let [inner, outer] = [">t: inner</text>", ">t: outer</text>"]
+                .map(|title| pictures.iter().find(|svg| svg.contains(title)).unwrap());
             let named =
                 |text: &str| [inner, outer].map(|svg| svg.contains(&format!(">{text}</text>")));
             assert_eq!(named(word), [true, false], "{condition:?}");

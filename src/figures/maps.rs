@@ -139,7 +139,7 @@ pub(super) fn layout_around(mesh: &PlaneMesh, text: &str) -> (Panels, [(f64, f64
 
 /// Most steps between numbers along an axis of a map with these ends.
 fn steps((from, to): (f64, f64)) -> usize {
-    ((to - from) / 45.0).clamp(1.0, 4.0) as usize
+    ((to - from) / 45.0).clamp(2.0, 4.0) as usize
 }
 
 /// Returns the part of the square that is in all half-planes.

@@ -16,20 +16,20 @@ pub(super) struct Panels {
     pub(super) margin: f64,
     /// Room of a panel to the left and right of its frame.
     pub(super) beside: (f64, f64),
-    /// Room of a panel above its frame, from [`above`] the frame, and below.
+    /// Room of a panel above its frame, by [`above`], and below.
     pub(super) above: f64,
     pub(super) below: f64,
     pub(super) foot: f64,
 }
 
-/// Room above a frame, for a title of one or two lines.
+/// Room above a frame, for a title of one line.
 const ABOVE: f64 = 48.0;
 /// Distance of the last line of a title from the frame.
 const TITLE: f64 = 22.0;
 
 /// Returns the room above frames that these titles need.
 pub(super) fn above<'a>(titles: impl IntoIterator<Item = &'a Title>) -> f64 {
-    titles.into_iter().map(|title| TITLE + 0.5 * LARGE + 2.0 + title.more()).fold(ABOVE, f64::max)
+    titles.into_iter().map(|title| TITLE + 16.0 + title.more()).fold(ABOVE, f64::max)
 }
 
 impl Panels {

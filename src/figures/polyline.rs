@@ -5,8 +5,8 @@ use super::picture::Place;
 /// Greatest distance in display pixels from a corner that is left out to the line that is drawn.
 const OFF_LINE: f64 = 0.1;
 
-/// Returns a line without corners that lie within [`OFF_LINE`] of what is left of it (Ramer, Computer Graphics and Image
-/// Processing 1, 1972; Douglas and Peucker, Cartographica 10, 1973). Both ends are kept.
+/// Returns a line without corners that lie within [`OFF_LINE`] of what is left of it (Ramer, Computer Graphics and
+/// Image Processing 1, 1972; Douglas and Peucker, Cartographica 10, 1973). Both ends are kept.
 ///
 /// 1. Between two corners that are kept, find the one farthest from the segment between them.
 /// 2. If it is too far away, keep it, and go on with both halves; otherwise leave out all that lie between.
@@ -73,16 +73,20 @@ mod tests {
         for count in [20, 300, 3000, 30_000] {
             let corners = spiral(count);
             let line = simplified(&corners);
-            // Chords that deviate by so much have an angle of 0.073 on average; halving makes them up to twice as short.
+            // Such chords have an angle of 0.073 on average; halving makes them up to twice as short.
             assert!(line.len() < 350, "{} of {count}", line.len());
             assert!(farthest(&corners, &line) <= OFF_LINE, "{count}");
             assert_eq!((line[0], line.last()), (corners[0], corners.last()));
         }
     }
 
+    /// Place number `k` on a straight line.
+    fn side(k: i32) -> Place {
+        (f64::from(k), 0.5 * f64::from(k))
+    }
+
     #[test]
     fn straight_lines_keep_their_few_corners_and_a_way_back_is_one() {
-        let side = |k: i32| (f64::from(k), 0.5 * f64::from(k));
         let straight: Vec<Place> = (0..=1000).map(side).collect();
         assert_eq!(simplified(&straight), [side(0), side(1000)]);
         let there_and_back: Vec<Place> = (0..=900).chain((300..900).rev()).map(side).collect();

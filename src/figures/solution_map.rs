@@ -59,14 +59,18 @@ impl SolutionMap {
         let (mut held, mut fixed, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
         for curve in levels.curves().ok_or(in_space)? {
             let ClosedCurve { points, nodes, conditions, .. } = &curve;
-            let edges = |wanted| {
-                let on = (0..points.len()).filter(move |&k| conditions[k] == wanted);
-                on.map(|k| [k, (k + 1) % points.len()])
-            };
-            held.extend(joined(edges(Condition::Contact).filter_map(|edge| {
-                held_part(edge.map(|k| points[k]), edge.map(|k| is_held[nodes[k]]))
-            })));
-            fixed.extend(joined(edges(Condition::Fixed).map(|edge| edge.map(|k| points[k]))));
+            for (k, condition) in conditions.iter().enumerate() {
+                let ends = [k, (k + 1) % points.len()];
+                let edge = ends.map(|k| points[k]);
+                match condition {
+                    Condition::Contact => {
+                        let part = held_part(edge, ends.map(|k| is_held[nodes[k]]));
+                        part.into_iter().for_each(|part| add(&mut held, part));
+                    }
+                    Condition::Fixed => add(&mut fixed, edge),
+                    Condition::Free => {}
+                }
+            }
             boundary.push(curve.points);
         }
         let v = nodes.iter().map(|&node| pair.y[node]).collect();
@@ -93,12 +97,13 @@ impl SolutionMap {
     /// Draws the words for the parts of the boundary that are held, centred.
     fn draw_key(&self, picture: &mut Picture, (middle, y): Place) {
         let fixed = Some((INK, FIXED)).filter(|_| !self.fixed.is_empty());
-        let entries = || Some((CONTACT, held(self.law))).into_iter().chain(fixed);
+        let entries: Vec<_> = [(CONTACT, held(self.law))].into_iter().chain(fixed).collect();
         let [line, gap, behind] = KEY;
-        let widths = entries().map(|(_, words)| line + gap + text_width(words, SMALL) + behind);
+        let widths =
+            entries.iter().map(|(_, words)| line + gap + text_width(words, SMALL) + behind);
         let mut x = middle - 0.5 * (widths.sum::<f64>() - behind);
         picture.group("stroke-linecap=\"round\"", |picture| {
-            for (color, words) in entries() {
+            for (color, words) in entries {
                 picture.path([(x, y), (x + line, y)], color, BOUNDARY_WIDTHS[1]);
                 x = key(picture, (x + line + gap, y), words) + behind;
             }
@@ -132,8 +137,8 @@ impl SolutionMap {
     }
 }
 
-/// Returns the part of an edge of a curve on which v is held at zero by the law: of two ends, each stands for the half of
-/// the edge beside it.
+/// Returns the part of an edge of a curve on which v is held at zero by the law: each end stands for the half of the
+/// edge beside it.
 fn held_part([p, q]: [[f64; 2]; 2], is_held: [bool; 2]) -> Option<[[f64; 2]; 2]> {
     let middle = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
     match is_held {
@@ -144,16 +149,12 @@ fn held_part([p, q]: [[f64; 2]; 2], is_held: [bool; 2]) -> Option<[[f64; 2]; 2]>
     }
 }
 
-/// Joins segments that follow one another to lines.
-fn joined(segments: impl IntoIterator<Item = [[f64; 2]; 2]>) -> Vec<Vec<[f64; 2]>> {
-    let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
-    for [from, to] in segments {
-        match lines.last_mut() {
-            Some(line) if line.last() == Some(&from) => line.push(to),
-            _ => lines.push(vec![from, to]),
-        }
+/// Adds a segment to the last line if it goes on from there.
+fn add(lines: &mut Vec<Vec<[f64; 2]>>, [from, to]: [[f64; 2]; 2]) {
+    match lines.last_mut() {
+        Some(line) if line.last() == Some(&from) => line.push(to),
+        _ => lines.push(vec![from, to]),
     }
-    lines
 }
 
 /// Returns the places of points in a picture, without those that would not be missed.
@@ -286,11 +287,13 @@ mod tests {
         let drawn =
             svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(&stroke));
         let points = drawn.map(|line| line.split("points=\"").nth(1).unwrap().split('"').next());
-        let place = |point: &str| {
-            let (x, y) = point.split_once(',').unwrap();
-            [x, y].map(|number| 0.25 * number.parse::<f64>().unwrap()).into()
-        };
         points.map(|points| points.unwrap().split_whitespace().map(place).collect()).collect()
+    }
+
+    /// Place from its coordinates in pixels of the canvas.
+    fn place(point: &str) -> Place {
+        let (x, y) = point.split_once(',').unwrap();
+        [x, y].map(|number| 0.25 * number.parse::<f64>().unwrap()).into()
     }
 
     /// Points of an ellipse, as many as a disc refined so many times has nodes on its boundary.
@@ -356,12 +359,11 @@ mod tests {
     #[test]
     fn fixed_parts_are_marked_and_named() {
         let mut annulus = AnyMesh::built_in("annulus").unwrap();
-        let plain = |mesh: &AnyMesh| {
-            map(&Problem::on_mesh(mesh, 1, "else=-1", Law::SIGNORINI).unwrap()).picture()
-        };
-        assert!(!svg(&plain(&annulus)).contains(FIXED));
+        let contact = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+        assert!(!svg(&map(&contact).picture()).contains(FIXED));
         annulus.set_condition("inner", Condition::Fixed).unwrap();
-        let svg = svg(&plain(&annulus));
+        let fixed = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+        let svg = svg(&map(&fixed).picture());
         assert!(svg.contains(&format!(">{FIXED}</text>")));
         // The part itself, and its key.
         assert_eq!(lines(&svg, INK, BOUNDARY_WIDTHS[1]).len(), 2);

@@ -12,7 +12,8 @@ use std::collections::BTreeMap;
 /// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
 ///
 /// Heights are shaded by Lambert's law and coloured by value. Edges of the boundary in contact, those with both ends in
-/// contact, and those of fixed parts are marked on the surface. All triangles are drawn: a fine mesh makes a large file, see [`DrawnMesh`].
+/// contact, and those of fixed parts are marked on the surface. All triangles are drawn: a fine mesh makes a large
+/// file.
 pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     let boxes: Vec<_> = panels.iter().map(boxed).collect();
     let mut keys: Vec<_> = panels.iter().take(1).map(|panel| (CONTACT, held(panel.law))).collect();

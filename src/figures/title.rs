@@ -53,8 +53,8 @@ impl Title {
 
     /// Writes the title; the place is that of its last line.
     pub(super) fn draw(&self, picture: &mut Picture, (x, y): Place, style: &TextStyle<'static>) {
-        for (above, line) in self.lines.iter().rev().enumerate() {
-            picture.text(line, (x, y - LINE * above as f64), style.clone());
+        for (k, line) in self.lines.iter().enumerate() {
+            picture.text(line, (x, y - self.more() + LINE * k as f64), style.clone());
         }
     }
 }

@@ -22,7 +22,9 @@ fn blocks(page: &str) -> Vec<(String, String)> {
             None => {}
             // The text that a template puts in ends with a line of its own.
             Some((opened, _, _))
-                if line == opened || line == format!("{{{{ scene.text }}}}{opened}") =>
+                if line
+                    .strip_suffix(&**opened)
+                    .is_some_and(|put| put.is_empty() || put.ends_with("}}")) =>
             {
                 blocks.extend(open.take().map(|(_, language, text)| (language, text)));
             }

@@ -70,7 +70,7 @@ fn tables_of_narrow_terminals_lack_columns_and_no_cell_is_broken() {
     let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
     let program = env!("CARGO_BIN_EXE_signorini");
     for (command, columns, missing) in
-        [("diff", 20, Some("Delta a")), ("diff", 80, None), ("list", 40, None)]
+        [("diff", 30, Some("Delta a")), ("diff", 80, None), ("list", 40, None)]
     {
         let line = format!("stty rows 24 cols {columns}; '{program}' {command}");
         let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };

@@ -139,10 +139,10 @@ mod tests {
     fn sums_of_rounding_errors_are_zero() {
         let integrals =
             Integrals { of_f: -2.0, of_size: 3.0, by_quadrature: false, is_known: false };
-        let arc = |force| ContactArc::new([[0.0, 0.0], [1.0, 0.0]], force);
         let words = BoundaryWords::of(Law::SIGNORINI);
         for (force, shown) in [(-3.69843e-15, "force 0\n"), (2e-11, "force 2.00000e-11\n")] {
-            let text = words.arc(&arc(force), &integrals, 6);
+            let arc = ContactArc::new([[0.0, 0.0], [1.0, 0.0]], force);
+            let text = words.arc(&arc, &integrals, 6);
             assert!(text.ends_with(shown), "{text}");
         }
         assert!(words.force([1e-16, 2.0], &integrals, 6).starts_with("contact force 0, "));

@@ -60,10 +60,10 @@ impl<const D: usize> Source<D> {
             return exact(name.trim(), D).map(Self::Exact);
         }
         if let Some(rest) = text.trim().strip_prefix("formula(") {
-            let count = |parenthesis| rest.matches(parenthesis).count();
+            let [opened, closed] = ['(', ')'].map(|parenthesis| rest.matches(parenthesis).count());
             let formula = match rest.strip_suffix(')') {
                 Some(formula) => Formula::read(formula, D),
-                None if count('(') < count(')') => return Err(SourceError::NotAlone),
+                None if opened < closed => return Err(SourceError::NotAlone),
                 // With the parenthesis that is not closed.
                 None => Formula::read(&format!("({rest}"), D),
             };
