@@ -9,7 +9,9 @@ use crate::timing::machine;
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, moved_on};
-use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem};
+use signorini_mathematics::levels::{
+    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, Watch,
+};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
@@ -129,18 +131,24 @@ impl StatedProblem {
                 let made = Problem::on_square(grids.clone(), f.clone(), *load, self.law()?);
                 made.map_err(|e| Error::input(e.to_string()))
             }
-            Place::Mesh(place) => self.on_coarsest(place, &place.coarsest(files)?),
+            Place::Mesh(place) => self.on_coarsest(place, &place.coarsest(files)?, &|_| ()),
         }
     }
 
-    /// Returns the problem on a mesh that has been read.
-    pub(crate) fn on_coarsest(&self, place: &OnMesh, coarsest: &AnyMesh) -> Result<Problem> {
+    /// Returns the problem on a mesh that has been read; `watch` is told when it is refined, and when f is integrated.
+    pub(crate) fn on_coarsest(
+        &self,
+        place: &OnMesh,
+        coarsest: &AnyMesh,
+        watch: Watch<'_>,
+    ) -> Result<Problem> {
         let times = place.domain.refinements(coarsest);
-        Problem::on_mesh(coarsest, times, &place.f, self.law()?)
+        Problem::on_mesh_watched((coarsest, times), &place.f, self.law()?, watch)
             .map_err(|e| Error::input(e.to_string()))
     }
 
-    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh.
+    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh, and `ended`
+    /// told each step.
     ///
     /// # Errors
     /// [`Error::Input`] in space, on the square, and if there is no problem or no bound.
@@ -149,6 +157,7 @@ impl StatedProblem {
         coarsest: &AnyMesh,
         (accuracy, written): (Accuracy, Written),
         watch: &mut dyn FnMut(&AdaptedMesh),
+        ended: Watch<'_>,
     ) -> Result<AdaptedRun> {
         accuracy.check(written)?;
         let asked = written.text(accuracy);
@@ -162,9 +171,8 @@ impl StatedProblem {
         let most_nodes = usize::try_from(memory / BYTES_PER_NODE).unwrap_or(usize::MAX);
         let goal = accuracy.goal_on_meshes();
         let bisections = Adaption::BISECTIONS;
-        let run =
-            Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections }.run(watch);
-        run.map_err(|e| Error::input(format!("{asked}: {e}")))
+        let adaption = Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections };
+        adaption.run_watched(watch, ended).map_err(|e| Error::input(format!("{asked}: {e}")))
     }
 
     /// As [`StatedProblem::adapted`], for a scene, whose mesh is read from these files. The end is that of the goal.
@@ -180,7 +188,8 @@ impl StatedProblem {
         let Place::Mesh(place) = &self.place else {
             return Err(Error::input("the square has grids in place of meshes"));
         };
-        let run = self.adapted(&place.coarsest(files)?, (accuracy, Written::Key), watch)?;
+        let asked = (accuracy, Written::Key);
+        let run = self.adapted(&place.coarsest(files)?, asked, watch, &|_| ())?;
         match run.end {
             AdaptedEnd::Goal => Ok(run),
             AdaptedEnd::Nodes | AdaptedEnd::NoLongerFalls => Err(Error::input(format!(
@@ -204,7 +213,7 @@ impl StatedProblem {
             )));
         }
         if nodes <= CHECKED_NODES {
-            self.on_coarsest(place, &coarsest)?;
+            self.on_coarsest(place, &coarsest, &|_| ())?;
         }
         let (dimension, notes) = (coarsest.dimension(), coarsest.notes());
         Ok(Some(CheckedMesh { dimension, nodes, notes }))
