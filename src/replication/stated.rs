@@ -288,6 +288,22 @@ impl StatedProblem {
         }
     }
 
+    /// Name of the domain, or the file with its mesh.
+    pub(crate) fn domain(&self) -> &str {
+        match &self.place {
+            Place::Square(_) => "square",
+            Place::Mesh(place) => &place.domain.name,
+        }
+    }
+
+    /// f as text.
+    pub(crate) fn f(&self) -> String {
+        match &self.place {
+            Place::Square(square) => square.f.to_string(),
+            Place::Mesh(place) => place.f.clone(),
+        }
+    }
+
     /// Name of the file with the mesh, without folders, if there is one.
     pub(crate) fn file_name(&self) -> Option<&str> {
         let Place::Mesh(OnMesh { domain, .. }) = &self.place else { return None };

@@ -128,7 +128,7 @@ fn the_parts_add_up_to_the_time_of_the_command() {
 #[test]
 fn the_text_has_the_parts_that_took_time() {
     let project = Project::with(TABLE);
-    for Case { args, parts } in &CASES[2..5] {
+    for &Case { args, parts } in &CASES[2..5] {
         let said = project.run(&[&["solve"], args].concat());
         let times: Vec<_> =
             said.lines().into_iter().filter_map(|line| line.strip_prefix("time: ")).collect();

@@ -21,7 +21,7 @@ use signorini_mathematics::spectral::{
 use std::time::Duration;
 
 /// True solution on the square.
-pub(super) struct Answer<'a> {
+pub(super) struct TrueAnswer<'a> {
     lattices: &'a Lattices,
     solution: Solution,
     /// Number of Newton steps.
@@ -29,15 +29,15 @@ pub(super) struct Answer<'a> {
 }
 
 /// Solves.
-pub(super) fn answer(request: &Request) -> Result<Answer<'_>> {
+pub(super) fn answer(request: &Request) -> Result<TrueAnswer<'_>> {
     let lattices = request.lattices("--solver spectral")?;
     let found = true_solution(request.problem.law(), lattices.source());
     let TrueSolution { solution, steps } = found.map_err(|e| failed(&request.name, &e))?;
     request.clock.ended(Part::Solver);
-    Ok(Answer { lattices, solution, steps })
+    Ok(TrueAnswer { lattices, solution, steps })
 }
 
-impl Answer<'_> {
+impl TrueAnswer<'_> {
     /// Writes a file with the solution at the nodes of the finest grid.
     pub(super) fn write(&self, request: &Request, file: &(OutputFile, Format)) -> Result<()> {
         request.write(file, self.lattices, &on_grid(&self.solution, self.lattices.finest()))
