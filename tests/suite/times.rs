@@ -116,7 +116,7 @@ fn the_parts_add_up_to_the_time_of_the_command() {
             }
             let told = sum(seconds);
             assert!(told <= wall, "{args:?}: {told:?} of {wall:?}");
-            left_out = (wall - told).saturating_sub(wall / 10 + start);
+            left_out = wall.saturating_sub(told + wall / 10 + start);
             if left_out <= SLACK {
                 break;
             }

@@ -77,7 +77,7 @@ impl Clock {
         let times = self.laps().times;
         let parts = Part::ALL.iter().zip(times);
         let seconds = parts.map(|((_, name), time)| ((*name).into(), time.as_secs_f64().into()));
-        Value::Object(Map::from_iter(seconds))
+        Value::Object(seconds.collect::<Map<_, _>>())
     }
 
     /// Returns a line with the time of each part that took any; `setup` names the first, `solver` tells what the solver

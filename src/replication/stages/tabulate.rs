@@ -236,7 +236,13 @@ mod tests {
     fn a_page_has_few_digits_and_a_bracket_that_holds() {
         let csv = "grid,energy_lower,energy_upper,error_bound,stop\n\
             1/4,-0.12345678901234,-0.1234567812345,0.012345678,converged\n1/8,,,,not-solved\n";
-        expect_test::expect![[r""]].assert_eq(&markdown(csv));
+        expect_test::expect![[r"
+            | grid | energy_lower | energy_upper | error_bound | stop |
+            |---:|---:|---:|---:|---:|
+            | 1/4 | -0.1234567891 | -0.1234567812 | 0.0123457 | converged |
+            | 1/8 |  |  |  | not-solved |
+        "]]
+        .assert_eq(&markdown(csv));
     }
 
     #[test]
