@@ -522,7 +522,7 @@ mod tests {
     #[test]
     fn tasks_read_back_the_scene_that_was_hashed() {
         let method = "solver = \"uzawa\"\nr = [1, 0.1, 1e12]\ndraw_r = 0.1\nstop = [\"printed\", \"signed\"]\n\
-            max_iterations = 7\nprolongation = \"rising-diagonal\"\nlaw = { friction = 0.1 }\n\
+            max_iterations = 7\nprolongation = \"rising-diagonal\"\nlaw = { friction = 0.3 }\n\
             load = { rule = \"nodal\", tie = \"upper-left\", diagonal = \"falling\" }\n";
         let on_mesh = "domain = { name = \"annulus\", refine = 2, free = [\"outer\", \"inner\"], fixed = [\"a.b\"], \
             curve = { outer = [0.0, 0.1, 0.5], \"a.b\" = [0, 0, 1] } }\n";

@@ -1,6 +1,7 @@
 //! Scenes on domains other than the square: what they make, when they are made anew, and what is refused.
 
 use crate::common::{Project, TABLE};
+use crate::edits::book;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -494,4 +495,46 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
     project.scene("a", &BALL.replace("[\"table\"]", "[\"surface\"]"));
     let said = project.run(&["run"]);
     assert!(said.refusal().contains("signorini solve a --out a.vtu"), "{said:?}");
+}
+
+#[test]
+fn scenes_without_a_boundary_in_contact_run_as_they_are_solved() {
+    let project = Project::with(TABLE);
+    for (path, text) in book() {
+        fs::create_dir_all(project.path(&path).parent().unwrap()).unwrap();
+        project.write(&path, text);
+    }
+    let pictures = "outputs = [\"table\", \"source\", \"surface\", \"map\", \"contact\"]\n";
+    let disc = "domain = { name = \"disc\", refine = 1, fixed = [\"rim\"] }\n";
+    let annulus =
+        "domain = { name = \"annulus\", refine = 0, fixed = [\"inner\"], free = [\"outer\"] }\n";
+    let ball = "domain = { name = \"ball\", refine = 0, fixed = [\"surface\"] }\n";
+    let mut scenes =
+        vec![format!("{}accuracy = 0.3\n{pictures}", disc.replace(", refine = 1", ""))];
+    for keys in
+        ["", "solver = \"arrow-hurwicz\"\n", "solver = \"uzawa\"\n", "law = { friction = 1 }\n"]
+    {
+        for (domain, outputs) in
+            [(disc, pictures), (annulus, pictures), (ball, "outputs = [\"table\"]\n")]
+        {
+            scenes.push(format!("{domain}{keys}{outputs}"));
+        }
+    }
+    for (k, keys) in scenes.iter().enumerate() {
+        project.scene(&format!("held{k}"), &format!("title = \"Held\"\nf = \"else=-1\"\n{keys}"));
+    }
+    project.run(&["run"]).lines();
+    let csv = fs::read_to_string(project.path("report/results.csv")).unwrap();
+    let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let held: Vec<_> = rows.iter().filter(|row| row[0].starts_with("held")).collect();
+    assert!(held.len() >= scenes.len());
+    for row in held {
+        assert_eq!([row[at("kkt_min_y")], row[at("kkt_min_lambda")]], ["", ""], "{row:?}");
+        let finite = |name: &str| row[at(name)].parse().is_ok_and(f64::is_finite);
+        assert!(["energy", "kkt_natural", "kkt_relative"].into_iter().all(finite), "{row:?}");
+    }
+    let json = project.run(&["solve", "held1", "--json"]).json();
+    assert!(json["kkt"]["min_y"].is_null() && json["energy"].as_f64().unwrap() < 0.0, "{json}");
 }
