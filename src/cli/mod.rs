@@ -58,7 +58,8 @@ const HELP_WIDTH: usize = 90;
         signorini run problem1 -n         what a run of one scene would do\n  \
         signorini solve --f 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' --h 1/128\n\n\
         Options may stand before the command as well: `signorini -v run` is `signorini run -v`.\n\
-        Exit codes: 0 done, 1 stale or outside tolerance, 2 wrong input, 3 a stage failed, 130 interrupted."
+        Exit codes: 0 done, 1 stale or outside tolerance, 2 wrong input, 3 a task failed or an answer is not what \
+        `solve` was asked for, 130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -119,7 +120,8 @@ enum Command {
         integrals of it are by quadrature, of degree 5 on the square, until they settle on a mesh.\n\n\
         The cube is [-0.5,0.5]^3; in space, regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
         halfspace(a,b,c,d) for ax+by+cz<=d, and a formula is in x, y and z; the known solutions on the cube are \
-        full-contact, free-strip, free-disc."
+        full-contact, free-strip, free-disc.\n\n\
+        Exit code 3: the solver stopped short of a solution, there is none, or an accuracy is not reached."
     )]
     Solve(Box<solve::SolveArgs>),
     /// Search for the right-hand sides of Figure 1 that give the published tables

@@ -25,7 +25,7 @@ pub enum Error {
         /// Advice to the user.
         remedy: &'static str,
     },
-    /// Tasks that failed, each with its reason.
+    /// Tasks that failed, or an answer that is not what was asked for, each with its reason.
     #[error("{}", .0.join("\n"))]
     Stage(Vec<String>),
     /// Ctrl-C.
@@ -45,7 +45,7 @@ impl Error {
         Self::Input(text.into())
     }
 
-    /// Exit code of the process: 2 for input and I/O, 3 for a failed stage, 130 when interrupted.
+    /// Exit code of the process: 2 for input and I/O, 3 for what failed, 130 when interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) | Self::Unknown(_) | Self::Io { .. } => 2,

@@ -200,7 +200,7 @@ fn refuse_broken(broken: &BTreeMap<String, String>) -> Result<()> {
 }
 
 /// Files and folders under `report/` that a run writes.
-const GENERATED: [&str; 3] = ["src", "book", "results.csv"];
+const GENERATED: [&str; 4] = ["src", "book", "results.csv", "tables"];
 
 /// True if a path under `report/` is generated, or is a file that operating systems and other programs leave.
 fn is_excluded(path: &str) -> bool {

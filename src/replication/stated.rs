@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, moved_on};
 use signorini_mathematics::levels::{
-    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, ProblemError,
+    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, ProblemError, Watch,
 };
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
@@ -131,18 +131,24 @@ impl StatedProblem {
                 let made = Problem::on_square(grids.clone(), f.clone(), *load, self.law()?);
                 made.map_err(|e| Error::input(e.to_string()))
             }
-            Place::Mesh(place) => self.on_coarsest(place, &place.coarsest(files)?),
+            Place::Mesh(place) => self.on_coarsest(place, &place.coarsest(files)?, &|_| ()),
         }
     }
 
-    /// Returns the problem on a mesh that has been read.
-    pub(crate) fn on_coarsest(&self, place: &OnMesh, coarsest: &AnyMesh) -> Result<Problem> {
+    /// Returns the problem on a mesh that has been read; `watch` is told when it is refined, and when f is integrated.
+    pub(crate) fn on_coarsest(
+        &self,
+        place: &OnMesh,
+        coarsest: &AnyMesh,
+        watch: Watch<'_>,
+    ) -> Result<Problem> {
         let times = place.domain.refinements(coarsest);
-        Problem::on_mesh(coarsest, times, &place.f, self.law()?)
+        Problem::on_mesh_watched((coarsest, times), &place.f, self.law()?, watch)
             .map_err(|e| Error::input(e.to_string()))
     }
 
-    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh.
+    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh, and `ended`
+    /// told each step.
     ///
     /// # Errors
     /// [`Error::Input`] in space, on the square, and if there is no problem or no bound.
@@ -151,6 +157,7 @@ impl StatedProblem {
         coarsest: &AnyMesh,
         (accuracy, written): (Accuracy, Written),
         watch: &mut dyn FnMut(&AdaptedMesh),
+        ended: Watch<'_>,
     ) -> Result<AdaptedRun> {
         accuracy.check(written)?;
         let asked = written.text(accuracy);
@@ -165,9 +172,8 @@ impl StatedProblem {
         let most_nodes = usize::try_from(memory / BYTES_PER_NODE).unwrap_or(usize::MAX);
         let goal = accuracy.goal_on_meshes();
         let bisections = Adaption::BISECTIONS;
-        let run =
-            Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections }.run(watch);
-        run.map_err(|e| match e {
+        let adaption = Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections };
+        adaption.run_watched(watch, ended).map_err(|e| match e {
             ProblemError::Mesh(e) => Error::input(format!("{}: {e}", domain.name)),
             e => Error::input(format!("{asked}: {e}")),
         })
@@ -186,7 +192,8 @@ impl StatedProblem {
         let Place::Mesh(place) = &self.place else {
             return Err(Error::input("the square has grids in place of meshes"));
         };
-        let run = self.adapted(&place.coarsest(files)?, (accuracy, Written::Key), watch)?;
+        let asked = (accuracy, Written::Key);
+        let run = self.adapted(&place.coarsest(files)?, asked, watch, &|_| ())?;
         match run.end {
             AdaptedEnd::Goal => Ok(run),
             AdaptedEnd::Nodes | AdaptedEnd::NoLongerFalls => Err(Error::input(format!(
@@ -210,7 +217,7 @@ impl StatedProblem {
             )));
         }
         if nodes <= CHECKED_NODES {
-            self.on_coarsest(place, &coarsest)?;
+            self.on_coarsest(place, &coarsest, &|_| ())?;
         }
         let (dimension, notes) = (coarsest.dimension(), coarsest.notes());
         Ok(Some(CheckedMesh { dimension, nodes, notes }))
@@ -282,6 +289,22 @@ impl StatedProblem {
         match &self.place {
             Place::Square(square) => Some(square),
             Place::Mesh(_) => None,
+        }
+    }
+
+    /// Name of the domain, or the file with its mesh.
+    pub(crate) fn domain(&self) -> &str {
+        match &self.place {
+            Place::Square(_) => "square",
+            Place::Mesh(place) => &place.domain.name,
+        }
+    }
+
+    /// f as text.
+    pub(crate) fn f(&self) -> String {
+        match &self.place {
+            Place::Square(square) => square.f.to_string(),
+            Place::Mesh(place) => place.f.clone(),
         }
     }
 

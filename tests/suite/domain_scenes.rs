@@ -59,6 +59,13 @@ fn tables_and_pictures_are_made_and_kept() {
     let rows: Vec<_> = results.lines().skip(1).collect();
     let of = |start: &str| rows.iter().filter(|row| row.starts_with(start)).count();
     assert_eq!([of("a,"), of("gear,"), of("ball,")], [2 * 2 * 4, 2, 2], "{results}");
+    // The table of each scene has all its rows, rule by rule.
+    for (scene, rows) in [("a", 4), ("gear", 1), ("ball", 1)] {
+        let table =
+            fs::read_to_string(project.path(&format!("report/tables/{scene}.csv"))).unwrap();
+        assert!(table.starts_with("rule,r,"), "{table}");
+        assert_eq!(table.lines().count(), 1 + rows, "{table}");
+    }
     assert!(rows[0].starts_with("a,arrow-hurwicz,printed-dual,10.0,,"), "{}", rows[0]);
     assert!(rows.iter().all(|row| row.split(',').nth(9) == Some("true")), "{results}");
     project.run(&["run"]).nothing_to_do();
@@ -165,16 +172,23 @@ fn same_numbers(scene: &str, solver: &str, json: &Value, results: &[BTreeMap<Str
         assert_eq!(numbers, said.map(Value::as_f64), "{scene}: {json}");
     }
     let row = rows[rows.len() - 1];
-    let bounds = ["energy_lower", "energy_upper", "error_bound"].map(|name| number(row, name));
+    let values = ["v_least", "v_greatest"].map(|name| (number(row, name), json[name].as_f64()));
+    assert!(
+        values.iter().all(|(of_run, of_solve)| of_run.is_some() && of_run == of_solve),
+        "{scene}: {json}"
+    );
+    let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative"];
+    let bounds = bounds.map(|name| number(row, name));
     if ["multigrid", "active-set"].contains(&solver) {
         let bound = &json["bound"];
-        let said = [&bound["energy"][0], &bound["energy"][1], &bound["error"][1]];
+        let relative = &bound["relative"]["error"];
+        let said = [&bound["energy"][0], &bound["energy"][1], &bound["error"][1], relative];
         assert_eq!(bounds, said.map(Value::as_f64), "{scene}: {json}");
         let reserve: Vec<_> = bound["reserve"].as_array().unwrap().iter().collect();
         assert_eq!(row["reserve"].split_whitespace().collect::<Vec<_>>(), reserve, "{scene}");
         assert_eq!([&row["rule"], &row["r"], &row["tolerance"], &row["met"]], [""; 4]);
     } else {
-        assert_eq!(bounds, [None; 3], "{scene}");
+        assert_eq!(bounds, [None; 4], "{scene}");
         assert_eq!([&row["rule"], &row["r"]], ["printed-dual", "10.0"]);
     }
 }

@@ -18,8 +18,16 @@ fn a_new_study_runs() {
     // What the page points to is in the book.
     let book = place.path("new/study/report/book");
     let page = fs::read_to_string(book.join("plate.html")).unwrap();
-    for name in ["figures/plate-surface.svg", "results.csv"] {
+    for name in ["figures/plate-surface.svg", "results.csv", "tables/plate.csv"] {
         assert!(page.contains(&format!("\"{name}\"")) && book.join(name).exists(), "{name}");
+    }
+    // The table of the scene has all digits in its file, and is part of the page.
+    let csv = fs::read_to_string(place.path("new/study/report/tables/plate.csv")).unwrap();
+    assert_eq!(csv, fs::read_to_string(book.join("tables/plate.csv")).unwrap());
+    assert_eq!(csv.lines().next().map(|head| head.split(',').count()), Some(9));
+    for line in csv.lines() {
+        let first = line.split(',').next().unwrap();
+        assert!(page.contains(&format!(">{first}</t")), "{first}: {page}");
     }
     assert!(run(&["identify"]).refusal().contains("no published table"));
     assert!(run(&["diff"]).refusal().contains("paper_table"));

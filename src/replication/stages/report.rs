@@ -5,7 +5,7 @@ mod digits;
 mod times;
 
 use super::solutions::Solutions;
-use super::{artifact, figures, files_of, results};
+use super::{artifact, figures, files_of, results, tabulate};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::names::alike;
 use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
@@ -184,6 +184,14 @@ fn book(
     for (_, pictures) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
         for (name, bytes) in pictures {
             made.insert(format!("src/figures/{name}"), bytes.clone());
+        }
+    }
+    for (_, tables) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("tabulate/")) {
+        for (name, bytes) in tables {
+            // Pages link to all digits, and include the table with fewer.
+            let shown = tabulate::markdown(std::str::from_utf8(bytes)?);
+            made.insert(format!("src/tables/{}", name.replace(".csv", ".md")), shown.into_bytes());
+            made.insert(format!("src/tables/{name}"), bytes.clone());
         }
     }
     if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {

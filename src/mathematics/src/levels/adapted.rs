@@ -24,7 +24,7 @@ mod meshes;
 mod tests;
 
 use super::triangulations::read;
-use super::{Problem, ProblemError};
+use super::{Problem, ProblemError, Watch};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::end::Outcome;
 use crate::discrete::kkt::Judgement;
@@ -133,8 +133,20 @@ impl Adaption<'_> {
     /// # Errors
     /// [`ProblemError`] if there is no problem, or no bound on the finest mesh that is allowed.
     pub fn run(&self, watch: &mut dyn FnMut(&AdaptedMesh)) -> Result<AdaptedRun, ProblemError> {
+        self.run_watched(watch, &|_| ())
+    }
+
+    /// As [`Adaption::run`]; `ended` is told each step as well.
+    ///
+    /// # Errors
+    /// As [`Adaption::run`].
+    pub fn run_watched(
+        &self,
+        watch: &mut dyn FnMut(&AdaptedMesh),
+        ended: Watch<'_>,
+    ) -> Result<AdaptedRun, ProblemError> {
         let f = read(self.coarsest, self.f)?;
-        let mut meshes = Meshes::new(self, f)?;
+        let mut meshes = Meshes::new(self, f, ended)?;
         loop {
             let solved = meshes.solved()?;
             let bounds =

@@ -9,12 +9,14 @@ mod adapted;
 mod error;
 mod lattices;
 mod problem;
+mod steps;
 mod triangulations;
 
 pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, ErrorGoal};
 pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
+pub use steps::{Step, Watch};
 pub use triangulations::Triangulations;
 
 use crate::bounds::{Bounds, NoBound};

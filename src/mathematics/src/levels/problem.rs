@@ -1,6 +1,6 @@
 //! A problem: what is solved.
 
-use super::{Lattices, Levels, NodalVectors, ProblemError, Triangulations};
+use super::{Lattices, Levels, NodalVectors, ProblemError, Step, Triangulations, Watch};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
@@ -64,11 +64,30 @@ impl Problem {
         f: &str,
         law: Law,
     ) -> Result<Self, ProblemError> {
+        Self::on_mesh_watched((coarsest, times), f, law, &|_| ())
+    }
+
+    /// As [`Problem::on_mesh`]; `watch` is told when the meshes are made, and when f is integrated on them.
+    ///
+    /// # Errors
+    /// As [`Problem::on_mesh`].
+    pub fn on_mesh_watched(
+        (coarsest, times): (&AnyMesh, usize),
+        f: &str,
+        law: Law,
+        watch: Watch<'_>,
+    ) -> Result<Self, ProblemError> {
         let is_curved = coarsest.is_curved();
-        match coarsest {
-            AnyMesh::Plane(mesh) => Self::new(Triangulations::new(mesh, times, f)?, law, is_curved),
-            AnyMesh::Space(mesh) => Self::new(Triangulations::new(mesh, times, f)?, law, is_curved),
-        }
+        let made = match coarsest {
+            AnyMesh::Plane(mesh) => {
+                Self::new(Triangulations::new(mesh, times, f, watch)?, law, is_curved)
+            }
+            AnyMesh::Space(mesh) => {
+                Self::new(Triangulations::new(mesh, times, f, watch)?, law, is_curved)
+            }
+        };
+        watch(Step::Load);
+        made
     }
 
     /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding

@@ -2,7 +2,7 @@
 
 use super::{
     ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError, SaddleRun,
-    Solved,
+    Solved, Step, Watch,
 };
 use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
 use crate::bounds::{Bounds, NoBound};
@@ -44,13 +44,19 @@ impl<const D: usize, const V: usize> Triangulations<D, V>
 where
     Shape<D>: CutShape<D, V>,
 {
-    /// Levels on a mesh and its refinements, `times` of them, with f given as text.
+    /// Levels on a mesh and its refinements, `times` of them, with f given as text; `watch` is told when they are made.
     ///
     /// # Errors
     /// [`ProblemError`] if the text is no f on the mesh, f is not finite, or the mesh cannot be refined.
-    pub(super) fn new(coarsest: &Mesh<D, V>, times: usize, f: &str) -> Result<Self, ProblemError> {
+    pub(super) fn new(
+        coarsest: &Mesh<D, V>,
+        times: usize,
+        f: &str,
+        watch: Watch<'_>,
+    ) -> Result<Self, ProblemError> {
         let f = read(coarsest, f)?;
         let nested = nested_meshes(coarsest, times)?;
+        watch(Step::Mesh);
         let load = mesh_load(&nested.meshes[times], &f)?;
         f.check_scale(load.size)?;
         Ok(Self::of(nested, f, load))

@@ -9,7 +9,7 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::stop::Stop;
-use crate::levels::{Problem, ProblemError, ROUNDING, Triangulations};
+use crate::levels::{Problem, ProblemError, ROUNDING, Step, Triangulations, Watch};
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
@@ -46,6 +46,8 @@ const MOST_WITHOUT_BOUND: usize = 100_000;
 /// Meshes so far, with the solution on the finest.
 pub(super) struct Meshes<'a> {
     adaption: &'a Adaption<'a>,
+    /// Is told each step.
+    ended: Watch<'a>,
     f: MeshSource<2>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
@@ -72,15 +74,22 @@ pub(super) struct Meshes<'a> {
 
 impl<'a> Meshes<'a> {
     /// The first mesh.
-    pub(super) fn new(adaption: &'a Adaption<'a>, f: MeshSource<2>) -> Result<Self, ProblemError> {
+    pub(super) fn new(
+        adaption: &'a Adaption<'a>,
+        f: MeshSource<2>,
+        ended: Watch<'a>,
+    ) -> Result<Self, ProblemError> {
         let mut mesh = adaption.coarsest.clone();
         label_longest_edges(&mut mesh);
         let sides = Sides::new(&mesh);
         let network = assemble_sides(&mesh, &sides);
+        ended(Step::Mesh);
         let load = mesh_load(&mesh, &f)?;
+        ended(Step::Load);
         f.check_scale(load.size)?;
         Ok(Self {
             adaption,
+            ended,
             f,
             component_of: network.components(),
             all: vec![mesh],
@@ -156,6 +165,7 @@ impl<'a> Meshes<'a> {
             }
             _ => solve_nested_networks(&self.networks, problem, &MultigridParams::default()),
         };
+        (self.ended)(Step::Solver);
         let (y, end) = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
                 return Ok(Err(reason.into()));
@@ -173,6 +183,7 @@ impl<'a> Meshes<'a> {
         });
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
+        (self.ended)(Step::Bounds);
         (self.y, self.judgement) = (Some(y), Some(judgement));
         Ok(bounds)
     }
@@ -197,6 +208,7 @@ impl<'a> Meshes<'a> {
     /// bounds all cells are bisected.
     pub(super) fn refine(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
         let bisected = self.bisected(bounds)?;
+        (self.ended)(Step::Mesh);
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
         let mut origins = Cow::Borrowed(&origins[..]);
         for before in bisected.iter().rev().skip(1) {
@@ -205,9 +217,19 @@ impl<'a> Meshes<'a> {
         }
         let before = CellsBefore { origins: &origins, f: &self.load.cells };
         let assemble = |made: &Bisected| assemble_sides(&made.mesh, &made.sides);
+        let (f, ended) = (&self.f, self.ended);
         let (networks, load) = among_threads(COST * mesh.points().len(), || {
-            let networks = || map(&bisected, 1, assemble);
-            join(networks, || mesh_load_after(before, mesh, &self.f))
+            let networks = || {
+                let networks = map(&bisected, 1, assemble);
+                ended(Step::Mesh);
+                networks
+            };
+            let load = || {
+                let load = mesh_load_after(before, mesh, f);
+                ended(Step::Load);
+                load
+            };
+            join(networks, load)
         });
         self.load = load?;
         for (Bisected { mesh, sides, parents, .. }, network) in bisected.into_iter().zip(networks) {
@@ -287,6 +309,7 @@ impl<'a> Meshes<'a> {
         let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load.cells);
         let errors = found.errors();
         let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(found.bounds, &y);
+        (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
         let levels = Triangulations::of(nested, self.f, self.load).with_errors(errors);

@@ -223,7 +223,7 @@ fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
     let adaption = problem.adaption(ErrorGoal::Relative(0.1));
     let f = read(&problem.mesh, problem.f).unwrap();
-    let mut meshes = Meshes::new(&adaption, f).unwrap();
+    let mut meshes = Meshes::new(&adaption, f, &|_| ()).unwrap();
     for _ in 0..6 {
         let found = meshes.solved().unwrap().unwrap();
         let sum: f64 = found.squares.iter().sum();
