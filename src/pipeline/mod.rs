@@ -17,6 +17,7 @@ pub(crate) mod files;
 mod garbage;
 mod graph;
 mod input;
+mod interrupt;
 mod lock;
 mod lockfile;
 mod manifest;
@@ -34,6 +35,7 @@ pub use export::{Edited, Editor, Exports, Rights, WalkResults};
 pub use garbage::Garbage;
 pub use graph::{Graph, GraphNode};
 pub use input::{InputFile, InputFiles};
+pub use interrupt::{AtWork, Interrupt};
 pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Manifest, Reason, Verdict, why};
@@ -47,6 +49,7 @@ use error::{Error, Failure, Result};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// Named byte strings: what a task computes.
 pub type Artifacts = BTreeMap<String, Vec<u8>>;
@@ -67,6 +70,9 @@ pub struct Inputs<'a> {
     pub digest: &'a str,
     /// Folder for temporary files, in no hash; after a run that was killed, the next run empties it.
     pub scratch: &'a Path,
+    /// True once the run is to end; a task that takes long may end early, with [`Error::Interrupted`], and nothing else
+    /// may depend on it.
+    pub interrupted: &'a AtomicBool,
 }
 
 /// Function that computes a task's artifacts from its inputs; an error ends the task, but no other task.
@@ -157,6 +163,15 @@ impl Plan {
         self.tasks.retain(|task| kept.contains(&task.id));
         self.index = self.tasks.iter().enumerate().map(|(k, task)| (task.id.clone(), k)).collect();
         self
+    }
+
+    /// Makes each task for which there is a reason fail with it.
+    pub fn refuse(&mut self, reason: impl Fn(&str) -> Option<String>) {
+        for task in &mut self.tasks {
+            if let Some(reason) = reason(&task.id) {
+                task.work = Box::new(move |_| Err(reason.clone().into()));
+            }
+        }
     }
 
     /// Returns the tasks, each after all that it needs.

@@ -4,7 +4,7 @@ use super::super::{Artifacts, hash};
 use super::*;
 use std::path::Path;
 use std::sync::Mutex;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A task that makes one artifact of what it needs.
 fn task(id: &str, needs: &[&str], make: impl Fn() -> Vec<u8> + Send + Sync + 'static) -> Task {
@@ -14,7 +14,7 @@ fn task(id: &str, needs: &[&str], make: impl Fn() -> Vec<u8> + Send + Sync + 'st
 
 fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {
     let store = Store::new(cache).unwrap();
-    execute(plan, &store, options, &Progress::new(false, true), &AtomicBool::new(false)).unwrap()
+    execute(plan, &store, options, &Progress::new(false, true), &Interrupt::new()).unwrap()
 }
 
 #[test]
@@ -89,4 +89,37 @@ fn a_panic_is_the_failure_of_one_task() {
     let waited = ["b/waits", "c/waits"].map(|id| format!("{id}: not run, because a/wild failed"));
     assert_eq!(summary.failed[1..], waited);
     assert!(summary.manifests.contains_key("a/tame"));
+}
+
+#[test]
+fn a_task_that_takes_long_may_end_early() {
+    let (cache, interrupt) = (tempfile::tempdir().unwrap(), Interrupt::new());
+    let plan = Plan::new(
+        "program",
+        vec![Task::new("a/long", BTreeMap::new(), Vec::new(), |inputs| {
+            match inputs.interrupted.load(Ordering::SeqCst) {
+                true => Err(Error::Interrupted.into()),
+                false => Ok(Artifacts::new()),
+            }
+        })],
+    );
+    let (plan, store) = (plan.unwrap(), Store::new(cache.path()).unwrap());
+    let task = &plan.tasks()[0];
+    interrupt.ask();
+    let ended = run(task, BTreeMap::new(), Vec::new(), (&store, &interrupt));
+    assert!(matches!(ended, Err(Error::Interrupted)), "{ended:?}");
+    let made = run(task, BTreeMap::new(), Vec::new(), (&store, &Interrupt::new()));
+    assert!(made.is_ok(), "{made:?}");
+}
+
+#[test]
+fn what_is_at_work_is_counted() {
+    let cache = tempfile::tempdir().unwrap();
+    let interrupt = &*Box::leak(Box::new(Interrupt::new()));
+    let seen = move || vec![u8::from(interrupt.is_at_work())];
+    let plan = Plan::new("program", vec![task("a/1", &[], seen)]).unwrap();
+    let (store, progress) = (Store::new(cache.path()).unwrap(), Progress::new(false, true));
+    let summary = execute(&plan, &store, Options::default(), &progress, interrupt).unwrap();
+    assert_eq!(summary.manifests["a/1"].outputs["out"], hash(&[1]));
+    assert!(!interrupt.is_at_work());
 }

@@ -2,7 +2,7 @@
 
 use super::super::{Artifacts, Inputs, Task};
 use super::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -32,7 +32,7 @@ fn task(id: &str, value: u8, needs: &[&str], ran: &Arc<AtomicUsize>) -> Task {
 fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
     let asked: Vec<String> = asked.iter().map(|id| (*id).to_owned()).collect();
     let (store, progress) = (Store::new(cache).unwrap(), Progress::new(false, true));
-    work(plan, &asked, &store, &progress, &AtomicBool::new(false))
+    work(plan, &asked, &store, &progress, &Interrupt::new())
 }
 
 #[test]
@@ -55,18 +55,21 @@ fn a_stamp_names_all_that_a_task_is_made_from() {
 fn garbage_keeps_the_stamps_of_runs_that_it_keeps() {
     let (cache, ran) = (tempfile::tempdir().unwrap(), Arc::new(AtomicUsize::new(0)));
     let store = Store::new(cache.path()).unwrap();
-    let wanted = BTreeSet::from(["a/1".to_owned(), "b/1".to_owned()]);
     let [old, new] = [plan(1, &ran), plan(2, &ran)];
     for plan in [&old, &new] {
         work_on(plan, &["a/1", "b/1"], cache.path()).unwrap();
         assert_eq!(stamps_in(&store, plan), 2);
     }
-    store.collect_garbage(&wanted, 2, false).unwrap();
+    store.collect_garbage(&new, 2, false).unwrap();
     assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [2, 2]);
-    store.collect_garbage(&wanted, 1, false).unwrap();
+    // One run of each task, and those that a run of this plan finds.
+    store.collect_garbage(&old, 1, false).unwrap();
+    assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [2, 2]);
+    store.collect_garbage(&new, 1, false).unwrap();
     assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [0, 2]);
     // Two objects, two manifests and two stamps; the locks have gone already.
-    let garbage = store.collect_garbage(&BTreeSet::new(), 1, true).unwrap();
+    let garbage =
+        store.collect_garbage(&Plan::new("program", Vec::new()).unwrap(), 1, true).unwrap();
     assert_eq!(garbage.files, 6, "{garbage:?}");
 }
 
