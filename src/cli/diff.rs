@@ -35,9 +35,19 @@ struct DiffJson<'a> {
 }
 
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
-    let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    let tables = comparisons(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
+    let mut workplace = Workplace::open(&args.cache)?;
+    workplace.project.select(&[])?;
+    // The table of the results of all scenes is not asked for.
+    workplace.project.partial = true;
+    let compared = workplace.project.scenes.iter().filter(|scene| scene.paper_table.is_some());
+    let names: Vec<String> = compared.map(|scene| scene.name.clone()).collect();
+    let tables = match names.is_empty() {
+        true => Vec::new(),
+        false => {
+            let tasks = workplace.tasks(&names, Some(Stage::Diff))?;
+            comparisons(&workplace, &workplace.compute(&tasks)?)?
+        }
+    };
     if tables.is_empty() {
         return Err(Error::input(
             "no scene has a `paper_table`; add one to compare with the paper",

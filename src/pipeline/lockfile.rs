@@ -39,13 +39,16 @@ impl LockFile {
         project.join("pipeline").join("lock.toml")
     }
 
-    /// Reads the lock file; an absent one is empty.
+    /// Reads the lock file; an absent one is empty, as is one that a crash has left without contents.
     ///
     /// # Errors
     /// [`Error::Input`] if it is damaged.
     pub fn read(project: &Path) -> Result<Self> {
         let path = Self::path(project);
         let Some(bytes) = read_if_there(&path)? else { return Ok(Self::default()) };
+        if bytes.trim_ascii().is_empty() {
+            return Ok(Self::default());
+        }
         let path = path.display();
         if let Ok(table) = toml::from_str(&String::from_utf8_lossy(&bytes)) {
             if let Some(unknown) = unknown(&table) {
