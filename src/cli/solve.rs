@@ -13,7 +13,7 @@ mod request;
 mod spectral;
 
 use super::output::{OutputFile, say_json, tell};
-use super::{Suggested, solver_parser};
+use super::{Suggested, name_parser, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::accuracy::Accuracy;
 use adapting::ShownMeshes;
@@ -42,6 +42,7 @@ pub(super) struct SolveArgs {
     /// A scene of the project
     ///
     /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says.
+    #[arg(value_parser = name_parser)]
     scene: Option<String>,
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
     #[arg(long)]

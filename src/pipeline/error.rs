@@ -132,6 +132,10 @@ impl<T> IoContext<T> for io::Result<T> {
     fn context(self, verb: &'static str, path: &Path) -> Result<T> {
         self.map_err(|source| {
             let remedy = match source.kind() {
+                // Without a kind of its own in the library.
+                _ if source.to_string().starts_with("Too many levels of symbolic links") => {
+                    "it links to itself: remove the link"
+                }
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
                     "free some space (`signorini gc` helps) and repeat the command: what a run has finished is kept"
                 }

@@ -10,6 +10,7 @@ use crate::cli::output::{OutputFile, check_options, warn_of_outside};
 use crate::cli::shown::signed;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::found;
 use crate::replication::accuracy::{Accuracy, MAX_CELLS, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
 use crate::replication::project::Project;
@@ -30,6 +31,8 @@ use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
 use signorini_mathematics::solvers::{self, Refusal, Run, Settings, Solver};
 use std::io::ErrorKind;
+use std::ops::ControlFlow;
+use std::path::Path;
 
 /// Data that determine an answer.
 pub(super) struct Request {
@@ -222,7 +225,11 @@ impl Request {
         let asked = (accuracy, self.written);
         let (mesh, clock) = (self.problem.levels().mesh(), &self.clock);
         let ended = |step| clock.ended_step(step);
-        let adapted = self.stated.adapted(&mesh, asked, watch, &ended)?;
+        let mut watch = |mesh: &AdaptedMesh| {
+            watch(mesh);
+            ControlFlow::Continue(())
+        };
+        let adapted = self.stated.adapted(&mesh, asked, &mut watch, &ended)?;
         let ends = adapted.outcomes().to_vec();
         let (y, judgement) = (adapted.y, adapted.judgement);
         let meshes = AdaptedMeshes { count: adapted.meshes, nodes: y.len(), end: adapted.end };
@@ -520,7 +527,8 @@ fn on_mesh(
         false => place.coarsest(&place.files)?,
         true => {
             let path = &place.domain.name;
-            let file = place.domain.is_file().then(|| std::fs::read(path)).transpose();
+            let there = found(Path::new(path));
+            let file = place.domain.is_file().then(|| std::fs::read(there)).transpose();
             let file = file.map_err(|e| match e.kind() {
                 ErrorKind::NotFound => place.domain.unknown("--"),
                 _ => Error::input(format!("{path}: {e}")),
@@ -791,7 +799,7 @@ fn stop_rule(name: &str) -> Result<StopRule> {
 fn scene(name: &str) -> Result<Scene> {
     let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
     let scene = folder.named(name)?.clone();
-    scene.check_mesh()?;
+    scene.check()?;
     Ok(scene)
 }
 

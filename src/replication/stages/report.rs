@@ -7,7 +7,7 @@ mod times;
 use super::solutions::Solutions;
 use super::{artifact, figures, files_of, results, tabulate};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
-use crate::pipeline::names::alike;
+use crate::pipeline::names::{alike, clash, composed};
 use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
@@ -169,7 +169,7 @@ fn book(
                 if let Some(line) = conflict(text.as_bytes()) {
                     return Err(format!("{path}: line {line}: {CONFLICT}; resolve it there").into());
                 }
-                templates.insert(page.to_owned(), text);
+                templates.insert(page.to_owned(), composed(&text));
             }
             // Other files that pages show, such as a photograph.
             Some(other) => _ = files.insert(format!("src/{other}"), bytes.to_vec()),
@@ -227,7 +227,8 @@ fn refuse_replaced<'a>(
     let made = made.filter_map(|name| name.strip_prefix("src/")).filter(own);
     let made: BTreeMap<String, &str> = made.map(|name| (alike(name), name)).collect();
     let users = files.keys().filter_map(|name| name.strip_prefix("src/"));
-    for name in users.chain(templates.keys().map(String::as_str)) {
+    let users: Vec<&str> = users.chain(templates.keys().map(String::as_str)).collect();
+    for name in &users {
         if let Some(same) = made.get(&alike(name)) {
             return Err(format!(
                 "report/templates/{name}: a run makes a file of this name, {same}; rename this one"
@@ -235,7 +236,15 @@ fn refuse_replaced<'a>(
             .into());
         }
     }
-    Ok(())
+    let folders = made.values().chain(&users).filter_map(|name| Some(name.rsplit_once('/')?.0));
+    match clash(folders) {
+        None => Ok(()),
+        Some((one, other)) => Err(format!(
+            "report/templates: `{one}` and `{other}` are one folder where capitals or the way to write accents do not \
+             count; rename your own"
+        )
+        .into()),
+    }
 }
 
 /// Returns names and versions of the packages that the book names, as the build resolved them.

@@ -26,6 +26,8 @@ use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, Sto
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Settings that determine the artifacts of a cell, besides the file of a mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -142,7 +144,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let drawn = cell(scene, scene.drawn(scene.first_rule()));
-    let Solved { pairs, .. } = drawn.run(&InputFiles::new())?;
+    let Solved { pairs, .. } = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
     Ok(scene.on_grids().grids.iter().copied().zip(pairs).collect())
 }
 
@@ -168,8 +170,10 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
 }
 
 fn task(id: String, cell: Cell) -> Task {
-    Task::new(id, &cell, Vec::new(), |cell, inputs| cell.artifacts(inputs.files))
-        .with_files(cell.problem.files())
+    Task::new(id, &cell, Vec::new(), |cell, inputs| {
+        cell.artifacts(inputs.files, inputs.interrupted)
+    })
+    .with_files(cell.problem.files())
 }
 
 /// Results of a cell.
@@ -183,14 +187,14 @@ struct Solved {
 }
 
 impl Cell {
-    /// Solves; a mesh is read from these files.
-    fn run(&self, files: &InputFiles) -> Result<Solved, Failure> {
+    /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
+    fn run(&self, files: &InputFiles, interrupted: &AtomicBool) -> Result<Solved, Failure> {
         match (self.solver, self.accuracy) {
             (Solver::Spectral, _) => self.without_grid(),
             (_, Some(accuracy)) if self.problem.square().is_some() => {
-                Ok(self.on_finer_grids(accuracy)?)
+                Ok(self.on_finer_grids(accuracy, interrupted)?)
             }
-            (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files)?),
+            (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files, interrupted)?),
             (_, None) => Ok(self.on(&self.problem, files)?),
         }
     }
@@ -221,9 +225,12 @@ impl Cell {
     }
 
     /// Solves on one grid of the square after the other until an accuracy is reached.
-    fn on_finer_grids(&self, accuracy: Accuracy) -> Read<Solved> {
+    fn on_finer_grids(&self, accuracy: Accuracy, interrupted: &AtomicBool) -> Read<Solved> {
         let mut all = Solved::default();
         accuracy.reach(Written::Key, |cells| {
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
             let mut stated = self.problem.clone();
             stated.set_grid(Grid::new(cells).map_err(|e| Error::input(e.to_string()))?);
             let Solved { mut outcomes, pairs, .. } = self.on(&stated, &InputFiles::new())?;
@@ -246,9 +253,17 @@ impl Cell {
     }
 
     /// Solves on one adapted mesh after the other until an accuracy is reached.
-    fn on_adapted_meshes(&self, accuracy: Accuracy, files: &InputFiles) -> Read<Solved> {
+    fn on_adapted_meshes(
+        &self,
+        accuracy: Accuracy,
+        files: &InputFiles,
+        interrupted: &AtomicBool,
+    ) -> Read<Solved> {
         let mut bounds = Vec::new();
-        let mut watch = |mesh: &AdaptedMesh| bounds.push(mesh.bounds.clone().ok());
+        let mut watch = |mesh: &AdaptedMesh| {
+            bounds.push(mesh.bounds.clone().ok());
+            unless(interrupted)
+        };
         let run = self.problem.adapted_scene(files, accuracy, &mut watch)?;
         // The first meshes have no solution where their polygon is too coarse.
         bounds.drain(..bounds.len() - run.outcomes().len());
@@ -279,13 +294,25 @@ impl Cell {
         Settings { params, prolongation, ..usual }
     }
 
-    fn artifacts(&self, files: &InputFiles) -> Result<Artifacts, Failure> {
-        let Solved { outcomes, pairs, history } = self.run(files)?;
+    fn artifacts(
+        &self,
+        files: &InputFiles,
+        interrupted: &AtomicBool,
+    ) -> Result<Artifacts, Failure> {
+        let Solved { outcomes, pairs, history } = self.run(files, interrupted)?;
         let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair))?;
         if self.keep_history {
             artifacts.insert(HISTORY.into(), to_json(&history));
         }
         Ok(artifacts)
+    }
+}
+
+/// Goes on unless the run is to end.
+fn unless(interrupted: &AtomicBool) -> ControlFlow<()> {
+    match interrupted.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
     }
 }
 
@@ -492,7 +519,9 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
     let mut stated = scene.problem.clone();
     if let Some(accuracy) = scene.accuracy {
         if stated.square().is_none() {
-            return Ok(stated.adapted_scene(inputs.files, accuracy, &mut |_| ())?.problem);
+            return Ok(stated
+                .adapted_scene(inputs.files, accuracy, &mut |_| unless(inputs.interrupted))?
+                .problem);
         }
         let outcomes = drawn_outcomes(inputs, scene, None)?;
         let cells = outcomes.levels.last().and_then(|level| level.cells);

@@ -31,6 +31,7 @@ use crate::discrete::kkt::Judgement;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
 use meshes::Meshes;
+use std::ops::ControlFlow;
 
 /// Largest value that a guaranteed bound may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,25 +134,34 @@ impl Adaption<'_> {
     /// # Errors
     /// [`ProblemError`] if there is no problem, or no bound on the finest mesh that is allowed.
     pub fn run(&self, watch: &mut dyn FnMut(&AdaptedMesh)) -> Result<AdaptedRun, ProblemError> {
-        self.run_watched(watch, &|_| ())
+        let run = self.run_while(
+            &mut |mesh| {
+                watch(mesh);
+                ControlFlow::Continue(())
+            },
+            &|_| (),
+        )?;
+        Ok(run.expect("whoever watches lets the run go on"))
     }
 
-    /// As [`Adaption::run`]; `ended` is told each step as well.
+    /// As [`Adaption::run`], as long as `watch` lets it go on; none if it does not. `ended` is told each step as well.
     ///
     /// # Errors
     /// As [`Adaption::run`].
-    pub fn run_watched(
+    pub fn run_while(
         &self,
-        watch: &mut dyn FnMut(&AdaptedMesh),
+        watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
         ended: Watch<'_>,
-    ) -> Result<AdaptedRun, ProblemError> {
+    ) -> Result<Option<AdaptedRun>, ProblemError> {
         let f = read(self.coarsest, self.f)?;
         let mut meshes = Meshes::new(self, f, ended)?;
         loop {
             let solved = meshes.solved()?;
             let bounds =
                 solved.as_ref().map(|found| found.bounds.clone()).map_err(|reason| *reason);
-            watch(&AdaptedMesh { nodes: meshes.nodes(), bounds });
+            if watch(&AdaptedMesh { nodes: meshes.nodes(), bounds }).is_break() {
+                return Ok(None);
+            }
             let end = match &solved {
                 Ok(found) if self.goal.excess(&found.bounds) <= 1.0 => Some(AdaptedEnd::Goal),
                 Ok(_) if meshes.has_stalled() => Some(AdaptedEnd::NoLongerFalls),
@@ -160,7 +170,7 @@ impl Adaption<'_> {
                 _ => Some(AdaptedEnd::Nodes),
             };
             if let Some(end) = end {
-                return Ok(meshes.finished(end, solved?));
+                return Ok(Some(meshes.finished(end, solved?)));
             }
         }
     }
