@@ -21,6 +21,7 @@ mod disks;
 mod domain_scenes;
 mod domains;
 mod edits;
+mod energies;
 mod engines;
 mod explore;
 mod faults;

@@ -46,6 +46,8 @@ pub(super) struct Request {
     pub remedies: Remedies,
     /// Problem as it was stated.
     stated: StatedProblem,
+    /// Coarsest mesh; none on the square.
+    coarsest: Option<AnyMesh>,
     /// Problem with its levels.
     pub problem: Problem,
     pub settings: Settings,
@@ -123,12 +125,12 @@ impl Request {
         // Measured: a file's fields, and the recovered solution on four times as many nodes.
         let bytes_to_write = if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) };
         let memory = Memory { solver, bytes_to_write, accuracy, written: written(args) };
-        let (domain, load, problem, remedies) = match &stated.place {
+        let (domain, load, (problem, coarsest), remedies) = match &stated.place {
             Place::Square(square) => {
                 check_domain_options(args, None)?;
                 memory.check(square.finest().cells())?;
                 let problem = stated.problem(&InputFiles::new())?;
-                ("square", Some(square.load), problem, Remedies::ON_THE_SQUARE)
+                ("square", Some(square.load), (problem, None), Remedies::ON_THE_SQUARE)
             }
             Place::Mesh(place) => {
                 check_domain_options(args, Some(place))?;
@@ -137,9 +139,10 @@ impl Request {
                 if let Some(asked) = &asked {
                     place.domain.check_adapted(asked, "--")?;
                 }
-                let problem = on_mesh(name, (&stated, place), (solver, asked), args.out.is_some())?;
+                let (problem, coarsest) =
+                    on_mesh(name, (&stated, place), (solver, asked), args.out.is_some())?;
                 let domain = stated.file_name().unwrap_or(&place.domain.name);
-                (domain, None, problem, Remedies::ON_MESHES)
+                (domain, None, (problem, Some(coarsest)), Remedies::ON_MESHES)
             }
         };
         let name = args.scene.as_deref().unwrap_or(domain).to_owned();
@@ -165,6 +168,7 @@ impl Request {
             load,
             remedies,
             stated,
+            coarsest,
             problem,
             settings,
             tolerance: args.tolerance()?,
@@ -210,7 +214,9 @@ impl Request {
         watch: &mut dyn FnMut(&AdaptedMesh),
     ) -> Result<(Run, Bounds)> {
         let asked = (accuracy, self.written);
-        let adapted = self.stated.adapted(&self.problem.levels().mesh(), asked, watch)?;
+        let square = || Error::input("the square has grids in place of meshes");
+        let coarsest = self.coarsest.as_ref().ok_or_else(square)?;
+        let adapted = self.stated.adapted(coarsest, asked, watch)?;
         let ends = adapted.outcomes().to_vec();
         let (y, judgement) = (adapted.y, adapted.judgement);
         let meshes = AdaptedMeshes { count: adapted.meshes, nodes: y.len(), end: adapted.end };
@@ -336,7 +342,7 @@ impl Request {
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }
-            Refusal::Input(_) | Refusal::Problem(_) => {
+            Refusal::Input(_) | Refusal::Problem(_) | Refusal::Spectral(_) => {
                 Error::input(format!("{place}: {refusal}; check f"))
             }
         }
@@ -469,14 +475,14 @@ fn with_options(mut domain: DomainSettings, args: &SolveArgs) -> Result<DomainSe
     Ok(domain)
 }
 
-/// Returns the problem on a mesh that is read from its file, if it is not built in.
+/// Returns the problem on a mesh that is read from its file, if it is not built in, and that mesh.
 /// An `asked` accuracy begins with that mesh.
 fn on_mesh(
     name: &str,
     (stated, place): (&StatedProblem, &OnMesh),
     (solver, asked): (Solver, Option<String>),
     is_written: bool,
-) -> Result<Problem> {
+) -> Result<(Problem, AnyMesh)> {
     if !solver.entry().on_meshes {
         return Err(Error::input(format!(
             "--solver {solver}: {name} has every solver but this one"
@@ -504,15 +510,15 @@ fn on_mesh(
                 "{asked} is for domains in the plane; in space, --refine says how fine, and the answer how close"
             )));
         }
-        let refine = Some(0);
-        let unrefined =
-            OnMesh { domain: DomainSettings { refine, ..place.domain.clone() }, ..place.clone() };
-        // The polygon of a curved domain may be too coarse for a flux that balances f.
-        let problem = stated.on_coarsest(&unrefined, &coarsest);
-        return problem.or_else(|_| stated.on_coarsest(place, &coarsest)).map_err(in_domain);
+        // Where the domain is curved, whether there is a solution is asked of the usual refinement, as for scenes.
+        let refine = if coarsest.is_curved() { place.domain.refine } else { Some(0) };
+        let domain = DomainSettings { refine, ..place.domain.clone() };
+        let problem = stated.on_coarsest(&OnMesh { domain, ..place.clone() }, &coarsest);
+        return Ok((problem.map_err(in_domain)?, coarsest));
     }
     check_size(&coarsest, place, solver, is_written)?;
-    stated.on_coarsest(place, &coarsest).map_err(in_domain)
+    let problem = stated.on_coarsest(place, &coarsest).map_err(in_domain)?;
+    Ok((problem, coarsest))
 }
 
 /// Memory on meshes in bytes per node, of file, mesh, network, solver and bounds: measured, rounded up.
