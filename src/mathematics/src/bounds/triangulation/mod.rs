@@ -205,11 +205,14 @@ fn combined<const D: usize, const V: usize>(
     let rounding = totals.rounding(largest);
     let of_exact_load = summands.exact_load();
     let load = of_exact_load.unwrap_or(totals.load - totals.deviation);
-    let energy = 0.5 * totals.gradient - load + totals.potential;
+    let inside = 0.5 * totals.gradient - load;
+    let energy = inside + totals.potential;
     let gap = 0.5 * totals.distance + totals.work;
-    let by_flux = -0.5 * totals.flux - totals.rounding_of_flux(largest);
+    let of_flux = totals.rounding_of_flux(largest);
+    let by_flux = -0.5 * totals.flux - of_flux;
     let least = match of_exact_load {
-        Some(_) => by_flux.max(energy - gap - 3.0 * rounding),
+        // J(w) less G, in which the law's terms cancel.
+        Some(_) => by_flux.max(inside - 0.5 * totals.distance - totals.through - 3.0 * of_flux),
         None => by_flux,
     };
     let distance = root(2.0 * (gap + 2.0 * rounding));

@@ -33,6 +33,8 @@ pub(super) struct Totals {
     pub projection: f64,
     /// Integral of `j(w) + w sigma.n` over the boundary; for the paper's law the work of the reactions.
     pub work: f64,
+    /// Integral of w sigma.n over the boundary.
+    pub through: f64,
     /// Integral of j(w) over the boundary.
     pub potential: f64,
     /// Integral of |f|, its means.
@@ -55,6 +57,7 @@ impl Totals {
             deviation: self.deviation + other.deviation,
             projection: self.projection + other.projection,
             work: self.work + other.work,
+            through: self.through + other.through,
             potential: self.potential + other.potential,
             mass: self.mass + other.mass,
             magnitude: self.magnitude + other.magnitude,
@@ -172,6 +175,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
             projection: self.projection(nodes, &element, w),
             work: 0.0,
+            through: 0.0,
             potential: 0.0,
             mass: mean.abs() * volume,
             boundary_magnitude: 0.0,
@@ -202,8 +206,10 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
                 let law = PartLaw::new(self.law, measure);
                 let w = facet.nodes.map(|node| self.w[node as usize]);
                 let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
+                let flux = self.flux[side as usize];
                 let totals = Totals {
-                    work: law.work_of_facet(w, self.flux[side as usize]),
+                    work: law.work_of_facet(w, flux),
+                    through: flux * (w.iter().sum::<f64>() / D as f64),
                     potential: law.potential(w, 0.0),
                     boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
                     ..Totals::default()
