@@ -597,17 +597,24 @@ pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Strin
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::RunningProgram;
 
     #[test]
     fn adapted_meshes_are_read_and_not_solved_for_again() {
         let text = "title = 't'\ndomain = 'lshape'\nf = 'rect(-1,0,-1,0)=3; else=-2'\naccuracy = 0.3\n\
             outputs = ['map']\n";
         let scene = Scene::parse("t", text).unwrap();
-        let made = drawn(&scene).artifacts(&InputFiles::new()).unwrap();
+        let made = cell(&scene, None).artifacts(&InputFiles::new()).unwrap();
         let artifacts = BTreeMap::from([("solve/t".to_owned(), made)]);
         let files = InputFiles::new();
-        let scratch = std::path::Path::new("");
-        let inputs = Inputs { files: &files, artifacts: &artifacts, digest: "", scratch };
+        let inputs = Inputs {
+            task: "figures/t-map",
+            files: &files,
+            artifacts: &artifacts,
+            digest: "",
+            scratch: std::path::Path::new(""),
+            program: &RunningProgram { digest: String::new(), commands: Vec::new },
+        };
         // If it were solved again, the mesh would be that of the accuracy.
         let closer = Scene { accuracy: Some(Accuracy::Error(0.02)), ..scene.clone() };
         let [coarse, same] = [&scene, &closer].map(|scene| problem(&inputs, scene).unwrap());

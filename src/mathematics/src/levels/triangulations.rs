@@ -15,8 +15,8 @@ use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
     AnyMesh, Condition, CurveGain, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError,
-    NestedMeshes, PlaneMesh, Sides, boundary_curves, curve_gains, mesh_arcs, mesh_errors, mesh_load,
-    nested_meshes,
+    NestedMeshes, PlaneMesh, Sides, boundary_curves, curve_gains, mesh_arcs, mesh_errors,
+    mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
@@ -97,7 +97,7 @@ where
         if let Some(errors) = &self.errors {
             return errors.into();
         }
-        let (mesh, network, f) = (self.finest(), self.network(), &self.load.cells);
+        let (mesh, network, f) = (self.finest(), self.network(), &self.load);
         let bounded = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law }.bounds(y);
         bounded.map_or_else(|_| Cow::default(), |bounds| bounds.errors().into())
     }
