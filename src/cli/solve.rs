@@ -317,10 +317,7 @@ fn answer_to(request: &mut Request, accuracy: Accuracy) -> Result<Answer> {
         request.set_grid(cells)?;
         let mut answer = answer(request)?;
         ends.append(&mut answer.run.ends);
-        let bounds = answer.bounds.clone().map_err(|reason| {
-            let asked = written.text(accuracy);
-            Error::input(format!("{asked}: no bound of the error: {reason}; scale f"))
-        })?;
+        let bounds = accuracy.of_grid(written, answer.bounds.clone())?;
         let bounds = answer.failure.is_none().then_some(bounds);
         last = Some(answer);
         Ok(bounds)

@@ -221,6 +221,18 @@ impl StatedProblem {
         }
     }
 
+    /// Returns the problem on the meshes of [`StatedProblem::adapted_scene`], from the cells that were marked there.
+    pub(crate) fn on_bisected(&self, files: &InputFiles, marks: &[Vec<u32>]) -> Result<Problem> {
+        let Place::Mesh(place) = &self.place else {
+            return Err(Error::input("the square has grids in place of meshes"));
+        };
+        let AnyMesh::Plane(coarsest) = place.coarsest(files)? else {
+            return Err(Error::input("meshes are adapted in the plane alone"));
+        };
+        let problem = Problem::on_bisected(&coarsest, marks, &place.f, self.law()?);
+        problem.map_err(|e| Error::input(e.to_string()))
+    }
+
     /// Checks f on the square, and elsewhere the mesh, its parts and, on meshes of the usual size, f. Takes time.
     pub(crate) fn check(&self) -> Result<Option<CheckedMesh>> {
         let place = match &self.place {
@@ -241,10 +253,10 @@ impl StatedProblem {
                 "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
             )));
         }
+        let (dimension, mut notes) = (coarsest.dimension(), coarsest.notes());
         if nodes <= CHECKED_NODES {
-            self.on_coarsest(place, &coarsest, &|_| ())?;
+            notes.extend(refusal_of_curves(&self.on_coarsest(place, &coarsest, &|_| ())?));
         }
-        let (dimension, notes) = (coarsest.dimension(), coarsest.notes());
         Ok(Some(CheckedMesh { dimension, nodes, notes }))
     }
 
@@ -346,6 +358,16 @@ impl StatedProblem {
             Place::Mesh(place) => place.files.clone(),
         }
     }
+}
+
+/// Returns a line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has
+/// one.
+pub(crate) fn refusal_of_curves(problem: &Problem) -> Option<String> {
+    let polygon = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
+    let reason = problem.refusal_of_curves()?;
+    Some(format!(
+        "the {polygon} of the mesh has a solution, the domain with its curves has none: {reason}"
+    ))
 }
 
 impl OnSquare {

@@ -321,6 +321,8 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
             _ => (1e-4, (high - low) / -high),
         };
         assert!(reached <= accuracy, "{name}: {reached}");
+        let answers = number(row, "energy").unwrap();
+        assert!(name == "close" || (low <= answers && answers <= high), "{low} {answers} {high}");
         let error = 100.0 * json["bound"]["relative"]["error"].as_f64().unwrap();
         let error = signorini_mathematics::problem::text::plain(error, 3);
         let title = format!(">error at most {error} %</text>");

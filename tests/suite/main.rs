@@ -22,6 +22,7 @@ mod domain_scenes;
 mod domains;
 mod edits;
 mod effects;
+mod energies;
 mod engines;
 mod explore;
 mod faults;

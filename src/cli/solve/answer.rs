@@ -5,6 +5,7 @@ use super::bound::{self, BoundaryWords};
 use super::clock::Part;
 use super::request::Request;
 use crate::cli::output::{in_columns, paragraph};
+use crate::replication::accuracy::Accuracy;
 use crate::table::Table;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -19,6 +20,9 @@ use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
+
+/// Digits of an energy, unless more are asked for.
+const DIGITS: usize = 7;
 
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -123,6 +127,28 @@ impl Answer {
         self.run.last()
     }
 
+    /// Energy that answers, which has the accuracy of the energy that was asked for.
+    fn energy(&self, request: &Request) -> f64 {
+        match (request.accuracy, &self.bounds) {
+            (Some(Accuracy::Energy(_)), Ok(bounds)) => bounds.nearest_energy(self.last().energy),
+            _ => self.last().energy,
+        }
+    }
+
+    /// Returns that energy and, if it is another, that of v.
+    fn energy_in_words(&self, request: &Request) -> String {
+        let digits = match request.accuracy {
+            Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
+            _ => DIGITS,
+        };
+        let (energy, of_v) = (self.energy(request), self.last().energy);
+        let mut text = format!("energy {}\n", plain(energy, digits));
+        if energy != of_v {
+            text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
+        }
+        text
+    }
+
     /// Name of the end on the finest grid.
     fn end(&self, request: &Request) -> &str {
         // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
@@ -154,7 +180,7 @@ impl Answer {
             "iterations_per_grid": ends.iter().map(|end| end.end.iterations).collect::<Vec<_>>(),
             "stop": self.end(request),
             "grids": grids,
-            "energy": last.energy,
+            "energy": self.energy(request),
             "v_least": v_least,
             "v_greatest": v_greatest,
             "integral_f": integral,
@@ -202,6 +228,9 @@ impl Answer {
         }
         if let Some(curve) = bounds.and_then(|bounds| bounds.curve) {
             json["bound"]["curve"] = curve.into();
+        }
+        if let Some(Accuracy::Energy(_)) = request.accuracy {
+            json["energy_of_linear_v"] = last.energy.into();
         }
         if let Some(meshes) = request.adapted {
             json["adapted"] = meshes.json(request.accuracy.zip(bounds));
@@ -254,7 +283,7 @@ impl Answer {
     fn solution(&self, request: &Request, recover: bool) -> String {
         let (problem, levels) = (&request.problem, request.problem.levels());
         let (last, law, integral) = (self.last(), problem.law(), levels.integrals().of_f);
-        let mut text = format!("energy {}\n", plain(last.energy, 7));
+        let mut text = self.energy_in_words(request);
         if !last.verdict().is_failure() || request.accuracy.is_some() {
             text += &bound::text(&self.bounds, problem, recover);
         }
@@ -346,7 +375,7 @@ impl Answer {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },
-                plain(outcome.energy, 7),
+                plain(outcome.energy, DIGITS),
                 plain(outcome.kkt.natural, 3),
                 plain(outcome.kkt.relative, 3),
             ];

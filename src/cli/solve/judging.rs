@@ -8,6 +8,7 @@ use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
 use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
 use crate::replication::accuracy::Accuracy;
+use crate::replication::stated::refusal_of_curves;
 use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
@@ -53,6 +54,7 @@ impl Answer {
             Verdict::Solved => (),
         }
         self.warnings.extend(levels.notes().into_iter().map(Warning::fact));
+        self.warnings.extend(refusal_of_curves(&request.problem).map(Warning::fact));
         self.warn_of_levels(request);
         self.warn_of_tolerance(request);
         self.warn_of_load(request);

@@ -50,6 +50,8 @@ pub(super) struct Request {
     pub remedies: Remedies,
     /// Problem as it was stated.
     stated: StatedProblem,
+    /// Coarsest mesh; none on the square.
+    coarsest: Option<AnyMesh>,
     /// Problem with its levels.
     pub problem: Problem,
     pub settings: Settings,
@@ -131,14 +133,14 @@ impl Request {
         // Measured: a file's fields, and the recovered solution on four times as many nodes.
         let bytes_to_write = if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) };
         let memory = Memory { solver, bytes_to_write, accuracy, written: written(args) };
-        let (domain, load, problem, remedies) = match &stated.place {
+        let (domain, load, (problem, coarsest), remedies) = match &stated.place {
             Place::Square(square) => {
                 check_domain_options(args, None)?;
                 memory.check(square.finest().cells())?;
                 clock.ended(Part::Setup);
                 let problem = stated.problem(&InputFiles::new())?;
                 clock.ended(Part::Load);
-                ("square", Some(square.load), problem, Remedies::ON_THE_SQUARE)
+                ("square", Some(square.load), (problem, None), Remedies::ON_THE_SQUARE)
             }
             Place::Mesh(place) => {
                 check_domain_options(args, Some(place))?;
@@ -148,10 +150,10 @@ impl Request {
                     place.domain.check_adapted(asked, "--")?;
                 }
                 let wanted = Wanted { solver, asked, is_written: args.out.is_some() };
-                let problem =
+                let (problem, coarsest) =
                     on_mesh(name, (&stated, place), &wanted, &|step| clock.ended_step(step))?;
                 let domain = stated.file_name().unwrap_or(&place.domain.name);
-                (domain, None, problem, Remedies::ON_MESHES)
+                (domain, None, (problem, Some(coarsest)), Remedies::ON_MESHES)
             }
         };
         let name = args.scene.as_deref().unwrap_or(domain).to_owned();
@@ -177,6 +179,7 @@ impl Request {
             load,
             remedies,
             stated,
+            coarsest,
             problem,
             settings,
             tolerance: args.tolerance()?,
@@ -223,13 +226,15 @@ impl Request {
         watch: &mut dyn FnMut(&AdaptedMesh),
     ) -> Result<(Run, Bounds)> {
         let asked = (accuracy, self.written);
-        let (mesh, clock) = (self.problem.levels().mesh(), &self.clock);
+        let square = || Error::input("the square has grids in place of meshes");
+        let coarsest = self.coarsest.as_ref().ok_or_else(square)?;
+        let clock = &self.clock;
         let ended = |step| clock.ended_step(step);
         let mut watch = |mesh: &AdaptedMesh| {
             watch(mesh);
             ControlFlow::Continue(())
         };
-        let adapted = self.stated.adapted(&mesh, asked, &mut watch, &ended)?;
+        let adapted = self.stated.adapted(coarsest, asked, &mut watch, &ended)?;
         let ends = adapted.outcomes().to_vec();
         let (y, judgement) = (adapted.y, adapted.judgement);
         let meshes = AdaptedMeshes { count: adapted.meshes, nodes: y.len(), end: adapted.end };
@@ -364,7 +369,7 @@ impl Request {
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }
-            Refusal::Input(_) | Refusal::Problem(_) => {
+            Refusal::Input(_) | Refusal::Problem(_) | Refusal::Spectral(_) => {
                 Error::input(format!("{place}: {refusal}; check f"))
             }
         }
@@ -506,14 +511,14 @@ struct Wanted {
     is_written: bool,
 }
 
-/// Returns the problem on a mesh that is read from its file, if it is not built in.
+/// Returns the problem on a mesh that is read from its file, if it is not built in, and that mesh.
 /// An accuracy begins with that mesh. `watch` is told when the mesh is made, and when f is integrated on it.
 fn on_mesh(
     name: &str,
     (stated, place): (&StatedProblem, &OnMesh),
     Wanted { solver, asked, is_written }: &Wanted,
     watch: Watch<'_>,
-) -> Result<Problem> {
+) -> Result<(Problem, AnyMesh)> {
     if !solver.entry().on_meshes {
         return Err(Error::input(format!(
             "--solver {solver}: {name} has every solver but this one"
@@ -542,15 +547,15 @@ fn on_mesh(
                 "{asked} is for domains in the plane; in space, --refine says how fine, and the answer how close"
             )));
         }
-        let refine = Some(0);
-        let unrefined =
-            OnMesh { domain: DomainSettings { refine, ..place.domain.clone() }, ..place.clone() };
-        // The polygon of a curved domain may be too coarse for a flux that balances f.
-        let problem = stated.on_coarsest(&unrefined, &coarsest, watch);
-        return problem.or_else(|_| stated.on_coarsest(place, &coarsest, watch)).map_err(in_domain);
+        // Where the domain is curved, whether there is a solution is asked of the usual refinement, as for scenes.
+        let refine = if coarsest.is_curved() { place.domain.refine } else { Some(0) };
+        let domain = DomainSettings { refine, ..place.domain.clone() };
+        let problem = stated.on_coarsest(&OnMesh { domain, ..place.clone() }, &coarsest, watch);
+        return Ok((problem.map_err(in_domain)?, coarsest));
     }
     check_size(&coarsest, place, *solver, *is_written)?;
-    stated.on_coarsest(place, &coarsest, watch).map_err(in_domain)
+    let problem = stated.on_coarsest(place, &coarsest, watch).map_err(in_domain)?;
+    Ok((problem, coarsest))
 }
 
 /// Memory on meshes in bytes per node, of file, mesh, network, solver and bounds: measured, rounded up.

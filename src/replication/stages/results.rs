@@ -99,6 +99,7 @@ impl Solves {
 /// `tolerance` identify the solve; `rule`, `r` and `tolerance` are empty for solvers without. `energy_lower`,
 /// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were
 /// computed; `error_relative` is that bound over the norm of the solution. The spectral solver has an energy alone.
+/// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
 /// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
@@ -236,6 +237,8 @@ struct GridSolve<'a> {
     level: usize,
     /// End on the grid; none for the spectral solver.
     outcome: Option<Outcome>,
+    /// Energy on the grid, see [`Outcomes::energy`].
+    energy: Option<f64>,
     bounds: Option<Bounds>,
     /// Approximations that the bounds leave out.
     reserve: String,
@@ -270,8 +273,7 @@ impl GridSolve<'_> {
     }
 
     fn energy(&self) -> Option<f64> {
-        let on_grid = self.outcome.map(|outcome| outcome.energy);
-        on_grid.or(self.without_grid.map(|end| end.energy))
+        self.energy.or(self.without_grid.map(|end| end.energy))
     }
 
     /// True if the stopping rule was met; none for a solver without.
@@ -286,6 +288,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
     for scene in scenes {
         for &SolveOfRun { ref task, run } in &scene.runs {
             let solved: Outcomes = from_json(inputs, task, OUTCOMES)?;
+            let energies: Vec<f64> = (0..solved.levels.len()).map(|k| solved.energy(k)).collect();
             let Outcomes { levels, bounds, reserve, without_grid, .. } = solved;
             let mut words = Vec::new();
             for reserve in reserve {
@@ -300,6 +303,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 run,
                 level: 1,
                 outcome: None,
+                energy: None,
                 bounds: None,
                 reserve,
                 without_grid,
@@ -309,11 +313,13 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 continue;
             }
             let bounds = bounds.into_iter().chain(std::iter::repeat(None));
-            for ((level, outcome), bounds) in (1..).zip(levels).zip(bounds) {
+            for (((level, outcome), bounds), energy) in (1..).zip(levels).zip(bounds).zip(energies)
+            {
                 let reserve = on_grid.reserve.clone();
                 solves.push(GridSolve {
                     level,
                     outcome: Some(outcome),
+                    energy: Some(energy),
                     bounds,
                     reserve,
                     ..on_grid

@@ -122,9 +122,10 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
         let row = [String::new(), steps.to_string(), outcomes.end().into(), decimal(energy)];
         table.rows.push(row.into_iter().chain(bounds.map(|_| String::new())).collect());
     }
-    for (level, bounds) in outcomes.levels.iter().zip(&outcomes.bounds) {
+    for (number, (level, bounds)) in outcomes.levels.iter().zip(&outcomes.bounds).enumerate() {
         let iterations = level.end.iterations.to_string();
-        let mut row = vec![level.label(), iterations, level.name().into(), decimal(level.energy)];
+        let energy = outcomes.energy(number);
+        let mut row = vec![level.label(), iterations, level.name().into(), decimal(energy)];
         row.extend(match bounds {
             Some(bounds) => {
                 let ([low, high], [_, most]) = (bounds.energy, bounds.error);

@@ -18,6 +18,7 @@
 //! do not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does
 //! not help the run ends: f has parts that its quadrature misses, or rounding errors are reached.
 
+mod anew;
 mod marking;
 mod meshes;
 #[cfg(test)]
@@ -114,6 +115,8 @@ pub struct AdaptedRun {
     pub end: AdaptedEnd,
     /// Number of meshes on which a solution was sought; the problem has those between them as well.
     pub meshes: usize,
+    /// Cells that were marked for each bisection, from which [`Problem::on_bisected`] makes the meshes anew.
+    pub marks: Vec<Vec<u32>>,
 }
 
 impl AdaptedRun {

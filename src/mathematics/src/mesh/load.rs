@@ -43,6 +43,13 @@ pub struct MeshLoad {
     pub unsettled: Option<f64>,
 }
 
+impl MeshLoad {
+    /// Part of the integral of |f| that the quadrature of f may have missed; none if all integrals are exact.
+    pub fn missed(&self) -> Option<f64> {
+        self.unsettled.map(|unsettled| unsettled / self.size)
+    }
+}
+
 impl<const V: usize> CellPart<V> {
     fn sampled(volume: f64, cell: &SampledCell<V>) -> Self {
         Self {

@@ -141,8 +141,8 @@ fn bubbles<const D: usize, const V: usize>(
         let element = Element::new(mesh.vertices(nodes));
         let slope = gradient(&element, nodes.map(|node| w[node as usize]));
         // The mean of f is not enough where f is not constant.
-        let is_whole = f.deviation.as_ref().is_none_or(|deviation| deviation[number] == 0.0);
-        let load = 4.0 * f.mean[number] * element.volume / (V * (V + 1)) as f64;
+        let is_whole = f.cells.deviation.as_ref().is_none_or(|deviation| deviation[number] == 0.0);
+        let load = 4.0 * f.cells.mean[number] * element.volume / (V * (V + 1)) as f64;
         let cell = CellBubbles { element };
         let mut parts = [EdgeBubble::default(); MOST_EDGES];
         for (part, [i, j]) in parts.iter_mut().zip(CellBubbles::<D, V>::edges()) {

@@ -9,7 +9,7 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::stop::Stop;
-use crate::levels::{Problem, ProblemError, ROUNDING, Step, Triangulations, Watch};
+use crate::levels::{Problem, ProblemError, ROUNDING, Step, Triangulations, Watch, check_missed};
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
@@ -51,6 +51,8 @@ pub(super) struct Meshes<'a> {
     f: MeshSource<2>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
+    /// Cells that were marked for each mesh but the first.
+    marks: Vec<Vec<u32>>,
     /// Number of the connected component of each node of the finest mesh.
     component_of: Vec<u32>,
     /// Sides of the cells of the finest mesh.
@@ -86,7 +88,7 @@ impl<'a> Meshes<'a> {
         ended(Step::Mesh);
         let load = mesh_load(&mesh, &f)?;
         ended(Step::Load);
-        f.check_scale(load.size)?;
+        f.check_scale(&load)?;
         Ok(Self {
             adaption,
             ended,
@@ -94,6 +96,7 @@ impl<'a> Meshes<'a> {
             component_of: network.components(),
             all: vec![mesh],
             networks: vec![NestedNetwork { network, parents: Vec::new() }],
+            marks: Vec::new(),
             sides,
             load,
             y: None,
@@ -176,10 +179,11 @@ impl<'a> Meshes<'a> {
         let stop = if end.stop == Stop::Diverged { end.stop } else { Stop::Converged };
         let end = End { stop, ..end };
         let network = &self.networks[self.networks.len() - 1].network;
-        let (mesh, sides, f) = (self.finest(), &self.sides, &self.load.cells);
+        let (mesh, sides, f) = (self.finest(), &self.sides, &self.load);
         let bounded = BoundedProblem { mesh, sides, network, f, law };
+        let missed = check_missed(f.missed());
         let (judgement, bounds) = among_threads(COST * y.len(), || {
-            join(|| judge(network, law, &y, &self.load.load), || bounded.bounds(&y))
+            join(|| judge(network, law, &y, &f.load), || missed.and_then(|()| bounded.bounds(&y)))
         });
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
@@ -260,12 +264,14 @@ impl<'a> Meshes<'a> {
                 Some(last) => (&last.mesh, &last.sides),
                 None => (self.finest(), &self.sides),
             };
-            let next = bisect(mesh, sides, &largest_parts(&squares, fraction))?;
+            let marked = largest_parts(&squares, fraction);
+            let next = bisect(mesh, sides, &marked)?;
             if next.mesh.points().len() > self.adaption.most_nodes || next.parents.is_empty() {
                 break;
             }
             squares = expected_squares(&squares, &next.origins);
             made.push(next);
+            self.marks.push(marked);
         }
         Ok(made)
     }
@@ -306,7 +312,7 @@ impl<'a> Meshes<'a> {
         let law = self.adaption.law;
         let y = self.y.expect("a vector with bounds");
         let network = &self.networks[self.networks.len() - 1].network;
-        let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load.cells);
+        let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load);
         let errors = found.errors();
         let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(found.bounds, &y);
         (self.ended)(Step::Bounds);
@@ -321,6 +327,7 @@ impl<'a> Meshes<'a> {
             outcomes: self.outcomes,
             end,
             meshes: self.sought,
+            marks: self.marks,
         }
     }
 }

@@ -246,6 +246,18 @@ fn threads_make_the_same_meshes_to_the_bit() {
 }
 
 #[test]
+fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
+    for problem in [&known()[0], &known()[1]] {
+        let run = problem.adaption(ErrorGoal::Relative(0.05)).run(&mut |_| ()).unwrap();
+        let anew = Problem::on_bisected(&problem.mesh, &run.marks, problem.f, problem.law).unwrap();
+        assert!(run.marks.len() > 4 && anew.levels().count() == run.problem.levels().count());
+        assert!(anew.levels().mesh() == run.problem.levels().mesh());
+        assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.y.len(); 2]);
+        assert!(anew.load() == run.problem.load() && anew.lengths() == run.problem.lengths());
+    }
+}
+
+#[test]
 fn a_run_ends_with_a_number_whatever_happens() {
     let problem = &known()[0];
     let few = Adaption { most_nodes: 300, ..problem.adaption(ErrorGoal::Relative(1e-3)) };
