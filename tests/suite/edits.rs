@@ -359,9 +359,7 @@ fn edit_and_check(seed: u64, edits: usize) {
             }
             Err(why) => {
                 let last = made.len().saturating_sub(8);
-                let study: String =
-                    next.iter().map(|(path, text)| format!("--- {path}\n{text}")).collect();
-                panic!("seed {seed}: {why}\nafter {:#?}\n{study}", &made[last..]);
+                panic!("seed {seed}: {why}\nafter {:#?}\n{next:#?}", &made[last..]);
             }
         }
         now = next;

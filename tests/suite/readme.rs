@@ -199,7 +199,7 @@ fn changes_are_explained(project: &Path) {
     let figure = explained("figures/figure1");
     assert_eq!(
         figure,
-        "figures/figure1: stale\n  parameter problem1.title: Problem 1 -> The problem 1\n"
+        "figures/figure1: stale\n  parameter scenes[0].title: \"Problem 1\" -> \"The problem 1\"\n"
     );
     // The book waits for the figure, which is no reason to keep its own changes back.
     let report = explained("report");

@@ -11,9 +11,9 @@ fn task(id: &str, needs: &[&str], byte: u8, make: fn(&u8, &Inputs) -> Made) -> T
     Task::new(id, &byte, needs.iter().map(|need| (*need).to_owned()).collect(), make)
 }
 
-/// Makes the artifact `out` of one byte.
-fn out(byte: u8) -> Made {
-    Ok(Artifacts::from([("out".into(), vec![byte])]))
+/// The artifact `out` of one byte.
+fn out(byte: u8) -> Artifacts {
+    Artifacts::from([("out".into(), vec![byte])])
 }
 
 fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {
@@ -27,9 +27,9 @@ fn another_program_never_finds_the_results_of_the_first() {
     let [old, new] = [("old", 1), ("new", 2)].map(|(program, damping): (&str, u8)| {
         // The byte of the first task stands for what the program has in its code.
         let first: fn(&u8, &Inputs) -> Made =
-            if damping == 1 { |_, _| out(1) } else { |_, _| out(2) };
+            if damping == 1 { |_, _| Ok(out(1)) } else { |_, _| Ok(out(2)) };
         let tasks =
-            vec![task("a/1", &[], 0, first), task("b/1", &["a/1"], 7, |byte, _| out(*byte))];
+            vec![task("a/1", &[], 0, first), task("b/1", &["a/1"], 7, |byte, _| Ok(out(*byte)))];
         Plan::new(super::super::program(&hash(program.as_bytes())), tasks).unwrap()
     });
     let options = Options::default();
@@ -65,13 +65,13 @@ fn a_task_starts_when_all_it_needs_is_there_and_not_before_nor_after() {
         task("a/slow", &[], 0, |_, _| {
             let has_run = SECOND_HAS_RUN.0.lock().unwrap();
             drop(SECOND_HAS_RUN.1.wait_while(has_run, |has_run| !*has_run).unwrap());
-            out(0)
+            Ok(out(0))
         }),
-        task("a/first", &[], 0, |_, _| out(ORDER.fetch_add(1, Ordering::SeqCst) as u8)),
+        task("a/first", &[], 0, |_, _| Ok(out(ORDER.fetch_add(1, Ordering::SeqCst) as u8))),
         task("b/second", &["a/first"], 0, |_, _| {
             *SECOND_HAS_RUN.0.lock().unwrap() = true;
             SECOND_HAS_RUN.1.notify_all();
-            out(ORDER.fetch_add(1, Ordering::SeqCst) as u8)
+            Ok(out(ORDER.fetch_add(1, Ordering::SeqCst) as u8))
         }),
     ];
     let plan = Plan::new(program("program"), tasks).unwrap();
@@ -86,9 +86,9 @@ fn a_task_starts_when_all_it_needs_is_there_and_not_before_nor_after() {
 fn a_panic_is_the_failure_of_one_task() {
     let tasks = vec![
         task("a/wild", &[], 0, |_, _| panic!("on purpose")),
-        task("a/tame", &[], 1, |byte, _| out(*byte)),
-        task("b/waits", &["a/tame", "a/wild"], 2, |byte, _| out(*byte)),
-        task("c/waits", &["b/waits"], 3, |byte, _| out(*byte)),
+        task("a/tame", &[], 1, |byte, _| Ok(out(*byte))),
+        task("b/waits", &["a/tame", "a/wild"], 2, |byte, _| Ok(out(*byte))),
+        task("c/waits", &["b/waits"], 3, |byte, _| Ok(out(*byte))),
     ];
     let plan = Plan::new(program("program"), tasks).unwrap();
     let cache = tempfile::tempdir().unwrap();
@@ -120,7 +120,7 @@ fn a_task_that_takes_long_may_end_early() {
 fn what_is_at_work_is_counted() {
     let cache = tempfile::tempdir().unwrap();
     static INTERRUPT: Interrupt = Interrupt::new();
-    let seen = task("a/1", &[], 0, |_, _| out(u8::from(INTERRUPT.is_at_work())));
+    let seen = task("a/1", &[], 0, |_, _| Ok(out(u8::from(INTERRUPT.is_at_work()))));
     let plan = Plan::new(program("program"), vec![seen]).unwrap();
     let (store, progress) = (Store::new(cache.path()).unwrap(), Progress::new(false, true));
     let summary = execute(&plan, &store, Options::default(), &progress, &INTERRUPT).unwrap();

@@ -4,7 +4,7 @@
 mod claims;
 mod stability;
 
-use super::figures::{Drawing, drawing, made};
+use super::figures::{Draw, Drawing, drawing, made};
 use super::{cost, to_json};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
@@ -117,11 +117,7 @@ fn rules(project: &Project) -> Task {
 
 /// The task that draws the findings of an experiment as a picture, by the names of both; the `title` is for readers who
 /// cannot see it.
-fn picture(
-    [experiment, name]: [&str; 2],
-    title: &str,
-    draw: fn(&Drawing, &Inputs) -> Made,
-) -> Task {
+fn picture([experiment, name]: [&str; 2], title: &str, draw: Draw) -> Task {
     drawing(name, &Drawing::new(title), vec![id(experiment)], draw)
 }
 

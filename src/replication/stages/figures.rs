@@ -148,6 +148,9 @@ pub(super) struct Drawing {
     scenes: Vec<Scene>,
 }
 
+/// Function that draws such a picture.
+pub(super) type Draw = fn(&Drawing, &Inputs) -> Made;
+
 impl Drawing {
     /// Picture with this title, of no scene.
     pub(super) fn new(title: &str) -> Self {

@@ -1,12 +1,12 @@
 //! Figures that only the book shows: the problem, the grid, and the paper's problems where the first rule stops.
 
-use super::{Drawing, drawing, shown, surface};
+use super::{Draw, Drawing, drawing, shown, surface};
 use crate::figures::{
     DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, grid, membrane,
     mesh_picture, range_with_zero, surfaces, table_of_surfaces,
 };
 use crate::pipeline::error::Failure;
-use crate::pipeline::{Inputs, Made, Task};
+use crate::pipeline::{Inputs, Task};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::solve;
 use signorini_mathematics::experiments::adapted::AdaptedProblem;
@@ -89,7 +89,7 @@ pub(super) fn iterates(scene: &Scene) -> Task {
 
 /// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
 pub(super) fn drawings() -> [Task; 5] {
-    let all: [(&str, &str, fn(&Drawing, &Inputs) -> Made); 5] = [
+    let all: [(&str, &str, Draw); 5] = [
         ("domains", "Solutions on the L-shape, the disc and the annulus", |it, inputs| {
             it.made(inputs, on_domains()?)
         }),
