@@ -209,6 +209,11 @@ mod tests {
         assert!(heights.into_iter().all(|z| z == 5f64.to_le_bytes()));
     }
 
+    /// True if a file has these letters.
+    fn has(archive: &[u8], text: &str) -> bool {
+        archive.windows(text.len()).any(|part| part == text.as_bytes())
+    }
+
     #[test]
     fn arrays_for_numpy_have_rows_of_coordinates_and_of_vertices() {
         let counted = Counted::on(BuiltIn::LShape.plane().unwrap());
@@ -219,9 +224,6 @@ mod tests {
                 "{header}"
             );
         }
-        let has = |archive: &[u8], text: &str| {
-            archive.windows(text.len()).any(|part| part == text.as_bytes())
-        };
         assert!(has(&archive, "region.npy") && has(&archive, "'<u2'"));
         assert!(!has(&archive, "local_error.npy"));
         let with_errors = MeshFields { errors: &counted.on_cells, ..counted.fields() };

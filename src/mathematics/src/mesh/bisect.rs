@@ -222,11 +222,14 @@ impl<'a> Pieces<'a> {
             }
         }
         let of_file = if coarse.is_curved() { &coarse.elements[..] } else { &[] };
-        let element = |&cell: &u32| of_file.get(cell as usize).copied();
         let mesh = PlaneMesh {
             points: self.points,
             regions: self.origins.iter().map(|&cell| coarse.regions[cell as usize]).collect(),
-            elements: self.origins.iter().filter_map(element).collect(),
+            elements: self
+                .origins
+                .iter()
+                .filter_map(|&cell| of_file.get(cell as usize).copied())
+                .collect(),
             cells: self.cells,
             region_names: coarse.region_names.clone(),
             facets,

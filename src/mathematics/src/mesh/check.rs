@@ -327,10 +327,9 @@ mod tests {
         assert_eq!(corner.mesh().unwrap().touching().len(), 1);
     }
 
-    #[test]
-    fn sides_in_contact_may_be_meshed_apart_in_space() {
-        // A tetrahedron on the half of the base of another, with a node inside the longest side of the base.
-        let data = |[a, b, c]: [u32; 3]| MeshData::<3, 4> {
+    /// A tetrahedron, and two on the halves of its base, with these nodes at the corners of the base.
+    fn on_base([a, b, c]: [u32; 3]) -> MeshData<3, 4> {
+        MeshData {
             points: vec![
                 [0.0; 3],
                 [1.0, 0.0, 0.0],
@@ -344,10 +343,14 @@ mod tests {
             ],
             cells: vec![[0, 2, 1, 3], [a, b, 4, 5], [a, 4, c, 5]],
             ..MeshData::default()
-        };
-        let own = data([6, 7, 8]).mesh().unwrap();
+        }
+    }
+
+    #[test]
+    fn sides_in_contact_may_be_meshed_apart_in_space() {
+        let own = on_base([6, 7, 8]).mesh().unwrap();
         assert!(own.touching().last().unwrap().starts_with("node 4 lies on a side of element 0 "));
-        let mut same = data([0, 1, 2]);
+        let mut same = on_base([0, 1, 2]);
         same.points.truncate(6);
         assert!(message(same).starts_with("node 4 hangs on a side of element 0: "));
     }

@@ -62,12 +62,9 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
     /// Fault of a cell that a curve turns inside out, with the part of an edge of it that lies on one.
     fn folded(&self, cell: usize) -> MeshError {
-        let at_cell = |facet: &&Facet<D>| {
-            let nodes = self.cells[cell];
-            facet.nodes.iter().filter(|node| nodes.contains(node)).count() >= 2
-        };
-        let parts =
-            self.facets.iter().filter(at_cell).map(|facet| &self.parts[facet.part as usize]);
+        let nodes = self.cells[cell];
+        let at_cell = self.facets.iter().filter(|facet| facet.shares_edge(nodes));
+        let parts = at_cell.map(|facet| &self.parts[facet.part as usize]);
         let curved = parts.filter(|part| part.curve.is_some()).map(|part| &part.names);
         let element = self.elements.get(cell).copied().unwrap_or(cell as u64);
         MeshError::Folded { element, part: Names::all(curved) }
@@ -76,6 +73,13 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     /// True if a part of the boundary lies on a curve.
     pub(crate) fn is_curved(&self) -> bool {
         self.parts.iter().any(|part| part.curve.is_some())
+    }
+}
+
+impl<const D: usize> Facet<D> {
+    /// True if two of the nodes, or more, are those of a cell.
+    fn shares_edge<const V: usize>(&self, cell: [u32; V]) -> bool {
+        self.nodes.iter().filter(|node| cell.contains(node)).count() >= 2
     }
 }
 

@@ -25,22 +25,25 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         &self,
         boundary: &BoundaryFacets<D>,
     ) -> Result<Option<String>, MeshError> {
-        let BoundaryFacets { facets, cells, boxes, .. } = boundary;
-        let found = nodes_on_facets(&self.points, facets, boxes);
-        let tags = |on: &NodeOnFacet| {
-            let cell = cells[on.facet as usize];
-            [self.tags.node(on.node as usize), self.tags.cell(cell as usize)]
-        };
+        let found = nodes_on_facets(&self.points, &boundary.facets, &boundary.boxes);
         let domains = domains::<D>();
-        if let Some([node, cell]) = hanging_node(facets, &found).map(tags) {
+        if let Some(hanging) = hanging_node(&boundary.facets, &found) {
+            let [node, cell] = self.tags_on(boundary, hanging);
             return Err(MeshError::Hanging { cell, node, domains });
         }
-        Ok(found.first().map(tags).map(|[node, cell]| {
+        Ok(found.first().map(|on| {
+            let [node, cell] = self.tags_on(boundary, on);
             format!(
                 "node {node} lies on a side of element {cell} that does not have it: sides in contact are meshed \
                  apart, and v has a value for each; to join them, fragment the {domains} in Gmsh, and mesh again"
             )
         }))
+    }
+
+    /// Numbers of a node on a facet and of the cell of the facet.
+    fn tags_on(&self, boundary: &BoundaryFacets<D>, on: &NodeOnFacet) -> [u64; 2] {
+        let cell = boundary.cells[on.facet as usize];
+        [self.tags.node(on.node as usize), self.tags.cell(cell as usize)]
     }
 }
 

@@ -236,17 +236,19 @@ mod tests {
         }
     }
 
+    /// The square with more elements, and nodes of no cell.
+    fn beside(elements: &str) -> String {
+        let count = 4 + elements.lines().count();
+        SQUARE_22
+            .replace("$Nodes\n4", "$Nodes\n6")
+            .replace("14 0 1 0\n", "14 0 1 0\n15 2 2 0\n16 3 2 7\n")
+            .replace("$Elements\n4", &format!("$Elements\n{count}"))
+            .replace("$EndElements", &format!("{elements}$EndElements"))
+    }
+
     #[test]
     fn what_is_on_no_cell_and_in_no_group_is_left_out() {
         let square = plane(SQUARE_22.as_bytes());
-        let beside = |elements: &str| {
-            let count = 4 + elements.lines().count();
-            SQUARE_22
-                .replace("$Nodes\n4", "$Nodes\n6")
-                .replace("14 0 1 0\n", "14 0 1 0\n15 2 2 0\n16 3 2 7\n")
-                .replace("$Elements\n4", &format!("$Elements\n{count}"))
-                .replace("$EndElements", &format!("{elements}$EndElements"))
-        };
         for strays in ["31 1 2 0 9 15 16\n", "31 1 2 0 9 15 16\n32 1 0 12 15\n"] {
             let mut mesh = plane(beside(strays).as_bytes());
             let notes = mesh.notes();

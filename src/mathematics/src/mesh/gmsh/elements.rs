@@ -16,6 +16,13 @@ pub(super) struct FileElement<const K: usize> {
     pub(super) groups: u32,
 }
 
+impl<const K: usize> FileElement<K> {
+    /// True if all corners are among the nodes with cells.
+    pub(super) fn is_on(&self, has_cell: &[bool]) -> bool {
+        self.nodes.iter().all(|&node| has_cell.get(node as usize) == Some(&true))
+    }
+}
+
 impl FileElement<4> {
     /// Triangle that a quadrangle with the same node at both ends of a side is.
     fn collapsed(&self) -> Option<FileElement<3>> {

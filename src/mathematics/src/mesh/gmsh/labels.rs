@@ -31,16 +31,12 @@ impl Groups {
         [kind, cell]: [&'static str; 2],
         left_out: &mut usize,
     ) -> Result<Vec<FileElement<K>>, GmshError> {
-        let is_on_cells = |element: &FileElement<K>| {
-            element.nodes.iter().all(|&node| has_cell.get(node as usize) == Some(&true))
-        };
-        let is_named = |element: &&FileElement<K>| !self.sets.groups(element.groups).is_empty();
-        let mut strays = elements.iter().filter(|element| !is_on_cells(element));
-        if let Some(named) = strays.find(is_named) {
+        let mut strays = elements.iter().filter(|element| !element.is_on(has_cell));
+        if let Some(named) = strays.find(|stray| !self.sets.groups(stray.groups).is_empty()) {
             return Err(GmshError::Mixed { element: named.tag, kind, cell });
         }
         let before = elements.len();
-        elements.retain(is_on_cells);
+        elements.retain(|element| element.is_on(has_cell));
         *left_out += before - elements.len();
         Ok(elements)
     }

@@ -58,12 +58,22 @@ mod tests {
     const FOUR_ONE: &str =
         "$Nodes\n1 4 1 4\n2 3 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n$Elements\n";
 
+    /// Refusal of a file, if it is refused.
+    fn said(text: &str) -> Option<String> {
+        read(text.as_bytes()).err().map(|fault| fault.to_string())
+    }
+
+    /// File without one of the cells of the square.
+    fn piece(cell: &str) -> String {
+        TWO.replace("$Elements\n2", "$Elements\n1").replace(cell, "")
+    }
+
     /// Refusal of a file in version 4.0 or 4.1, if it is refused.
     fn said_of(version: &str, entities: &str, elements: &str) -> Option<String> {
         let nodes = if version == "4.0" { FOUR_ZERO } else { FOUR_ONE };
         let head = format!("$MeshFormat\n{version} 0 8\n$EndMeshFormat\n");
         let file = format!("{head}{entities}{nodes}{elements}$EndElements\n");
-        read(file.as_bytes()).err().map(|fault| fault.to_string())
+        said(&file)
     }
 
     #[test]
@@ -92,12 +102,10 @@ mod tests {
 
     #[test]
     fn one_of_two_partitions_is_refused_in_version_2() {
-        let said = |text: &str| read(text.as_bytes()).err().map(|fault| fault.to_string());
         let [first, second] = ["1 2 4 0 1 1 1 1 2 3\n", "2 2 4 0 1 1 2 1 3 4\n"];
         assert_eq!(said(TWO), None);
         let into_one = TWO.replace(second, "2 2 4 0 1 1 1 1 3 4\n");
         assert_eq!(said(&into_one), None);
-        let piece = |cell: &str| TWO.replace("$Elements\n2", "$Elements\n1").replace(cell, "");
         let with_gap = piece(first).replace("2 1 0 0\n", "").replace("$Nodes\n4", "$Nodes\n3");
         let two = "the file has 1 of at least 2 partitions; save the mesh in one file";
         assert_eq!(said(&with_gap).as_deref(), Some(two));
