@@ -191,7 +191,7 @@ fn where_the_curve_decides_otherwise_than_the_polygon_that_is_said() {
 #[test]
 fn integrals_beyond_the_range_are_refused_with_their_number() {
     let project = Project::with(TABLE);
-    project.write("large.msh", &square_of(1e30));
+    project.write("large.msh", square_of(1e30));
     for (f, words) in [
         ("else=-1e100", "the integral of |f| is 1.00000000000"),
         ("else=-1e131", "the largest value of |f| is 1e131"),

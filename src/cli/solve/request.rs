@@ -226,8 +226,9 @@ impl Request {
         watch: &mut dyn FnMut(&AdaptedMesh),
     ) -> Result<(Run, Bounds)> {
         let asked = (accuracy, self.written);
-        let square = || Error::input("the square has grids in place of meshes");
-        let coarsest = self.coarsest.as_ref().ok_or_else(square)?;
+        let Some(coarsest) = &self.coarsest else {
+            return Err(Error::input("the square has grids in place of meshes"));
+        };
         let clock = &self.clock;
         let ended = |step| clock.ended_step(step);
         let mut watch = |mesh: &AdaptedMesh| {

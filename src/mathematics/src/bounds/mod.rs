@@ -339,10 +339,12 @@ fn project(grid: Grid, slips: Slips, y: &[f64]) -> Projection<'_> {
 mod tests {
     use super::*;
 
+    fn bounds(energy: [f64; 2], most: f64) -> Bounds {
+        Bounds { energy, error: [0.0, most], recovered: None, curve: None }
+    }
+
     #[test]
     fn without_error_an_answer_is_exact_whatever_its_size() {
-        let bounds =
-            |energy, most| Bounds { energy, error: [0.0, most], recovered: None, curve: None };
         let zero = bounds([0.0; 2], 0.0);
         assert_eq!([zero.relative(), zero.relative_energy()], [0.0; 2]);
         let poor = bounds([-1.0, 0.0], 1.0);

@@ -140,7 +140,7 @@ pub fn solve_nested<L: NestedLevels + ?Sized>(
     let _ = run_nested(levels, &mut pair, |k, [pair]: &mut [Pair; 1]| {
         let (level, tolerance) = (k + 1, tolerance(k + 1));
         let method = params.method.with_inner(0.1 * tolerance).above(EXACT * largest(&loads[k]));
-        let params = Params { tolerance, method, ..*params };
+        let params = Params { method, tolerance, ..*params };
         let watched = monitor.wants_iterations();
         let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
         let on_iteration = watched.then_some(&mut on_iteration as OnIteration);

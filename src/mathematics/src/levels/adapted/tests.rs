@@ -211,7 +211,8 @@ fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
     let mut meshes: Vec<AdaptedMesh> = Vec::new();
     let adaption = problem.adaption(ErrorGoal::Relative(0.2));
     adaption.run(&mut |mesh| meshes.push(mesh.clone())).unwrap();
-    let tells = |mesh: &AdaptedMesh| mesh.bounds.as_ref().unwrap().relative().is_finite();
+    // An error of several solutions; the first mesh knows the load, and of the solution next to nothing.
+    let tells = |mesh: &AdaptedMesh| mesh.bounds.as_ref().unwrap().relative() < 5.0;
     assert!(!tells(&meshes[1]), "the source is too small for the first meshes");
     for pair in meshes.windows(2).filter(|pair| !tells(&pair[0])) {
         assert!(pair[1].nodes > 2 * pair[0].nodes, "{} {}", pair[0].nodes, pair[1].nodes);
