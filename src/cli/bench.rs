@@ -1,6 +1,6 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
-use super::interrupt::interrupted;
+use super::interrupt::{at_work, interrupted};
 use super::output::{OutputFile, in_columns, say, say_json, talk};
 use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
@@ -53,8 +53,15 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     if solvers.is_empty() {
         solvers.extend(SOLVERS.map(|entry| entry.solver));
     }
-    let plan =
-        TimingPlan { repeats, quick: args.quick, solvers, finest, interrupted: interrupted() };
+    // However it is interrupted, the times measured until then are printed.
+    let _at_work = at_work();
+    let plan = TimingPlan {
+        repeats,
+        quick: args.quick,
+        solvers,
+        finest,
+        interrupted: interrupted().flag(),
+    };
     // Before the measurement, because an error after it would waste minutes.
     let record = args.record.then(RecordFile::open).transpose()?;
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;

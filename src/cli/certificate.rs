@@ -185,7 +185,7 @@ fn up_to_date(workplace: &Workplace, plan: &Plan) -> Result<Summary> {
         )
     } else if let Some(edited) = summary.exports.edited.first() {
         return Err(Error::input(super::pipeline::edited(edited)));
-    } else if !summary.nothing_to_do() {
+    } else if !summary.exports.is_empty() {
         "files in figures/ or report/ are missing or old".into()
     } else {
         let differences = LockFile::read(&workplace.project.root)?.differences(&summary.lock_file);

@@ -36,9 +36,19 @@ struct DiffJson<'a> {
 
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     let mut workplace = Workplace::open(&args.cache)?;
-    let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    let manifests = workplace.bring_up_to_date(&tasks)?;
-    let tables = comparisons(&workplace, &manifests)?;
+    workplace.project.select(&[])?;
+    // The table of the results of all scenes is not asked for.
+    workplace.project.partial = true;
+    let compared = workplace.project.scenes.iter().filter(|scene| scene.paper_table.is_some());
+    let names: Vec<String> = compared.map(|scene| scene.name.clone()).collect();
+    let tables = match names.is_empty() {
+        true => Vec::new(),
+        false => {
+            let tasks = workplace.tasks(&names, Some(Stage::Diff))?;
+            let manifests = workplace.compute(&tasks)?;
+            comparisons(&workplace, &manifests)?
+        }
+    };
     if tables.is_empty() {
         return Err(Error::input(
             "no scene has a `paper_table`; add one to compare with the paper",

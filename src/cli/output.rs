@@ -230,7 +230,15 @@ impl OutputFile {
         if self.path.exists() && !self.path.is_file() {
             return fs::write(&self.path, bytes).context("write", &self.path);
         }
-        write_atomically(&self.path, bytes)
+        write_atomically(&self.path, bytes).map_err(|mut e| {
+            if let Error::Io { source, remedy, .. } = &mut e
+                && [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::FileTooLarge]
+                    .contains(&source.kind())
+            {
+                *remedy = "free some space, raise the limit, or name a file elsewhere";
+            }
+            e
+        })
     }
 }
 

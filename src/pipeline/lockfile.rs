@@ -52,7 +52,7 @@ impl LockFile {
         project.join("pipeline").join("lock.toml")
     }
 
-    /// Reads the lock file; an absent one is empty.
+    /// Reads the lock file; an absent one is empty, as is one that a crash has left without contents.
     ///
     /// # Errors
     /// [`Error::Input`] if it is damaged.
@@ -70,6 +70,9 @@ impl LockFile {
         let Some(bytes) = read_if_there(&path)? else { return Ok(Self::default()) };
         if expected.is_written_as(&bytes) {
             return Ok(expected.clone());
+        }
+        if bytes.trim_ascii().is_empty() {
+            return Ok(Self::default());
         }
         let path = path.display();
         if let Ok(table) = toml::from_str(&String::from_utf8_lossy(&bytes)) {

@@ -110,6 +110,26 @@ impl Plan {
         Ok(inputs)
     }
 
+    /// True if a run of a task has the inputs of today, as far as they are known: `outputs` has those of some tasks.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::pipeline::error::Error::Io) if a file of the task cannot be read.
+    pub(super) fn has_inputs_of_today<'a>(
+        &self,
+        task: &Task,
+        run: &Manifest,
+        outputs: impl Fn(&str) -> Option<&'a Hashes>,
+    ) -> Result<bool> {
+        static UNKNOWN: Hashes = Hashes::new();
+        let mut unknown = task.needs.clone();
+        unknown.retain(|need| outputs(need).is_none());
+        let unknown: Vec<_> = unknown.iter().map(|need| format!("{ARTIFACT}{need}/")).collect();
+        let known = KnownHashes::default();
+        let today = self.inputs(task, &known, |need| outputs(need).unwrap_or(&UNKNOWN))?;
+        let then = run.inputs.iter();
+        Ok(then.filter(|(input, _)| !unknown.iter().any(|need| input.starts_with(need))).eq(&today))
+    }
+
     /// Returns the inputs that no other task makes.
     fn own_inputs(&self, task: &Task, known: &KnownHashes) -> Result<BTreeMap<String, String>> {
         let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.digest.clone())]);

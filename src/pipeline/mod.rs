@@ -18,6 +18,7 @@ pub(crate) mod files;
 mod garbage;
 mod graph;
 mod input;
+mod interrupt;
 mod known;
 mod lock;
 mod lockfile;
@@ -36,6 +37,7 @@ pub use export::{Edited, Editor, Exports, Rights, WalkResults};
 pub use garbage::Garbage;
 pub use graph::{Graph, GraphNode};
 pub use input::{InputFile, InputFiles};
+pub use interrupt::{AtWork, Interrupt};
 pub use known::KnownHashes;
 pub use lock::Lock;
 pub use lockfile::LockFile;
@@ -52,6 +54,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// Named byte strings: what a task computes.
 pub type Artifacts = BTreeMap<String, Vec<u8>>;
@@ -76,6 +79,9 @@ pub struct Inputs<'a> {
     pub scratch: &'a Path,
     /// The program.
     pub program: &'a RunningProgram,
+    /// True once the run is to end; a task that takes long may end early, with [`Error::Interrupted`], and nothing else
+    /// may depend on it.
+    pub interrupted: &'a AtomicBool,
 }
 
 /// The program that runs the tasks: an input of each, by its digest.
@@ -202,6 +208,15 @@ impl Plan {
         self
     }
 
+    /// Makes each task for which there is a reason fail with it.
+    pub fn refuse(&mut self, reason: impl Fn(&str) -> Option<String>) {
+        for task in &mut self.tasks {
+            if let Some(reason) = reason(&task.id) {
+                task.work = Box::new(move |_, _| Err(reason.clone().into()));
+            }
+        }
+    }
+
     /// Returns the tasks, each after all that it needs.
     pub fn tasks(&self) -> &[Task] {
         &self.tasks
@@ -321,6 +336,7 @@ mod tests {
             digest: "",
             scratch: Path::new(""),
             program: &program("program"),
+            interrupted: &AtomicBool::new(false),
         };
         let want: Vec<u8> = parts.r.iter().flat_map(|r| r.to_le_bytes()).chain([0]).collect();
         assert_eq!(task.make(&inputs).unwrap()["out"], want);

@@ -210,7 +210,7 @@ impl Scene {
     /// Parses and validates the text of a scene file; `name` names the scene in messages.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
+    /// [`Error::Input`] with the line of the mistake. [`Scene::check`] tells whether there is a problem to be solved.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
         let in_scene = |e: Error| Error::input(format!("{what}: {e}"));
@@ -268,25 +268,22 @@ impl Scene {
     }
 
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
-    /// the disk. Checks a domain without a mesh; [`Scene::check_mesh`] checks one with a mesh, which takes time.
+    /// the disk.
     ///
     /// # Errors
-    /// [`Error::Input`] and [`Error::Io`]: no mesh, or a domain that does not fit the scene.
+    /// [`Error::Input`] and [`Error::Io`] if there is no such mesh.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
-        let found = self.problem.find_mesh(root, known);
-        if found.map_err(|e| in_scene(&self.name, e))? {
-            self.check_mesh()?;
-        }
-        Ok(())
+        self.problem.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))
     }
 
-    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene. Returns what a
-    /// user has to know of the mesh, in a line each.
+    /// Checks that there is a problem to be solved, and reads the mesh of the domain, if the scene has one, and checks
+    /// that it fits the scene. Takes time in the size of the problem: only a run of the scene asks for it. Returns what
+    /// a user has to know of the mesh, in a line each.
     ///
     /// # Errors
-    /// [`Error::Input`] if it does not; [`Error::Io`].
-    pub(crate) fn check_mesh(&self) -> Result<Vec<String>> {
-        let checked = self.problem.check_mesh().map_err(|e| in_scene(&self.name, e))?;
+    /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
+    pub(crate) fn check(&self) -> Result<Vec<String>> {
+        let checked = self.problem.check().map_err(|e| in_scene(&self.name, e))?;
         let Some(CheckedMesh { dimension, nodes, notes }) = checked else { return Ok(Vec::new()) };
         if let Some(accuracy) = self.accuracy.filter(|_| dimension == 3) {
             let asked = Written::Key.text(accuracy);
@@ -355,10 +352,6 @@ impl Scene {
                 }
             };
         };
-        // A known solution is proof enough, and its integral takes milliseconds on every command.
-        if square.f.exact().is_none() || self.problem.law.is_some() {
-            self.problem.problem(&InputFiles::new())?;
-        }
         // As many counts on other grids would be compared without an error.
         if self.paper_table.is_some() && square.grids[0].cells() != COARSEST {
             return Err(format!(
@@ -522,7 +515,7 @@ mod tests {
     #[test]
     fn tasks_read_back_the_scene_that_was_hashed() {
         let method = "solver = \"uzawa\"\nr = [1, 0.1, 1e12]\ndraw_r = 0.1\nstop = [\"printed\", \"signed\"]\n\
-            max_iterations = 7\nprolongation = \"rising-diagonal\"\nlaw = { friction = 0.1 }\n\
+            max_iterations = 7\nprolongation = \"rising-diagonal\"\nlaw = { friction = 0.3 }\n\
             load = { rule = \"nodal\", tie = \"upper-left\", diagonal = \"falling\" }\n";
         let on_mesh = "domain = { name = \"annulus\", refine = 2, free = [\"outer\", \"inner\"], fixed = [\"a.b\"], \
             curve = { outer = [0.0, 0.1, 0.5], \"a.b\" = [0, 0, 1] } }\n";

@@ -1,6 +1,7 @@
 //! Scenes on domains other than the square: what they make, when they are made anew, and what is refused.
 
 use crate::common::{Project, TABLE};
+use crate::edits::book;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -58,6 +59,13 @@ fn tables_and_pictures_are_made_and_kept() {
     let rows: Vec<_> = results.lines().skip(1).collect();
     let of = |start: &str| rows.iter().filter(|row| row.starts_with(start)).count();
     assert_eq!([of("a,"), of("gear,"), of("ball,")], [2 * 2 * 4, 2, 2], "{results}");
+    // The table of each scene has all its rows, rule by rule.
+    for (scene, rows) in [("a", 4), ("gear", 1), ("ball", 1)] {
+        let table =
+            fs::read_to_string(project.path(&format!("report/tables/{scene}.csv"))).unwrap();
+        assert!(table.starts_with("rule,r,"), "{table}");
+        assert_eq!(table.lines().count(), 1 + rows, "{table}");
+    }
     assert!(rows[0].starts_with("a,arrow-hurwicz,printed-dual,10.0,,"), "{}", rows[0]);
     assert!(rows.iter().all(|row| row.split(',').nth(9) == Some("true")), "{results}");
     project.run(&["run"]).nothing_to_do();
@@ -164,16 +172,23 @@ fn same_numbers(scene: &str, solver: &str, json: &Value, results: &[BTreeMap<Str
         assert_eq!(numbers, said.map(Value::as_f64), "{scene}: {json}");
     }
     let row = rows[rows.len() - 1];
-    let bounds = ["energy_lower", "energy_upper", "error_bound"].map(|name| number(row, name));
+    let values = ["v_least", "v_greatest"].map(|name| (number(row, name), json[name].as_f64()));
+    assert!(
+        values.iter().all(|(of_run, of_solve)| of_run.is_some() && of_run == of_solve),
+        "{scene}: {json}"
+    );
+    let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative"];
+    let bounds = bounds.map(|name| number(row, name));
     if ["multigrid", "active-set"].contains(&solver) {
         let bound = &json["bound"];
-        let said = [&bound["energy"][0], &bound["energy"][1], &bound["error"][1]];
+        let relative = &bound["relative"]["error"];
+        let said = [&bound["energy"][0], &bound["energy"][1], &bound["error"][1], relative];
         assert_eq!(bounds, said.map(Value::as_f64), "{scene}: {json}");
         let reserve: Vec<_> = bound["reserve"].as_array().unwrap().iter().collect();
         assert_eq!(row["reserve"].split_whitespace().collect::<Vec<_>>(), reserve, "{scene}");
         assert_eq!([&row["rule"], &row["r"], &row["tolerance"], &row["met"]], [""; 4]);
     } else {
-        assert_eq!(bounds, [None; 3], "{scene}");
+        assert_eq!(bounds, [None; 4], "{scene}");
         assert_eq!([&row["rule"], &row["r"]], ["printed-dual", "10.0"]);
     }
 }
@@ -306,6 +321,8 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
             _ => (1e-4, (high - low) / -high),
         };
         assert!(reached <= accuracy, "{name}: {reached}");
+        let answers = number(row, "energy").unwrap();
+        assert!(name == "close" || (low <= answers && answers <= high), "{low} {answers} {high}");
         let error = 100.0 * json["bound"]["relative"]["error"].as_f64().unwrap();
         let error = signorini_mathematics::problem::text::plain(error, 3);
         let title = format!(">error at most {error} %</text>");
@@ -467,4 +484,46 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
     project.scene("a", &BALL.replace("[\"table\"]", "[\"surface\"]"));
     let said = project.run(&["run"]);
     assert!(said.refusal().contains("signorini solve a --out a.vtu"), "{said:?}");
+}
+
+#[test]
+fn scenes_without_a_boundary_in_contact_run_as_they_are_solved() {
+    let project = Project::with(TABLE);
+    for (path, text) in book() {
+        fs::create_dir_all(project.path(&path).parent().unwrap()).unwrap();
+        project.write(&path, text);
+    }
+    let pictures = "outputs = [\"table\", \"source\", \"surface\", \"map\", \"contact\"]\n";
+    let disc = "domain = { name = \"disc\", refine = 1, fixed = [\"rim\"] }\n";
+    let annulus =
+        "domain = { name = \"annulus\", refine = 0, fixed = [\"inner\"], free = [\"outer\"] }\n";
+    let ball = "domain = { name = \"ball\", refine = 0, fixed = [\"surface\"] }\n";
+    let mut scenes =
+        vec![format!("{}accuracy = 0.3\n{pictures}", disc.replace(", refine = 1", ""))];
+    for keys in
+        ["", "solver = \"arrow-hurwicz\"\n", "solver = \"uzawa\"\n", "law = { friction = 1 }\n"]
+    {
+        for (domain, outputs) in
+            [(disc, pictures), (annulus, pictures), (ball, "outputs = [\"table\"]\n")]
+        {
+            scenes.push(format!("{domain}{keys}{outputs}"));
+        }
+    }
+    for (k, keys) in scenes.iter().enumerate() {
+        project.scene(&format!("held{k}"), &format!("title = \"Held\"\nf = \"else=-1\"\n{keys}"));
+    }
+    project.run(&["run"]).lines();
+    let csv = fs::read_to_string(project.path("report/results.csv")).unwrap();
+    let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let held: Vec<_> = rows.iter().filter(|row| row[0].starts_with("held")).collect();
+    assert!(held.len() >= scenes.len());
+    for row in held {
+        assert_eq!([row[at("kkt_min_y")], row[at("kkt_min_lambda")]], ["", ""], "{row:?}");
+        let finite = |name: &str| row[at(name)].parse().is_ok_and(f64::is_finite);
+        assert!(["energy", "kkt_natural", "kkt_relative"].into_iter().all(finite), "{row:?}");
+    }
+    let json = project.run(&["solve", "held1", "--json"]).json();
+    assert!(json["kkt"]["min_y"].is_null() && json["energy"].as_f64().unwrap() < 0.0, "{json}");
 }

@@ -121,7 +121,7 @@ fn status_stands_in_columns_and_fits_narrow_terminals() {
     project.scene("a-scene-with-a-name-that-takes-room", &TABLE.replace("else=-1", "else=-2"));
     expect![[r"
         solve     stale  4 of 4  solve/a/signed/r=10  first run
-        tabulate  waits  2 of 2  tabulate/a/signed    waits for solve/a/signed/r=10
+        tabulate  waits  2 of 2  tabulate/a           waits for solve/a/signed/r=10
         figures   stale  1 of 1  figures/a-source     first run
         7 tasks: 5 stale, 2 waiting for those
     "]]
@@ -130,7 +130,7 @@ fn status_stands_in_columns_and_fits_narrow_terminals() {
     let wide = project.run(&["status"]).out;
     expect![[r"
         solve     stale       2 of 4  solve/a-scene-with-a-name-that-takes-room/signed/r=10  parameter f: else=-1 -> else=-2
-        tabulate  waits       1 of 2  tabulate/a-scene-with-a-name-that-takes-room/signed    waits for solve/a-scene-with-a-name-that-takes-room/signed/r=10
+        tabulate  waits       1 of 2  tabulate/a-scene-with-a-name-that-takes-room           waits for solve/a-scene-with-a-name-that-takes-room/signed/r=10
         figures   up to date       1
         7 tasks: 4 up to date, 2 stale, 1 waiting for those
     "]]

@@ -6,6 +6,7 @@ use crate::pipeline::{InputFiles, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::PAPER;
 use crate::replication::project::{IDENTIFIED, Project, TRUTH};
+use crate::replication::scene::Scene;
 use crate::replication::scenes::SCENES;
 use crate::replication::stages::tabulate;
 use crate::timing::recorded;
@@ -231,35 +232,24 @@ pub(super) fn files(
     tables: &[TableComparison],
 ) -> Result<Vec<File>> {
     let mut files = Vec::new();
-    for table in tables {
-        let scene = workplace.project.scene(&table.scene)?;
-        let comment = format!(
-            "Table {} of the paper: {} of {} counts exact",
-            table.table, table.exact, table.cells
-        );
-        let bytes = table_of(workplace, summary, &tabulate::id(scene, scene.first_rule()))?;
-        let path = format!("tables/table{}.csv", table.table);
-        files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
-    }
     for scene in &workplace.project.scenes {
-        let compared = tables.iter().any(|table| table.scene == scene.name);
-        for rule in scene.rules().into_iter().skip(usize::from(compared)) {
-            let name = &scene.name;
-            let (path, comment) = match rule {
-                Some(rule) => (
-                    format!("tables/{name}-{rule}.csv"),
-                    format!(
-                        "iteration counts and Delta a of scene `{name}` with the stopping rule `{rule}`"
-                    ),
-                ),
-                None => (
-                    format!("tables/{name}.csv"),
-                    format!("energy and bounds of scene `{name}` by {}", scene.solver),
-                ),
-            };
-            let bytes = table_of(workplace, summary, &tabulate::id(scene, rule))?;
-            files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
+        let Some(bytes) = table_of(workplace, summary, scene)? else { continue };
+        let name = &scene.name;
+        let compared = tables.iter().find(|table| table.scene == *name);
+        if let (Some(table), Some(rule)) = (compared, scene.first_rule()) {
+            let comment = format!(
+                "Table {} of the paper: {} of {} counts exact",
+                table.table, table.exact, table.cells
+            );
+            let under = tabulate::under(&String::from_utf8_lossy(&bytes), rule);
+            let path = format!("tables/table{}.csv", table.table);
+            files.push(File::new(path, comment, under.into_bytes()));
         }
+        let comment = match scene.first_rule() {
+            Some(_) => format!("iteration counts and Delta a of scene `{name}`, rule by rule"),
+            None => format!("energy and bounds of scene `{name}` by {}", scene.solver),
+        };
+        files.push(File::new(format!("tables/{}", tabulate::file(scene)), comment, bytes));
     }
     let exports = &summary.exports.files;
     for path in exports.keys().filter(|path| path.starts_with("figures/")) {
@@ -276,11 +266,12 @@ pub(super) fn files(
     Ok(files)
 }
 
-/// Returns the table that a task made, `None` if the run has no such task.
-fn table_of(workplace: &Workplace, summary: &Summary, task: &str) -> Result<Option<Vec<u8>>> {
-    let Some(manifest) = summary.manifests.get(task) else { return Ok(None) };
-    let mut artifacts = workplace.store.artifacts(task, &manifest.outputs)?;
-    Ok(artifacts.remove(tabulate::TABLE))
+/// Returns the table of a scene, `None` if the run has none.
+fn table_of(workplace: &Workplace, summary: &Summary, scene: &Scene) -> Result<Option<Vec<u8>>> {
+    let task = tabulate::id(scene);
+    let Some(manifest) = summary.manifests.get(&task) else { return Ok(None) };
+    let mut artifacts = workplace.store.artifacts(&task, &manifest.outputs)?;
+    Ok(artifacts.remove(&tabulate::file(scene)))
 }
 
 fn title(svg: &[u8]) -> String {

@@ -3,7 +3,7 @@
 use super::super::{Artifacts, Inputs, Made, hash, program};
 use super::*;
 use std::path::Path;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex};
 
 /// A task that makes one artifact.
@@ -18,7 +18,7 @@ fn out(byte: u8) -> Made {
 
 fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {
     let store = Store::new(cache).unwrap();
-    execute(plan, &store, options, &Progress::new(false, true), &AtomicBool::new(false)).unwrap()
+    execute(plan, &store, options, &Progress::new(false, true), &Interrupt::new()).unwrap()
 }
 
 #[test]
@@ -97,4 +97,33 @@ fn a_panic_is_the_failure_of_one_task() {
     let waited = ["b/waits", "c/waits"].map(|id| format!("{id}: not run, because a/wild failed"));
     assert_eq!(summary.failed[1..], waited);
     assert!(summary.manifests.contains_key("a/tame"));
+}
+
+#[test]
+fn a_task_that_takes_long_may_end_early() {
+    let (cache, interrupt) = (tempfile::tempdir().unwrap(), Interrupt::new());
+    let long =
+        task("a/long", &[], 0, |_, inputs| match inputs.interrupted.load(Ordering::SeqCst) {
+            true => Err(Error::Interrupted.into()),
+            false => Ok(Artifacts::new()),
+        });
+    let plan = Plan::new(program("program"), vec![long]).unwrap();
+    let (task, store) = ((&plan, &plan.tasks()[0]), Store::new(cache.path()).unwrap());
+    interrupt.ask();
+    let ended = run(task, BTreeMap::new(), Vec::new(), (&store, &interrupt));
+    assert!(matches!(ended, Err(Error::Interrupted)), "{ended:?}");
+    let made = run(task, BTreeMap::new(), Vec::new(), (&store, &Interrupt::new()));
+    assert!(made.is_ok(), "{made:?}");
+}
+
+#[test]
+fn what_is_at_work_is_counted() {
+    let cache = tempfile::tempdir().unwrap();
+    static INTERRUPT: Interrupt = Interrupt::new();
+    let seen = task("a/1", &[], 0, |_, _| out(u8::from(INTERRUPT.is_at_work())));
+    let plan = Plan::new(program("program"), vec![seen]).unwrap();
+    let (store, progress) = (Store::new(cache.path()).unwrap(), Progress::new(false, true));
+    let summary = execute(&plan, &store, Options::default(), &progress, &INTERRUPT).unwrap();
+    assert_eq!(summary.manifests["a/1"].outputs["out"], hash(&[1]));
+    assert!(!INTERRUPT.is_at_work());
 }

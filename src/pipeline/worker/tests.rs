@@ -2,7 +2,6 @@
 
 use super::super::{Artifacts, Inputs, Task, program};
 use super::*;
-use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Plan of `a/1` and `b/1` with one value.
@@ -27,7 +26,7 @@ fn task(id: &str, value: u8, needs: &[&str]) -> Task {
 fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
     let asked: Vec<String> = asked.iter().map(|id| (*id).to_owned()).collect();
     let (store, progress) = (Store::new(cache).unwrap(), Progress::new(false, true));
-    work(plan, &asked, &store, &progress, &AtomicBool::new(false))
+    work(plan, &asked, &store, &progress, &Interrupt::new())
 }
 
 #[test]
@@ -49,18 +48,22 @@ fn a_stamp_names_all_that_a_task_is_made_from() {
 fn garbage_keeps_the_stamps_of_runs_that_it_keeps() {
     let cache = tempfile::tempdir().unwrap();
     let store = Store::new(cache.path()).unwrap();
-    let wanted = BTreeSet::from(["a/1".to_owned(), "b/1".to_owned()]);
     let [old, new] = [plan(1), plan(2)];
     for plan in [&old, &new] {
         work_on(plan, &["a/1", "b/1"], cache.path()).unwrap();
         assert_eq!(stamps_in(&store, plan), 2);
     }
-    store.collect_garbage(&wanted, 2, false).unwrap();
+    store.collect_garbage(&new, 2, false).unwrap();
     assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [2, 2]);
-    store.collect_garbage(&wanted, 1, false).unwrap();
+    // One run of each task, and those that a run of this plan finds.
+    store.collect_garbage(&old, 1, false).unwrap();
+    assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [2, 2]);
+    store.collect_garbage(&new, 1, false).unwrap();
     assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [0, 2]);
     // Two objects, two manifests and two stamps; the locks have gone already.
-    let garbage = store.collect_garbage(&BTreeSet::new(), 1, true).unwrap();
+    let garbage = store
+        .collect_garbage(&Plan::new(program("program"), Vec::new()).unwrap(), 1, true)
+        .unwrap();
     assert_eq!(garbage.files, 6, "{garbage:?}");
 }
 

@@ -28,7 +28,7 @@ use std::fmt;
 pub(crate) enum Stage {
     /// One problem by its solver; by a saddle-point method one column of a rule and an r, over all grids.
     Solve,
-    /// One table per scene and stopping rule.
+    /// One table per scene.
     Tabulate,
     /// Tables against the published ones.
     Diff,
@@ -68,9 +68,9 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     for scene in scenes {
         for rule in scene.rules() {
             tasks.extend(solve::tasks(scene, rule));
-            if scene.wants(Output::Table) {
-                tasks.push(tabulate::task(scene, rule));
-            }
+        }
+        if scene.wants(Output::Table) {
+            tasks.push(tabulate::task(scene));
         }
         if let Some(number) = scene.paper_table.filter(|_| scene.wants(Output::Table)) {
             tasks.push(diff::task(project, scene, number)?);

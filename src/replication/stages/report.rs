@@ -5,9 +5,9 @@ mod digits;
 mod times;
 
 use super::solutions::Solutions;
-use super::{artifact, figures, files_of, results};
+use super::{artifact, figures, files_of, results, tabulate};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
-use crate::pipeline::names::alike;
+use crate::pipeline::names::{alike, clash, composed};
 use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
@@ -169,7 +169,7 @@ fn book(
                 if let Some(line) = conflict(text.as_bytes()) {
                     return Err(format!("{path}: line {line}: {CONFLICT}; resolve it there").into());
                 }
-                templates.insert(page.to_owned(), text);
+                templates.insert(page.to_owned(), composed(&text));
             }
             // Other files that pages show, such as a photograph.
             Some(other) => _ = files.insert(format!("src/{other}"), bytes.to_vec()),
@@ -184,6 +184,14 @@ fn book(
     for (_, pictures) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
         for (name, bytes) in pictures {
             made.insert(format!("src/figures/{name}"), bytes.clone());
+        }
+    }
+    for (_, tables) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("tabulate/")) {
+        for (name, bytes) in tables {
+            // Pages link to all digits, and include the table with fewer.
+            let shown = tabulate::markdown(std::str::from_utf8(bytes)?);
+            made.insert(format!("src/tables/{}", name.replace(".csv", ".md")), shown.into_bytes());
+            made.insert(format!("src/tables/{name}"), bytes.clone());
         }
     }
     if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
@@ -219,7 +227,8 @@ fn refuse_replaced<'a>(
     let made = made.filter_map(|name| name.strip_prefix("src/")).filter(own);
     let made: BTreeMap<String, &str> = made.map(|name| (alike(name), name)).collect();
     let users = files.keys().filter_map(|name| name.strip_prefix("src/"));
-    for name in users.chain(templates.keys().map(String::as_str)) {
+    let users: Vec<&str> = users.chain(templates.keys().map(String::as_str)).collect();
+    for name in &users {
         if let Some(same) = made.get(&alike(name)) {
             return Err(format!(
                 "report/templates/{name}: a run makes a file of this name, {same}; rename this one"
@@ -227,7 +236,15 @@ fn refuse_replaced<'a>(
             .into());
         }
     }
-    Ok(())
+    let folders = made.values().chain(&users).filter_map(|name| Some(name.rsplit_once('/')?.0));
+    match clash(folders) {
+        None => Ok(()),
+        Some((one, other)) => Err(format!(
+            "report/templates: `{one}` and `{other}` are one folder where capitals or the way to write accents do not \
+             count; rename your own"
+        )
+        .into()),
+    }
 }
 
 /// Returns names and versions of the packages that the book names, as the build resolved them.

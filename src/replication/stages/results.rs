@@ -16,6 +16,7 @@ use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Reserve;
+use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
 use signorini_mathematics::solvers::Solver;
 use std::io::Cursor;
@@ -53,6 +54,10 @@ struct Solves {
     paper_table: Option<u8>,
     /// Number of grids of a published table.
     grids: Option<usize>,
+    domain: String,
+    f: String,
+    /// None for the paper's.
+    law: Option<LawParameter>,
     runs: Vec<SolveOfRun>,
 }
 
@@ -71,7 +76,19 @@ impl Solves {
             solver: scene.solver,
             paper_table: scene.paper_table,
             grids: scene.paper_table.map(|_| scene.on_grids().grids.len()),
+            domain: scene.problem.domain().to_owned(),
+            f: scene.problem.f(),
+            law: scene.problem.law,
             runs: runs.map(|run| SolveOfRun { task: solve::id_of(scene, run), run }).collect(),
+        }
+    }
+
+    /// Name of the law as scenes write it, and its parameter.
+    fn law_and_parameter(&self) -> (&'static str, Option<f64>) {
+        match self.law {
+            None => ("signorini", None),
+            Some(LawParameter::Friction(g)) => ("friction", Some(g)),
+            Some(LawParameter::Limit(limit)) => ("limit", Some(limit)),
         }
     }
 }
@@ -81,7 +98,9 @@ impl Solves {
 /// Columns: `problem` (the name of its scene), `solver`, `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
 /// `tolerance` identify the solve; `rule`, `r` and `tolerance` are empty for solvers without. `energy_lower`,
 /// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were
-/// computed. The spectral solver has an energy alone.
+/// computed; `error_relative` is that bound over the norm of the solution. The spectral solver has an energy alone.
+/// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
+/// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
@@ -101,7 +120,7 @@ struct Aggregate {
 }
 
 /// Columns with their types. CSV has no types, and names of scenes may look like numbers, or like no value.
-const COLUMNS: [(&str, DataType); 27] = [
+const COLUMNS: [(&str, DataType); 34] = [
     ("problem", DataType::String),
     ("solver", DataType::String),
     ("rule", DataType::String),
@@ -119,7 +138,10 @@ const COLUMNS: [(&str, DataType); 27] = [
     ("energy_lower", DataType::Float64),
     ("energy_upper", DataType::Float64),
     ("error_bound", DataType::Float64),
+    ("error_relative", DataType::Float64),
     ("reserve", DataType::String),
+    ("v_least", DataType::Float64),
+    ("v_greatest", DataType::Float64),
     ("sum_load", DataType::Float64),
     ("kkt_stationarity", DataType::Float64),
     ("kkt_min_y", DataType::Float64),
@@ -129,6 +151,10 @@ const COLUMNS: [(&str, DataType); 27] = [
     ("kkt_relative", DataType::Float64),
     ("published", DataType::Int64),
     ("published_delta_a", DataType::Float64),
+    ("domain", DataType::String),
+    ("f", DataType::String),
+    ("law", DataType::String),
+    ("law_parameter", DataType::Float64),
 ];
 
 /// Columns that identify a row among those of one rule.
@@ -211,6 +237,8 @@ struct GridSolve<'a> {
     level: usize,
     /// End on the grid; none for the spectral solver.
     outcome: Option<Outcome>,
+    /// Energy on the grid, see [`Outcomes::energy`].
+    energy: Option<f64>,
     bounds: Option<Bounds>,
     /// Approximations that the bounds leave out.
     reserve: String,
@@ -245,8 +273,7 @@ impl GridSolve<'_> {
     }
 
     fn energy(&self) -> Option<f64> {
-        let on_grid = self.outcome.map(|outcome| outcome.energy);
-        on_grid.or(self.without_grid.map(|end| end.energy))
+        self.energy.or(self.without_grid.map(|end| end.energy))
     }
 
     /// True if the stopping rule was met; none for a solver without.
@@ -261,6 +288,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
     for scene in scenes {
         for &SolveOfRun { ref task, run } in &scene.runs {
             let solved: Outcomes = from_json(inputs, task, OUTCOMES)?;
+            let energies: Vec<f64> = (0..solved.levels.len()).map(|k| solved.energy(k)).collect();
             let Outcomes { levels, bounds, reserve, without_grid, .. } = solved;
             let mut words = Vec::new();
             for reserve in reserve {
@@ -275,6 +303,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 run,
                 level: 1,
                 outcome: None,
+                energy: None,
                 bounds: None,
                 reserve,
                 without_grid,
@@ -284,11 +313,13 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 continue;
             }
             let bounds = bounds.into_iter().chain(std::iter::repeat(None));
-            for ((level, outcome), bounds) in (1..).zip(levels).zip(bounds) {
+            for (((level, outcome), bounds), energy) in (1..).zip(levels).zip(bounds).zip(energies)
+            {
                 let reserve = on_grid.reserve.clone();
                 solves.push(GridSolve {
                     level,
                     outcome: Some(outcome),
+                    energy: Some(energy),
                     bounds,
                     reserve,
                     ..on_grid
@@ -319,9 +350,12 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "energy_lower" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[0])),
         "energy_upper" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[1])),
         "error_bound" => column(solves, |solve| Some(solve.bounds.as_ref()?.error[1])),
+        "error_relative" => column(solves, |solve| Some(solve.bounds.as_ref()?.relative())),
         "reserve" => column(solves, |solve| {
             (solve.bounds.is_some() && !solve.reserve.is_empty()).then_some(&*solve.reserve)
         }),
+        "v_least" => column(solves, |solve| Some(solve.outcome?.range[0])),
+        "v_greatest" => column(solves, |solve| Some(solve.outcome?.range[1])),
         "sum_load" => column(solves, |solve| Some(solve.outcome?.sum_load)),
         "kkt_stationarity" => column(solves, |solve| Some(solve.outcome?.kkt.stationarity)),
         "kkt_min_y" => column(solves, |solve| solve.outcome?.kkt.min_y),
@@ -331,6 +365,10 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "kkt_relative" => column(solves, |solve| Some(solve.outcome?.kkt.relative)),
         "published" => column(solves, |solve| solve.published_count(paper)),
         "published_delta_a" => column(solves, |solve| solve.published_delta_a(paper)),
+        "domain" => column(solves, |solve| &*solve.scene.domain),
+        "f" => column(solves, |solve| &*solve.scene.f),
+        "law" => column(solves, |solve| solve.scene.law_and_parameter().0),
+        "law_parameter" => column(solves, |solve| solve.scene.law_and_parameter().1),
     )
 }
 

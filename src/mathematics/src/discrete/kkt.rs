@@ -5,7 +5,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load_stats::LoadStats;
 use crate::discrete::network::Network;
 use crate::discrete::stiffness::{add_energy, residual_row};
-use crate::machine::extremes::{max_or_nan, min_or_nan};
+use crate::machine::extremes::{max_or_nan, min_or_nan, range};
 use crate::machine::simd::Largest;
 use crate::problem::law::{BoundaryState, ContactNode, Law};
 use crate::problem::unsolvable::Component;
@@ -50,6 +50,8 @@ pub struct Judgement {
     pub states: Vec<BoundaryState>,
     /// Up to this, values of y and of the flux are [`rounding`] errors.
     pub rounding: f64,
+    /// Least and greatest nodal value.
+    pub range: [f64; 2],
     /// Law by which the vector was judged.
     law: Law,
 }
@@ -284,7 +286,7 @@ impl Judge {
         let natural = max_or_nan(stationarity, complementarity);
         let relative = if natural == 0.0 { 0.0 } else { natural / scale };
         let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
-        Judgement { kkt, energy, contact, flux, work, states, rounding, law }
+        Judgement { kkt, energy, contact, flux, work, states, rounding, range: range(y), law }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::COARSEST;
 use super::evaluate::Evaluator;
 use crate::discrete::norms::largest;
+use crate::saddle::batch::LANES;
 use serde::{Deserialize, Serialize};
 
 /// Per row and grid, whether a published count comes out in a free run.
@@ -121,9 +122,15 @@ impl Side<'_> {
         moved
     }
 
-    /// Writes down which of the counts `kept` these moves change, from the counts that come out after each.
-    fn scan(&mut self, kept: &[Place], steps: &[f64], found: &[Held]) {
-        let mut before = 0.0;
+    /// True if a count of a row, among those `kept`, is not changed yet.
+    fn is_open(&self, kept: &[Place], row: usize) -> bool {
+        let mut counts = kept.iter().zip(&self.cells);
+        counts.any(|(&(k, _), range)| k == row && range.is_none())
+    }
+
+    /// Writes down which of the counts `kept` these moves change, from the counts that come out after each; the longest
+    /// move before these is given.
+    fn scan(&mut self, kept: &[Place], mut before: f64, steps: &[f64], found: &[Held]) {
         for (now, &step) in found.iter().zip(steps) {
             for (&(k, level), range) in kept.iter().zip(&mut self.cells) {
                 if !now[k][level] {
@@ -157,14 +164,20 @@ pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64; 4]) -> Identifi
     let pieces = (0..values.len()).map(Some).chain([None]);
     let mut sides: Vec<Side> =
         pieces.flat_map(|piece| [side(piece, -1.0), side(piece, 1.0)]).collect();
-    // The same moves on all sides at once, so that no vector lane is idle.
+    // The same moves on all sides at once, so that no vector lane is idle, and of each row as long as a count may change.
     let steps: Vec<f64> = std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
         .take_while(|step| *step <= REACH[1])
         .collect();
-    let moves = sides.iter().flat_map(|side| steps.iter().map(|&step| side.moved(step)));
-    let found = evaluator.held(0, &moves.collect::<Vec<_>>());
-    for (side, found) in sides.iter_mut().zip(found.chunks(steps.len())) {
-        side.scan(&kept, &steps, found);
+    let mut before = 0.0;
+    for steps in steps.chunks(LANES) {
+        let moves = sides.iter().flat_map(|side| steps.iter().map(|&step| side.moved(step)));
+        let moves: Vec<_> = moves.collect();
+        let found = evaluator
+            .held_where(0, &moves, |number, row| sides[number / steps.len()].is_open(&kept, row));
+        for (side, found) in sides.iter_mut().zip(found.chunks(steps.len())) {
+            side.scan(&kept, before, steps, found);
+        }
+        before = steps[steps.len() - 1];
     }
     let mut open: Vec<&mut Side> = sides.iter_mut().filter(|side| side.first.is_some()).collect();
     for _ in 0..HALVINGS {

@@ -35,6 +35,8 @@ pub struct Lattices {
     integrals: Integrals,
     /// Load vector of the finest grid, once it is needed.
     load: OnceLock<Vec<f64>>,
+    /// Part of f that its quadrature misses, once it is needed.
+    missed: OnceLock<Option<f64>>,
 }
 
 /// Cells per side of the grid on which the quadrature of f is looked at, since on finer ones less is missed.
@@ -54,7 +56,7 @@ impl Lattices {
         let [of_f, of_size] = integrals(&f);
         let (by_quadrature, is_known) = (f.is_smooth(), f.exact().is_some());
         let integrals = Integrals { of_f, of_size, by_quadrature, is_known };
-        Self { grids, f, rule, integrals, load: OnceLock::new() }
+        Self { grids, f, rule, integrals, load: OnceLock::new(), missed: OnceLock::new() }
     }
 
     /// Grids, coarsest first.
@@ -120,15 +122,17 @@ impl Levels for Lattices {
     }
 
     fn missed(&self) -> Option<f64> {
-        if !self.f.is_smooth() || self.f.exact().is_some() {
-            return None;
-        }
-        let n = self.finest().cells();
-        let missed = missed_on(&self.f, n.min(LOOKED_AT))?;
-        if missed > MISSED && n > LOOKED_AT {
-            return missed_on(&self.f, n.min(FINEST));
-        }
-        Some(missed)
+        *self.missed.get_or_init(|| {
+            if !self.f.is_smooth() || self.f.exact().is_some() {
+                return None;
+            }
+            let n = self.finest().cells();
+            let missed = missed_on(&self.f, n.min(LOOKED_AT))?;
+            if missed > MISSED && n > LOOKED_AT {
+                return missed_on(&self.f, n.min(FINEST));
+            }
+            Some(missed)
+        })
     }
 
     fn finest_load(&self) -> &[f64] {

@@ -9,12 +9,14 @@ mod adapted;
 mod error;
 mod lattices;
 mod problem;
+mod steps;
 mod triangulations;
 
 pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, ErrorGoal};
 pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
+pub use steps::{Step, Watch};
 pub use triangulations::Triangulations;
 
 use crate::bounds::{Bounds, NoBound};
@@ -94,6 +96,12 @@ pub trait Levels: Send + Sync {
     /// Connected components of the domain, with f.
     fn components(&self) -> Vec<Component>;
 
+    /// Connected components of the domain with the curves of its boundary in place of the facets of the finest mesh, by
+    /// an estimate.
+    fn components_on_curves(&self) -> Vec<Component> {
+        self.components()
+    }
+
     /// True if the flux that a law allows can balance a load vector of a level: then the discrete problem has a
     /// solution.
     fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool;
@@ -170,6 +178,20 @@ pub trait Levels: Send + Sync {
     /// Nested networks of a mesh, for renumberings and the like.
     fn networks(&self) -> Option<&[NestedNetwork]> {
         None
+    }
+}
+
+/// Part of the integral of |f| from which on bounds are those of another f, if the points miss it.
+const MISSED: f64 = 0.1;
+
+/// Refuses bounds for an f of which the points of its quadrature miss this part.
+///
+/// # Errors
+/// [`NoBound::Missed`].
+fn check_missed(missed: Option<f64>) -> Result<(), NoBound> {
+    match missed.filter(|missed| *missed > MISSED) {
+        Some(part) => Err(NoBound::Missed { part }),
+        None => Ok(()),
     }
 }
 

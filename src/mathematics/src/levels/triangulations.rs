@@ -2,7 +2,7 @@
 
 use super::{
     ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError, SaddleRun,
-    Solved,
+    Solved, Step, Watch,
 };
 use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
 use crate::bounds::{Bounds, NoBound};
@@ -14,8 +14,9 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
-    AnyMesh, Condition, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes,
-    PlaneMesh, Sides, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
+    AnyMesh, Condition, CurveGain, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError,
+    NestedMeshes, PlaneMesh, Sides, boundary_curves, curve_gains, mesh_arcs, mesh_errors,
+    mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
@@ -44,15 +45,21 @@ impl<const D: usize, const V: usize> Triangulations<D, V>
 where
     Shape<D>: CutShape<D, V>,
 {
-    /// Levels on a mesh and its refinements, `times` of them, with f given as text.
+    /// Levels on a mesh and its refinements, `times` of them, with f given as text; `watch` is told when they are made.
     ///
     /// # Errors
     /// [`ProblemError`] if the text is no f on the mesh, f is not finite, or the mesh cannot be refined.
-    pub(super) fn new(coarsest: &Mesh<D, V>, times: usize, f: &str) -> Result<Self, ProblemError> {
+    pub(super) fn new(
+        coarsest: &Mesh<D, V>,
+        times: usize,
+        f: &str,
+        watch: Watch<'_>,
+    ) -> Result<Self, ProblemError> {
         let f = read(coarsest, f)?;
         let nested = nested_meshes(coarsest, times)?;
+        watch(Step::Mesh);
         let load = mesh_load(&nested.meshes[times], &f)?;
-        f.check_scale(load.size)?;
+        f.check_scale(&load)?;
         Ok(Self::of(nested, f, load))
     }
 
@@ -96,7 +103,7 @@ where
         if let Some(errors) = &self.errors {
             return errors.into();
         }
-        let (mesh, network, f) = (self.finest(), self.network(), &self.load.cells);
+        let (mesh, network, f) = (self.finest(), self.network(), &self.load);
         let bounded = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law }.bounds(y);
         bounded.map_or_else(|_| Cow::default(), |bounds| bounds.errors().into())
     }
@@ -198,7 +205,7 @@ where
     }
 
     fn missed(&self) -> Option<f64> {
-        self.load.unsettled.map(|unsettled| unsettled / self.load.size)
+        self.load.missed()
     }
 
     fn finest_load(&self) -> &[f64] {
@@ -226,6 +233,20 @@ where
 
     fn components(&self) -> Vec<Component> {
         DiscreteDomain::components(self.network(), &self.load.load)
+    }
+
+    fn components_on_curves(&self) -> Vec<Component> {
+        let mut components = self.components();
+        let of_nodes = self.network().components();
+        for CurveGain { facet, measure, integral } in curve_gains(self.finest(), &self.f) {
+            let facet = &self.finest().facets()[facet];
+            let component = &mut components[of_nodes[facet.nodes[0] as usize] as usize];
+            component.integral += integral;
+            if self.finest().condition(facet) == Condition::Contact {
+                component.measure += measure;
+            }
+        }
+        components
     }
 
     fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool {
@@ -264,7 +285,7 @@ where
     }
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
-        bounds_on_mesh(self.finest(), self.network(), &self.load.cells, law, y)
+        bounds_on_mesh(self.finest(), self.network(), &self.load, law, y)
     }
 
     fn mesh(&self) -> AnyMesh {

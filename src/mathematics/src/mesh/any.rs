@@ -116,6 +116,18 @@ impl AnyMesh {
         }
     }
 
+    /// Names of the parts of the boundary, those of one part together.
+    pub fn part_names(&self) -> impl Iterator<Item = &String> {
+        let (plane, space) = match self {
+            Self::Plane(mesh) => (&mesh.parts[..], &[][..]),
+            Self::Space(mesh) => (&[][..], &mesh.parts[..]),
+        };
+        plane
+            .iter()
+            .flat_map(|part| part.names.iter())
+            .chain(space.iter().flat_map(|part| part.names.iter()))
+    }
+
     /// Names of the regions.
     pub fn region_names(&self) -> &[Names] {
         match self {

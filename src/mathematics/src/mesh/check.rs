@@ -36,9 +36,10 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         self.turn_cells()?;
         self.check_positions()?;
         self.check_regions()?;
-        let boundary = self.boundary()?;
+        let mut boundary = self.boundary()?;
         self.check_overlap(&boundary)?;
         let meshed_apart = self.check_hanging(&boundary)?;
+        self.part_pinched(&mut boundary);
         let touching = self.touching(&boundary).map(|touching| touching.to_string());
         if self.regions.is_empty() {
             self.region_names = vec!["domain".into()];

@@ -15,6 +15,8 @@ pub(super) struct BoundaryFacets<const D: usize> {
     pub(super) boxes: FacetBoxes<D>,
     /// Names of parts that lie inside the domain.
     pub(super) inside: Vec<String>,
+    /// Sides of all cells.
+    pub(super) sides: CellSides<D>,
 }
 
 /// Side of a cell.
@@ -102,11 +104,8 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     /// # Errors
     /// Cells that overlap at a facet, and parts that name no facet or one facet twice.
     pub(super) fn boundary(&mut self) -> Result<BoundaryFacets<D>, MeshError> {
-        let mut sides = CellSides::new(self.points.len(), &self.cells);
+        let sides = CellSides::new(self.points.len(), &self.cells);
         self.check_sides(&sides)?;
-        if self.part_pinched(&sides) {
-            sides = CellSides::new(self.points.len(), &self.cells);
-        }
         let parts = self.parts_of_facets(&sides)?;
         let single = sides.groups().filter_map(|group| match group {
             [side] => Some(*side),
@@ -125,7 +124,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         let corners = facets.iter().map(|facet| facet.nodes.map(|node| self.points[node as usize]));
         let boxes = FacetBoxes::new(corners);
         let inside = self.keep_parts_of(&mut facets)?;
-        Ok(BoundaryFacets { facets, cells: owners, boxes, inside })
+        Ok(BoundaryFacets { facets, cells: owners, boxes, inside, sides })
     }
 
     /// Checks that no side has three cells, nor two on the same side of it; of the faults, that of the first cell.

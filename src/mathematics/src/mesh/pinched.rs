@@ -5,42 +5,36 @@
 //! slit that ends on the boundary has such a node if only its inner nodes are doubled.
 
 use super::MeshData;
-use super::facets::{CellSides, sides_of, sorted};
+use super::facets::{BoundaryFacets, CellSides};
 use super::same_place::root;
 use std::collections::HashMap;
 
 impl<const D: usize, const V: usize> MeshData<D, V> {
-    /// Gives each group of cells a node of its own; true if there is a new one. A new node has the number of the old.
-    pub(super) fn part_pinched(&mut self, sides: &CellSides<D>) -> bool {
-        let moved = self.moved_corners(sides);
+    /// Gives each group of cells a node of its own, with the number of the old one. What hangs has been refused: that
+    /// is told by the nodes that both sides have.
+    pub(super) fn part_pinched(&mut self, boundary: &mut BoundaryFacets<D>) {
         let mut new_nodes: HashMap<(u32, u32), u32> = HashMap::new();
-        let mut new_sides: HashMap<[u32; D], [u32; D]> = HashMap::new();
-        for Moved { cell, corners } in &moved {
-            let old = self.cells[*cell as usize];
-            let mut new = old;
-            for &(node, group) in corners {
-                let next = self.points.len() as u32;
-                let number = *new_nodes.entry((node, group)).or_insert(next);
-                if number == next {
-                    self.points.push(self.points[node as usize]);
-                    if !self.tags.nodes.is_empty() {
-                        self.tags.nodes.push(self.tags.node(node as usize));
-                    }
+        let mut renamed: HashMap<(u32, u32), u32> = HashMap::new();
+        for Moved { cell, node, group } in self.moved_corners(&boundary.sides) {
+            let next = self.points.len() as u32;
+            let new = *new_nodes.entry((node, group)).or_insert(next);
+            if new == next {
+                self.points.push(self.points[node as usize]);
+                if !self.tags.nodes.is_empty() {
+                    self.tags.nodes.push(self.tags.node(node as usize));
                 }
-                new.iter_mut()
-                    .filter(|corner| **corner == node)
-                    .for_each(|corner| *corner = number);
             }
-            self.cells[*cell as usize] = new;
-            new_sides.extend(sides_of(&old).map(sorted).into_iter().zip(sides_of(&new)));
+            renamed.insert((cell, node), new);
+            let corners = self.cells[cell as usize].iter_mut();
+            corners.filter(|corner| **corner == node).for_each(|corner| *corner = new);
         }
-        for facet in &mut self.facets {
-            facet.nodes = new_sides.get(&sorted(facet.nodes)).copied().unwrap_or(facet.nodes);
+        for (facet, &cell) in boundary.facets.iter_mut().zip(&boundary.cells) {
+            facet.nodes =
+                facet.nodes.map(|node| renamed.get(&(cell, node)).copied().unwrap_or(node));
         }
-        !moved.is_empty()
     }
 
-    /// Cells with corners at nodes of which another group of cells keeps the number.
+    /// Corners of cells at nodes of which another group of cells keeps the number.
     fn moved_corners(&self, sides: &CellSides<D>) -> Vec<Moved> {
         let mut is_outside = vec![false; self.points.len()];
         let single = sides.groups().filter(|group| group.len() == 1).flatten();
@@ -62,33 +56,31 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
                 above[two as usize] = one;
             }
         }
-        let mut moved: HashMap<u32, Vec<(u32, u32)>> = HashMap::new();
-        let mut first = (u32::MAX, 0);
+        let (mut moved, mut first) = (Vec::new(), (u32::MAX, 0));
         for (&(node, cell), corner) in corners.iter().zip(0..) {
             let group = root(&mut above, corner);
             if first.0 != node {
                 first = (node, group);
             }
             if first.1 != group {
-                moved.entry(cell).or_default().push((node, group));
+                moved.push(Moved { cell, node, group });
             }
         }
-        let mut moved: Vec<_> =
-            moved.into_iter().map(|(cell, corners)| Moved { cell, corners }).collect();
-        moved.sort_by_key(|moved| moved.cell);
         moved
     }
 }
 
-/// Cell with its corners that get new nodes: the node, and a number of the group of cells there.
+/// Corner of a cell that gets a new node.
 struct Moved {
     cell: u32,
-    corners: Vec<(u32, u32)>,
+    node: u32,
+    /// Number of the group of cells there.
+    group: u32,
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::{Facet, MeshData, Part, Tags};
+    use crate::mesh::{Condition, Facet, MeshData, Part, Tags};
 
     #[test]
     fn triangles_at_one_node_are_two_bodies() {
@@ -96,7 +88,11 @@ mod tests {
             points: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]],
             cells: vec![[0, 1, 2], [0, 3, 4]],
             facets: vec![Facet { nodes: [4, 0], part: 0 }],
-            parts: vec![Part { names: "left".into(), condition: Default::default(), curve: None }],
+            parts: vec![Part {
+                names: "left".into(),
+                condition: Condition::default(),
+                curve: None,
+            }],
             tags: Tags { nodes: (11..16).collect(), cells: Vec::new() },
             ..MeshData::default()
         };

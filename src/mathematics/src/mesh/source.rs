@@ -5,10 +5,10 @@
 
 use super::Names;
 use super::cut::ConstantPieces;
-use super::load::OnCells;
+use super::load::{MeshLoad, OnCells};
 use crate::problem::error::SourceError;
 use crate::problem::exact::Known;
-use crate::problem::source::Source;
+use crate::problem::source::{Source, check_sizes};
 
 /// f on a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,10 +111,12 @@ impl<const D: usize> MeshSource<D> {
     ///
     /// # Errors
     /// [`SourceError::Scale`].
-    pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
+    pub fn check_scale(&self, load: &MeshLoad) -> Result<(), SourceError> {
+        if load.size == 0.0 && load.cells.mean.iter().any(|mean| *mean != 0.0) {
+            return Err(SourceError::Scale { what: "the integral of |f|", size: 0.0 });
+        }
         let parts = self.regions.iter().flatten().chain([&self.rest]);
-        let sizes = parts.map(|f| f.largest().unwrap_or(integral_of_size));
-        Source::<D>::constant(sizes.fold(0.0, f64::max)).check_scale(integral_of_size)
+        check_sizes(parts.filter_map(Source::largest).reduce(f64::max), load.size)
     }
 }
 

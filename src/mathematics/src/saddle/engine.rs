@@ -110,7 +110,8 @@ impl RunState {
         self.method.above(self.floor.gradient)
     }
 
-    fn end(&self, stop: Stop) -> End {
+    /// The end of the run at its present state.
+    pub(super) fn end(&self, stop: Stop) -> End {
         let &Self { iterations, sweeps, delta_a, .. } = self;
         End { iterations, work_units: sweeps as f64, stop, delta_a: Some(delta_a) }
     }

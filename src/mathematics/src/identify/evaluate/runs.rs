@@ -3,10 +3,10 @@
 use super::{Evaluator, Table};
 use crate::discrete::norms::largest;
 use crate::identify::moves::MOST_ITERATIONS;
+use crate::machine::threads::map_range;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, LaneEngine};
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
-use rayon::prelude::*;
 use std::array::from_fn;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -53,20 +53,35 @@ impl Evaluator<'_> {
     /// # Panics
     /// As [`Self::free`].
     pub fn held(&self, geometry: usize, all: &[Vec<f64>]) -> Vec<Vec<Vec<bool>>> {
-        let rows = self.target.r.len();
+        self.held_where(geometry, all, |_, _| true)
+    }
+
+    /// As [`Self::held`], of the rows that are asked for, by the place of an f and the number of a row; the counts of
+    /// other rows are said to come out.
+    pub(in crate::identify) fn held_where(
+        &self,
+        geometry: usize,
+        all: &[Vec<f64>],
+        is_asked: impl Fn(usize, usize) -> bool,
+    ) -> Vec<Vec<Vec<bool>>> {
+        let (rows, levels) = (self.target.r.len(), self.target.levels());
         // Runs of one row end about together.
-        let row = |row| all.iter().map(move |values| (&values[..], row));
-        let runs: Vec<_> = (0..rows).flat_map(row).collect();
+        let mut places = Vec::new();
+        for row in 0..rows {
+            places.extend((0..all.len()).filter(|&k| is_asked(k, row)).map(|k| (k, row)));
+        }
+        let runs: Vec<_> = places.iter().map(|&(k, row)| (&all[k][..], row)).collect();
         let batches: Vec<_> = runs.chunks(LANES).collect();
-        let run = |evaluator: &mut Self, batch: &&[_]| evaluator.free_in_lanes(geometry, batch);
-        let done: Vec<_> = batches.par_iter().map_init(|| self.clone(), run).collect();
-        let done: Vec<_> = done.into_iter().flatten().collect();
-        let of_row = |k: usize, row: usize| {
-            let (counts, _) = &done[row * all.len() + k];
+        let own = || self.clone();
+        let run = |evaluator: &mut Self, k: usize| evaluator.free_in_lanes(geometry, batches[k]);
+        let each = batches.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let done = map_range(0..batches.len(), each, own, run);
+        let mut held = vec![vec![vec![true; levels]; rows]; all.len()];
+        for ((k, row), (counts, _)) in places.into_iter().zip(done.into_iter().flatten()) {
             let pairs = counts.iter().zip(&self.target.counts[row]);
-            pairs.map(|(ours, published)| *ours == Some(*published)).collect()
-        };
-        (0..all.len()).map(|k| (0..rows).map(|row| of_row(k, row)).collect()).collect()
+            held[k][row] = pairs.map(|(ours, published)| *ours == Some(*published)).collect();
+        }
+        held
     }
 
     /// In which lanes the counts of a row come out on all grids up to one, in a forced run that ends as soon as there

@@ -223,7 +223,7 @@ fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
     let adaption = problem.adaption(ErrorGoal::Relative(0.1));
     let f = read(&problem.mesh, problem.f).unwrap();
-    let mut meshes = Meshes::new(&adaption, f).unwrap();
+    let mut meshes = Meshes::new(&adaption, f, &|_| ()).unwrap();
     for _ in 0..6 {
         let found = meshes.solved().unwrap().unwrap();
         let sum: f64 = found.squares.iter().sum();
@@ -243,6 +243,18 @@ fn threads_make_the_same_meshes_to_the_bit() {
         (run.problem.levels().mesh(), run.y.iter().map(|y| y.to_bits()).collect::<Vec<_>>())
     });
     assert!(found[0] == found[1]);
+}
+
+#[test]
+fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
+    for problem in [&known()[0], &known()[1]] {
+        let run = problem.adaption(ErrorGoal::Relative(0.05)).run(&mut |_| ()).unwrap();
+        let anew = Problem::on_bisected(&problem.mesh, &run.marks, problem.f, problem.law).unwrap();
+        assert!(run.marks.len() > 4 && anew.levels().count() == run.problem.levels().count());
+        assert!(anew.levels().mesh() == run.problem.levels().mesh());
+        assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.y.len(); 2]);
+        assert!(anew.load() == run.problem.load() && anew.lengths() == run.problem.lengths());
+    }
 }
 
 #[test]

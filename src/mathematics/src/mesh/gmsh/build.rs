@@ -21,9 +21,8 @@ pub(super) struct Sections {
 }
 
 impl Sections {
-    /// Mesh in space if there are tetrahedra, else in the plane.
+    /// Mesh in space if there are tetrahedra, else in the plane, of sections with cells.
     pub(super) fn mesh(self) -> Result<AnyMesh, GmshError> {
-        self.check_cells()?;
         self.check_partitions()?;
         match self.elements.tetrahedra.is_empty() {
             true => Ok(AnyMesh::Plane(self.plane_mesh()?)),
@@ -32,7 +31,7 @@ impl Sections {
     }
 
     /// Checks that there are cells, and that what is in groups is meshed.
-    fn check_cells(&self) -> Result<(), GmshError> {
+    pub(super) fn check_cells(&self, has_nodes: bool) -> Result<(), GmshError> {
         let FileElements { lines, triangles, quadrangles, tetrahedra, .. } = &self.elements;
         if !(tetrahedra.is_empty() && triangles.is_empty() && quadrangles.is_empty()) {
             return Ok(());
@@ -43,6 +42,9 @@ impl Sections {
             if self.has_group(dimension) {
                 return Err(GmshError::NotMeshed { group, cells, option });
             }
+        }
+        if !has_nodes {
+            return Err(GmshError::Missing("Nodes"));
         }
         if !self.names.is_empty() || lines.iter().any(|line| self.elements.is_in_group(line)) {
             return Err(GmshError::NoCellsInGroups);
@@ -234,63 +236,6 @@ mod tests {
         }
     }
 
-    /// Square of one quadrangle, whose last two corners are here.
-    fn quadrangle(corners: [&str; 2]) -> String {
-        let cells = "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14";
-        let nodes = ["13 1 1 0", "14 0 1 0"];
-        let text = SQUARE_22.replace("$Elements\n4", "$Elements\n3");
-        let text = text.replace(cells, "23 3 2 2 1 11 12 13 14");
-        nodes.iter().zip(corners).fold(text, |text, (node, corner)| text.replace(node, corner))
-    }
-
-    #[test]
-    fn quadrangles_are_cut_by_the_shorter_diagonal_inside() {
-        let square = plane(SQUARE_22.as_bytes());
-        for (corners, cells) in [
-            // As long: through the first corner.
-            (["13 1 1 0", "14 0 1 0"], [[0, 1, 2], [0, 2, 3]]),
-            (["13 3 3 0", "14 0 1 0"], [[0, 1, 3], [1, 2, 3]]),
-            // The diagonal between the second corner and the fourth is shorter, and outside.
-            (["13 0.9 0.3 0", "14 1 0.6 0"], [[0, 1, 2], [0, 2, 3]]),
-        ] {
-            let mut mesh = plane(quadrangle(corners).as_bytes());
-            assert_eq!((mesh.cells(), mesh.origin().quadrangles), (&cells[..], 1), "{corners:?}");
-            let notes = mesh.notes();
-            assert!(notes[0].contains("1 quadrangle is cut into triangles"), "{notes:?}");
-            if corners[0] == "13 1 1 0" {
-                mesh.origin = MeshOrigin::default();
-                mesh.elements = vec![23, 24];
-                assert_eq!(mesh, square);
-            }
-        }
-        // A straight corner is none of a triangle, whatever the sense.
-        for corners in [["13 2 0 0", "14 0 1 0"], ["13 -1 0 0", "14 0.1 -0.2 0"]] {
-            assert_eq!(plane(quadrangle(corners).as_bytes()).cells().len(), 2, "{corners:?}");
-        }
-        let crosswise = quadrangle(["13 1 1 0", "14 0 1 0"]).replace("11 12 13 14", "11 12 14 13");
-        let said = read(crosswise.as_bytes()).unwrap_err().to_string();
-        assert_eq!(
-            said,
-            "element 23 is a quadrangle whose sides cross: name its corners in their order around it"
-        );
-        for nodes in ["11 12 13 13", "11 12 12 13", "11 11 12 13", "11 12 13 11"] {
-            let text = quadrangle(["13 1 1 0", "14 0 1 0"]).replace("11 12 13 14", nodes);
-            let mesh = plane(text.as_bytes());
-            assert_eq!(
-                (mesh.volume(), mesh.notes().concat().as_str()),
-                (0.5, "1 quadrangle with a node twice is read as a triangle"),
-                "{nodes}"
-            );
-        }
-        // Version 2 writes a cell of two groups twice.
-        let cell = "23 3 2 2 1 11 12 13 14";
-        let both = quadrangle(["13 1 1 0", "14 0 1 0"])
-            .replace("$Elements\n3", "$Elements\n4")
-            .replace(cell, &format!("{cell}\n25 3 2 5 1 11 12 13 14"));
-        let names = plane(both.as_bytes()).region_names()[0].to_string();
-        assert_eq!(names, "plate, 5");
-    }
-
     #[test]
     fn what_is_on_no_cell_and_in_no_group_is_left_out() {
         let square = plane(SQUARE_22.as_bytes());
@@ -363,6 +308,13 @@ mod tests {
         let nothing = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n\
             $Elements\n0 0 0 0\n$EndElements\n";
         let nothing = nothing.replace("$Nodes", &format!("{entity}$Nodes"));
+        // With a Physical Volume, and surfaces meshed alone, version 4 has neither nodes nor elements.
+        let (geometry, _) = nothing.split_once("$Nodes").unwrap();
+        let fault = read(geometry.as_bytes()).unwrap_err().to_string();
+        assert!(fault.starts_with("the file has no section $Nodes; "), "{fault}");
+        let in_group = geometry.replace("1 1 1 0 0", "1 1 1 1 5 0");
+        let fault = read(in_group.as_bytes()).unwrap_err().to_string();
+        assert!(fault.starts_with("the file has a Physical Volume and no tetrahedra: "), "{fault}");
         let fault = read(nothing.as_bytes()).unwrap_err().to_string();
         assert_eq!(
             fault,

@@ -70,9 +70,14 @@ pub fn read(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
         }
         scanner.end()?;
     }
-    let nodes = nodes.ok_or(GmshError::Missing("Nodes"))?;
-    let elements = elements.ok_or(GmshError::Missing("Elements"))?;
-    Sections { names, entities, nodes, elements }.mesh()
+    let has_nodes = nodes.is_some();
+    let (nodes, elements) = match (nodes, elements) {
+        (Some(_), None) => return Err(GmshError::Missing("Elements")),
+        (nodes, elements) => (nodes.unwrap_or_default(), elements.unwrap_or_default()),
+    };
+    let sections = Sections { names, entities, nodes, elements };
+    sections.check_cells(has_nodes)?;
+    sections.mesh()
 }
 
 #[cfg(test)]

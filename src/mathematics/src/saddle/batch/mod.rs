@@ -18,6 +18,7 @@ use super::engine::{self, run_alone, within};
 use super::solve::{gradient_extrema, judged};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::grid::Grid;
+use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 use crate::saddle::{
     Engine, Goals, JobGoal, Method, NestedLevels, Pair, RunStart, RunState, SaddleDomain, StopRule,
@@ -25,6 +26,7 @@ use crate::saddle::{
 };
 use std::array::from_fn;
 use std::cmp::Reverse;
+use std::collections::VecDeque;
 use std::convert::Infallible;
 
 /// Runs side by side.
@@ -67,13 +69,19 @@ impl Job<'_> {
         judged(grid, self.law.with_load(self.load), pair, end, gradient)
     }
 
+    /// True if another job has the same iterates, until one of them ends.
+    fn has_run_of(&self, other: &Self) -> bool {
+        let apart = |job: &Self| (job.r, job.law, job.method, job.cap);
+        apart(self) == apart(other) && self.load == other.load && self.start == other.start
+    }
+
     fn run(&self) -> RunStart<'_> {
         RunStart { load: self.load, method: self.method, r: self.r, pair: self.start }
     }
 }
 
 /// Does all jobs; the ends and last pairs are in the order of the jobs. Lanes are busy the longer, the earlier long runs
-/// come.
+/// come. Jobs that differ in their goals alone have one run.
 ///
 /// # Panics
 /// As [`LaneEngine::enter`].
@@ -88,29 +96,45 @@ pub fn run(domain: impl SaddleDomain, jobs: &[Job]) -> Vec<(End, Pair)> {
         return vec![(end, engine.pair(0).into_owned())];
     }
     let mut lanes = domain.lanes();
-    let mut queue = JobQueue { jobs, next: 0, in_lanes: [0; LANES], ends: vec![None; jobs.len()] };
+    let mut queue = JobQueue {
+        jobs,
+        waiting: same_runs(jobs).into(),
+        open: [const { Vec::new() }; LANES],
+        ends: vec![None; jobs.len()],
+    };
     let first = from_fn(|lane| queue.enter(&mut *lanes, lane));
     engine::run(&mut *lanes, first, &mut queue);
     queue.ends.into_iter().flatten().collect()
 }
 
-/// Jobs of which the next one enters each lane that is free.
+/// Numbers of the jobs, those together that have the same run up to its end.
+fn same_runs(jobs: &[Job]) -> Vec<Vec<usize>> {
+    let mut runs: Vec<Vec<usize>> = Vec::new();
+    for (number, job) in jobs.iter().enumerate() {
+        match runs.iter_mut().find(|run| jobs[run[0]].has_run_of(job)) {
+            Some(run) => run.push(number),
+            None => runs.push(vec![number]),
+        }
+    }
+    runs
+}
+
+/// Jobs of which the next ones enter each lane that is free.
 struct JobQueue<'a> {
     jobs: &'a [Job<'a>],
-    /// Number of the next job.
-    next: usize,
-    /// Number of the job in each lane.
-    in_lanes: [usize; LANES],
+    /// Numbers of jobs that wait, those of one run together.
+    waiting: VecDeque<Vec<usize>>,
+    /// Numbers of the jobs in each lane whose goals are not reached.
+    open: [Vec<usize>; LANES],
     /// Ends so far.
     ends: Vec<Option<(End, Pair)>>,
 }
 
 impl JobQueue<'_> {
-    /// Puts the next job into a lane.
+    /// Puts the next jobs into a lane.
     fn enter(&mut self, lanes: &mut dyn LaneEngine, lane: usize) -> Option<RunState> {
-        let job = self.jobs.get(self.next)?;
-        self.in_lanes[lane] = self.next;
-        self.next += 1;
+        self.open[lane] = self.waiting.pop_front()?;
+        let job = self.jobs[self.open[lane][0]];
         lanes.enter(lane, job.law, &job.run());
         Some(RunState::new(&job.run(), job.cap))
     }
@@ -122,8 +146,18 @@ impl<'e> Goals<dyn LaneEngine + 'e, LANES> for JobQueue<'_> {
         lanes: &mut (dyn LaneEngine + 'e),
         runs: [Option<&RunState>; LANES],
     ) -> [bool; LANES] {
-        let bounds = from_fn(|lane| self.jobs[self.in_lanes[lane]].goal.bound(runs[lane]?));
-        within(lanes, bounds)
+        let most = self.open.iter().map(Vec::len).max().unwrap_or(0);
+        // The last ones first, so that those before keep their places.
+        for place in (0..most).rev() {
+            let job = |lane: usize| self.open[lane].get(place).map(|number| &self.jobs[*number]);
+            let reached = within(lanes, from_fn(|lane| job(lane)?.goal.bound(runs[lane]?)));
+            for (lane, run) in runs.iter().enumerate().filter(|(lane, _)| reached[*lane]) {
+                let end = run.expect("it has a bound").end(Stop::Converged);
+                let number = self.open[lane].remove(place);
+                self.ends[number] = Some((end, lanes.pair(lane).into_owned()));
+            }
+        }
+        from_fn(|lane| runs[lane].is_some() && self.open[lane].is_empty())
     }
 
     fn ended(
@@ -132,7 +166,9 @@ impl<'e> Goals<dyn LaneEngine + 'e, LANES> for JobQueue<'_> {
         lane: usize,
         end: End,
     ) -> Option<RunState> {
-        self.ends[self.in_lanes[lane]] = Some((end, lanes.pair(lane).into_owned()));
+        for number in std::mem::take(&mut self.open[lane]) {
+            self.ends[number] = Some((end, lanes.pair(lane).into_owned()));
+        }
         self.enter(lanes, lane)
     }
 }

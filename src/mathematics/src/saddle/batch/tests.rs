@@ -3,7 +3,6 @@
 use super::*;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::network::Network;
-use crate::discrete::stop::Stop;
 use crate::mesh::{
     Condition, Facet, MeshData, Names, Part, lattice_mesh, mesh_load, nested_meshes,
 };
@@ -174,5 +173,25 @@ fn and_uzawa_with_and_without_the_proximal_term() {
             assert_eq!(ours, run.end);
             assert_eq!((ours.stop, &last), (Stop::Converged, &pair));
         }
+    }
+}
+
+#[test]
+fn jobs_that_differ_in_their_goals_alone_have_one_run() {
+    let (grid, load, start) = setting();
+    let (zero, method) = (Pair::zero(grid), Method::ArrowHurwicz);
+    let mut jobs = Vec::new();
+    for (law, r) in laws().into_iter().flat_map(|law| [0.5, 10.0].map(|r| (law, r))) {
+        let rules = StopRule::ALL.map(|rule| JobGoal::Rule(rule, 1e-4));
+        for goal in rules.into_iter().chain([JobGoal::Kkt(1e-3), JobGoal::Kkt(1e-2)]) {
+            // An equal start counts as the same one; a limit has a run of its own.
+            let start = if jobs.len() % 2 == 0 { &start } else { &zero };
+            jobs.push(Job { law, load: &load, start, method, r, goal, cap: 300 });
+        }
+        jobs.push(Job { cap: 20, ..jobs[jobs.len() - 1] });
+    }
+    assert_eq!(same_runs(&jobs).len(), 8);
+    for (job, ended) in jobs.iter().zip(run(grid, &jobs)) {
+        assert_eq!(run(grid, &[*job]), [ended], "{job:?}");
     }
 }
