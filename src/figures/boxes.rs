@@ -82,7 +82,7 @@ pub(super) fn in_boxes(
     let heights = rows.iter().map(|row| if row.bars == Bars::Below { high - BAR } else { high });
     let width = 2.0 * margin + columns as f64 * wide;
     let all: f64 = heights.clone().sum();
-    let mut picture = Picture::new(width, 2.0 * margin + all + KEY);
+    let mut picture = Picture::new(width, 2.0 * margin + all + KEY * keys.len() as f64);
     let mut tops = Vec::new();
     let mut top = margin;
     for height in heights {
@@ -124,10 +124,10 @@ pub(super) fn in_boxes(
         colour_bar(&mut picture, bar, bottom - BAR, colours, "v");
     }
     picture.group("stroke-linecap=\"round\"", |picture| {
-        let (mut x, y) = (margin + 76.0, top + 12.0);
-        for &(color, words) in keys {
+        for (row, &(color, words)) in keys.iter().enumerate() {
+            let (x, y) = (margin + 76.0, top + 12.0 + KEY * row as f64);
             picture.path([(x, y), (x + 28.0, y)], color, CONTACT_WIDTH);
-            x = key(picture, (x + 38.0, y), words) + 20.0;
+            key(picture, (x + 38.0, y), words);
         }
     });
     picture

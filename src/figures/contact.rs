@@ -56,6 +56,8 @@ impl Plot {
     /// Lays out a plot of `values` between `across`, from `top` downwards.
     fn new(across: (f64, f64), top: f64, axes: [(f64, f64); 2], ticks: Ticks) -> Self {
         let [x, (low, high)] = axes;
+        // All values may be zero, the one number on the axis then.
+        let high = if high > low { high } else { low + 1.0 };
         // A margin, so that the frame does not hide a curve at zero.
         let margin = 0.08 * (high - low);
         let y = (low - margin, high + margin);
@@ -63,10 +65,9 @@ impl Plot {
     }
 }
 
-/// Returns the range of the values of all lines, with zero, and longer than zero.
+/// Returns the range of the values of all lines, with zero.
 fn range<'a>(lines: impl Iterator<Item = &'a Vec<f64>>) -> (f64, f64) {
-    let (low, high) = range_with_zero(lines.flatten().copied());
-    (low, if high > low { high } else { low + 1.0 })
+    range_with_zero(lines.flatten().copied())
 }
 
 /// Coordinate over the length of a curve that is shown as zero.
@@ -289,6 +290,8 @@ mod tests {
                 |text: &str| [inner, outer].map(|svg| svg.contains(&format!(">{text}</text>")));
             assert_eq!(named(word), [true, false], "{condition:?}");
             assert_eq!(named("a"), [false, true]);
+            // Of zeros alone zero is the one number.
+            assert!(!inner.contains(">0.2</text>"), "{inner}");
             assert_eq!(named("contact"), [false, true]);
             assert!(outer.contains(">from (0, \u{2212}1), domain on the left</text>"), "{outer}");
         }

@@ -244,6 +244,19 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
 }
 
 #[test]
+fn words_of_fixed_parts_are_inside_the_picture() {
+    let mut mesh = rectangle([0.0, 0.0], [1.0, 1.0]);
+    mesh.parts_mut()[0].condition = Condition::Fixed;
+    for law in [Law::SIGNORINI, Law::friction(1.0).unwrap()] {
+        let (y, in_contact) = (&[0.0, 1.0, 0.3, 0.0], &[true; 4]);
+        let panel =
+            Surface { title: LONG, mesh: &mesh, law, y, in_contact, azimuth: 0.0, range: None };
+        let texts = readable("fixed", &surfaces(2, &[panel]));
+        assert!(texts.iter().any(|text| text.words == FIXED), "{texts:?}");
+    }
+}
+
+#[test]
 fn numbers_of_any_size_neither_overlap_nor_run_out() {
     let sizes =
         [1e-300, 6e-302, 1e-5, 0.3, 12_345.678, 999_999.0, 1e6, 2.5e9, 123_456_789.0, 1e150, 8e300];

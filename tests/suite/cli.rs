@@ -371,7 +371,7 @@ fn solve_refuses_in_one_line() {
             &["--f", "else=-1", "--solver", "spectral", "--recover"],
             "--recover is for --solver arrow-hurwicz, ",
         ),
-        (&["--f", "else=-1", "--h", "1/8", "--out", "no/v.npy"], "cannot write no/v.npy"),
+        (&["--f", "else=-1", "--h", "1/8", "--out", "no/no/v.npy"], "cannot write no/no/v.npy"),
         (&["--f", "else=-1", "--h", "1/8", "--out", "v.npy/"], "it is a folder; name a file"),
         (&["nobody"], "no scene `nobody`; there are: a"),
         (&["--domain", "cube", "--f", "else=1"], "lower f somewhere"),

@@ -216,7 +216,7 @@ fn without_times(text: &str) -> String {
     let is_time = |word: &&str| word.parse::<f64>().is_ok_and(|_| word.contains('.'));
     text.lines()
         .filter(|line| !line.contains("files written"))
-        .filter(|line| !line.starts_with("solved in "))
+        .filter(|line| !line.starts_with("time: "))
         .map(|line| match line.split_once(" ran ") {
             Some((stage, rest)) => {
                 let rest: Vec<_> = rest.split_whitespace().filter(|w| !is_time(w)).collect();
