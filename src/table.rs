@@ -2,6 +2,9 @@
 
 use unicode_width::UnicodeWidthStr;
 
+/// Space between columns of text.
+const GAP: &str = "  ";
+
 /// Rows of text below a head.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
@@ -27,6 +30,30 @@ impl Table {
 
     /// Returns lines with columns as wide as their longest cell.
     pub(crate) fn text(&self) -> String {
+        self.first_columns(&self.widths())
+    }
+
+    /// Returns the same without the last columns below the head that a page of `room` columns of text has no room for;
+    /// a last line names those.
+    pub(crate) fn text_within(&self, room: usize) -> String {
+        let widths = self.widths();
+        let (mut columns, mut taken) = (0, 0);
+        for width in &widths {
+            taken += width + if columns > 0 { GAP.len() } else { 0 };
+            if taken > room && columns > 0 && !self.head.is_empty() {
+                break;
+            }
+            columns += 1;
+        }
+        let mut text = self.first_columns(&widths[..columns]);
+        if let Some(first @ [_, ..]) = self.head.get(columns..) {
+            text += &format!("no room for: {}\n", first.join(", "));
+        }
+        text
+    }
+
+    /// Widths of the columns.
+    fn widths(&self) -> Vec<usize> {
         let mut widths: Vec<usize> = Vec::new();
         for line in self.lines() {
             widths.resize(widths.len().max(line.len()), 0);
@@ -34,10 +61,15 @@ impl Table {
                 *width = (*width).max(cell.width());
             }
         }
+        widths
+    }
+
+    /// Returns lines with the first columns, which have these widths.
+    fn first_columns(&self, widths: &[usize]) -> String {
         let mut text = String::new();
         for line in self.lines() {
             let mut padded = Vec::new();
-            for (k, (cell, &width)) in line.iter().zip(&widths).enumerate() {
+            for (k, (cell, &width)) in line.iter().zip(widths).enumerate() {
                 // A format would count characters, of which some are two columns wide, and some have none.
                 let space = " ".repeat(width - cell.width());
                 padded.push(match self.left.contains(&k) {
@@ -45,7 +77,7 @@ impl Table {
                     false => format!("{space}{cell}"),
                 });
             }
-            text += padded.join("  ").trim_end();
+            text += padded.join(GAP).trim_end();
             text.push('\n');
         }
         text
@@ -102,6 +134,21 @@ mod tests {
         }
         let rows = vec![vec!["鍋".into()], vec!["abc".into()]];
         assert_eq!(Table::without_head(rows, &[]).text(), " 鍋\nabc\n");
+    }
+
+    #[test]
+    fn last_columns_without_room_are_named_and_no_cell_is_broken() {
+        let mut table = Table::new(["grid", "energy", "KKT residual"], &[]);
+        table.rows = vec![vec!["1/4".into(), "-0.17".into(), "1e-14".into()]];
+        assert_eq!(table.text_within(26), table.text());
+        assert_eq!(
+            table.text_within(25),
+            "grid  energy\n 1/4   -0.17\nno room for: KKT residual\n"
+        );
+        assert_eq!(table.text_within(11), "grid\n 1/4\nno room for: energy, KKT residual\n");
+        assert!(table.text_within(1).starts_with("grid\n 1/4\n"));
+        let headless = Table::without_head(vec![vec!["a".into(), "b".into()]], &[]);
+        assert_eq!(headless.text_within(1), headless.text());
     }
 
     #[test]

@@ -56,21 +56,30 @@
     for (const name of ["problem", "f", "r", "load", "rule", "finest"]) query.set(name, form[name].value);
     if (form.problem.value !== "own") query.delete("f");
     query.set("truth", Number(form.truth.checked));
+    find(".explore-unknown").hidden = true;
     window.history.replaceState(window.history.state, "", `?${query}${location.hash}`);
   }
 
   // A link says what to show, not after a #, which the page for printing keeps for places of its own:
-  // explore.html?problem=2&r=1&load=exact&rule=printed&finest=32. What a control does not offer changes nothing.
+  // explore.html?problem=2&r=1&load=exact&rule=printed&finest=32. What a control does not offer changes nothing, and is
+  // named.
   function readAddress() {
     const query = new URLSearchParams(location.search);
-    form.problem.value = query.get("problem") || (query.has("f") ? "own" : form.problem.value);
-    choicesOfProblem();
+    if (query.has("f")) form.problem.value = "own";
+    const unknown = [];
+    for (const name of ["problem", "load", "rule", "finest"]) {
+      const wanted = query.get(name);
+      const controls = name === "problem" ? form.problem : form[name].options;
+      if (wanted !== null && [...controls].some((control) => control.value === wanted)) form[name].value = wanted;
+      else if (wanted !== null) unknown.push(`${name}=${wanted}`);
+      if (name === "problem") choicesOfProblem();
+    }
     form.truth.checked = query.get("truth") !== "0";
     for (const name of ["f", "r"]) if (query.has(name)) form[name].value = query.get(name);
-    for (const name of ["load", "rule", "finest"]) {
-      const offered = [...form[name].options].some((option) => option.value === query.get(name));
-      if (offered) form[name].value = query.get(name);
-    }
+    const said = find(".explore-unknown");
+    said.hidden = unknown.length === 0;
+    said.textContent = `The address asks for ${unknown.join(", ")}, which this page does not have; ` +
+      "the controls say what is shown.";
   }
 
   // The command that makes the same iterations.

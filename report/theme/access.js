@@ -25,6 +25,18 @@ for (const head of document.querySelectorAll("th")) {
   }
 }
 
+// The table of contents comes before the text: a link past it, for readers with a keyboard.
+const text = document.querySelector("main");
+if (text) {
+  text.id ||= "text";
+  text.tabIndex = -1;
+  const skip = document.createElement("a");
+  skip.className = "skip";
+  skip.href = `#${text.id}`;
+  skip.textContent = "To the text";
+  document.body.prepend(skip);
+}
+
 document.getElementById("mdbook-menu-bar")?.setAttribute("role", "banner");
 
 // mdBook's switch of the table of contents is a label, which no keyboard reaches and of which nothing may be said to be

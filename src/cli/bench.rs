@@ -1,7 +1,7 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
-use super::interrupt::interrupted;
-use super::output::{OutputFile, say, say_json, talk};
+use super::interrupt::{at_work, interrupted};
+use super::output::{OutputFile, in_columns, say, say_json, talk};
 use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
@@ -53,8 +53,15 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     if solvers.is_empty() {
         solvers.extend(SOLVERS.map(|entry| entry.solver));
     }
-    let plan =
-        TimingPlan { repeats, quick: args.quick, solvers, finest, interrupted: interrupted() };
+    // However it is interrupted, the times measured until then are printed.
+    let _at_work = at_work();
+    let plan = TimingPlan {
+        repeats,
+        quick: args.quick,
+        solvers,
+        finest,
+        interrupted: interrupted().flag(),
+    };
     // Before the measurement, because an error after it would waste minutes.
     let record = args.record.then(RecordFile::open).transpose()?;
     let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
@@ -140,7 +147,7 @@ fn multigrid(timings: &Timings) -> String {
             format!("{:.1}", line.traffic / timings.bandwidth),
         ]);
     }
-    table.text()
+    in_columns(&table)
 }
 
 /// Returns a table for each problem.
@@ -160,7 +167,7 @@ fn solvers(timings: &Timings) -> String {
                 percent(line.spread),
             ]);
         }
-        text += &format!("\n{problem}\n{}", table.text());
+        text += &format!("\n{problem}\n{}", in_columns(&table));
     }
     text
 }
@@ -216,7 +223,7 @@ fn spectral(timings: &Timings) -> String {
             percent(line.spread),
         ]);
     }
-    table.text()
+    in_columns(&table)
 }
 
 fn adapted(timings: &Timings) -> String {
@@ -230,7 +237,7 @@ fn adapted(timings: &Timings) -> String {
             format!("{:.6}", line.seconds),
         ]);
     }
-    table.text()
+    in_columns(&table)
 }
 
 #[cfg(test)]

@@ -12,9 +12,9 @@ use super::output::{is_there, say, talk};
 use super::pipeline::{Scope, Workplace, outside_report};
 use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::{LockFile, Summary, hash};
+use crate::pipeline::{InputFiles, LockFile, Plan, Summary, hash};
 use crate::replication::comparison::TableComparison;
-use crate::replication::stages::report;
+use crate::replication::stages::{files_of, report};
 use crate::timing::machine::COMPILER;
 use checkout::{Checkout, without_places};
 use clap::Args;
@@ -60,7 +60,7 @@ pub(super) struct CertificateArgs {
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let reviewer = Reviewer::read(args)?;
-    let workplace = Workplace::open(&args.cache)?;
+    let workplace = Workplace::open(&args.cache)?.verifying(true);
     let folder = match &args.output {
         Some(folder) => is_there(folder).map(|()| folder.clone())?,
         None => workplace.project.root.join("codecheck"),
@@ -69,15 +69,19 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     if !args.force {
         refuse_earlier(&folder)?;
     }
-    let summary = up_to_date(&workplace)?;
+    let plan = workplace.tasks(&[], None)?;
+    let summary = up_to_date(&workplace, &plan)?;
+    let read = files_of(&workplace.project, plan.tasks());
     let tables = comparisons(&workplace, &summary.manifests)?;
     let files = files(&workplace, &summary, &tables)?;
     let mut context = context(&workplace, &summary, &tables, &files)?;
+    context.insert("inputs", &hashes(&read)?);
     context.insert("reviewer", &reviewer);
     context.insert("agent", &reviewer.id());
-    let checkout = checkout(&workplace, &mut context);
+    let checkout = checkout(&workplace.project.root, &read, &mut context);
     let count = files.len();
-    let bundle = bundle(&workplace, files, context, !tables.is_empty())?;
+    let inputs = inputs(&workplace.project, &read)?;
+    let bundle = bundle(files, inputs, context, !tables.is_empty());
     bundle::write(&folder, &bundle, args.force)?;
     let here = current_folder()?;
     let shown = folder.strip_prefix(&here).unwrap_or(&folder);
@@ -114,10 +118,13 @@ fn refuse_earlier(folder: &Path) -> Result<()> {
 }
 
 /// Adds the commit to the data of the templates, or the reason why none can be named, and returns the reason.
-fn checkout(workplace: &Workplace, context: &mut Context) -> std::result::Result<(), String> {
-    let project = &workplace.project;
-    let paths: Vec<&str> = project.files.keys().map(String::as_str).collect();
-    let checkout = Checkout::of(&project.root, &paths, LOCK_FILE);
+fn checkout(
+    root: &Path,
+    read: &InputFiles,
+    context: &mut Context,
+) -> std::result::Result<(), String> {
+    let paths: Vec<&str> = read.keys().map(String::as_str).collect();
+    let checkout = Checkout::of(root, &paths, LOCK_FILE);
     context.insert("checkout", &checkout.as_ref().ok());
     context.insert("no_checkout", &checkout.as_ref().err().map(|why| without_places(why)));
     checkout.map(|_| ())
@@ -126,13 +133,12 @@ fn checkout(workplace: &Workplace, context: &mut Context) -> std::result::Result
 /// Returns all files of the bundle: the results, the inputs, the page, the record, and the manifest if there is a
 /// published table, without which nobody checks the code of a paper.
 fn bundle(
-    workplace: &Workplace,
     results: Vec<File>,
+    inputs: Vec<File>,
     mut context: Context,
     is_compared: bool,
-) -> Result<Vec<File>> {
+) -> Vec<File> {
     let mut files = results;
-    let inputs = inputs(&workplace.project)?;
     context.insert("input_files", &inputs);
     files.extend(inputs);
     let page = render(include_str!("certificate/certificate.md.tera"), &context);
@@ -146,7 +152,12 @@ fn bundle(
         let manifest = render(include_str!("certificate/codecheck.yml.tera"), &context);
         files.push(File::new(MANIFEST, "", manifest.into_bytes()));
     }
-    Ok(files)
+    files
+}
+
+/// Returns the paths of files, each with its hash.
+fn hashes(files: &InputFiles) -> Result<Vec<(&str, &str)>> {
+    files.iter().map(|(path, file)| Ok((&**path, file.hash()?))).collect()
 }
 
 /// Path of the lock file in the project, in the form that git takes.
@@ -157,8 +168,8 @@ const PAGE: &str = "certificate.md";
 const RECORD: &str = "ro-crate-metadata.json";
 
 /// Returns the verdicts on the whole project, if there is nothing to do and the lock file has these results.
-fn up_to_date(workplace: &Workplace) -> Result<Summary> {
-    let summary = workplace.judge(&workplace.tasks(&[], None)?, Scope::Whole, false)?;
+fn up_to_date(workplace: &Workplace, plan: &Plan) -> Result<Summary> {
+    let summary = workplace.judge(plan, Scope::Whole, false)?;
     if summary.verdicts.is_empty() {
         return Err(Error::input(
             "no scene asks for outputs, so that there is no run to record; name some in `outputs`",
@@ -174,11 +185,10 @@ fn up_to_date(workplace: &Workplace) -> Result<Summary> {
         )
     } else if let Some(edited) = summary.exports.edited.first() {
         return Err(Error::input(super::pipeline::edited(edited)));
-    } else if !summary.nothing_to_do() {
+    } else if !summary.exports.is_empty() {
         "files in figures/ or report/ are missing or old".into()
     } else {
-        let differences =
-            LockFile::read(&workplace.project.root)?.differences(&summary.lock_file());
+        let differences = LockFile::read(&workplace.project.root)?.differences(&summary.lock_file);
         match differences.first() {
             Some(first) => format!(
                 "pipeline/lock.toml differs from this run in {} hashes ({first})",
@@ -202,12 +212,8 @@ fn context(
 ) -> Result<Context> {
     let project = &workplace.project;
     let is_compared = !tables.is_empty();
-    let mut inputs = Vec::new();
-    for (path, file) in &project.files {
-        inputs.push((path, file.hash()?));
-    }
     let lock = LockFile::path(&project.root);
-    let lock_file = summary.lock_file();
+    let lock_file = &summary.lock_file;
     let reservations = if is_compared { reservations(project) } else { Vec::new() };
     let sentences = sentences(project, tables);
     let name = match is_compared {
@@ -235,7 +241,6 @@ fn context(
         "reservations": reservations,
         "build": format!("Built by {COMPILER} from sources with blake3 {}", env!("SIGNORINI_PROGRAM")),
         "files": files,
-        "inputs": inputs,
         "tasks": summary.verdicts.len(),
         "hashes": lock_file.tasks.len() + lock_file.exports.len(),
         "lock_hash": hash(&fs::read(&lock).context("read", &lock)?),

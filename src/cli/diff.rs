@@ -1,7 +1,7 @@
 //! `diff`: comparison of our tables with the published ones.
 
 use super::CacheArgs;
-use super::output::{fitted, say, say_json, styled};
+use super::output::{in_columns, paragraph, say, say_json, styled};
 use super::pipeline::Workplace;
 use crate::pipeline::Manifest;
 use crate::pipeline::error::{Error, Result};
@@ -35,9 +35,20 @@ struct DiffJson<'a> {
 }
 
 pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
-    let tasks = workplace.tasks(&[], Some(Stage::Diff))?;
-    let tables = comparisons(&workplace, &workplace.bring_up_to_date(&tasks)?)?;
+    let mut workplace = Workplace::open(&args.cache)?;
+    workplace.project.select(&[])?;
+    // The table of the results of all scenes is not asked for.
+    workplace.project.partial = true;
+    let compared = workplace.project.scenes.iter().filter(|scene| scene.paper_table.is_some());
+    let names: Vec<String> = compared.map(|scene| scene.name.clone()).collect();
+    let tables = match names.is_empty() {
+        true => Vec::new(),
+        false => {
+            let tasks = workplace.tasks(&names, Some(Stage::Diff))?;
+            let manifests = workplace.compute(&tasks)?;
+            comparisons(&workplace, &manifests)?
+        }
+    };
     if tables.is_empty() {
         return Err(Error::input(
             "no scene has a `paper_table`; add one to compare with the paper",
@@ -100,8 +111,9 @@ fn legend(tables: &[TableComparison]) -> String {
     let any_capped =
         tables.iter().flat_map(|table| &table.rows).any(|row| row.capped.contains(&true));
     let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
-    let marks = coloured(&format!("= exact, ~ within tolerance, ! outside{capped}"));
-    format!("{marks}\n{}\n", total(tables))
+    let marks = paragraph(&format!("= exact, ~ within tolerance, ! outside{capped}"));
+    let marks = coloured(&marks);
+    format!("{marks}\n{}\n", paragraph(&total(tables)))
 }
 
 /// Returns text with its marks in colours.
@@ -164,9 +176,6 @@ impl Mark {
     }
 }
 
-/// Columns of the lines.
-const WIDTH: usize = 80;
-
 /// Returns three statements: on the counts, on Delta a, and on the tolerance of both.
 fn summary(table: &TableComparison) -> [String; 3] {
     let TableComparison { exact, cells, within_tolerance, .. } = table;
@@ -194,8 +203,9 @@ fn text(table: &TableComparison, grids: &[String]) -> String {
         shown.rows.push(cells);
     }
     let title = styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan);
-    let summary = fitted(&summary(table).join("\n"), WIDTH);
-    format!("{title}: ours, then the paper's\n{}{summary}\n", coloured(&shown.text()))
+    let summary = paragraph(&summary(table).join("\n"));
+    let title = paragraph(&format!("{title}: ours, then the paper's"));
+    format!("{title}\n{}{summary}\n", coloured(&in_columns(&shown)))
 }
 
 fn markdown(table: &TableComparison, grids: &[String]) -> String {

@@ -5,14 +5,13 @@ use super::output::say;
 use super::pipeline::Workplace;
 use crate::pipeline::error::{Error, Result};
 use clap::Args;
-use std::collections::BTreeSet;
 
 #[derive(Args)]
 pub(super) struct GcArgs {
     /// Count only; remove nothing
     #[arg(short = 'n', long)]
     dry_run: bool,
-    /// Keep this many latest runs of each task
+    /// Keep this many latest runs of each task, besides the one that is in use
     #[arg(long, value_name = "N", default_value_t = 1)]
     keep: usize,
     #[command(flatten)]
@@ -27,11 +26,10 @@ pub(super) fn gc(args: &GcArgs) -> Result<u8> {
     }
     let workplace = Workplace::open(&args.cache)?;
     let plan = workplace.tasks(&[], None)?;
-    let wanted: BTreeSet<String> = plan.tasks().iter().map(|task| task.id.clone()).collect();
     // Counting needs no lock; and without a cache no lock is taken, which would create a folder that was misspelt.
     let there = workplace.store.folder().is_dir();
     let _lock = if args.dry_run || !there { None } else { Some(workplace.store.lock()?) };
-    let garbage = workplace.store.collect_garbage(&wanted, args.keep, args.dry_run)?;
+    let garbage = workplace.store.collect_garbage(&plan, args.keep, args.dry_run)?;
     let verb = if args.dry_run { "would remove" } else { "removed" };
     say(&format!(
         "{verb} {} files, {}; kept {} files, {}\n",

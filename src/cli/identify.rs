@@ -5,8 +5,8 @@ mod table;
 mod watch;
 
 use super::current_folder;
-use super::interrupt::interrupted;
-use super::output::{say, say_json};
+use super::interrupt::{at_work, interrupted};
+use super::output::{say_json, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
@@ -15,7 +15,6 @@ use serde::Serialize;
 use signorini_mathematics::identify::{
     Evaluator, Found, Geometry, IdentifyError, SearchReport, Variant, found, search,
 };
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 use watch::Watch;
 
@@ -44,12 +43,14 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     // A search takes long: better in a project without mistakes.
     project.select(&[])?;
     let asked = Search::read(args, &project)?;
+    // However it is interrupted, what was found is shown.
+    let _at_work = at_work();
     let answer = || if args.variants { compare(args, &asked) } else { find(args, &asked) };
     match &asked.pool {
         Some(pool) => pool.install(answer)?,
         None => answer()?,
     }
-    match interrupted().load(Ordering::Relaxed) {
+    match interrupted().is_asked() {
         true => Ok(Error::Interrupted.exit_code()),
         false => Ok(0),
     }
@@ -59,7 +60,7 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
 fn find(args: &IdentifyArgs, asked: &Search) -> Result<()> {
     let mut answers = Vec::new();
     for table in &asked.tables {
-        if interrupted().load(Ordering::Relaxed) {
+        if interrupted().is_asked() {
             break;
         }
         let recorded = verify(table)?;
@@ -72,7 +73,7 @@ fn find(args: &IdentifyArgs, asked: &Search) -> Result<()> {
         say_json(&serde_json::json!({ "schema": 1, "problems": answers }))?;
     } else {
         let parts: Vec<_> = answers.iter().map(table::found).collect();
-        say(&(parts.join("\n") + table::LEGEND))?;
+        tell(&(parts.join("\n") + table::LEGEND))?;
     }
     Ok(())
 }
@@ -93,7 +94,7 @@ fn searched(
     watch: &mut Watch,
 ) -> Result<SearchReport> {
     let mut observe = |share: f64, report: &SearchReport| watch.show(share, report);
-    let report = search(&asked.lattice, variant, &table.target, interrupted(), &mut observe);
+    let report = search(&asked.lattice, variant, &table.target, interrupted().flag(), &mut observe);
     watch.end();
     report.map_err(refused)
 }
@@ -105,7 +106,7 @@ fn compare(args: &IdentifyArgs, asked: &Search) -> Result<()> {
         let description = variant.to_string();
         let mut searches = Vec::new();
         for table in &asked.tables {
-            if interrupted().load(Ordering::Relaxed) {
+            if interrupted().is_asked() {
                 break;
             }
             let mut watch = Watch::new(&format!("problem {}, {description}", table.number));
@@ -119,7 +120,7 @@ fn compare(args: &IdentifyArgs, asked: &Search) -> Result<()> {
     if args.json {
         say_json(&serde_json::json!({ "schema": 1, "problems": numbers, "readings": readings }))?;
     } else {
-        say(&table::readings(&readings, &numbers))?;
+        tell(&table::readings(&readings, &numbers))?;
     }
     Ok(())
 }

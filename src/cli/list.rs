@@ -1,7 +1,7 @@
 //! `list`: the scenes of the project, the solvers, the domains, and the problems with known solutions.
 
 use super::current_folder;
-use super::output::{say, say_json, talk};
+use super::output::{say_json, talk, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 use crate::replication::scenes::SceneFolder;
@@ -51,7 +51,7 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
         square: Exact::ALL.map(Exact::name).into(),
         cube: CubeExact::ALL.map(CubeExact::name).into(),
     };
-    if args.json { say_json(&listed) } else { say(&listed.text()) }?;
+    if args.json { say_json(&listed) } else { tell(&listed.text()) }?;
     for Named { description, .. } in &listed.broken {
         talk(&format!("error: {description}"));
     }

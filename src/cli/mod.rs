@@ -22,6 +22,7 @@ mod solve;
 mod status;
 
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::composed;
 use crate::timing::machine;
 use clap::builder::{
     PossibleValue, PossibleValuesParser, Resettable, StringValueParser, TypedValueParser,
@@ -31,6 +32,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::{say, styled, talk};
 use serde_json::{Value, json};
 use signorini_mathematics::solvers::{SOLVERS, Solver};
+use std::convert::Infallible;
 use std::ffi::OsStr;
 use std::panic::PanicHookInfo;
 use std::path::PathBuf;
@@ -58,7 +60,8 @@ const HELP_WIDTH: usize = 90;
         signorini run problem1 -n         what a run of one scene would do\n  \
         signorini solve --f 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' --h 1/128\n\n\
         Options may stand before the command as well: `signorini -v run` is `signorini run -v`.\n\
-        Exit codes: 0 done, 1 stale or outside tolerance, 2 wrong input, 3 a stage failed, 130 interrupted."
+        Exit codes: 0 done, 1 stale or outside tolerance, 2 wrong input, 3 a task failed or an answer is not what \
+        `solve` was asked for, 130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -85,8 +88,11 @@ enum Command {
         signorini run --task diff/problem1  one task, beside others at work")]
     Run(run::RunArgs),
     /// Show what is up to date and what is stale, stage by stage
-    #[command(after_help = "Lines are cut at the width of the terminal, or at COLUMNS.\n\
-        Example:\n  signorini status --exit-code || signorini run")]
+    #[command(
+        after_help = "Lines are cut at the width of the terminal, or at COLUMNS. `signorini run -n` also says \
+        whether what is stale can be run.\n\
+        Example:\n  signorini status --exit-code || signorini run"
+    )]
     Status(status::StatusArgs),
     /// Tell why a stage or task would run: each input that changed, old -> new
     #[command(
@@ -119,7 +125,8 @@ enum Command {
         integrals of it are by quadrature, of degree 5 on the square, until they settle on a mesh.\n\n\
         The cube is [-0.5,0.5]^3; in space, regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
         halfspace(a,b,c,d) for ax+by+cz<=d, and a formula is in x, y and z; the known solutions on the cube are \
-        full-contact, free-strip, free-disc."
+        full-contact, free-strip, free-disc.\n\n\
+        Exit code 3: the solver stopped short of a solution, there is none, or an accuracy is not reached."
     )]
     Solve(Box<solve::SolveArgs>),
     /// Search for the right-hand sides of Figure 1 that give the published tables
@@ -132,7 +139,7 @@ enum Command {
         signorini bench --record          some minutes; for the book"
     )]
     Bench(bench::BenchArgs),
-    /// Build the book, and open it with --open
+    /// Build the book, as `run --only report` does, and open it with --open
     Report(report::ReportArgs),
     /// Write what a reviewer attaches to a review: CODECHECK files and an RO-Crate
     #[command(
@@ -179,6 +186,12 @@ fn solver_parser() -> impl TypedValueParser<Value = Solver> {
         .map(|name| Solver::named(&name).expect("the parser takes no other name"))
 }
 
+/// Reads a name that is looked up, in the form that the names of a project have.
+#[expect(clippy::unnecessary_wraps, reason = "a parser may fail")]
+fn name_parser(text: &str) -> std::result::Result<String, Infallible> {
+    Ok(composed(text))
+}
+
 /// Parser of a text for which shells suggest some values; the command itself refuses others, with its own remedy.
 #[derive(Clone)]
 struct Suggested(Vec<&'static str>);
@@ -221,6 +234,10 @@ pub fn main() -> ExitCode {
                 e.remove(ContextKind::SuggestedArg);
                 e.remove(ContextKind::Usage);
             }
+            if e.kind() == ErrorKind::ArgumentConflict {
+                // The usage is that of one of the two options.
+                e.remove(ContextKind::Usage);
+            }
             let e = e.format(&mut command);
             if e.use_stderr() {
                 let _ = e.print();
@@ -230,6 +247,7 @@ pub fn main() -> ExitCode {
             return ended(say(&e.render().ansi().to_string()));
         }
     };
+    interrupt::survive_file_limit();
     std::panic::set_hook(Box::new(|panic| fail(&panicked(panic))));
     let Ok(result) = std::panic::catch_unwind(|| start_threads().and_then(|()| dispatch(cli)))
     else {
@@ -318,7 +336,7 @@ fn dispatch(cli: Cli) -> Result<u8> {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut without_scenes(), "signorini", &mut script);
-            say(&String::from_utf8_lossy(&script))
+            say(&with_files(&String::from_utf8_lossy(&script)))
         }
         Command::Man { output } => man::man(output.as_deref()),
     }
@@ -327,6 +345,26 @@ fn dispatch(cli: Cli) -> Result<u8> {
 /// Returns advice on a word that is no scene, in case that a command was meant.
 fn advice(word: &str) -> String {
     similar(word).map_or(String::new(), |name| format!("; did you mean `signorini {name}`?"))
+}
+
+/// Returns a script for completions that suggests files, too, for the domain of `solve`: zsh and fish leave them out
+/// where values are suggested.
+fn with_files(script: &str) -> String {
+    const ZSH: &str = ":NAME|FILE:(";
+    let mut text = String::new();
+    for line in script.split_inclusive('\n') {
+        text += &match line
+            .split_once(ZSH)
+            .and_then(|(left, rest)| Some((left, rest.split_once(')')?)))
+        {
+            Some((left, (names, right))) => {
+                format!("{left}:NAME|FILE:{{compadd {names}; _files}}{right}")
+            }
+            None if line.contains(" -l domain ") => line.replacen(" -r -f -a ", " -r -F -a ", 1),
+            None => line.to_owned(),
+        };
+    }
+    text
 }
 
 /// Returns the program without the argument for scenes, which in the completions for zsh would replace the commands.

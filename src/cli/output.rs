@@ -47,7 +47,8 @@ pub(super) fn columns_of(stream: &(impl IsTerminal + std::os::fd::AsFd)) -> usiz
     columns.filter(|&columns| columns > 0).unwrap_or(usize::MAX)
 }
 
-/// Returns a text with the lines that are longer than `width` broken between words; what follows is indented.
+/// Returns a text with the lines that are longer than `width` broken between words, and not between the groups of three
+/// digits of a number; what follows is indented.
 pub(super) fn fitted(text: &str, width: usize) -> String {
     const MORE: &str = "  ";
     let mut lines = Vec::new();
@@ -58,7 +59,7 @@ pub(super) fn fitted(text: &str, width: usize) -> String {
         }
         let indent = &line[..line.len() - line.trim_start_matches(' ').len()];
         let mut last = String::new();
-        for word in line.split_inclusive(' ') {
+        for word in words(line) {
             let is_begun = !last.trim().is_empty();
             if is_begun && shown_width(&last) + shown_width(word.trim_end()) > width {
                 lines.push(last.trim_end().to_owned());
@@ -69,6 +70,21 @@ pub(super) fn fitted(text: &str, width: usize) -> String {
         lines.push(last);
     }
     lines.join("\n")
+}
+
+/// Splits a line into words, each with the space behind it; groups of digits are one word.
+fn words(line: &str) -> Vec<&str> {
+    let (mut words, mut start) = (Vec::new(), 0);
+    for (at, _) in line.match_indices(' ') {
+        let group = line[at + 1..].chars().take_while(char::is_ascii_digit).count();
+        if group == 3 && line[..at].ends_with(|c: char| c.is_ascii_digit()) {
+            continue;
+        }
+        words.push(&line[start..=at]);
+        start = at + 1;
+    }
+    words.push(&line[start..]);
+    words
 }
 
 /// Number of columns of a text on a terminal, on which the codes of colours take none.
@@ -126,9 +142,16 @@ pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// Returns rows below a head, which may be empty, as [`Table::text`] does.
-pub(super) fn columns(head: &[&str], left: &[usize], rows: Vec<Vec<String>>) -> String {
-    Table { rows, ..Table::new(head.iter().copied(), left) }.text()
+/// Returns a table for standard output: on a terminal without the columns that it has no room for.
+pub(super) fn in_columns(table: &Table) -> String {
+    table.text_within(columns_of(&std::io::stdout()))
+}
+
+/// Returns a text for standard output with its long lines broken between words, on a terminal no longer than its lines.
+pub(super) fn paragraph(text: &str) -> String {
+    /// Columns of a long line that is none of a table.
+    const WIDTH: usize = 80;
+    fitted(text, WIDTH.min(columns_of(&std::io::stdout())))
 }
 
 /// Cuts a text to this number of columns; dots mark the cut.
@@ -207,11 +230,19 @@ impl OutputFile {
         if self.path.exists() && !self.path.is_file() {
             return fs::write(&self.path, bytes).context("write", &self.path);
         }
-        write_atomically(&self.path, bytes)
+        write_atomically(&self.path, bytes).map_err(|mut e| {
+            if let Error::Io { source, remedy, .. } = &mut e
+                && [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::FileTooLarge]
+                    .contains(&source.kind())
+            {
+                *remedy = "free some space, raise the limit, or name a file elsewhere";
+            }
+            e
+        })
     }
 }
 
-/// Returns, with a remedy, why a path cannot be written, if it cannot.
+/// Returns, with a remedy, why a path cannot be written, if it cannot. The last folder on it need not be there.
 fn why_not_writable(path: &Path) -> Result<Option<String>> {
     // `file_name` of `v.npy/` is `v.npy`.
     let is_folder = path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");
@@ -222,7 +253,11 @@ fn why_not_writable(path: &Path) -> Result<Option<String>> {
         Ok(target) => target,
         Err(e) => return Ok(Some(format!("{e}; remove the link, or name another file"))),
     };
-    let folder = folder_of(&target);
+    let mut folder = folder_of(&target);
+    if target == path && !folder.exists() && folder_of(folder).is_dir() {
+        // It is made with the file.
+        folder = folder_of(folder);
+    }
     if !folder.is_dir() {
         return Ok(Some(match target == path {
             true => "no such folder; make it, or name another file".into(),
@@ -264,6 +299,12 @@ mod tests {
             fitted("  a word-that-is-too-long b", 8),
             "  a\n    word-that-is-too-long\n    b"
         );
+        // A number is not broken between its groups of digits.
+        assert_eq!(
+            fitted("the 104 025 336 nodes 12 345", 12),
+            "the\n  104 025 336\n  nodes\n  12 345"
+        );
+        assert_eq!(fitted("in 4 1000 ab", 6), "in 4\n  1000\n  ab");
         // The codes of colours take no columns, and wide letters two.
         let red = styled("error", anstyle::AnsiColor::Red);
         assert_eq!(fitted(&format!("{red}: 鍋鍋"), 11), format!("{red}: 鍋鍋"));

@@ -1,17 +1,17 @@
 //! Walks of the project's plan, for all commands.
 
 use super::interrupt::interrupted;
-use super::output::{for_talk, refuse_tilde};
+use super::output::{for_talk, moved_jumps, refuse_tilde};
 use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Edited, Editor, Exports, Hashes, LockFile, Manifest, Options, Plan, Progress, Rights, Store,
-    Summary, WalkResults, execute, work,
+    Edited, Editor, Exports, Interrupt, KnownHashes, LockFile, Manifest, Options, Plan, Progress,
+    Rights, Store, Summary, WalkResults, execute, work,
 };
-use crate::replication::project::Project;
+use crate::replication::project::{Project, refuse_broken};
 use crate::replication::stages::{Stage, plan, scene_of};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Default cache of a project.
@@ -43,6 +43,11 @@ impl Workplace {
         Self::with(cache, Project::read)
     }
 
+    /// As [`Workplace::open`], with the project only as far as tasks of these scenes depend on it.
+    pub(super) fn open_for(cache: &CacheArgs, scenes: &[String]) -> Result<Self> {
+        Self::with(cache, |root| Project::read_for(root, scenes))
+    }
+
     /// Returns the workplace with the project that `read` reads.
     fn with(cache: &CacheArgs, read: impl FnOnce(PathBuf) -> Result<Project>) -> Result<Self> {
         cache.cache_dir.as_deref().map_or(Ok(()), refuse_tilde)?;
@@ -51,7 +56,18 @@ impl Workplace {
         outside_report(&root, &folder, "the cache")?;
         let mut project = read(root)?;
         project.commands = super::commands;
-        Ok(Self { store: Store::new(&folder)?, project })
+        let mut store = Store::new(&folder)?;
+        store.known = KnownHashes::read(&project.root);
+        Ok(Self { project, store })
+    }
+
+    /// Returns the workplace; if asked, one that reads all files, also those that have not changed for all that the
+    /// file system tells.
+    pub(super) fn verifying(mut self, asked: bool) -> Self {
+        if asked {
+            self.store.known = KnownHashes::default();
+        }
+        self
     }
 
     pub(super) fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Plan> {
@@ -65,33 +81,54 @@ impl Workplace {
         Ok(self.walk(plan, scope, options, &Progress::new(false, true))?.0)
     }
 
-    /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to date. If the lock
-    /// file is to stay as it is, and the results differ from it, nothing outside the cache is written, and the summary
-    /// lists the hashes that differ.
-    pub(super) fn run(
+    /// As [`Workplace::judge`], and refuses what a run with these options would refuse; tasks that could not do their
+    /// work are made to fail, where the run is to go on.
+    pub(super) fn rehearse(
         &self,
-        plan: &Plan,
+        plan: &mut Plan,
         scope: Scope,
         options: Options,
         progress: &Progress,
     ) -> Result<Summary> {
-        let root = &self.project.root;
-        // Judging needs no lock, writes nothing, and is enough if there is nothing to do.
-        let look = Options { force: options.force, ..LOOK };
-        let (summary, known) = self.walk(plan, scope, look, progress)?;
-        if summary.nothing_to_do()
-            && lock_file(scope, &summary, &known) == known
-            && self.leftovers(&summary).is_empty()
-        {
+        let mut summary = self.judge(plan, scope, options.force)?;
+        if !summary.nothing_to_do() {
+            refuse_edited(&summary)?;
+            let refused = self.check(plan, &summary, progress)?;
+            if !options.keep_going {
+                refuse_broken(&refused)?;
+            }
+            plan.refuse(|id| scene_of(id).and_then(|scene| refused.get(scene)).cloned());
+            summary.failed = refused.into_values().collect();
+        }
+        Ok(summary)
+    }
+
+    /// Walks the plan under the locks of project and cache, exports, and brings the lock file up to date. If the lock
+    /// file is to stay as it is, and the results differ from it, nothing outside the cache is written, and the summary
+    /// lists the hashes that differ.
+    pub(super) fn run(
+        &mut self,
+        plan: &mut Plan,
+        scope: Scope,
+        options: Options,
+        progress: &Progress,
+    ) -> Result<Summary> {
+        // Judging needs no lock, writes nothing, and is enough if there is nothing to do. Project and cache are written
+        // only if the project can be run.
+        let summary = self.rehearse(plan, scope, options, progress)?;
+        if summary.nothing_to_do() && self.leftovers(&summary).is_empty() {
+            if self.store.known.missed() {
+                self.note(plan, scope, &summary);
+            }
             return Ok(summary);
         }
-        // Project and cache are written only if the project can be run.
-        refuse_edited(&summary)?;
-        self.check(&summary, progress)?;
-        let _locks = [Exports::lock(root)?, self.store.lock()?];
+        let _locks = [Exports::lock(&self.project.root)?, self.store.lock()?];
+        // What is used is read.
+        self.store.known = KnownHashes::default();
+        let root = &self.project.root;
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
-            summary.differences = known.differences(&summary.lock_file());
+            summary.differences = known.differences(&summary.lock_file);
             if !summary.differences.is_empty() {
                 return Ok(summary);
             }
@@ -107,26 +144,93 @@ impl Workplace {
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }
-        let lock_file = lock_file(scope, &summary, &known);
-        if lock_file != known {
-            lock_file.write(root)?;
-            summary.lock_file_changed = true;
+        if summary.lock_file_changed {
+            recorded(scope, &summary, &known).write(root)?;
         }
+        self.note(plan, scope, &summary);
         Ok(summary)
     }
 
-    /// Refuses what a run of the tasks that are not up to date would read and could not use, and warns of meshes whose
-    /// parts touch without being joined.
-    pub(super) fn check(&self, summary: &Summary, progress: &Progress) -> Result<()> {
-        let at_work = summary.not_fresh().filter_map(|one| scene_of(&one.task)).collect();
-        self.project.check(&at_work)?.iter().for_each(|warning| progress.note(&for_talk(warning)));
-        Ok(())
+    /// Notes the hashes of all files for the next run; one of a part would lose those of the rest.
+    fn note(&self, plan: &Plan, scope: Scope, summary: &Summary) {
+        if scope != Scope::Part {
+            // Without notes, the next run reads all files.
+            let root = &self.project.root;
+            let _ =
+                self.store.known.note(root, &self.results(plan, &summary.manifests).paths(root));
+        }
     }
 
-    /// Runs the stale tasks of a part of the plan; returns the manifests of all tasks of the part.
-    pub(super) fn bring_up_to_date(&self, part: &Plan) -> Result<BTreeMap<String, Manifest>> {
+    fn results<'a>(
+        &'a self,
+        plan: &'a Plan,
+        manifests: &'a BTreeMap<String, Manifest>,
+    ) -> WalkResults<'a> {
+        WalkResults { plan, manifests, store: &self.store }
+    }
+
+    /// Checks what a run of the tasks that are not up to date would read, and warns of meshes whose parts touch without
+    /// being joined. Returns the scenes that cannot be run, each with the error.
+    fn check(
+        &self,
+        plan: &Plan,
+        summary: &Summary,
+        progress: &Progress,
+    ) -> Result<BTreeMap<String, String>> {
+        let (mut at_work, mut files) = (BTreeSet::new(), BTreeSet::new());
+        for one in summary.not_fresh() {
+            at_work.extend(scene_of(&one.task));
+            let task = plan.task(&one.task);
+            files.extend(task.iter().flat_map(|task| task.files.keys().map(String::as_str)));
+        }
+        let checked = self.project.check(&at_work, &files)?;
+        if checked.refused.is_empty() {
+            checked.warnings.iter().for_each(|warning| progress.note(&for_talk(warning)));
+            self.warn_of_moved_jumps(&at_work, progress);
+        }
+        Ok(checked.refused)
+    }
+
+    /// Warns of nodal loads that move the jumps of f, of scenes that are to be run.
+    fn warn_of_moved_jumps(&self, at_work: &BTreeSet<&str>, progress: &Progress) {
+        // The load of a published table is the paper's.
+        let own = self.project.scenes.iter().filter(|scene| scene.paper_table.is_none());
+        for scene in own.filter(|scene| at_work.contains(&*scene.name)) {
+            if let Some(moved) = scene.problem.moved_jumps() {
+                let moved = moved_jumps(moved) + "; load = { rule = \"bilinear\" } does not";
+                progress.note(&for_talk(&format!("warning: scene `{}`: {moved}", scene.name)));
+            }
+        }
+    }
+
+    /// Runs the stale tasks of a part of the plan, exports, and records; returns the manifests of all tasks of the
+    /// part.
+    pub(super) fn bring_up_to_date(
+        &mut self,
+        part: &mut Plan,
+    ) -> Result<BTreeMap<String, Manifest>> {
         let progress = Progress::new(false, false);
         Ok(self.run(part, Scope::Part, Options::default(), &progress)?.manifests)
+    }
+
+    /// Runs the stale tasks of a part of the plan, and writes to the cache alone; returns the manifests of all tasks of
+    /// the part.
+    pub(super) fn compute(&mut self, part: &Plan) -> Result<BTreeMap<String, Manifest>> {
+        let progress = Progress::new(false, false);
+        let look = self.execute(part, LOOK, &progress)?;
+        if look.not_fresh().next().is_none() {
+            return Ok(look.manifests);
+        }
+        refuse_broken(&self.check(part, &look, &progress)?)?;
+        let _lock = self.store.lock()?;
+        // What is used is read.
+        self.store.known = KnownHashes::default();
+        let options = Options { jobs: jobs(0), ..Options::default() };
+        let summary = self.execute(part, options, &progress)?;
+        match summary.failed.is_empty() {
+            true => Ok(summary.manifests),
+            false => Err(Error::Stage(summary.failed)),
+        }
     }
 
     /// Runs single tasks beside other processes; only the cache is written.
@@ -137,7 +241,9 @@ impl Workplace {
     ) -> Result<Summary> {
         let (workplace, plan) = Self::with_tasks(cache, asked)?;
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
-        workplace.check(&workplace.judge(&plan, Scope::Part, false)?, progress)?;
+        let summary = workplace.execute(&plan, LOOK, progress)?;
+        refuse_broken(&workplace.check(&plan, &summary, progress)?)?;
+        let workplace = workplace.verifying(true);
         work(&plan, asked, &workplace.store, progress, interrupted())
     }
 
@@ -174,44 +280,32 @@ impl Workplace {
     ) -> Result<(Summary, LockFile)> {
         let options = Options { jobs: jobs(options.jobs), ..options };
         let root = &self.project.root;
-        // Files are read ahead only if no task runs: while tasks run, people may edit files.
-        let ((known, exports), mut summary) = if options.dry_run && scope != Scope::Part {
-            let (looked, walked) =
-                rayon::join(|| look_ahead(root), || self.execute(plan, options, progress));
-            (looked?, walked?)
-        } else {
-            let known = LockFile::read(root)?;
-            let exports = Exports::look(root, &Hashes::new())?;
-            ((known, exports), self.execute(plan, options, progress)?)
-        };
-        let results = WalkResults {
-            plan,
-            manifests: &summary.manifests,
-            store: &self.store,
-            known: &known.exports,
-        };
+        let mut summary = self.execute(plan, options, progress)?;
+        let results = self.results(plan, &summary.manifests);
+        let lock_file = results.lock_file();
+        let known = LockFile::read_expecting(root, &lock_file)?;
         let rights = Rights { overwrite: options.force, remove: scope != Scope::Part };
-        summary.exports = exports.plan(root, &results, rights)?;
+        summary.exports = Exports::plan(root, &results, &known.exports, rights)?;
+        summary.lock_file = lock_file;
+        // Before all tasks are done, nobody knows what they make.
+        summary.lock_file_changed = summary.manifests.len() == plan.tasks().len()
+            && recorded(scope, &summary, &known) != known;
         Ok((summary, known))
     }
 
     fn execute(&self, plan: &Plan, options: Options, progress: &Progress) -> Result<Summary> {
-        execute(plan, &self.store, options, progress, interrupted())
+        // What only looks ends at once, without a handler.
+        let never = Interrupt::new();
+        let interrupt = if options.dry_run { &never } else { interrupted() };
+        execute(plan, &self.store, options, progress, interrupt)
     }
 }
 
-/// Reads the lock file, and the exported files that it names.
-fn look_ahead(root: &Path) -> Result<(LockFile, Exports)> {
-    let known = LockFile::read(root)?;
-    let exports = Exports::look(root, &known.exports)?;
-    Ok((known, exports))
-}
-
 /// Returns the lock file after a walk.
-fn lock_file(scope: Scope, summary: &Summary, known: &LockFile) -> LockFile {
+fn recorded(scope: Scope, summary: &Summary, known: &LockFile) -> LockFile {
     match scope {
-        Scope::Part => known.clone().updated(summary.lock_file()),
-        Scope::Whole | Scope::Locked => summary.lock_file(),
+        Scope::Part => known.clone().updated(summary.lock_file.clone()),
+        Scope::Whole | Scope::Locked => summary.lock_file.clone(),
     }
 }
 
@@ -227,10 +321,10 @@ pub(super) fn jobs(asked: usize) -> usize {
 /// Refuses a place for files of this program in a folder with inputs or exports.
 pub(super) fn outside_report(root: &Path, path: &Path, what: &str) -> Result<()> {
     let (root, path) = (real(root), real(path));
-    let inside = ["report", "figures", "pipeline"];
+    let inside = ["report", "figures", "pipeline", ".git"];
     match inside.into_iter().find(|folder| path.starts_with(root.join(folder))) {
         Some(folder) => Err(Error::input(format!(
-            "{what} would lie in {folder}/, which a run reads and writes; choose another place"
+            "{what} would lie in {folder}/, which has other files; choose another place"
         ))),
         None => Ok(()),
     }

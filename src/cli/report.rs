@@ -19,9 +19,9 @@ pub(super) struct ReportArgs {
 }
 
 pub(super) fn report(args: &ReportArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
-    let tasks = workplace.tasks(&[], Some(Stage::Report))?;
-    let manifests = workplace.bring_up_to_date(&tasks)?;
+    let mut workplace = Workplace::open(&args.cache)?;
+    let mut tasks = workplace.tasks(&[], Some(Stage::Report))?;
+    let manifests = workplace.bring_up_to_date(&mut tasks)?;
     let made = manifests.values().flat_map(|manifest| manifest.outputs.keys());
     let made: Vec<String> = made.map(|name| format!("report/{name}")).collect();
     let page = first_page(made.iter()).ok_or_else(|| {

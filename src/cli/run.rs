@@ -1,11 +1,11 @@
 //! `run`: brings everything up to date, and says what that took.
 
-use super::CacheArgs;
 use super::diff::comparisons;
-use super::output::{cut, moved_jumps, say, talk, tell, warn_of_outside};
+use super::output::{cut, say, talk, tell, warn_of_outside};
 use super::pipeline::{Scope, Workplace, edited};
 use super::report::first_page;
 use super::shown::brief;
+use super::{CacheArgs, name_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::comparison::{TableComparison, Tables};
@@ -18,14 +18,14 @@ use std::time::{Duration, Instant};
 #[derive(Args, Clone, Debug)]
 pub(super) struct RunArgs {
     /// Scenes to run [default: all, and the book]
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", value_parser = name_parser)]
     pub scenes: Vec<String>,
     /// Only this stage, and what it needs
     #[arg(long, value_name = "STAGE", hide_short_help = true)]
     only: Option<Stage>,
     /// Run only this task; what it needs must be up to date. Writes to the cache alone, beside other
     /// processes that do the same. May be given several times
-    #[arg(long, value_name = "ID", hide_short_help = true, conflicts_with_all = [
+    #[arg(long, value_name = "ID", value_parser = name_parser, hide_short_help = true, conflicts_with_all = [
         "scenes", "only", "dry_run", "force", "keep_going", "jobs", "locked",
     ])]
     task: Vec<String>,
@@ -60,12 +60,13 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if !args.task.is_empty() {
         return single_tasks(args);
     }
-    let workplace = Workplace::open(&args.cache)?;
-    let plan = args.plan(&workplace)?;
-    args.warn(&workplace.project)?;
+    let mut workplace = Workplace::open_for(&args.cache, &args.scenes)?.verifying(args.locked);
+    let (scenes, unread) = args.readable(&workplace.project);
+    let mut plan = args.plan(&workplace, &scenes)?;
+    let scope = args.scope(&unread);
+    args.warn(&workplace.project, &scenes)?;
     if args.dry_run {
-        let summary = workplace.judge(&plan, args.scope(), args.force)?;
-        workplace.check(&summary, &args.progress())?;
+        let summary = workplace.rehearse(&mut plan, scope, args.options(), &args.progress())?;
         let verdicts = match summary.nothing_to_do() {
             true => {
                 let tables = comparisons(&workplace, &summary.manifests)?;
@@ -73,22 +74,30 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
             }
             false => verdicts(&summary),
         };
-        return tell(&(left_out(&workplace.project, &plan) + &verdicts));
+        tell(&(left_out(&workplace.project, &plan) + &verdicts))?;
+        return failed([unread, summary.failed].concat());
     }
     let start = Instant::now();
-    let summary = workplace.run(&plan, args.scope(), args.options(), &args.progress())?;
+    let ran = workplace.run(&mut plan, scope, args.options(), &args.progress());
+    let summary = match ran {
+        Err(Error::Stage(reasons)) => return failed([unread, reasons].concat()),
+        ran => ran?,
+    };
     let tables = comparisons(&workplace, &summary.manifests)?;
-    args.talk_of_run(&workplace, (&summary, &tables), start.elapsed())?;
+    args.talk_of_run(&workplace, &scenes, (&summary, &tables))?;
+    if !args.quiet && !summary.ran.is_empty() {
+        talk(&format!("took {}", brief(start.elapsed())));
+    }
     if !summary.differences.is_empty() {
         let lines = summary.differences.join("\n  ");
         say(&format!("differs from pipeline/lock.toml:\n  {lines}\n"))?;
         return Ok(1);
     }
-    if summary.nothing_to_do() && !summary.lock_file_changed {
-        let said = tell(&nothing_to_do(&workplace, &summary, &tables));
+    if summary.nothing_to_do() {
+        tell(&nothing_to_do(&workplace, &summary, &tables))?;
         // The process ends; freeing its memory first would be a noticeable part of so short a run.
         std::mem::forget((workplace, plan, summary));
-        return said;
+        return failed(unread);
     }
     tell(
         &(left_out(&workplace.project, &plan)
@@ -96,7 +105,13 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
             + args.hint_of_results(&summary)
             + &agreement(&workplace.project, &tables).map_or(String::new(), |line| line + "\n")
             + &book(&summary)),
-    )
+    )?;
+    failed(unread)
+}
+
+/// Ends a command with these reasons for which some of it could not be done, if there are any.
+fn failed(reasons: Vec<String>) -> Result<u8> {
+    if reasons.is_empty() { Ok(0) } else { Err(Error::Stage(reasons)) }
 }
 
 /// Runs single tasks beside other processes that do the same.
@@ -142,12 +157,26 @@ fn book(summary: &Summary) -> String {
 }
 
 impl RunArgs {
+    /// Returns the names of the scenes to run, none for all, and why others cannot be read: without `--keep-going`, or
+    /// if there is no other, each is asked for, and so refused.
+    fn readable(&self, project: &Project) -> (Vec<String>, Vec<String>) {
+        let asked = |name: &String| self.scenes.is_empty() || self.scenes.contains(name);
+        let names = project.scenes.iter().map(|scene| &scene.name).filter(|name| asked(name));
+        let names: Vec<String> = names.cloned().collect();
+        let unread = project.broken.iter().filter(|(name, _)| asked(name));
+        let unread: Vec<String> = unread.map(|(_, why)| why.clone()).collect();
+        match self.keep_going && !self.locked && !names.is_empty() && !unread.is_empty() {
+            true => (names, unread),
+            false => (self.scenes.clone(), Vec::new()),
+        }
+    }
+
     /// Plan of the tasks asked for.
     ///
     /// # Errors
     /// [`Error::Input`] if there are none.
-    fn plan(&self, workplace: &Workplace) -> Result<Plan> {
-        let plan = workplace.tasks(&self.scenes, self.only)?;
+    fn plan(&self, workplace: &Workplace, scenes: &[String]) -> Result<Plan> {
+        let plan = workplace.tasks(scenes, self.only)?;
         if !plan.tasks().is_empty() {
             return Ok(plan);
         }
@@ -159,8 +188,9 @@ impl RunArgs {
         Err(Error::input(format!("there is nothing of this kind to make; {remedy}")))
     }
 
-    fn scope(&self) -> Scope {
-        match self.scenes.is_empty() && self.only.is_none() {
+    /// Part of the project that is run, in which some scenes are `unread`.
+    fn scope(&self, unread: &[String]) -> Scope {
+        match self.scenes.is_empty() && self.only.is_none() && unread.is_empty() {
             true if self.locked => Scope::Locked,
             true => Scope::Whole,
             false => Scope::Part,
@@ -176,46 +206,37 @@ impl RunArgs {
         Progress::new(self.verbose, self.quiet)
     }
 
-    /// Warns of files that look like scenes and are none, of pieces of f that lie outside of the domain and change
-    /// nothing, and of nodal loads that move the jumps of f.
-    fn warn(&self, project: &Project) -> Result<()> {
+    /// Warns of files that look like scenes and are none, and of pieces of f that lie outside of the domain and change
+    /// nothing.
+    fn warn(&self, project: &Project, scenes: &[String]) -> Result<()> {
         if !self.quiet {
             project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
-            for scene in project.select(&self.scenes)? {
+            for scene in project.select(scenes)? {
                 warn_of_outside(Some(&scene.name), &scene.problem.outside());
-                // The load of a published table is the paper's.
-                let moved = scene.problem.moved_jumps().filter(|_| scene.paper_table.is_none());
-                if let Some(moved) = moved {
-                    let moved = moved_jumps(moved) + "; load = { rule = \"bilinear\" } does not";
-                    talk(&format!("warning: scene `{}`: {moved}", scene.name));
-                }
             }
         }
         Ok(())
     }
 
-    /// Says which solves ended without a solution, and the time of the run.
+    /// Says which solves ended without a solution.
     fn talk_of_run(
         &self,
         workplace: &Workplace,
+        scenes: &[String],
         (summary, tables): (&Summary, &[TableComparison]),
-        time: Duration,
     ) -> Result<()> {
         if !self.quiet {
             // That the discrete problems of a published table have no solution is a finding, in the book.
             let is_as_published = |scene: &Scene| {
                 tables.iter().any(|table| table.scene == scene.name && table.all_counts_exact())
             };
-            for scene in workplace.project.select(&self.scenes)? {
+            for scene in workplace.project.select(scenes)? {
                 let outcomes = |task: &str| outcomes_of(workplace, summary, task);
                 if !is_as_published(scene)
                     && let Some(line) = solve::without_solution(scene, outcomes)
                 {
                     talk(&line);
                 }
-            }
-            if !summary.ran.is_empty() {
-                talk(&format!("took {}", brief(time)));
             }
         }
         Ok(())
@@ -284,8 +305,10 @@ fn what_ran(summary: &Summary) -> String {
     if let Some(files) = to_remove(summary) {
         text += &format!("removed {files}\n");
     }
-    if summary.lock_file_changed && summary.ran.is_empty() {
-        text += "pipeline/lock.toml brought up to date\n";
+    if summary.ran.is_empty() {
+        text +=
+            if summary.lock_file_changed { "pipeline/lock.toml brought up to date\n" } else { "" };
+        text += if text.is_empty() && summary.reverted { OLDER } else { "" };
     }
     text
 }
@@ -314,8 +337,18 @@ fn to_remove(summary: &Summary) -> Option<String> {
         .then(|| files.iter().map(|file| file.as_str()).collect::<Vec<_>>().join(", "))
 }
 
+/// Line on a run that needs only be noted.
+const OLDER: &str = "an older result is in use again\n";
+
+/// Says what a run would change besides running tasks.
 pub(super) fn exports(summary: &Summary) -> String {
     let mut text = String::new();
+    if summary.reverted {
+        text += OLDER;
+    }
+    if summary.lock_file_changed {
+        text += "pipeline/lock.toml is missing or old\n";
+    }
     if summary.exports.to_write() > 0 {
         text += "files in figures/ or report/ are missing or old\n";
     }

@@ -6,33 +6,35 @@ mod adapting;
 mod advice;
 mod answer;
 mod bound;
+mod clock;
 mod files;
 mod judging;
 mod request;
 mod spectral;
 
 use super::output::{OutputFile, say_json, tell};
-use super::{Suggested, solver_parser};
+use super::{Suggested, name_parser, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::accuracy::Accuracy;
 use adapting::ShownMeshes;
 use answer::Answer;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, ValueEnum};
+use clock::Part;
 use files::{Format, PictureKind};
 use request::Request;
+use serde_json::Value;
 use signorini_mathematics::bounds::recovery;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::discrete::transfer::prolong_boundary;
-use signorini_mathematics::levels::{Lattices, Levels};
+use signorini_mathematics::levels::Lattices;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::{Pair, StopRule};
 use signorini_mathematics::solvers::Solver;
 use std::path::PathBuf;
-use std::time::Instant;
 
 #[derive(Args)]
 #[command(group = ArgGroup::new("problem").required(true).args(["scene", "f"]))]
@@ -40,6 +42,7 @@ pub(super) struct SolveArgs {
     /// A scene of the project
     ///
     /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says.
+    #[arg(value_parser = name_parser)]
     scene: Option<String>,
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
     #[arg(long)]
@@ -47,8 +50,8 @@ pub(super) struct SolveArgs {
     /// Domain: square, cube, disc, lshape, annulus, ball, or a Gmsh file [default: square]
     ///
     /// A file, of formats 2.0 to 4.1, holds triangles or tetrahedra; physical groups name regions, for
-    /// `region(name)=value` in --f, and parts of the boundary. In space f is made of box(x0,x1,y0,y1,z0,z1),
-    /// ball(x,y,z,radius) and halfspace(a,b,c,d).
+    /// `region(name)=value` in --f, in quotes if the name has = or ;, and parts of the boundary. In space f is made of
+    /// box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and halfspace(a,b,c,d).
     #[arg(long, value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
         value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
     domain: Option<String>,
@@ -122,9 +125,10 @@ pub(super) struct SolveArgs {
     json: bool,
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
-    /// An .npz has v, multiplier and f, an .npy v alone. The ending alone, `vti`, names the file after the scene. The
-    /// spectral solver's solution is written at the nodes of --h. A picture is a shaded surface on the square and a map
-    /// on every other domain in the plane, unless --map or --surface says otherwise; a solution in space has none.
+    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The ending alone,
+    /// `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h. A picture
+    /// is a shaded surface on the square and a map on every other domain in the plane, unless --map or --surface says
+    /// otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
@@ -189,19 +193,19 @@ impl SolveArgs {
         }
     }
 
-    /// Writes the file, if there is one, with a solution on the finest of some levels.
-    fn write(
+    /// Prints an answer, then tells of the file that was written with it; the answer is not lost with the file.
+    fn show(
         &self,
-        request: &Request,
-        file: Option<(OutputFile, Format)>,
-        (levels, pair): (&dyn Levels, &Pair),
+        json: impl FnOnce() -> Value,
+        text: impl FnOnce() -> String,
+        (file, written): (Option<(OutputFile, Format)>, Result<()>),
     ) -> Result<u8> {
-        let Some((file, format)) = file else { return Ok(0) };
-        file.write(&request.file(format, levels, pair)?)?;
-        if !self.json {
-            tell(&format!("wrote {}\n", file.path().display()))?;
+        if self.json { say_json(&json()) } else { tell(&text()) }?;
+        written?;
+        match file.filter(|_| !self.json) {
+            Some((file, _)) => tell(&format!("wrote {}\n", file.path().display())),
+            None => Ok(0),
         }
-        Ok(0)
     }
 
     fn accuracy(&self) -> Option<Accuracy> {
@@ -260,13 +264,10 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let mut request = Request::read(args)?;
     let file = args.file(&request)?;
     if request.settings.solver == Solver::Spectral {
-        let lattices = request.lattices("--solver spectral")?;
-        let solution = spectral::solve(args, &request, lattices)?;
-        if file.is_none() {
-            return Ok(0);
-        }
-        let pair = spectral::on_grid(&solution, lattices.finest());
-        return args.write(&request, file, (lattices, &pair));
+        let answer = spectral::answer(&request)?;
+        let written = file.as_ref().map_or(Ok(()), |file| answer.write(&request, file));
+        let (json, text) = (|| answer.json(&request), || answer.text(&request));
+        return args.show(json, text, (file, written));
     }
     let answer = match request.accuracy {
         Some(accuracy) if request.problem.lattices().is_none() => {
@@ -275,43 +276,36 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         Some(accuracy) => answer_to(&mut request, accuracy)?,
         None => answer(&request)?,
     };
-    if args.json {
-        say_json(&answer.json(&request))?;
-    } else {
-        tell(&answer.text(&request, args.recover))?;
-    }
-    if args.recover {
-        let (lattices, pair) = recovered(&request, &answer.pair)?;
-        args.write(&request, file, (&lattices, &pair))?;
-    } else {
-        args.write(&request, file, (request.problem.levels(), &answer.pair))?;
-    }
-    let failure = answer.failure.or(answer.shortfall);
-    failure.map_or(Ok(0), |failure| Err(Error::Stage(vec![failure])))
+    let pair = &answer.pair;
+    let written = file.as_ref().map_or(Ok(()), |file| match args.recover {
+        true => recovered(&request, pair)
+            .and_then(|(lattices, pair)| request.write(file, &lattices, &pair)),
+        false => request.write(file, request.problem.levels(), pair),
+    });
+    let (json, text) = (|| answer.json(&request), || answer.text(&request, args.recover));
+    args.show(json, text, (file, written))?;
+    let refusal = answer.refusal().map(|failure| Error::Stage(vec![failure.sentence()]));
+    refusal.map_or(Ok(0), Err)
 }
 
 /// Solves and judges.
 fn answer(request: &Request) -> Result<Answer> {
-    let start = Instant::now();
     // The load vector is made when it is first read.
     request.problem.load();
-    let setup = start.elapsed().as_secs_f64();
-    let start = Instant::now();
+    request.clock.ended(Part::Load);
     let run = request.run()?;
-    let seconds = [setup, start.elapsed().as_secs_f64()];
+    request.clock.ended(Part::Solver);
     let bounds = request.problem.bounds(&run.y);
-    Ok(Answer::new(request, run, bounds, seconds))
+    Ok(Answer::new(request, run, bounds))
 }
 
 /// Solves on adapted meshes until the guaranteed bound is small enough, and judges.
 fn adapted_answer(request: &mut Request, accuracy: Accuracy, verbose: bool) -> Result<Answer> {
-    let start = Instant::now();
     let mut shown = ShownMeshes::new(accuracy, verbose);
     let found = request.adapt(accuracy, &mut |mesh| shown.show(mesh));
     shown.end();
     let (run, bounds) = found?;
-    let seconds = [0.0, start.elapsed().as_secs_f64()];
-    let mut answer = Answer::new(request, run, Ok(bounds), seconds);
+    let mut answer = Answer::new(request, run, Ok(bounds));
     answer.judge_end(request, accuracy);
     Ok(answer)
 }
@@ -323,10 +317,7 @@ fn answer_to(request: &mut Request, accuracy: Accuracy) -> Result<Answer> {
         request.set_grid(cells)?;
         let mut answer = answer(request)?;
         ends.append(&mut answer.run.ends);
-        let bounds = answer.bounds.clone().map_err(|reason| {
-            let asked = written.text(accuracy);
-            Error::input(format!("{asked}: no bound of the error: {reason}; scale f"))
-        })?;
+        let bounds = accuracy.of_grid(written, answer.bounds.clone())?;
         let bounds = answer.failure.is_none().then_some(bounds);
         last = Some(answer);
         Ok(bounds)

@@ -1,9 +1,9 @@
 //! `status` and `explain`: the stale tasks, and the reasons.
 
-use super::CacheArgs;
 use super::output::{columns_of, cut, say, say_json, styled};
 use super::pipeline::{Scope, Workplace};
 use super::run::exports;
+use super::{CacheArgs, name_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Judged, Reason, Summary, Verdict, stage};
 use crate::replication::stages::Stage;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 #[derive(Args)]
 pub(super) struct StatusArgs {
     /// Scenes to look at [default: all]
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", value_parser = name_parser)]
     scenes: Vec<String>,
     /// Exit with 1 if anything is stale
     #[arg(long)]
@@ -23,6 +23,9 @@ pub(super) struct StatusArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Read all files, also those that have not changed for all that the file system tells
+    #[arg(long)]
+    verify: bool,
     #[command(flatten)]
     cache: CacheArgs,
 }
@@ -30,6 +33,7 @@ pub(super) struct StatusArgs {
 #[derive(Args)]
 pub(super) struct ExplainArgs {
     /// A stage (solve, tabulate, diff, identify, bench, figures, report) or the beginning of a task's id
+    #[arg(value_parser = name_parser)]
     stage: String,
     /// Print JSON
     #[arg(long)]
@@ -39,14 +43,18 @@ pub(super) struct ExplainArgs {
 }
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
-    let workplace = Workplace::open(&args.cache)?;
+    let workplace = Workplace::open_for(&args.cache, &args.scenes)?.verifying(args.verify);
     let scope = if args.scenes.is_empty() { Scope::Whole } else { Scope::Part };
     let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, scope, false)?;
     let stale = !summary.nothing_to_do();
     if args.json {
         let tasks: BTreeMap<_, _> =
             summary.verdicts.iter().map(|j| (&j.task, &j.verdict)).collect();
-        say_json(&serde_json::json!({ "schema": 1, "stale": stale, "tasks": tasks }))?;
+        let files = exports(&summary);
+        let files: Vec<&str> = files.lines().collect();
+        say_json(
+            &serde_json::json!({ "schema": 1, "stale": stale, "tasks": tasks, "files": files }),
+        )?;
     } else {
         let mut text = table(&summary, width());
         text += &exports(&summary);

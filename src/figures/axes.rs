@@ -1,6 +1,6 @@
 //! Parts that several figures share: plot frames with ticks, colour bars and legends.
 
-use super::palette::{ColourScale, INK, MUTED, RGBColor, RULE, series};
+use super::palette::{ColourScale, INK, MUTED, RGBColor, RULE};
 use super::picture::{END, NORMAL, Picture, Place, SMALL, START, italic, plain, text_width};
 use super::text::{Ticks, number_width};
 
@@ -208,14 +208,6 @@ pub(super) struct Legend<'a> {
 const STROKE: f64 = 22.0;
 
 impl<'a> Legend<'a> {
-    /// Lays out lines with these `labels`, in the order of the colours of [`series`].
-    pub(super) fn new(labels: impl IntoIterator<Item = &'a str>, width: f64) -> Self {
-        let labels = labels.into_iter().enumerate();
-        let entries =
-            labels.map(|(k, label)| Entry { label, color: series(k), sample: Sample::Line });
-        Self::of(entries, width)
-    }
-
     /// Lays out entries in rows no wider than `width`.
     pub(super) fn of(given: impl IntoIterator<Item = Entry<'a>>, width: f64) -> Self {
         let (mut x, mut row) = (0.0, 0);

@@ -3,12 +3,11 @@
 use super::axes::{colour_bar, key};
 use super::camera::{Camera, UNIT, View};
 use super::floor::Floor;
-use super::palette::{CONTACT, ColourScale, INK, MUTED, RULE, SHADE};
-use super::picture::{
-    END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, fitting, italic, plain,
-};
+use super::palette::{ColourScale, INK, MUTED, RGBColor, RULE, SHADE};
+use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, italic, plain};
 use super::range_with_zero;
 use super::text::{Ticks, number_width, power_of_ten};
+use super::title::Title;
 
 /// Size of a panel in display pixels, where two are in a row.
 const PANEL: (f64, f64) = (390.0, 392.0);
@@ -63,19 +62,22 @@ pub(super) fn range_of_colours(given: Option<(f64, f64)>, values: &[f64]) -> (f6
     if range.0 < range.1 { range } else { (-1.0, 1.0) }
 }
 
-/// Draws one box per panel, in rows of `columns`; `paint` draws what is inside, and the words are those for the
-/// boundary that is marked.
+/// Draws one box per panel, in rows of `columns`; `paint` draws what is inside, and the keys have the colours and words
+/// of the parts of the boundary that are marked.
 ///
 /// Panels with scales of their own have a colour bar each; rows with one scale have one bar together.
 pub(super) fn in_boxes(
     columns: usize,
-    (panels, words): (&[Boxed], &str),
+    (panels, keys): (&[Boxed], &[(RGBColor, &str)]),
     paint: impl Fn(&mut Picture, &Inside),
 ) -> Picture {
     let columns = columns.min(panels.len());
     let rows: Vec<PanelRow> = rows(columns, panels);
     let scale = (2.0 / columns as f64).min(1.0);
-    let (wide, high) = (scale * PANEL.0, scale * (PANEL.1 - TEXT) + TEXT);
+    let wide = scale * PANEL.0;
+    let titles: Vec<_> = panels.iter().map(|panel| Title::new(panel.title, wide)).collect();
+    let more = titles.iter().map(Title::more).fold(0.0, f64::max);
+    let high = scale * (PANEL.1 - TEXT) + TEXT + more;
     let margin = 10.0;
     let heights = rows.iter().map(|row| if row.bars == Bars::Below { high - BAR } else { high });
     let width = 2.0 * margin + columns as f64 * wide;
@@ -89,7 +91,8 @@ pub(super) fn in_boxes(
     }
     for (k, panel) in panels.iter().enumerate() {
         let left = margin + (k % columns) as f64 * wide;
-        let top = tops[k / columns];
+        let top = tops[k / columns] + more;
+        let bottom = top + high - more;
         let data = panel.values;
         let span = data.1 - data.0;
         let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
@@ -103,15 +106,14 @@ pub(super) fn in_boxes(
         };
         make_room(&mut view, (left, left + wide), Room::around(&panel.floor, &ticks));
         let colours = ColourScale::Viridis { low: data.0, high: data.1 };
-        let title = fitting(panel.title, LARGE, wide);
-        picture.text(&title, (left + 0.5 * wide, top + 16.0), bold(LARGE));
+        titles[k].draw(&mut picture, (left + 0.5 * wide, top + 16.0), &bold(LARGE));
         walls(&mut picture, &view, &panel.floor, &ticks);
         paint(&mut picture, &Inside { panel: k, view: &view, colours });
         axes(&mut picture, &view, &panel.floor, &ticks);
         let power = panel.floor.power();
         if power != 0 {
             let text = format!("x, y / {}", power_of_ten(power));
-            picture.text(&text, (left + 8.0, top + high - 58.0), plain(SMALL).pos(START));
+            picture.text(&text, (left + 8.0, bottom - 58.0), plain(SMALL).pos(START));
         }
         let half = 0.5 * COMMON_BAR.min(width - 160.0);
         let bar = match rows[k / columns].bars {
@@ -119,12 +121,14 @@ pub(super) fn in_boxes(
             Bars::Common if k % columns == 0 => (0.5 * width - half, 0.5 * width + half),
             Bars::Common | Bars::Below => continue,
         };
-        colour_bar(&mut picture, bar, top + high - BAR, colours, "v");
+        colour_bar(&mut picture, bar, bottom - BAR, colours, "v");
     }
     picture.group("stroke-linecap=\"round\"", |picture| {
-        let (x, y) = (margin + 76.0, top + 12.0);
-        picture.path([(x, y), (x + 28.0, y)], CONTACT, CONTACT_WIDTH);
-        key(picture, (x + 38.0, y), words);
+        let (mut x, y) = (margin + 76.0, top + 12.0);
+        for &(color, words) in keys {
+            picture.path([(x, y), (x + 28.0, y)], color, CONTACT_WIDTH);
+            x = key(picture, (x + 38.0, y), words) + 20.0;
+        }
     });
     picture
 }

@@ -16,7 +16,7 @@ impl ContactPanel {
     ) -> Result<Vec<Self>, String> {
         let mut panels = Vec::new();
         let curves = problem.levels().curves().ok_or("a solution in space has no picture")?;
-        for ClosedCurve { parts, nodes, places, length, .. } in curves {
+        for ClosedCurve { parts, nodes, points, conditions, places, length } in curves {
             let lines = solutions.iter().map(|(label, pair)| {
                 let in_contact = problem.levels().in_contact(problem.law(), pair);
                 ContactLine {
@@ -27,9 +27,10 @@ impl ContactPanel {
                 }
             });
             let lines = lines.collect();
-            let has_sides = parts.is_none();
+            let start = points.first().copied().filter(|_| parts.is_some());
             let title = parts.map_or(title.to_owned(), |parts| format!("{title}: {parts}"));
-            panels.push(Self { title, places, length, has_sides, law: problem.law(), lines });
+            let law = problem.law();
+            panels.push(Self { title, places, length, start, conditions, law, lines });
         }
         Ok(panels)
     }

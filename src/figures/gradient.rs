@@ -4,7 +4,7 @@ use super::GradientPanel;
 use super::axes::Frame;
 use super::maps::{below, draw_axes, layout};
 use super::palette::{ColourScale, RGBColor};
-use super::panels::title;
+use super::panels::draw_title;
 use super::picture::{END, NORMAL, Picture, plain};
 use super::table::of_gradients;
 use super::text::short;
@@ -15,14 +15,14 @@ const STEPS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 /// Draws one map per panel, a cell for each node: blue where the component is negative beyond the tolerance, red where
 /// it is positive beyond the tolerance.
 pub(crate) fn gradients(panels: &[GradientPanel]) -> Picture {
-    let layout = layout(panels.len());
+    let (layout, titles) = layout(panels.iter().map(|panel| panel.title));
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
     for (k, panel) in panels.iter().enumerate() {
         // The cells of the outermost nodes stick out by half their width.
         let end = 0.5 + 0.5 * panel.grid.h();
         let frame = layout.frame(k, (-end, end), (-end, end));
-        title(&mut picture, &frame, panel.title);
+        draw_title(&mut picture, &frame, &titles[k]);
         let ratios = panel.gradient.iter().map(|component| component / panel.tolerance);
         let colors: Vec<RGBColor> = ratios.map(|ratio| color(shade(ratio))).collect();
         frame.raster(&mut picture, panel.grid.side(), &colors);

@@ -7,6 +7,7 @@ use super::picture::{
 };
 use super::table::of_histories;
 use super::text::{Ticks, power_of_ten};
+use super::title::Title;
 use super::{HistoryCurve, HistoryPanel};
 use signorini_mathematics::saddle::{Iteration, tolerance};
 
@@ -83,6 +84,8 @@ fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
     // Powers of ten at the lower and the upper edge.
     let low = -(panel.grids.len() as i32) - 1;
     let high = (libm::ceil(libm::log10(largest) + 0.05) as i32).max(low + 1);
+    let title = Title::new(panel.title, WIDTH - ACROSS.0 - 8.0);
+    let top = top + title.more();
     let plot = top + 34.0 + LEGEND_ROW * legend.rows as f64;
     let frame = Frame {
         across: ACROSS,
@@ -90,7 +93,7 @@ fn draw_panel(picture: &mut Picture, panel: &HistoryPanel, top: f64) -> f64 {
         x: (0.0, longest as f64 * 1.02),
         y: (f64::from(low), f64::from(high)),
     };
-    picture.text(panel.title, (ACROSS.0, top + 14.0), bold(LARGE).pos(START));
+    title.draw(picture, (ACROSS.0, top + 14.0), &bold(LARGE).pos(START));
     legend.draw(picture, (ACROSS.0, top + 38.0));
     ground(picture, panel, &frame, (low..=high).step_by(((high - low + 7) / 8).max(1) as usize));
     picture.group(DOTTED, |picture| {

@@ -3,10 +3,11 @@
 use super::IdentifiabilityPanel;
 use super::axes::{Frame, colour_bar, key};
 use super::palette::{CONTACT, ColourScale, INK, WHITE};
-use super::panels::{Panels, title};
+use super::panels::{Panels, above, draw_title};
 use super::picture::{NORMAL, Picture, Place, SMALL, UPWARDS, plain, text_width};
 use super::table::of_identifiability;
 use super::text::Ticks;
+use super::title::Title;
 
 /// Side of a panel in display pixels.
 const SIDE: f64 = 290.0;
@@ -21,19 +22,23 @@ pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
     let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);
     let colours = ColourScale::Viridis { low: least.min(most) as f64, high: most as f64 };
 
+    let titles = panels.iter().map(|panel| Title::new(panel.title, 95.0 + SIDE));
+    let titles: Vec<Title> = titles.collect();
     let layout = Panels {
         count: panels.len(),
         columns: 2,
-        side: SIDE,
+        frame: (SIDE, SIDE),
         margin: 10.0,
-        left: 78.0,
-        around: (95.0, 100.0),
+        beside: (78.0, 17.0),
+        above: above(&titles),
+        below: 52.0,
         foot: 96.0,
     };
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
     for (k, panel) in panels.iter().enumerate() {
         let frame = layout.frame(k, ends(&panel.slice.x), ends(&panel.slice.y));
+        draw_title(&mut picture, &frame, &titles[k]);
         draw_panel(&mut picture, panel, frame, colours);
     }
     let top = layout.foot_top() + 14.0;
@@ -60,7 +65,6 @@ fn draw_panel(
     colours: ColourScale,
 ) {
     let slice = panel.slice;
-    title(picture, &frame, panel.title);
     let counts = slice.exact.iter().flatten();
     let colors: Vec<_> = counts.map(|&count| colours.color(count as f64)).collect();
     frame.raster(picture, slice.x.len(), &colors);

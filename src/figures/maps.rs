@@ -1,12 +1,15 @@
 //! Figure 1: maps of right-hand sides.
 
 use super::axes::{Frame, colour_bar};
+use super::extent::{Extent, MapFrame};
 use super::palette::{ColourScale, INK, legible_on};
-use super::panels::{Panels, title};
+use super::panels::{Panels, above, draw_title};
 use super::picture::{NORMAL, Picture, SMALL, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
+use super::title::Title;
 use signorini_mathematics::discrete::norms::largest;
+use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::source::Source;
 
 /// Sampling distance along borders between pieces.
@@ -18,7 +21,7 @@ const BANDS: f64 = 20.0;
 /// Side of a panel in display pixels.
 ///
 /// A multiple of [`RASTER`], so that its cells fall on whole pixels.
-const SIDE: f64 = 288.0;
+pub(super) const SIDE: f64 = 288.0;
 /// Size of a value in a wide region.
 const LABEL: f64 = 18.0;
 
@@ -35,12 +38,12 @@ pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
     let limit = largest(&rasters.concat());
     let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
-    let layout = layout(panels.len());
+    let (layout, titles) = layout(panels.iter().map(|(title, _)| *title));
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
-    for (k, ((text, f), values)) in panels.iter().zip(&rasters).enumerate() {
+    for (k, ((_, f), values)) in panels.iter().zip(&rasters).enumerate() {
         let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
-        title(&mut picture, &frame, text);
+        draw_title(&mut picture, &frame, &titles[k]);
         draw_map(&mut picture, f, values, &frame, colours);
     }
     let (across, top) = below(&layout, 420.0);
@@ -48,17 +51,22 @@ pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
     picture
 }
 
-/// Returns the layout of maps of the square.
-pub(super) fn layout(count: usize) -> Panels {
-    Panels {
-        count,
-        columns: 2,
-        side: SIDE,
-        margin: 20.0,
-        left: 66.0,
-        around: (92.0, 94.0),
-        foot: 66.0,
-    }
+/// Layout of one map whose frame is a square.
+pub(super) const ONE: Panels = Panels {
+    count: 1,
+    columns: 2,
+    frame: (SIDE, SIDE),
+    margin: 20.0,
+    beside: (66.0, 26.0),
+    above: 48.0,
+    below: 46.0,
+    foot: 66.0,
+};
+
+/// Returns the layout of maps of the square with these titles.
+pub(super) fn layout<'a>(texts: impl Iterator<Item = &'a str>) -> (Panels, Vec<Title>) {
+    let titles: Vec<Title> = texts.map(|text| Title::new(text, ONE.cell().0)).collect();
+    (Panels { count: titles.len(), above: above(&titles), ..ONE }, titles)
 }
 
 /// Returns left and right end, and top, of a bar of this width below the maps.
@@ -108,14 +116,30 @@ fn draw_map(
 /// Draws outline and axes of a map.
 pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     frame.outline(picture);
-    let up = Ticks::inside(frame.y.0, frame.y.1, 4);
-    frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, 4).labelled());
+    let up = Ticks::inside(frame.y.0, frame.y.1, steps(frame.down));
+    frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, steps(frame.across)).labelled());
     frame.label_left(picture, up.labelled());
     let (x, y) = frame.middle();
     let widest = up.widest();
     let name = if widest > SHORT_NUMBER { 14.0 + SMALL * widest } else { 48.0 };
     picture.text("x", (x, frame.down.1 + 31.0), italic(NORMAL));
     picture.text("y", (frame.across.0 - name, y), italic(NORMAL));
+}
+
+/// Returns the layout of the map of a mesh below its title, with the ranges of its axes.
+pub(super) fn layout_around(mesh: &PlaneMesh, text: &str) -> (Panels, [(f64, f64); 2], Title) {
+    let MapFrame { size, ranges } = Extent::of(mesh).frame(SIDE);
+    // A narrow frame is in the middle of a picture that has room for the colour bar.
+    let beside = 0.5 * (SIDE - size.0).max(0.0);
+    let (left, right) = ONE.beside;
+    let layout = Panels { frame: size, beside: (left + beside, right + beside), ..ONE };
+    let title = Title::new(text, layout.cell().0);
+    (Panels { above: above([&title]), ..layout }, ranges, title)
+}
+
+/// Most steps between numbers along an axis of a map with these ends.
+fn steps((from, to): (f64, f64)) -> usize {
+    ((to - from) / 45.0).clamp(2.0, 4.0) as usize
 }
 
 /// Returns the part of the square that is in all half-planes.

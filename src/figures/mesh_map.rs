@@ -2,11 +2,10 @@
 
 use super::axes::colour_bar;
 use super::boxes::CELL_LINES;
-use super::maps::{below, draw_axes, layout};
+use super::maps::{below, draw_axes, layout_around};
 use super::palette::ColourScale;
-use super::panels::title;
+use super::panels::draw_title;
 use super::picture::Picture;
-use super::plan::square_around;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::mesh::PlaneMesh;
 
@@ -17,12 +16,11 @@ use signorini_mathematics::mesh::PlaneMesh;
 pub(crate) fn mesh_map(text: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
     let limit = largest(f);
     let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
-    let layout = layout(1);
+    let (layout, [x, y], title) = layout_around(mesh, text);
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
-    let [x, y] = square_around(mesh);
     let frame = layout.frame(0, x, y);
-    title(&mut picture, &frame, text);
+    draw_title(&mut picture, &frame, &title);
     picture.group(CELL_LINES, |picture| {
         for (cell, &value) in mesh.cells().iter().zip(f) {
             let corners = mesh.vertices(cell).map(|[x, y]| frame.at(x, y));

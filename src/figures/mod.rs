@@ -10,6 +10,7 @@ mod chart;
 mod contact;
 mod curves;
 mod drawn;
+mod extent;
 mod floor;
 mod gradient;
 mod history;
@@ -21,12 +22,14 @@ mod palette;
 mod panels;
 mod picture;
 mod plan;
+mod polyline;
 mod regions;
 mod solution_map;
 mod square;
 mod surface;
 pub(crate) mod table;
 mod text;
+mod title;
 
 pub(crate) use chart::charts;
 pub(crate) use contact::contact;
@@ -45,7 +48,7 @@ pub(crate) use table::of_surfaces as table_of_surfaces;
 
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Slice;
-use signorini_mathematics::mesh::PlaneMesh;
+use signorini_mathematics::mesh::{Condition, PlaneMesh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Iteration;
 
@@ -95,8 +98,10 @@ pub(crate) struct ContactPanel {
     pub(crate) places: Vec<f64>,
     /// Length of the curve.
     pub(crate) length: f64,
-    /// True on the square, whose sides and corners are named.
-    pub(crate) has_sides: bool,
+    /// First node, from which arc lengths are counted; none on the square, whose sides and corners are named.
+    pub(crate) start: Option<[f64; 2]>,
+    /// Condition on the edge behind each node.
+    pub(crate) conditions: Vec<Condition>,
     /// Law on the boundary.
     pub(crate) law: Law,
     /// Solutions compared.
@@ -202,6 +207,9 @@ pub(crate) enum Stroke {
     /// Thin dashed line in secondary ink, named at its middle and not in the legend: a bound, a slope.
     Reference,
 }
+
+/// Words for fixed parts of the boundary.
+const FIXED: &str = "fixed (v = 0)";
 
 /// Returns the words for nodes of the boundary with v = 0 by a law.
 fn held(law: Law) -> &'static str {

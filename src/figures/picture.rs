@@ -29,15 +29,6 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }
 
-/// Returns a text without its end if it would be wider in bold letters of this size than the width.
-pub(super) fn fitting(text: &str, size: f64, width: f64) -> String {
-    let letters = (width / (0.66 * size)) as usize;
-    match text.char_indices().nth(letters) {
-        Some(_) => format!("{}…", text.chars().take(letters.saturating_sub(1)).collect::<String>()),
-        None => text.into(),
-    }
-}
-
 fn filled(color: RGBColor) -> ShapeStyle {
     ShapeStyle { color: color.to_rgba(), filled: true, stroke_width: 1 }
 }
@@ -107,6 +98,10 @@ impl Picture {
     ) {
         let mut path: Vec<_> = places.into_iter().map(|at| self.fine(at)).collect();
         path.dedup();
+        if let [place] = path[..] {
+            // With round ends, a line shorter than a pixel of the canvas is a dot.
+            path.push(place);
+        }
         let stroke_width = (width * FINE).round().max(1.0) as u32;
         let style = ShapeStyle { color: color.to_rgba(), filled: false, stroke_width };
         self.shape(|svg| svg.draw_path(path, &style));

@@ -2,16 +2,16 @@
 
 use super::axes::{Entry, Frame, LEGEND_ROW, Legend, Sample};
 use super::boxes::CELL_LINES;
+use super::extent::Extent;
 use super::maps::draw_axes;
 use super::palette::{light, series};
-use super::panels::{Panels, title};
+use super::panels::{Panels, above, draw_title};
 use super::picture::Picture;
+use super::title::Title;
 use signorini_mathematics::mesh::{Condition, PlaneMesh};
 
 /// Sides of a panel in display pixels, where two are in a row and where three are.
 const SIDES: [f64; 2] = [288.0, 180.0];
-/// Room around a mesh over its size.
-const ROOM: f64 = 0.05;
 /// Widths of a key below a panel, where two are in a row and where three are.
 const KEYS: [f64; 2] = [350.0, 240.0];
 /// Distance of the key from the panel.
@@ -27,46 +27,35 @@ const FIRST_SHADE: usize = 4;
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
 pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
     let keys: Vec<_> = panels.iter().map(|(_, mesh)| MeshKey::new(mesh)).collect();
-    let [side, left, key] = match panels.len() {
-        3 => [SIDES[1], 62.0, KEYS[1]],
-        _ => [SIDES[0], 66.0, KEYS[0]],
+    let ([side, key, margin], beside) = match panels.len() {
+        3 => ([SIDES[1], KEYS[1], 10.0], (62.0, 18.0)),
+        _ => ([SIDES[0], KEYS[0], 20.0], (66.0, 26.0)),
     };
+    let width = beside.0 + side + beside.1;
+    let titles: Vec<Title> = panels.iter().map(|(text, _)| Title::new(text, width)).collect();
     let legends: Vec<_> = keys.iter().map(|one| one.legend(key)).collect();
     let rows = legends.iter().map(|legend| legend.rows).max().unwrap_or(0);
     let layout = Panels {
         count: panels.len(),
         columns: if panels.len() == 3 { 3 } else { 2 },
-        side,
-        margin: if panels.len() == 3 { 10.0 } else { 20.0 },
-        left,
-        around: (
-            left + 18.0 + if panels.len() == 3 { 0.0 } else { 8.0 },
-            48.0 + KEY_GAP + LEGEND_ROW * rows as f64,
-        ),
+        frame: (side, side),
+        margin,
+        beside,
+        above: above(&titles),
+        below: KEY_GAP + LEGEND_ROW * rows as f64,
         foot: 8.0,
     };
     let (width, height) = layout.size();
     let mut picture = Picture::new(width, height);
-    for (k, ((text, mesh), legend)) in panels.iter().zip(&legends).enumerate() {
-        let [x, y] = square_around(mesh);
+    for (k, ((_, mesh), legend)) in panels.iter().zip(&legends).enumerate() {
+        let [x, y] = Extent::of(mesh).in_square(side);
         let frame = layout.frame(k, x, y);
-        title(&mut picture, &frame, text);
+        draw_title(&mut picture, &frame, &titles[k]);
         draw_axes(&mut picture, &frame);
         draw_mesh(&mut picture, mesh, &frame);
         legend.draw(&mut picture, (frame.across.0 - 30.0, frame.down.1 + KEY_GAP));
     }
     picture
-}
-
-/// Returns the ranges of x and y of a square with room around a mesh.
-pub(super) fn square_around(mesh: &PlaneMesh) -> [(f64, f64); 2] {
-    let ends = [0, 1].map(|d| super::range(mesh.points().iter().map(|point| point[d])));
-    let longest = ends.iter().fold(0.0f64, |most, (low, high)| most.max(high - low));
-    let half = (0.5 + ROOM) * longest;
-    ends.map(|(low, high)| {
-        let middle = 0.5 * (low + high);
-        (middle - half, middle + half)
-    })
 }
 
 fn draw_mesh(picture: &mut Picture, mesh: &PlaneMesh, frame: &Frame) {

@@ -3,15 +3,15 @@
 use super::axes::{Frame, key};
 use super::drawn::MOST_CELLS;
 use super::isolines::{AtLevel, Loop};
-use super::maps::{below, draw_axes, layout};
+use super::maps::{below, draw_axes, layout_around};
 use super::palette::{CONTACT, ColourScale, INK, RGBColor};
-use super::panels::title;
-use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, fitting, italic, text_width};
-use super::plan::square_around;
+use super::panels::draw_title;
+use super::picture::{END, NORMAL, Picture, Place, SMALL, italic, text_width};
+use super::polyline::simplified;
 use super::text::Ticks;
-use super::{held, range_with_zero};
+use super::{FIXED, held, range_with_zero};
 use signorini_mathematics::levels::{ClosedCurve, Drawing, Levels};
-use signorini_mathematics::mesh::PlaneMesh;
+use signorini_mathematics::mesh::{Condition, PlaneMesh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
@@ -20,10 +20,10 @@ const ISOLINES: usize = 12;
 /// Attributes of bands: thin light lines along their borders, of the same colour on either page.
 const BAND_LINES: &str =
     "fill-rule=\"evenodd\" stroke=\"#FEFEFE\" stroke-opacity=\"0.6\" stroke-width=\"2\"";
-/// Widths of the boundary, and of the part of it that is held, in display pixels.
+/// Widths of the boundary, and of the parts of it that are held, in display pixels.
 const BOUNDARY_WIDTHS: [f64; 2] = [1.0, 4.0];
-/// Distance in display pixels below which a point is taken to lie on a line.
-const ON_LINE: f64 = 0.1;
+/// Length of a line of the key, and the room behind it and behind its words.
+const KEY: [f64; 3] = [28.0, 10.0, 24.0];
 
 /// Solution on the mesh of a picture, with the boundary of the finest level.
 pub(crate) struct SolutionMap {
@@ -36,6 +36,8 @@ pub(crate) struct SolutionMap {
     boundary: Vec<Loop>,
     /// Parts of the boundary with v = 0 by the law, each as the corners of a line.
     held: Vec<Vec<[f64; 2]>>,
+    /// Fixed parts of the boundary.
+    fixed: Vec<Vec<[f64; 2]>>,
 }
 
 impl SolutionMap {
@@ -54,108 +56,116 @@ impl SolutionMap {
         for (contact, holds) in levels.contact().iter().zip(levels.in_contact(law, pair)) {
             is_held[contact.node] = holds;
         }
-        let mut held = Vec::new();
-        let mut boundary = Vec::new();
+        let (mut held, mut fixed, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
         for curve in levels.curves().ok_or(in_space)? {
-            add_held(&mut held, &curve, &is_held);
+            let ClosedCurve { points, nodes, conditions, .. } = &curve;
+            for (k, condition) in conditions.iter().enumerate() {
+                let ends = [k, (k + 1) % points.len()];
+                let edge = ends.map(|k| points[k]);
+                match condition {
+                    Condition::Contact => {
+                        let part = held_part(edge, ends.map(|k| is_held[nodes[k]]));
+                        part.into_iter().for_each(|part| add(&mut held, part));
+                    }
+                    Condition::Fixed => add(&mut fixed, edge),
+                    Condition::Free => {}
+                }
+            }
             boundary.push(curve.points);
         }
         let v = nodes.iter().map(|&node| pair.y[node]).collect();
-        Ok(Self { title, law, mesh, v, boundary, held })
+        Ok(Self { title, law, mesh, v, boundary, held, fixed })
     }
 
     /// Draws the map below its title, above a colour bar and the words of the law.
     pub(crate) fn picture(&self) -> Picture {
-        let layout = layout(1);
+        let (layout, [x, y], title) = layout_around(&self.mesh, &self.title);
         let (width, height) = layout.size();
         let mut picture = Picture::new(width, height + 22.0);
         picture.refuse_unless_finite(&self.v);
-        let [x, y] = square_around(&self.mesh);
         let frame = layout.frame(0, x, y);
-        title(&mut picture, &frame, &fitting(&self.title, LARGE, width));
+        draw_title(&mut picture, &frame, &title);
         let bands = Bands::of(&self.v);
         self.draw(&mut picture, &frame, &bands);
         draw_axes(&mut picture, &frame);
         let (across, top) = below(&layout, 420.0);
         bands.draw_bar(&mut picture, across, top);
-        picture.group("stroke-linecap=\"round\"", |picture| {
-            let words = held(self.law);
-            let line = 28.0;
-            let (x, y) = (0.5 * (width - line - 10.0 - text_width(words, SMALL)), top + 46.0);
-            picture.path([(x, y), (x + line, y)], CONTACT, BOUNDARY_WIDTHS[1]);
-            key(picture, (x + line + 10.0, y), words);
-        });
+        self.draw_key(&mut picture, (0.5 * width, top + 46.0));
         picture
+    }
+
+    /// Draws the words for the parts of the boundary that are held, centred.
+    fn draw_key(&self, picture: &mut Picture, (middle, y): Place) {
+        let fixed = Some((INK, FIXED)).filter(|_| !self.fixed.is_empty());
+        let entries: Vec<_> = [(CONTACT, held(self.law))].into_iter().chain(fixed).collect();
+        let [line, gap, behind] = KEY;
+        let widths =
+            entries.iter().map(|(_, words)| line + gap + text_width(words, SMALL) + behind);
+        let mut x = middle - 0.5 * (widths.sum::<f64>() - behind);
+        picture.group("stroke-linecap=\"round\"", |picture| {
+            for (color, words) in entries {
+                picture.path([(x, y), (x + line, y)], color, BOUNDARY_WIDTHS[1]);
+                x = key(picture, (x + line + gap, y), words) + behind;
+            }
+        });
     }
 
     fn draw(&self, picture: &mut Picture, frame: &Frame, bands: &Bands) {
         picture.group(BAND_LINES, |picture| {
             for (level, color) in bands.levels() {
                 let borders = AtLevel { mesh: &self.mesh, values: &self.v, level }.borders();
-                let loops = borders.iter().map(|border| places(frame, border));
+                // A region is closed by itself.
+                let loops = borders.iter().map(|border| {
+                    let mut places = places(frame, closed(border));
+                    places.pop();
+                    places
+                });
                 picture.region(loops.filter(|places| places.len() > 2), color);
             }
         });
         let [thin, thick] = BOUNDARY_WIDTHS;
         for curve in &self.boundary {
-            let mut places = places(frame, curve);
-            places.extend(places.first().copied());
-            picture.path(places, INK, thin);
+            picture.path(places(frame, closed(curve)), INK, thin);
         }
         picture.group("stroke-linecap=\"round\"", |picture| {
-            for line in &self.held {
-                picture.path(places(frame, line), CONTACT, thick);
+            for (lines, color) in [(&self.fixed, INK), (&self.held, CONTACT)] {
+                for line in lines {
+                    picture.path(places(frame, line.iter().copied()), color, thick);
+                }
             }
         });
     }
 }
 
-/// Adds the parts of a curve on which nodes are held: where the law holds on an edge, each of its ends stands for the
-/// half of the edge beside it.
-fn add_held(held: &mut Vec<Vec<[f64; 2]>>, curve: &ClosedCurve, is_held: &[bool]) {
-    let count = curve.nodes.len();
-    let first = held.len();
-    for k in (0..count).filter(|&k| curve.has_law[k]) {
-        let ends = [k, (k + 1) % count];
-        let [p, q] = ends.map(|end| curve.points[end]);
-        let middle = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
-        let [from, to] = match ends.map(|end| is_held[curve.nodes[end]]) {
-            [true, true] => [p, q],
-            [true, false] => [p, middle],
-            [false, true] => [middle, q],
-            [false, false] => continue,
-        };
-        match held[first..].last_mut() {
-            Some(line) if line.last() == Some(&from) => line.push(to),
-            _ => held.push(vec![from, to]),
-        }
+/// Returns the part of an edge of a curve on which v is held at zero by the law: each end stands for the half of the
+/// edge beside it.
+fn held_part([p, q]: [[f64; 2]; 2], is_held: [bool; 2]) -> Option<[[f64; 2]; 2]> {
+    let middle = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+    match is_held {
+        [true, true] => Some([p, q]),
+        [true, false] => Some([p, middle]),
+        [false, true] => Some([middle, q]),
+        [false, false] => None,
     }
 }
 
-/// Returns the places of points in a picture, without those that lie between their neighbours.
-fn places(frame: &Frame, points: &[[f64; 2]]) -> Vec<Place> {
-    let mut kept: Vec<Place> = Vec::new();
-    for (k, &[x, y]) in points.iter().enumerate() {
-        let place = frame.at(x, y);
-        let next = points.get(k + 1).map(|&[x, y]| frame.at(x, y));
-        let is_between = match (kept.last(), next) {
-            (Some(&last), Some(next)) => lies_between(place, [last, next]),
-            _ => false,
-        };
-        if !is_between {
-            kept.push(place);
-        }
+/// Adds a segment to the last line if it goes on from there.
+fn add(lines: &mut Vec<Vec<[f64; 2]>>, [from, to]: [[f64; 2]; 2]) {
+    match lines.last_mut() {
+        Some(line) if line.last() == Some(&from) => line.push(to),
+        _ => lines.push(vec![from, to]),
     }
-    kept
 }
 
-/// True if a place lies between two others, up to [`ON_LINE`].
-fn lies_between((x, y): Place, [(x0, y0), (x1, y1)]: [Place; 2]) -> bool {
-    let (dx, dy) = (x1 - x0, y1 - y0);
-    let length = (dx * dx + dy * dy).sqrt();
-    let along = (x - x0) * dx + (y - y0) * dy;
-    let across = (x - x0) * dy - (y - y0) * dx;
-    (0.0..=length * length).contains(&along) && across.abs() <= ON_LINE * length
+/// Returns the places of points in a picture, without those that would not be missed.
+fn places(frame: &Frame, points: impl IntoIterator<Item = [f64; 2]>) -> Vec<Place> {
+    let places: Vec<Place> = points.into_iter().map(|[x, y]| frame.at(x, y)).collect();
+    simplified(&places)
+}
+
+/// Returns the points of a closed curve, with the first one again at the end.
+fn closed(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
+    points.iter().chain(points.first()).copied()
 }
 
 /// Bands of colour between isolines.
@@ -203,6 +213,7 @@ impl Bands {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::polyline::farthest;
     use crate::figures::samples::svg;
     use signorini_mathematics::levels::Problem;
     use signorini_mathematics::mesh::{AnyMesh, Condition};
@@ -268,6 +279,102 @@ mod tests {
         let share = length(&map) / problem.levels().width();
         assert!(share > 0.5 && share < 4.0, "{share}");
         assert!(svg(&map.picture()).contains(">sticks (v = 0)</text>"));
+    }
+
+    /// Places of the lines of a picture with this colour and width, in display pixels.
+    fn lines(svg: &str, RGBColor(r, g, b): RGBColor, width: f64) -> Vec<Vec<Place>> {
+        let stroke = format!("stroke=\"#{r:02X}{g:02X}{b:02X}\" stroke-width=\"{}\"", 4.0 * width);
+        let drawn =
+            svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(&stroke));
+        let points = drawn.map(|line| line.split("points=\"").nth(1).unwrap().split('"').next());
+        points.map(|points| points.unwrap().split_whitespace().map(place).collect()).collect()
+    }
+
+    /// Place from its coordinates in pixels of the canvas.
+    fn place(point: &str) -> Place {
+        let (x, y) = point.split_once(',').unwrap();
+        [x, y].map(|number| 0.25 * number.parse::<f64>().unwrap()).into()
+    }
+
+    /// Points of an ellipse, as many as a disc refined so many times has nodes on its boundary.
+    fn ellipse(times: u32, [a, b]: [f64; 2]) -> Loop {
+        let count = 8 << times;
+        let angles =
+            (0..count).map(|k| 2.0 * std::f64::consts::PI * f64::from(k) / f64::from(count));
+        angles.map(|angle| [a * libm::cos(angle), b * libm::sin(angle)]).collect()
+    }
+
+    #[test]
+    fn every_node_of_the_boundary_is_within_half_a_pixel_of_what_is_drawn_however_fine_the_mesh() {
+        let [thin, thick] = BOUNDARY_WIDTHS;
+        for times in 4..=9 {
+            let mut map = map(&on("annulus", 1, "else=-1", Law::SIGNORINI));
+            let [outer, inner] = [[1.0, 1.0], [0.5, 0.4]].map(|axes| ellipse(times, axes));
+            map.held = vec![outer[..outer.len() / 2].to_vec()];
+            map.fixed = vec![inner.clone()];
+            map.boundary = vec![outer, inner];
+            let (layout, [x, y], _) = layout_around(&map.mesh, "t");
+            let frame = layout.frame(0, x, y);
+            let svg = svg(&map.picture());
+            for (given, color, width) in
+                [(&map.boundary, INK, thin), (&map.held, CONTACT, thick), (&map.fixed, INK, thick)]
+            {
+                for (points, line) in given.iter().zip(lines(&svg, color, width)) {
+                    let places: Vec<Place> = points.iter().map(|&[x, y]| frame.at(x, y)).collect();
+                    let off = farthest(&places, &line);
+                    assert!(
+                        off < 0.5 && line.len() < 150,
+                        "{times}: {off}, {} corners",
+                        line.len()
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_straight_domain_keeps_its_few_corners() {
+        for (name, corners) in [("square", 4), ("lshape", 6)] {
+            let svg = svg(&map(&on(name, 5, "else=-1", Law::SIGNORINI)).picture());
+            let outline = &lines(&svg, INK, BOUNDARY_WIDTHS[0])[0];
+            // The line begins at a node, and returns to it.
+            assert!([corners + 1, corners + 2].contains(&outline.len()), "{name}: {outline:?}");
+        }
+    }
+
+    #[test]
+    fn a_round_domain_has_its_contact_on_its_boundary() {
+        let map = map(&on("disc", 6, "halfplane(0,1,0)=-3; else=1.5", Law::SIGNORINI));
+        let (layout, [x, y], _) = layout_around(&map.mesh, "t");
+        let (centre, edge) =
+            (layout.frame(0, x, y).at(0.0, 0.0), layout.frame(0, x, y).at(1.0, 0.0));
+        let contact = &lines(&svg(&map.picture()), CONTACT, BOUNDARY_WIDTHS[1])[0];
+        for pair in contact.windows(2) {
+            let middle = (0.5 * (pair[0].0 + pair[1].0), 0.5 * (pair[0].1 + pair[1].1));
+            let radius = libm::hypot(middle.0 - centre.0, middle.1 - centre.1);
+            assert!((radius - (edge.0 - centre.0)).abs() < 0.5, "{radius}");
+        }
+    }
+
+    #[test]
+    fn fixed_parts_are_marked_and_named() {
+        let mut annulus = AnyMesh::built_in("annulus").unwrap();
+        let contact = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+        assert!(!svg(&map(&contact).picture()).contains(FIXED));
+        annulus.set_condition("inner", Condition::Fixed).unwrap();
+        let fixed = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+        let svg = svg(&map(&fixed).picture());
+        assert!(svg.contains(&format!(">{FIXED}</text>")));
+        // The part itself, and its key.
+        assert_eq!(lines(&svg, INK, BOUNDARY_WIDTHS[1]).len(), 2);
+    }
+
+    #[test]
+    fn a_contact_shorter_than_a_pixel_is_a_dot() {
+        let mut map = map(&on("square", 1, "else=-1", Law::SIGNORINI));
+        map.held = vec![vec![[0.5, 0.0], [0.5, 1e-6], [0.5, 2e-6]]];
+        let dot = lines(&svg(&map.picture()), CONTACT, BOUNDARY_WIDTHS[1]).swap_remove(0);
+        assert!(dot.len() == 2 && dot[0] == dot[1], "{dot:?}");
     }
 
     #[test]

@@ -3,8 +3,9 @@
 
 use super::axes::Frame;
 use super::palette::{CONTACT, INK, series};
-use super::panels::title;
+use super::panels::draw_title;
 use super::picture::{NORMAL, Picture, Place, SMALL, START, italic, plain};
+use super::title::Title;
 use signorini_mathematics::discrete::grid::Grid;
 
 /// Side of the square in display pixels.
@@ -47,7 +48,7 @@ pub(crate) fn membrane() -> Picture {
 pub(crate) fn grid() -> Picture {
     let grid = Grid::new(CELLS).expect("fine enough");
     let (mut picture, frame) = square();
-    title(&mut picture, &frame, "h = 1/4");
+    draw_title(&mut picture, &frame, &Title::new("h = 1/4", SIDE));
     let at = |k: usize| grid.coordinate(k);
     for k in 0..=CELLS {
         picture.path([frame.at(at(k), -0.5), frame.at(at(k), 0.5)], INK, 0.6);

@@ -3,20 +3,22 @@
 use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
 use super::camera::{Vector, View, between, cross, dot};
 use super::floor::Floor;
-use super::palette::{CONTACT, ColourScale, lit};
+use super::palette::{CONTACT, ColourScale, INK, RGBColor, lit};
 use super::picture::Picture;
-use super::{Surface, held};
+use super::{FIXED, Surface, held};
 use signorini_mathematics::mesh::{Condition, centroid};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
 ///
 /// Heights are shaded by Lambert's law and coloured by value. Edges of the boundary in contact, those with both ends in
-/// contact, are marked on the surface. All triangles are drawn: a fine mesh makes a large file, see [`DrawnMesh`].
+/// contact, and those of fixed parts are marked on the surface. All triangles are drawn: a fine mesh makes a large
+/// file.
 pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
     let boxes: Vec<_> = panels.iter().map(boxed).collect();
-    let words = panels.first().map_or("", |panel| held(panel.law));
-    in_boxes(columns, (&boxes, words), |picture, inside| {
+    let mut keys: Vec<_> = panels.iter().take(1).map(|panel| (CONTACT, held(panel.law))).collect();
+    keys.extend(Some((INK, FIXED)).filter(|_| panels.iter().any(has_fixed)));
+    in_boxes(columns, (&boxes, &keys), |picture, inside| {
         let floor = &boxes[inside.panel].floor;
         let surface = PaintedMesh::new(&panels[inside.panel], floor, inside);
         let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
@@ -27,6 +29,11 @@ pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
 fn boxed<'a>(&Surface { title, mesh, azimuth, range, y, .. }: &Surface<'a>) -> Boxed<'a> {
     let values = range_of_colours(range, y);
     Boxed { title, azimuth, values, floor: Floor::around(mesh.points()) }
+}
+
+/// True if a part of the boundary is fixed.
+fn has_fixed(panel: &Surface) -> bool {
+    panel.mesh.facets().iter().any(|facet| panel.mesh.condition(facet) == Condition::Fixed)
 }
 
 /// Numbers of the ends of an edge, the lower one first.
@@ -65,25 +72,25 @@ impl<'a> PaintedMesh<'a> {
         Self { view, colours, panel, nodes, order, last }
     }
 
-    /// Paints triangles and contact in their order.
+    /// Paints triangles and the marks of the boundary in their order.
     fn paint(&self, picture: &mut Picture) {
-        let contact = self.contact();
-        let mut marks: Vec<Vec<Ends>> = vec![Vec::new(); self.order.len() + 1];
+        let marked = self.marked();
+        let mut marks: Vec<Vec<(Ends, RGBColor)>> = vec![Vec::new(); self.order.len() + 1];
         for (turn, &cell) in self.order.iter().enumerate() {
             let [a, b, c] = self.panel.mesh.cells()[cell];
             for [a, b, opposite] in [[a, b, c], [b, c, a], [c, a, b]] {
-                if contact.contains(&[a.min(b), a.max(b)]) {
+                if let Some(&color) = marked.get(&[a.min(b), a.max(b)]) {
                     // Not before the last triangle at the edge, which would cover half of the line.
                     let visible = 1 + self.last[a as usize].max(self.last[b as usize]);
                     let when = if self.hides([a, b], opposite) { turn } else { visible };
-                    marks[when].push([a, b]);
+                    marks[when].push(([a, b], color));
                 }
             }
         }
         for (turn, edges) in marks.iter().enumerate() {
-            for edge in edges {
+            for &(edge, color) in edges {
                 let places = edge.map(|node| self.view.place(self.nodes[node as usize]));
-                picture.path(places, CONTACT, CONTACT_WIDTH);
+                picture.path(places, color, CONTACT_WIDTH);
             }
             if let Some(&cell) = self.order.get(turn) {
                 self.triangle(picture, self.panel.mesh.cells()[cell]);
@@ -91,14 +98,21 @@ impl<'a> PaintedMesh<'a> {
         }
     }
 
-    /// Edges of the boundary in contact.
-    fn contact(&self) -> BTreeSet<Ends> {
+    /// Edges of the boundary that are marked, with their colours: those in contact, and fixed ones.
+    fn marked(&self) -> BTreeMap<Ends, RGBColor> {
         let Surface { mesh, in_contact, .. } = self.panel;
-        let touches = mesh.facets().iter().filter(|facet| {
-            let ends = facet.nodes.iter().all(|&node| in_contact[node as usize]);
-            ends && mesh.condition(facet) == Condition::Contact
-        });
-        touches.map(|facet| facet.nodes).map(|[a, b]| [a.min(b), a.max(b)]).collect()
+        let mut marked = BTreeMap::new();
+        for facet in mesh.facets() {
+            let [a, b] = facet.nodes;
+            let touches = [a, b].iter().all(|&node| in_contact[node as usize]);
+            let color = match mesh.condition(facet) {
+                Condition::Contact if touches => CONTACT,
+                Condition::Fixed => INK,
+                Condition::Contact | Condition::Free => continue,
+            };
+            marked.insert([a.min(b), a.max(b)], color);
+        }
+        marked
     }
 
     fn triangle(&self, picture: &mut Picture, cell: [u32; 3]) {

@@ -210,6 +210,10 @@ fn rectangle([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> PlaneMesh {
     MeshData { points, cells, ..MeshData::default() }.mesh().unwrap()
 }
 
+/// Title of several lines.
+const LONG: &str = "A plate with a hole, pushed up in the middle and held everywhere else, as in the book\n\
+    error at most 4.31 %";
+
 #[test]
 fn coordinates_of_any_size_neither_overlap_nor_run_out() {
     for size in [1e-12, 1e-3, 0.3333, 1.0, 12_345.678, 1e6, 2.5e9] {
@@ -231,6 +235,9 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
                 readable(&name, &surfaces(2, &panels[..1]));
                 readable(&name, &surfaces(3, &panels));
                 readable(&name, &mesh_picture(&[("t", mesh), ("u", mesh)]));
+                readable(&name, &mesh_map(LONG, mesh, &[1.0, -2.0]));
+                let map = readable(&name, &surfaces(2, &[Surface { title: LONG, ..panels[0] }]));
+                assert!(map.iter().any(|text| text.words == "error at most 4.31 %"), "{map:?}");
             }
         }
     }

@@ -25,7 +25,7 @@ pub enum Error {
         /// Advice to the user.
         remedy: &'static str,
     },
-    /// Tasks that failed, each with its reason.
+    /// Tasks that failed, or an answer that is not what was asked for, each with its reason.
     #[error("{}", .0.join("\n"))]
     Stage(Vec<String>),
     /// Ctrl-C.
@@ -45,7 +45,7 @@ impl Error {
         Self::Input(text.into())
     }
 
-    /// Exit code of the process: 2 for input and I/O, 3 for a failed stage, 130 when interrupted.
+    /// Exit code of the process: 2 for input and I/O, 3 for what failed, 130 when interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) | Self::Unknown(_) | Self::Io { .. } => 2,
@@ -132,6 +132,10 @@ impl<T> IoContext<T> for io::Result<T> {
     fn context(self, verb: &'static str, path: &Path) -> Result<T> {
         self.map_err(|source| {
             let remedy = match source.kind() {
+                // Without a kind of its own in the library.
+                _ if source.to_string().starts_with("Too many levels of symbolic links") => {
+                    "it links to itself: remove the link"
+                }
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
                     "free some space (`signorini gc` helps) and repeat the command: what a run has finished is kept"
                 }

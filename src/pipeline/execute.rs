@@ -5,12 +5,11 @@
 use super::manifest::{Manifest, Reason, Verdict};
 use super::run::run;
 use super::store::{Hit, Store};
-use super::{Hashes, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
+use super::{Hashes, Interrupt, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
 use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Instant;
 
@@ -23,7 +22,7 @@ use std::time::Instant;
 /// Easily broken: the inputs of a task are known only when all its needs are up to date, because artifacts are inputs
 /// by content; so a task that runs and makes the same artifacts again leaves later tasks up to date.
 ///
-/// `interrupted` is read before each task starts; a task that has started is finished.
+/// `interrupt` is read before each task starts; a task that has started is finished, unless it reads it too.
 ///
 /// # Errors
 /// [`Error::Input`] or [`Error::Io`] if the cache refuses, or if one task is to run alone and another, which it needs,
@@ -34,14 +33,14 @@ pub fn execute(
     store: &Store,
     options: Options,
     progress: &Progress,
-    interrupted: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<Summary> {
     let mut walk = Walk {
         plan,
         store,
         options,
         progress,
-        interrupted,
+        interrupt,
         states: plan.tasks().iter().map(|_| State::Waiting).collect(),
         summary: Summary::default(),
     };
@@ -78,7 +77,7 @@ struct Walk<'a> {
     store: &'a Store,
     options: Options,
     progress: &'a Progress,
-    interrupted: &'a AtomicBool,
+    interrupt: &'a Interrupt,
     states: Vec<State>,
     summary: Summary,
 }
@@ -143,7 +142,8 @@ impl<'a> Walk<'a> {
     /// Returns the inputs of a task, and its run with these inputs if the cache has it.
     fn look_up(&self, k: usize) -> Result<LookedUp> {
         let task = &self.plan.tasks()[k];
-        let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs)?;
+        let inputs =
+            self.plan.inputs(task, &self.store.known, |need| &self.manifest(need).outputs)?;
         let found = if self.options.force {
             Err(Reason::Forced)
         } else {
@@ -208,7 +208,7 @@ impl<'a> Walk<'a> {
         self.progress.end();
         match broken {
             Some(e) => Err(e),
-            None if self.interrupted.load(Ordering::Relaxed) => Err(Error::Interrupted),
+            None if self.interrupt.is_asked() => Err(Error::Interrupted),
             None => Ok(()),
         }
     }
@@ -223,7 +223,7 @@ impl<'a> Walk<'a> {
 
     fn stops(&self) -> bool {
         let failed = !self.summary.failed.is_empty() && !self.options.keep_going;
-        failed || self.interrupted.load(Ordering::Relaxed)
+        failed || self.interrupt.is_asked()
     }
 
     /// Starts a job in a thread, which reports its end to `send`.
@@ -231,16 +231,19 @@ impl<'a> Walk<'a> {
     where
         'a: 's,
     {
-        let (send, store) = (send.clone(), self.store);
-        let task = &self.plan.tasks()[job.task];
+        let (send, store, interrupt) = (send.clone(), self.store, self.interrupt);
+        let plan = self.plan;
+        let task = &plan.tasks()[job.task];
         self.progress.start(&task.id);
         let mut needed: Vec<(String, Hashes)> = Vec::new();
         for need in &task.needs {
             needed.push((need.clone(), self.manifest(need).outputs.clone()));
         }
+        let at_work = interrupt.begin();
         scope.spawn(move |_| {
             let start = Instant::now();
-            let made = run(task, job.inputs, needed, store);
+            let made = run((plan, task), job.inputs, needed, (store, interrupt));
+            drop(at_work);
             let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.
             let _ = send.send((ran, made));
@@ -249,7 +252,12 @@ impl<'a> Walk<'a> {
 
     /// Records the end of a job; returns the tasks that waited and now have to run.
     fn settle(&mut self, ran: Ran, made: Result<Manifest>) -> Result<Vec<Job>> {
-        self.progress.done(&ran, made.is_ok());
+        let verdict = match made {
+            Ok(_) => "ran",
+            Err(Error::Interrupted) => "ended early:",
+            Err(_) => "FAILED",
+        };
+        self.progress.done(&ran, verdict);
         match made {
             Ok(manifest) => {
                 let task = self.index(&ran.task);
@@ -258,6 +266,10 @@ impl<'a> Walk<'a> {
             }
             Err(Error::Stage(reasons)) => self.summary.failed.extend(reasons),
             Err(other) => return Err(other),
+        }
+        if self.interrupt.is_asked() {
+            // Nothing is started any more, and judging may take long.
+            return Ok(Vec::new());
         }
         let waited = self.waiting();
         let jobs = self.judge()?;

@@ -1,7 +1,7 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{hash_if_there, is_plain, leftovers, read, remove_from, write_atomically};
-use super::{Hashes, Lock, Manifest, Plan, Store, Task, hash};
+use super::files::{is_plain, leftovers, read, remove_from, write_atomically};
+use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, Task, hash};
 use crate::pipeline::error::{Error, Result, SCHEMA, conflict, newer};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -41,8 +41,6 @@ pub struct WalkResults<'a> {
     pub manifests: &'a BTreeMap<String, Manifest>,
     /// Cache with the artifacts.
     pub store: &'a Store,
-    /// Exports in the lock file.
-    pub known: &'a Hashes,
 }
 
 /// Files that an export may change besides those that this program is on record to have written.
@@ -64,6 +62,17 @@ struct Export<'a> {
 }
 
 impl<'a> WalkResults<'a> {
+    /// Returns the lock file with these results.
+    pub fn lock_file(&self) -> LockFile {
+        let tasks =
+            self.manifests.iter().map(|(id, manifest)| (id.clone(), manifest.digest.clone()));
+        let exports = self.exports().into_iter();
+        LockFile {
+            tasks: tasks.collect(),
+            exports: exports.map(|export| (export.path, export.hash.clone())).collect(),
+        }
+    }
+
     /// Returns the copies of all artifacts that are up to date and exported.
     fn exports(&self) -> Vec<Export<'a>> {
         let mut exports = Vec::new();
@@ -76,6 +85,15 @@ impl<'a> WalkResults<'a> {
             }
         }
         exports
+    }
+
+    /// Returns the paths of all files on which a verdict rests: inputs, artifacts and their copies in the project.
+    pub fn paths(&self, project: &Path) -> BTreeSet<PathBuf> {
+        let inputs = self.plan.tasks().iter().flat_map(|task| task.files.values());
+        let artifacts = self.manifests.values().flat_map(|manifest| manifest.outputs.values());
+        let copies = self.exports().into_iter().map(|export| project.join(export.path));
+        let paths = inputs.map(|file| file.path().to_path_buf()).chain(copies);
+        paths.chain(artifacts.map(|hash| self.store.object(hash))).collect()
     }
 
     /// True if the cache has a run that made this artifact with this hash.
@@ -95,82 +113,70 @@ pub struct Exports {
     write: Hashes,
     remove: BTreeSet<String>,
     written: Written,
-    /// Hashes of files that were read ahead, `None` for a file that was absent.
-    there: BTreeMap<String, Option<String>>,
 }
 
 impl Exports {
-    /// Reads the record of exports, and ahead the files that the plan is expected to name.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if a newer program has written the record.
-    pub fn look(project: &Path, expected: &Hashes) -> Result<Self> {
-        let plain = expected.par_iter().map(|(path, _)| path).filter(|path| is_plain(path));
-        // A file that cannot be read is a mistake only if the plan does name it.
-        let there =
-            plain.filter_map(|path| Some((path.clone(), hash_if_there(&project.join(path)).ok()?)));
-        let (written, there) = rayon::join(|| Written::read(project), || there.collect());
-        Ok(Self { written: written?, there, ..Self::default() })
-    }
-
-    /// Plans the export of these results.
+    /// Plans the export of these results; `locked` are the exports in the lock file.
     ///
     /// A file may be overwritten if it is empty, or if this program is on record to have written it: in the lock file,
     /// in the cache or in the record of exports; and as far as `rights` allow it.
     ///
     /// # Errors
-    /// [`Error::Io`] if a file exists and cannot be read.
-    pub fn plan(mut self, project: &Path, results: &WalkResults, rights: Rights) -> Result<Self> {
+    /// [`Error::Io`] if a file exists and cannot be read; [`Error::Input`] if a newer program has written the record.
+    pub fn plan(
+        project: &Path,
+        results: &WalkResults,
+        locked: &Hashes,
+        rights: Rights,
+    ) -> Result<Self> {
+        let mut plan = Self { written: Written::read(project)?, ..Self::default() };
         let exports = results.exports();
-        let mut there = std::mem::take(&mut self.there);
-        let unseen = exports.par_iter().filter(|export| !there.contains_key(&export.path));
-        let seen = unseen.map(|Export { path, .. }| {
-            let found = hash_if_there(&project.join(path))?;
-            Ok((path.clone(), found))
-        });
-        let seen = seen.collect::<Result<Vec<_>>>()?;
-        there.extend(seen);
-        for export in exports {
+        let there = exports
+            .par_iter()
+            .map(|Export { path, .. }| results.store.known.hash_if_there(&project.join(path)));
+        let there = there.collect::<Result<Vec<_>>>()?;
+        for (export, found) in exports.into_iter().zip(there) {
             let (path, wanted) = (export.path.clone(), export.hash.clone());
-            self.files.insert(path.clone(), wanted.clone());
-            let may_write = match there.get(&path).and_then(Option::as_ref) {
+            plan.files.insert(path.clone(), wanted.clone());
+            let may_write = match &found {
                 None => true,
                 Some(found) if *found == wanted => continue,
                 // An empty file holds nothing that could be lost.
                 Some(found) => {
                     rights.overwrite
                         || *found == hash(&[])
-                        || self.on_record(results.known, &path, found)
+                        || plan.on_record(locked, &path, found)
                         || results.has_made(&export, found)
                 }
             };
             if may_write {
-                self.write.insert(path, wanted);
+                plan.write.insert(path, wanted);
             } else {
-                self.edited.push(self.edited(project, path, &export, results));
+                plan.edited.push(plan.edited(project, locked, &export, results));
             }
         }
         // If a task failed or waits, its earlier exports stay.
         if rights.remove && results.manifests.len() == results.plan.tasks().len() {
-            self.remove_old(project, results)?;
+            plan.remove_old(project, results, locked)?;
         }
-        Ok(self)
+        Ok(plan)
     }
 
     /// Describes an export with bytes that are not on record.
     fn edited(
         &self,
         project: &Path,
-        path: String,
+        locked: &Hashes,
         export: &Export,
         results: &WalkResults,
     ) -> Edited {
+        let path = export.path.clone();
         let text = read(&project.join(&path)).unwrap_or_default();
         let as_written = hash(&with_line_feeds(&text));
         let by = match () {
             () if conflict(&text).is_some() => Editor::Merge,
             () if as_written == *export.hash
-                || self.on_record(results.known, &path, &as_written)
+                || self.on_record(locked, &path, &as_written)
                 || results.has_made(export, &as_written) =>
             {
                 Editor::LineEnds
@@ -182,26 +188,28 @@ impl Exports {
     }
 
     /// True if this program is on record to have written these bytes to this file.
-    fn on_record(&self, known: &Hashes, path: &str, found: &str) -> bool {
-        known.get(path).is_some_and(|hash| hash == found)
+    fn on_record(&self, locked: &Hashes, path: &str, found: &str) -> bool {
+        locked.get(path).is_some_and(|hash| hash == found)
             || self.written.0.get(path).is_some_and(|hashes| hashes.contains(found))
     }
 
     /// Plans to remove the files that are on record and that no task makes any more. Somebody may have edited a record:
     /// files outside the folders of exports and inputs of tasks stay.
-    fn remove_old(&mut self, project: &Path, results: &WalkResults) -> Result<()> {
+    fn remove_old(&mut self, project: &Path, results: &WalkResults, locked: &Hashes) -> Result<()> {
         let mut remove = BTreeSet::new();
-        for path in results.known.keys().chain(self.written.0.keys()) {
+        // Nearly always the lock file has the exports of today.
+        let old = locked.keys().ne(self.files.keys()).then(|| locked.keys());
+        for path in old.into_iter().flatten().chain(self.written.0.keys()) {
             let folder = path.split('/').next().unwrap_or_default();
-            if !FOLDERS.contains(&folder)
+            if self.files.contains_key(path)
+                || !FOLDERS.contains(&folder)
                 || !is_plain(path)
-                || self.files.contains_key(path)
                 || results.plan.tasks().iter().any(|task| task.files.contains_key(path))
             {
                 continue;
             }
-            let found = hash_if_there(&project.join(path))?;
-            if found.is_some_and(|found| self.on_record(results.known, path, &found)) {
+            let found = results.store.known.hash_if_there(&project.join(path))?;
+            if found.is_some_and(|found| self.on_record(locked, path, &found)) {
                 remove.insert(path.clone());
             }
         }
@@ -306,6 +314,9 @@ impl Written {
     fn read(project: &Path) -> Result<Self> {
         let path = Self::path(project);
         let text = read(&path).unwrap_or_default();
+        if let Ok(StoredRecord { schema: SCHEMA, files }) = serde_json::from_slice(&text) {
+            return Ok(Self(files));
+        }
         let record: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
         match record.get("schema").and_then(serde_json::Value::as_u64) {
             None => Ok(Self(serde_json::from_value(record).unwrap_or_default())),

@@ -1,9 +1,9 @@
 //! Garbage: files of the cache to which nothing refers.
 
 use super::files::{if_there, is_temporary, read, read_if_there, remove_from};
-use super::is_hash;
 use super::manifest::{Manifest, is_stamp};
 use super::store::{LOCKS, OBJECTS, RUNS, STAMPS, Store, TASKS, believable};
+use super::{Plan, is_hash};
 use crate::pipeline::error::Result;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
@@ -23,7 +23,7 @@ pub struct Garbage {
     pub kept_bytes: u64,
 }
 
-/// Files that the latest runs of tasks need.
+/// Files that the latest runs of tasks need, and those in use.
 #[derive(Default)]
 struct Needed {
     /// Files that stay, also if they become shorter.
@@ -40,7 +40,8 @@ struct Shortened {
 }
 
 impl Store {
-    /// Removes all files that the `keep` latest runs of the tasks in `wanted` do not need.
+    /// Removes all files that neither the `keep` latest runs of the tasks in `plan` need nor those that a run of the
+    /// plan would find.
     ///
     /// With `dry`, only counts. Removes also the temporary files of killed runs, the locks of tasks, which nobody can
     /// hold while the caller holds the lock of the cache, and other layouts. Files of other programs stay, whatever
@@ -49,13 +50,8 @@ impl Store {
     /// # Errors
     /// [`Error::Io`](crate::pipeline::error::Error::Io), also if a folder or manifests cannot be read, because they
     /// determine which files are needed.
-    pub fn collect_garbage(
-        &self,
-        wanted: &BTreeSet<String>,
-        keep: usize,
-        dry: bool,
-    ) -> Result<Garbage> {
-        let Needed { files: needed, shorter } = self.needed(wanted, keep)?;
+    pub fn collect_garbage(&self, plan: &Plan, keep: usize, dry: bool) -> Result<Garbage> {
+        let Needed { files: needed, shorter } = self.needed(plan, keep)?;
         let superseded: u64 = shorter.values().map(|file| file.fewer).sum();
         let mut garbage = Garbage { bytes: superseded, ..Garbage::default() };
         for path in self.ours()? {
@@ -86,18 +82,35 @@ impl Store {
         Ok(garbage)
     }
 
-    /// Returns the files that the `keep` latest runs of each of these tasks need.
-    fn needed(&self, wanted: &BTreeSet<String>, keep: usize) -> Result<Needed> {
+    /// Returns the files that the `keep` latest runs of each of these tasks need, and those that a run would find.
+    fn needed(&self, plan: &Plan, keep: usize) -> Result<Needed> {
         let (mut needed, mut runs) = (Needed::default(), BTreeSet::new());
-        for task in wanted {
-            let file = self.runs_file(task);
+        // Runs that a run of the plan finds.
+        let mut in_use = BTreeMap::<&str, Manifest>::new();
+        for task in plan.tasks() {
+            let file = self.runs_file(&task.id);
             let stored = read_if_there(&file)?.unwrap_or_default();
-            let kept: Vec<Manifest> = believable(task, &stored).take(keep).collect();
+            let all: Vec<Manifest> = believable(&task.id, &stored).collect();
+            let mut kept: Vec<&Manifest> = all.iter().take(keep).collect();
+            for run in &all {
+                let known = |need: &str| in_use.get(need).map(|run| &run.outputs);
+                // A file that cannot be read leaves a run without inputs, too.
+                if !plan.has_inputs_of_today(task, run, known).unwrap_or(false) {
+                    continue;
+                }
+                if !kept.contains(&run) {
+                    kept.push(run);
+                }
+                if task.needs.iter().all(|need| in_use.contains_key(&**need)) {
+                    in_use.insert(&task.id, run.clone());
+                    break;
+                }
+            }
             for manifest in &kept {
                 runs.insert(manifest.seal());
                 needed.files.extend(manifest.outputs.values().map(|hash| self.object(hash)));
             }
-            let lines: String = kept.iter().rev().map(Manifest::to_line).collect();
+            let lines: String = kept.iter().rev().map(|run| run.to_line()).collect();
             if lines.is_empty() {
                 continue;
             }

@@ -1,15 +1,15 @@
 //! Graph of tasks and their needs, as text for programs that draw graphs.
 
 use super::Task;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Nodes of the graph, each after all that it needs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Graph(pub Vec<GraphNode>);
 
 /// Task with its needs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GraphNode {
     /// Id of the task.
     pub id: String,

@@ -33,19 +33,47 @@ fn unknown(table: &toml::Table) -> Option<String> {
     table.keys().find(|key| !known.contains(&key.as_str())).map(|key| format!("a key `{key}`"))
 }
 
+/// Returns what follows these hashes in a text that begins with them.
+fn after<'a>(mut text: &'a [u8], hashes: &Hashes) -> Option<&'a [u8]> {
+    for (name, hash) in hashes {
+        if name.contains('"') || name.contains('\\') {
+            return None;
+        }
+        text = text.strip_prefix(b"\"")?.strip_prefix(name.as_bytes())?;
+        text =
+            text.strip_prefix(b"\" = \"")?.strip_prefix(hash.as_bytes())?.strip_prefix(b"\"\n")?;
+    }
+    Some(text)
+}
+
 impl LockFile {
     /// Returns the path of the lock file in a project.
     pub fn path(project: &Path) -> PathBuf {
         project.join("pipeline").join("lock.toml")
     }
 
-    /// Reads the lock file; an absent one is empty.
+    /// Reads the lock file; an absent one is empty, as is one that a crash has left without contents.
     ///
     /// # Errors
     /// [`Error::Input`] if it is damaged.
     pub fn read(project: &Path) -> Result<Self> {
+        Self::read_expecting(project, &Self::default())
+    }
+
+    /// Reads the lock file, as [`LockFile::read`]; one that is as [`LockFile::write`] writes `expected` need not be
+    /// parsed.
+    ///
+    /// # Errors
+    /// As [`LockFile::read`].
+    pub fn read_expecting(project: &Path, expected: &Self) -> Result<Self> {
         let path = Self::path(project);
         let Some(bytes) = read_if_there(&path)? else { return Ok(Self::default()) };
+        if expected.is_written_as(&bytes) {
+            return Ok(expected.clone());
+        }
+        if bytes.trim_ascii().is_empty() {
+            return Ok(Self::default());
+        }
         let path = path.display();
         if let Ok(table) = toml::from_str(&String::from_utf8_lossy(&bytes)) {
             if let Some(unknown) = unknown(&table) {
@@ -68,9 +96,20 @@ impl LockFile {
     /// # Errors
     /// [`Error::Io`].
     pub fn write(&self, project: &Path) -> Result<()> {
+        write_atomically(&Self::path(project), self.to_text().as_bytes())
+    }
+
+    /// True if this is how [`LockFile::write`] writes these hashes; also false for names of which it escapes a part.
+    fn is_written_as(&self, text: &[u8]) -> bool {
+        let head = format!("{HEADER}schema = {SCHEMA}\n\n[tasks]\n");
+        let tasks = text.strip_prefix(head.as_bytes()).and_then(|text| after(text, &self.tasks));
+        let exports = tasks.and_then(|text| text.strip_prefix(b"\n[exports]\n"));
+        exports.and_then(|text| after(text, &self.exports)).is_some_and(<[u8]>::is_empty)
+    }
+
+    fn to_text(&self) -> String {
         let hashes = toml::to_string(self).expect("hashes are plain data");
-        let text = format!("{HEADER}schema = {SCHEMA}\n\n{hashes}");
-        write_atomically(&Self::path(project), text.as_bytes())
+        format!("{HEADER}schema = {SCHEMA}\n\n{hashes}")
     }
 
     /// Returns this record with the entries of a later, partial run.
@@ -123,5 +162,32 @@ mod tests {
         fs::create_dir(project.path().join("pipeline")).unwrap();
         known.write(project.path()).unwrap();
         assert_eq!(LockFile::read(project.path()).unwrap(), known);
+    }
+
+    #[test]
+    fn a_lock_file_as_it_would_be_written_is_told_by_its_bytes_and_no_other_is() {
+        let hashes = |names: &[&str]| -> Hashes {
+            names
+                .iter()
+                .map(|name| ((*name).to_owned(), super::super::hash(name.as_bytes())))
+                .collect()
+        };
+        for (tasks, exports) in
+            [(&["a/1", "b/2"][..], &["figures/a.svg"][..]), (&["a/1"], &[]), (&[], &[])]
+        {
+            let lock_file = LockFile { tasks: hashes(tasks), exports: hashes(exports) };
+            let text = lock_file.to_text().into_bytes();
+            assert!(lock_file.is_written_as(&text));
+            for k in 0..text.len() {
+                let mut other = text.clone();
+                other[k] ^= 1;
+                assert!(!lock_file.is_written_as(&other) && !lock_file.is_written_as(&text[..k]));
+            }
+            let mut other = lock_file.clone();
+            other.exports.insert("figures/\"b\".svg".into(), "0".into());
+            assert!(
+                !other.is_written_as(&text) && !other.is_written_as(other.to_text().as_bytes())
+            );
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::change::{Change, changes};
 use super::files::is_plain;
-use super::{Hashes, PROGRAM, Plan, Task, hash, is_hash, stage};
+use super::{Hashes, KnownHashes, PROGRAM, Plan, Task, hash, is_hash, stage};
 use crate::pipeline::error::Result;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -17,9 +17,18 @@ pub struct Manifest {
     pub inputs: BTreeMap<String, String>,
     /// Artifact name -> hash.
     pub outputs: Hashes,
+    /// Hash of all artifacts with their names, as the record has them.
+    #[serde(skip)]
+    pub digest: String,
 }
 
 impl Manifest {
+    /// Returns the record of a run.
+    pub(super) fn new(task: String, inputs: BTreeMap<String, String>, outputs: Hashes) -> Self {
+        let digest = hash(&serde_json::to_vec(&outputs).expect("hashes are plain data"));
+        Self { task, inputs, outputs, digest }
+    }
+
     /// Returns the line to store: the seal and the record.
     pub(super) fn to_line(&self) -> String {
         let json = self.to_json();
@@ -29,13 +38,28 @@ impl Manifest {
     /// Returns the manifest in a stored line; `None` if the line was truncated or edited, or names a path outside the
     /// cache or an export's folder.
     pub(super) fn from_line(line: &[u8]) -> Option<Self> {
-        let (seal, json) = line.strip_suffix(b"\n")?.split_at_checked(blake3::OUT_LEN * 2 + 1)?;
-        if *seal != *format!("{} ", hash(json)).as_bytes() {
-            return None;
+        let Self { task, inputs, outputs, .. } = serde_json::from_slice(sealed(line)?).ok()?;
+        are_safe(&outputs).then(|| Self::new(task, inputs, outputs))
+    }
+
+    /// Returns the manifest in a stored line, as [`Manifest::from_line`], if it is of this task with these inputs. They
+    /// are by far the longest part of the line, and compared as they are written.
+    pub(super) fn of_run(
+        task: &str,
+        inputs: &BTreeMap<String, String>,
+        line: &[u8],
+    ) -> Option<Self> {
+        let mut rest = after_text(sealed(line)?.strip_prefix(b"{\"task\":")?, task)?;
+        let mut before: &[u8] = b",\"inputs\":{";
+        for (input, value) in inputs {
+            rest = after_text(rest.strip_prefix(before)?, input)?;
+            rest = after_text(rest.strip_prefix(b":")?, value)?;
+            before = b",";
         }
-        let manifest: Self = serde_json::from_slice(json).ok()?;
-        let safe = manifest.outputs.iter().all(|(name, hash)| is_plain(name) && is_hash(hash));
-        safe.then_some(manifest)
+        let stored = rest.strip_prefix(b"},\"outputs\":")?.strip_suffix(b"}")?;
+        let outputs: Hashes = serde_json::from_slice(stored).ok().filter(are_safe)?;
+        let digest = hash(stored);
+        Some(Self { task: task.into(), inputs: inputs.clone(), outputs, digest })
     }
 
     /// Returns a hash of the whole record, with which an edited record is recognised; it is also the name of the run.
@@ -46,21 +70,38 @@ impl Manifest {
     fn to_json(&self) -> String {
         serde_json::to_string(self).expect("a manifest is plain data")
     }
+}
 
-    /// Returns the hash of all artifacts with their names.
-    pub fn digest(&self) -> String {
-        hash(&serde_json::to_vec(&self.outputs).expect("hashes are plain data"))
+/// Returns the record in a stored line, if the line was neither truncated nor edited.
+fn sealed(line: &[u8]) -> Option<&[u8]> {
+    let (seal, json) = line.strip_suffix(b"\n")?.split_at_checked(blake3::OUT_LEN * 2 + 1)?;
+    (*seal == *format!("{} ", hash(json)).as_bytes()).then_some(json)
+}
+
+/// Returns what follows a text in a line of JSON that begins with it.
+///
+/// A text with a character that is escaped for another reason than these two is not found, and the line is parsed.
+fn after_text<'a>(line: &'a [u8], text: &str) -> Option<&'a [u8]> {
+    if text.contains('"') || text.contains('\\') {
+        return line.strip_prefix(serde_json::to_string(text).ok()?.as_bytes());
     }
+    line.strip_prefix(b"\"")?.strip_prefix(text.as_bytes())?.strip_prefix(b"\"")
+}
+
+/// True if the artifacts have places inside of the cache and of an export's folder.
+fn are_safe(outputs: &Hashes) -> bool {
+    outputs.iter().all(|(name, hash)| is_plain(name) && is_hash(hash))
 }
 
 impl Plan {
-    /// Returns a task's inputs today, given the outputs of every task that it needs.
+    /// Returns a task's inputs today, given what is known of files, and the outputs of every task that it needs.
     pub(super) fn inputs<'a>(
         &self,
         task: &Task,
+        known: &KnownHashes,
         outputs: impl Fn(&str) -> &'a Hashes,
     ) -> Result<BTreeMap<String, String>> {
-        let mut inputs = self.own_inputs(task)?;
+        let mut inputs = self.own_inputs(task, known)?;
         for need in &task.needs {
             for (name, hash) in outputs(need) {
                 inputs.insert(format!("{ARTIFACT}{need}/{name}"), hash.clone());
@@ -69,14 +110,34 @@ impl Plan {
         Ok(inputs)
     }
 
+    /// True if a run of a task has the inputs of today, as far as they are known: `outputs` has those of some tasks.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::pipeline::error::Error::Io) if a file of the task cannot be read.
+    pub(super) fn has_inputs_of_today<'a>(
+        &self,
+        task: &Task,
+        run: &Manifest,
+        outputs: impl Fn(&str) -> Option<&'a Hashes>,
+    ) -> Result<bool> {
+        static UNKNOWN: Hashes = Hashes::new();
+        let mut unknown = task.needs.clone();
+        unknown.retain(|need| outputs(need).is_none());
+        let unknown: Vec<_> = unknown.iter().map(|need| format!("{ARTIFACT}{need}/")).collect();
+        let known = KnownHashes::default();
+        let today = self.inputs(task, &known, |need| outputs(need).unwrap_or(&UNKNOWN))?;
+        let then = run.inputs.iter();
+        Ok(then.filter(|(input, _)| !unknown.iter().any(|need| input.starts_with(need))).eq(&today))
+    }
+
     /// Returns the inputs that no other task makes.
-    fn own_inputs(&self, task: &Task) -> Result<BTreeMap<String, String>> {
-        let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.clone())]);
+    fn own_inputs(&self, task: &Task, known: &KnownHashes) -> Result<BTreeMap<String, String>> {
+        let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.digest.clone())]);
         for (key, value) in &task.parameters {
             inputs.insert(format!("parameter {key}"), value.clone());
         }
         for (path, file) in &task.files {
-            inputs.insert(format!("file {path}"), file.hash()?.to_owned());
+            inputs.insert(format!("file {path}"), file.hash_or_known(known)?);
         }
         Ok(inputs)
     }
@@ -95,7 +156,7 @@ impl Plan {
         for task in self.tasks() {
             let needs: BTreeMap<&str, &String> =
                 task.needs.iter().map(|need| (need.as_str(), &keys[need.as_str()])).collect();
-            let recipe = (&task.id, self.own_inputs(task)?, needs);
+            let recipe = (&task.id, self.own_inputs(task, &KnownHashes::default())?, needs);
             let key = hash(&serde_json::to_vec(&recipe).expect("inputs are plain data"));
             stamps.push(format!("{}-{}", stage(&task.id), &key[..STAMP_DIGITS]));
             keys.insert(&task.id, key);
@@ -110,7 +171,7 @@ impl Plan {
     pub fn own_changes(&self, task: &Task, since: &Manifest) -> Result<Vec<Change>> {
         let mut old = since.inputs.clone();
         old.retain(|input, _| !input.starts_with(ARTIFACT));
-        Ok(changes(&old, &self.own_inputs(task)?))
+        Ok(changes(&old, &self.own_inputs(task, &KnownHashes::default())?))
     }
 }
 
@@ -196,11 +257,11 @@ mod tests {
     use super::*;
 
     fn sample() -> Manifest {
-        Manifest {
-            task: "solve/a".into(),
-            inputs: BTreeMap::from([("parameter r".into(), "10".into())]),
-            outputs: BTreeMap::from([("cell.json".into(), hash(b"x"))]),
-        }
+        Manifest::new(
+            "solve/a".into(),
+            BTreeMap::from([("parameter r".into(), "10".into())]),
+            BTreeMap::from([("cell.json".into(), hash(b"x"))]),
+        )
     }
 
     #[test]
@@ -212,11 +273,28 @@ mod tests {
         for end in 0..line.len() {
             assert_eq!(Manifest::from_line(&line.as_bytes()[..end]), None);
         }
+        // Compared as it is written: the same, and only with the same task and inputs.
+        let mut odd = sample();
+        odd.inputs.insert("parameter f".into(), "a\",\"b\":\"c\\".into());
+        let told = [("parameter f", "a"), ("b", "c")].map(|(k, v)| (k.to_owned(), v.to_owned()));
+        let mut alike = sample();
+        alike.inputs.extend(told);
+        for one in [sample(), odd, alike] {
+            let line = one.to_line();
+            for other in [sample(), one.clone()] {
+                let found = Manifest::of_run("solve/a", &other.inputs, line.as_bytes());
+                assert_eq!(found, (other == one).then_some(other));
+            }
+            assert_eq!(Manifest::of_run("solve/b", &one.inputs, line.as_bytes()), None);
+            assert_eq!(Manifest::of_run("solve/a", &one.inputs, &line.as_bytes()[1..]), None);
+        }
         // With a valid seal, but with an artifact that would be written outside the project.
         for name in ["../../thesis.txt", "/tmp/thesis.txt"] {
             let mut forged = sample();
             forged.outputs.insert(name.into(), hash(b"x"));
             assert_eq!(Manifest::from_line(forged.to_line().as_bytes()), None);
+            let line = forged.to_line();
+            assert_eq!(Manifest::of_run("solve/a", &forged.inputs, line.as_bytes()), None);
         }
     }
 }

@@ -1,10 +1,11 @@
 //! A make for pure functions: tasks turn hashed bytes into hashed bytes, and a task that is up to date does not run.
 //!
-//! A [`Task`] names its inputs (parameters, files, artifacts of other tasks) and computes its
-//! artifacts from them alone. The [`Store`] keeps artifacts by content and, per task, a [`Manifest`]
-//! of every run: inputs and outputs by hash. The program itself is an input of every task. A task is
-//! up to date if some manifest has today's inputs and its artifacts are intact; since artifacts are
-//! inputs by content, tasks stay up to date if those that they need reproduce their artifacts bit for bit.
+//! A [`Task`] names its inputs (a value, files, artifacts of other tasks) and computes its artifacts from them alone:
+//! its function is a pointer, which can hold nothing, and gets the value as it is read back from what is hashed. The
+//! [`Store`] keeps artifacts by content and, per task, a [`Manifest`] of every run: inputs and outputs by hash. The
+//! program itself is an input of every task. A task is up to date if some manifest has today's inputs and its artifacts
+//! are intact; since artifacts are inputs by content, tasks stay up to date if those that they need reproduce their
+//! artifacts bit for bit.
 //!
 //! Central is [`execute`], which walks a [`Plan`].
 
@@ -17,6 +18,8 @@ pub(crate) mod files;
 mod garbage;
 mod graph;
 mod input;
+mod interrupt;
+mod known;
 mod lock;
 mod lockfile;
 mod manifest;
@@ -34,6 +37,8 @@ pub use export::{Edited, Editor, Exports, Rights, WalkResults};
 pub use garbage::Garbage;
 pub use graph::{Graph, GraphNode};
 pub use input::{InputFile, InputFiles};
+pub use interrupt::{AtWork, Interrupt};
+pub use known::KnownHashes;
 pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Manifest, Reason, Verdict, why};
@@ -45,8 +50,11 @@ pub use worker::work;
 
 use error::{Error, Failure, Result};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// Named byte strings: what a task computes.
 pub type Artifacts = BTreeMap<String, Vec<u8>>;
@@ -59,6 +67,8 @@ const PROGRAM: &str = "program";
 
 /// Data that a task may read when it runs, and the folder to which it may write.
 pub struct Inputs<'a> {
+    /// Id of the task.
+    pub task: &'a str,
     /// Files named by the task, by path.
     pub files: &'a InputFiles,
     /// Artifacts of the tasks it needs, by task id.
@@ -67,37 +77,76 @@ pub struct Inputs<'a> {
     pub digest: &'a str,
     /// Folder for temporary files, in no hash; after a run that was killed, the next run empties it.
     pub scratch: &'a Path,
+    /// The program.
+    pub program: &'a RunningProgram,
+    /// True once the run is to end; a task that takes long may end early, with [`Error::Interrupted`], and nothing else
+    /// may depend on it.
+    pub interrupted: &'a AtomicBool,
 }
 
-/// Function that computes a task's artifacts from its inputs; an error ends the task, but no other task.
-pub type Work = Box<dyn Fn(&Inputs) -> std::result::Result<Artifacts, Failure> + Send + Sync>;
+/// The program that runs the tasks: an input of each, by its digest.
+pub struct RunningProgram {
+    /// Digest of its sources, the compiler and its options.
+    pub digest: String,
+    /// Returns its commands, for the book: the `name` of each, empty for the program without a command, and its `help`.
+    pub commands: fn() -> Vec<Value>,
+}
+
+/// Artifacts of a task, or the reason for which there are none; a failure ends the task, but no other task.
+pub type Made = std::result::Result<Artifacts, Failure>;
 
 /// Node of the dependency graph.
 pub struct Task {
     /// `stage/...`, unique, a relative path.
     pub id: String,
-    /// Values that determine the work together with files and artifacts; see [`parameters`].
-    pub parameters: BTreeMap<String, String>,
     /// Project files by path: the same bytes are hashed and used.
     pub files: InputFiles,
     /// Ids of the tasks whose artifacts the task reads.
     pub needs: Vec<String>,
     /// Project folder that gets a copy of every artifact.
     pub export: Option<&'static str>,
-    /// Function that computes the artifacts.
-    pub work: Work,
+    /// Value that determines the work together with files and artifacts.
+    value: Value,
+    /// The value as it is hashed, by dotted keys.
+    parameters: BTreeMap<String, String>,
+    work: Work,
 }
+
+/// Function that computes a task's artifacts from its value and inputs.
+type Work = Box<dyn Fn(&Value, &Inputs) -> Made + Send + Sync>;
 
 impl Task {
     /// Returns a task that reads no files, and whose artifacts stay in the cache.
-    pub fn new(
+    ///
+    /// `work` is a pointer, and gets the value as it is read back from what is hashed: it can reach nothing that is not
+    /// hashed. Lists keep their order; objects have none.
+    pub fn new<P: Serialize + DeserializeOwned + 'static>(
         id: impl Into<String>,
-        parameters: BTreeMap<String, String>,
+        value: &P,
         needs: Vec<String>,
-        work: impl Fn(&Inputs) -> std::result::Result<Artifacts, Failure> + Send + Sync + 'static,
+        work: fn(&P, &Inputs) -> Made,
     ) -> Self {
-        let (id, files) = (id.into(), InputFiles::new());
-        Self { id, parameters, files, needs, export: None, work: Box::new(work) }
+        let value = serde_json::to_value(value).expect("the value of a task is plain data");
+        let mut parameters = BTreeMap::new();
+        flatten("", &value, &mut parameters);
+        let work: Work = Box::new(move |value, inputs| work(&P::deserialize(value)?, inputs));
+        let (id, files, export) = (id.into(), InputFiles::new(), None);
+        Self { id, files, needs, export, value, parameters, work }
+    }
+
+    /// Returns the task with these files.
+    pub fn with_files(self, files: InputFiles) -> Self {
+        Self { files, ..self }
+    }
+
+    /// Returns the task with a copy of every artifact in this folder of the project.
+    pub fn exported_to(self, folder: &'static str) -> Self {
+        Self { export: Some(folder), ..self }
+    }
+
+    /// Makes the artifacts.
+    fn make(&self, inputs: &Inputs) -> Made {
+        (self.work)(&self.value, inputs)
     }
 }
 
@@ -108,19 +157,19 @@ pub fn stage(id: &str) -> &str {
 
 /// Tasks, each after all that it needs, and the program that is to run them.
 pub struct Plan {
-    program: String,
+    program: RunningProgram,
     tasks: Vec<Task>,
     /// Position of each task.
     index: BTreeMap<String, usize>,
 }
 
 impl Plan {
-    /// Returns the plan of these tasks, for the program with this digest of its code.
+    /// Returns the plan of these tasks, for this program.
     ///
     /// # Errors
     /// [`Error::Input`] if two tasks have the same id, an id is no relative path, or a task needs one that does not
     /// come before it.
-    pub fn new(program: &str, tasks: Vec<Task>) -> Result<Self> {
+    pub fn new(program: RunningProgram, tasks: Vec<Task>) -> Result<Self> {
         let mut index = BTreeMap::new();
         for (k, task) in tasks.iter().enumerate() {
             if !files::is_plain(&task.id) {
@@ -142,7 +191,7 @@ impl Plan {
                 )));
             }
         }
-        Ok(Self { program: program.into(), tasks, index })
+        Ok(Self { program, tasks, index })
     }
 
     /// Keeps the tasks with a wanted id, and all that they need.
@@ -157,6 +206,15 @@ impl Plan {
         self.tasks.retain(|task| kept.contains(&task.id));
         self.index = self.tasks.iter().enumerate().map(|(k, task)| (task.id.clone(), k)).collect();
         self
+    }
+
+    /// Makes each task for which there is a reason fail with it.
+    pub fn refuse(&mut self, reason: impl Fn(&str) -> Option<String>) {
+        for task in &mut self.tasks {
+            if let Some(reason) = reason(&task.id) {
+                task.work = Box::new(move |_, _| Err(reason.clone().into()));
+            }
+        }
     }
 
     /// Returns the tasks, each after all that it needs.
@@ -174,29 +232,34 @@ impl Plan {
     }
 }
 
-/// Flattens a serialisable value to dotted keys and JSON values: the hashed parameters of a task.
-///
-/// A task whose work reads only this value, files and artifacts depends on nothing that is not hashed.
-pub fn parameters(value: &impl Serialize) -> BTreeMap<String, String> {
-    let mut out = BTreeMap::new();
-    let value = serde_json::to_value(value).expect("parameters are plain data");
-    flatten("", value, &mut out);
-    out
-}
+/// Length from which on the text of a parameter is entered by its hash: manifests are read in every run, and `explain`
+/// prints parameters.
+const LONG: usize = 2000;
 
-fn flatten(prefix: &str, value: serde_json::Value, out: &mut BTreeMap<String, String>) {
+/// Enters a value by dotted keys and JSON texts, so that different values have different entries. Strings are entered
+/// as they are, unless they could be mistaken for another value.
+fn flatten(key: &str, value: &Value, out: &mut BTreeMap<String, String>) {
     let text = match value {
-        serde_json::Value::Object(map) => {
-            for (key, value) in map {
-                let key = if prefix.is_empty() { key } else { format!("{prefix}.{key}") };
+        Value::Object(map) if !map.is_empty() => {
+            for (name, value) in map {
+                let is_plain = !name.is_empty() && !name.contains(['.', '"']);
+                let name = if is_plain { name.clone() } else { format!("{name:?}") };
+                let key = if key.is_empty() { name } else { format!("{key}.{name}") };
                 flatten(&key, value, out);
             }
             return;
         }
-        serde_json::Value::String(text) => text,
+        Value::String(text) if serde_json::from_str::<Value>(text).is_err() => text.clone(),
         other => other.to_string(),
     };
-    out.insert(prefix.into(), text);
+    let text = if text.len() < LONG { text } else { hash(text.as_bytes()) };
+    out.insert(key.into(), text);
+}
+
+/// Program of tests, with this digest.
+#[cfg(test)]
+fn program(digest: &str) -> RunningProgram {
+    RunningProgram { digest: digest.into(), commands: Vec::new }
 }
 
 /// Returns the hexadecimal blake3 of some bytes.
@@ -206,38 +269,89 @@ pub fn hash(bytes: &[u8]) -> String {
 
 /// True if the text has the form of a hash that this program writes.
 fn is_hash(text: &str) -> bool {
-    text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
+    // Of the digits, the one that the same number gives again: this is code that is not optimised.
+    let number = blake3::Hash::from_hex(text);
+    number.is_ok_and(|number| *number.to_hex() == *text)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde::Deserialize;
+    use serde_json::json;
 
     #[test]
-    fn parameters_are_flat_and_exact() {
-        #[derive(Serialize)]
-        struct Inner {
-            r: f64,
-        }
-        #[derive(Serialize)]
-        struct Outer {
-            f: &'static str,
-            grids: [usize; 2],
-            inner: Inner,
-        }
-        let flat = parameters(&Outer { f: "else=-1", grids: [4, 8], inner: Inner { r: 0.1 } });
+    fn parameters_are_flat_and_differ_if_the_values_do() {
+        let flat = |value: Value| {
+            Task::new("a/1", &value, Vec::new(), |_, _| Ok(Artifacts::new())).parameters
+        };
+        let said = flat(json!({ "f": "else=-1", "grids": [4, 8], "inner": { "r": 0.1 } }));
         let want = [("f", "else=-1"), ("grids", "[4,8]"), ("inner.r", "0.1")];
-        assert!(flat.iter().map(|(k, v)| (k.as_str(), v.as_str())).eq(want));
+        assert!(said.iter().map(|(k, v)| (k.as_str(), v.as_str())).eq(want));
+        let long = "x".repeat(LONG);
+        let mut all = BTreeMap::new();
+        for value in [
+            json!({ "a": { "b": 1 } }),
+            json!({ "a.b": 1 }),
+            json!({ "\"a.b\"": 1 }),
+            json!({ "a": { "b": "1" } }),
+            json!({ "a": { "b": "\"1\"" } }),
+            json!({ "a": { "b": null } }),
+            json!({ "a": { "b": "null" } }),
+            json!({ "a": { "b": {} } }),
+            json!({ "a": {} }),
+            json!({ "a": [1, 2] }),
+            json!({ "a": [2, 1] }),
+            json!({ "a": "[1,2]" }),
+            json!({ "a": long }),
+            json!({ "a": [long] }),
+            json!({ "": 1 }),
+            json!(1),
+            json!(null),
+            json!({}),
+        ] {
+            if let Some(same) = all.insert(flat(value.clone()), value.clone()) {
+                panic!("{value} is entered like {same}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_function_gets_what_is_hashed_and_no_more() {
+        #[derive(Serialize, Deserialize)]
+        struct Parts {
+            r: Vec<f64>,
+            #[serde(skip)]
+            hidden: u8,
+        }
+        let parts = Parts { r: vec![0.1, 1e300, -0.0], hidden: 7 };
+        let task = Task::new("a/1", &parts, Vec::new(), |parts: &Parts, _| {
+            let bytes = parts.r.iter().flat_map(|r| r.to_le_bytes()).chain([parts.hidden]);
+            Ok(Artifacts::from([("out".into(), bytes.collect())]))
+        });
+        let inputs = Inputs {
+            task: "a/1",
+            files: &InputFiles::new(),
+            artifacts: &BTreeMap::new(),
+            digest: "",
+            scratch: Path::new(""),
+            program: &program("program"),
+            interrupted: &AtomicBool::new(false),
+        };
+        let want: Vec<u8> = parts.r.iter().flat_map(|r| r.to_le_bytes()).chain([0]).collect();
+        assert_eq!(task.make(&inputs).unwrap()["out"], want);
     }
 
     fn task(id: &str, needs: &[&str]) -> Task {
         let needs = needs.iter().map(|need| (*need).to_owned()).collect();
-        Task::new(id, BTreeMap::new(), needs, |_| Ok(Artifacts::new()))
+        Task::new(id, &(), needs, |(), _| Ok(Artifacts::new()))
     }
 
     #[test]
     fn a_plan_without_order_is_refused() {
-        assert!(Plan::new("program", vec![task("a/1", &[]), task("b/1", &["a/1"])]).is_ok());
+        assert!(
+            Plan::new(program("program"), vec![task("a/1", &[]), task("b/1", &["a/1"])]).is_ok()
+        );
         let cases = [
             (vec![task("b/1", &["a/1"]), task("a/1", &[])], "does not come before"),
             (vec![task("a/1", &["a/1"])], "does not come before"),
@@ -246,7 +360,7 @@ mod tests {
             (vec![task("/a", &[])], "cannot name"),
         ];
         for (tasks, why) in cases {
-            let refusal = Plan::new("program", tasks).err().unwrap().to_string();
+            let refusal = Plan::new(program("program"), tasks).err().unwrap().to_string();
             assert!(refusal.contains(why), "{refusal}");
         }
     }

@@ -1,7 +1,11 @@
 //! Names of files: those of files that no one means to keep, those that are alike, and characters that none may have.
 
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::files::folder_of;
 use signorini_mathematics::problem::text::is_forbidden;
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use unicode_normalization::UnicodeNormalization;
 
 /// Beginnings of the names of hidden files, of locks and of files of office programs.
@@ -93,6 +97,47 @@ fn is_vim_probe(number: u32) -> bool {
     number >= 4913 && (number - 4913).is_multiple_of(123)
 }
 
+/// Returns a text with its accents in one of the two ways to write them. Files from a Mac have names in the other one:
+/// whatever names are looked up is compared in this form.
+pub(crate) fn composed(text: &str) -> String {
+    text.nfc().collect()
+}
+
+/// Returns the path of a file that exists, whichever way its names write accents; the path as it is if there is none.
+pub(crate) fn found(path: &Path) -> PathBuf {
+    let mut place = PathBuf::new();
+    for part in path {
+        let exact = place.join(part);
+        let other = || {
+            let wanted = composed(part.to_str()?);
+            let mut entries = folder_of(&exact).read_dir().ok()?.flatten();
+            let is_alike =
+                |name: &OsStr| name.to_str().is_some_and(|name| composed(name) == wanted);
+            Some(place.join(entries.find(|entry| is_alike(&entry.file_name()))?.file_name()))
+        };
+        place = match exact.exists() || exact.is_symlink() {
+            true => exact,
+            false => other().unwrap_or(exact),
+        };
+    }
+    place
+}
+
+/// Returns two paths, or folders in them, that differ and are [`alike`], if there are any.
+pub(crate) fn clash<'a>(paths: impl Iterator<Item = &'a str>) -> Option<(&'a str, &'a str)> {
+    let mut known = BTreeMap::<String, &str>::new();
+    for path in paths {
+        let ends = path.match_indices('/').map(|(end, _)| end).chain([path.len()]);
+        for part in ends.map(|end| &path[..end]) {
+            let other = known.insert(alike(part), part).filter(|other| *other != part);
+            if let Some(other) = other {
+                return Some((other, part));
+            }
+        }
+    }
+    None
+}
+
 /// Returns the name in a form that is the same for names that some file systems do not tell apart: there, the file of
 /// one name would overwrite that of the other.
 pub(crate) fn alike(name: &str) -> String {
@@ -175,6 +220,15 @@ mod tests {
         ] {
             assert!(!is_left_behind(name), "{name:?}");
         }
+    }
+
+    #[test]
+    fn folders_clash_as_files_do() {
+        let of = |paths: &[&'static str]| clash(paths.iter().copied());
+        assert_eq!(of(&["a/x", "a/y", "b"]), None);
+        assert_eq!(of(&["figures/x.svg", "Figures/y.svg"]), Some(("figures", "Figures")));
+        assert_eq!(of(&["a/x.txt", "a/X.txt"]), Some(("a/x.txt", "a/X.txt")));
+        assert_eq!(of(&["caf\u{e9}", "cafe\u{301}"]), Some(("caf\u{e9}", "cafe\u{301}")));
     }
 
     #[test]

@@ -55,9 +55,8 @@ impl Progress {
         }
     }
 
-    pub(super) fn done(&self, ran: &Ran, succeeded: bool) {
+    pub(super) fn done(&self, ran: &Ran, verdict: &str) {
         if self.verbose {
-            let verdict = if succeeded { "ran" } else { "FAILED" };
             let time = ran.time.as_secs_f64() * 1e3;
             let line = format!("{verdict} {} ({time:.1} ms): {}", ran.task, ran.reason);
             match &self.bar {

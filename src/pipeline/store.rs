@@ -1,9 +1,9 @@
 //! Cache on disk: artifacts by content under `objects/`, manifests under `tasks/`, a file for each task.
 
 use super::change::changes;
-use super::files::{hash_if_there, leftovers, read, read_if_there, write_by_way_of};
+use super::files::{leftovers, read, read_if_there, write_by_way_of};
 use super::manifest::{Manifest, Reason};
-use super::{Artifacts, Hashes, Lock, hash};
+use super::{Artifacts, Hashes, KnownHashes, Lock, hash};
 use crate::pipeline::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -32,6 +32,8 @@ pub(super) const RUNS: &str = ".runs";
 pub struct Store {
     pub(super) cache: PathBuf,
     pub(super) root: PathBuf,
+    /// Hashes of files of the cache and of the project that need not be read.
+    pub known: KnownHashes,
 }
 
 /// Earlier run of a task with the inputs asked for and intact artifacts.
@@ -44,7 +46,7 @@ pub struct Hit {
 }
 
 impl Store {
-    /// Returns the cache in folder `cache`, which need not exist yet.
+    /// Returns the cache in folder `cache`, which need not exist yet; nothing is known of its files.
     ///
     /// # Errors
     /// [`Error::Input`] if it is not a folder.
@@ -55,7 +57,11 @@ impl Store {
                 cache.display()
             )));
         }
-        Ok(Self { cache: cache.to_path_buf(), root: cache.join(LAYOUT) })
+        Ok(Self {
+            cache: cache.to_path_buf(),
+            root: cache.join(LAYOUT),
+            known: KnownHashes::default(),
+        })
     }
 
     /// Returns the folder given to [`Store::new`].
@@ -146,14 +152,10 @@ impl Store {
         let stored = read_if_there(&self.runs_file(task))
             .map_err(|e| Reason::Unreadable(e.to_string()))?
             .unwrap_or_default();
-        let mut runs = believable(task, &stored);
-        let latest = runs.next().ok_or(Reason::NeverRan)?;
-        let reverted = latest.inputs != *inputs;
-        let manifest = if reverted {
-            let same = runs.find(|run| run.inputs == *inputs);
-            same.ok_or_else(|| Reason::Changed(changes(&latest.inputs, inputs)))?
-        } else {
-            latest
+        let latest = last_line(&stored).and_then(|line| Manifest::of_run(task, inputs, line));
+        let (manifest, reverted) = match latest {
+            Some(manifest) => (manifest, false),
+            None => earlier(task, inputs, &stored)?,
         };
         // In parallel, like the look-ups of several tasks: one task may have more artifacts than all others.
         let outputs = manifest.outputs.par_iter();
@@ -165,7 +167,7 @@ impl Store {
 
     /// Returns the reason to run a task again if this artifact is not intact.
     fn damage(&self, name: &str, hash: &String) -> Option<Reason> {
-        match hash_if_there(&self.object(hash)) {
+        match self.known.hash_if_there(&self.object(hash)) {
             Ok(found) if found.as_ref() == Some(hash) => None,
             Ok(_) => Some(Reason::Damaged(name.into())),
             Err(e) => Some(Reason::Unreadable(e.to_string())),
@@ -224,7 +226,7 @@ impl Store {
             }
             outputs.insert(name.clone(), hash);
         }
-        let manifest = Manifest { task: task.into(), inputs, outputs };
+        let manifest = Manifest::new(task.into(), inputs, outputs);
         self.renew(&manifest)?;
         Ok(manifest)
     }
@@ -242,4 +244,29 @@ impl Store {
 pub(super) fn believable(task: &str, stored: &[u8]) -> impl Iterator<Item = Manifest> {
     let lines = stored.split_inclusive(|byte| *byte == b'\n').rev();
     lines.filter_map(Manifest::from_line).filter(move |manifest| manifest.task == task)
+}
+
+/// Returns the last line of a text, with its end.
+fn last_line(text: &[u8]) -> Option<&[u8]> {
+    // Searched in a `str`, whose search is compiled for speed with the standard library.
+    let text = str::from_utf8(text).ok()?;
+    let start = text.strip_suffix('\n')?.rfind('\n').map_or(0, |end| end + 1);
+    Some(&text.as_bytes()[start..])
+}
+
+/// Returns the latest of the stored runs of a task that had these inputs, and whether later ones had others.
+fn earlier(
+    task: &str,
+    inputs: &BTreeMap<String, String>,
+    stored: &[u8],
+) -> std::result::Result<(Manifest, bool), Reason> {
+    let mut runs = believable(task, stored);
+    let latest = runs.next().ok_or(Reason::NeverRan)?;
+    if latest.inputs == *inputs {
+        return Ok((latest, false));
+    }
+    match runs.find(|run| run.inputs == *inputs) {
+        Some(same) => Ok((same, true)),
+        None => Err(Reason::Changed(changes(&latest.inputs, inputs))),
+    }
 }

@@ -48,37 +48,33 @@ pub struct Summary {
     pub ran: Vec<Ran>,
     /// Files exported and removed, or in a dry run to be exported and removed.
     pub exports: Exports,
-    /// Tasks that failed, and tasks that could not run because another failed, each with its reason.
+    /// Lock file with the results of this walk.
+    pub lock_file: LockFile,
+    /// Tasks that failed, and tasks that could not run because another failed, each with its reason; before a run, the
+    /// scenes that cannot be run.
     pub failed: Vec<String>,
     /// Manifests of all tasks that are up to date now.
     pub manifests: BTreeMap<String, Manifest>,
     /// Differences of the results from `pipeline/lock.toml`, of a run that must not change that file.
     pub differences: Vec<String>,
-    /// True if `pipeline/lock.toml` was written anew.
+    /// True if `pipeline/lock.toml` was missing or old: it was written anew or, in a dry run, has to be.
     pub lock_file_changed: bool,
     /// True if a run has to record that an older result is in use again.
     pub reverted: bool,
 }
 
 impl Summary {
-    /// True if no task was run and no file exported, or in a dry run none has to be.
+    /// True if no task was run and no file written, or in a dry run none has to be.
     pub fn nothing_to_do(&self) -> bool {
         self.exports.is_empty()
             && self.exports.edited.is_empty()
             && !self.reverted
+            && !self.lock_file_changed
             && self.not_fresh().next().is_none()
     }
 
     /// Tasks that are stale, or wait for a stale one.
     pub fn not_fresh(&self) -> impl Iterator<Item = &Judged> {
         self.verdicts.iter().filter(|judged| judged.verdict != Verdict::Fresh)
-    }
-
-    /// Returns the lock file with the results of this walk.
-    pub fn lock_file(&self) -> LockFile {
-        LockFile {
-            tasks: self.manifests.iter().map(|(id, m)| (id.clone(), m.digest())).collect(),
-            exports: self.exports.files.clone(),
-        }
     }
 }

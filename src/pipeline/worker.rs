@@ -6,9 +6,8 @@
 
 use super::execute::execute;
 use super::store::Store;
-use super::{Options, Plan, Progress, Summary};
+use super::{Interrupt, Options, Plan, Progress, Summary};
 use crate::pipeline::error::{Error, Result};
-use std::sync::atomic::AtomicBool;
 
 /// Runs those tasks of the plan that are `asked` for and not up to date, one after the other: for each, under its
 /// lock, [`execute`] walks the plan, and may run this task only.
@@ -21,7 +20,7 @@ pub fn work(
     asked: &[String],
     store: &Store,
     progress: &Progress,
-    interrupted: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<Summary> {
     let _cache = store.share(&|holder| {
         progress.note(&format!("waiting for {holder}, at work in the cache"));
@@ -35,7 +34,7 @@ pub fn work(
         })?;
         let jobs = rayon::current_num_threads();
         let options = Options { jobs, only: Some(k), ..Options::default() };
-        let mut summary = execute(plan, store, options, progress, interrupted)?;
+        let mut summary = execute(plan, store, options, progress, interrupt)?;
         if !summary.failed.is_empty() {
             return Err(Error::Stage(summary.failed));
         }

@@ -1,8 +1,8 @@
 //! Accuracy that a scene or an option asks for: the guaranteed bounds, and the grids that are tried to reach them.
 
 use crate::pipeline::error::{Error, Result};
-use serde::Serialize;
-use signorini_mathematics::bounds::Bounds;
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::levels::ErrorGoal;
 use signorini_mathematics::multigrid::Goal;
 
@@ -16,7 +16,7 @@ const SETTLED: usize = 128;
 const STRIDE: usize = 8;
 
 /// Largest value that a guaranteed bound may have.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Accuracy {
     /// Error in the energy norm, relative to that of the solution.
     #[serde(rename = "accuracy")]
@@ -77,6 +77,25 @@ impl Accuracy {
             finest = self.next(written, &tried)?;
         }
         Ok(())
+    }
+
+    /// Returns what a grid of the square tells: its bounds, or that a finer one is needed, whose points miss less of f.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if no grid has bounds.
+    pub(crate) fn of_grid(
+        self,
+        written: Written,
+        bounds: std::result::Result<Bounds, NoBound>,
+    ) -> Result<Bounds> {
+        match bounds {
+            Err(NoBound::Missed { .. }) => Ok(Bounds::NONE),
+            Err(reason) => {
+                let asked = written.text(self);
+                Err(Error::input(format!("{asked}: no bound of the error: {reason}; scale f")))
+            }
+            Ok(bounds) => Ok(bounds),
+        }
     }
 
     /// Returns the goal of multigrid on a grid.

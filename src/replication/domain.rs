@@ -1,6 +1,7 @@
 //! Domains, as scenes and options name them: a built-in domain or a Gmsh file, its refinements and its parts.
 
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::composed;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -8,8 +9,8 @@ use signorini_mathematics::mesh::{AnyMesh, BuiltIn, Condition, gmsh, uniform_cub
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Number of nodes up to which a mesh is refined if nobody says how often, and up to which a scene is checked whenever
-/// the project is read.
+/// Number of nodes up to which a mesh is refined if nobody says how often, and up to which f is checked before a scene
+/// is run.
 pub(crate) const USUAL_NODES: f64 = 20_000.0;
 /// Name of the domain that has grids in place of meshes.
 const SQUARE: &str = "square";
@@ -22,7 +23,6 @@ const CUBE: &str = "cube";
 #[serde(expecting = "a table such as { name = \"disc\", refine = 4 }")]
 pub struct DomainSettings {
     /// Built-in domain, or Gmsh file.
-    #[serde(alias = "mesh")]
     pub name: String,
     /// Number of refinements; none for the usual number.
     pub refine: Option<u8>,
@@ -102,12 +102,12 @@ impl DomainSettings {
             [("free", &self.free, Condition::Free), ("fixed", &self.fixed, Condition::Fixed)]
         {
             for part in parts {
-                let set = mesh.set_condition(part, condition);
+                let set = mesh.set_condition(&as_in_mesh(&mesh, part), condition);
                 set.map_err(|e| Error::input(format!("{dashes}{option} {part}: {e}")))?;
             }
         }
         for (part, numbers) in &self.curve {
-            let set = mesh.set_curve(part, numbers);
+            let set = mesh.set_curve(&as_in_mesh(&mesh, part), numbers);
             set.map_err(|e| Error::input(format!("{dashes}curve {part}: {e}")))?;
         }
         Ok(mesh)
@@ -130,6 +130,13 @@ impl DomainSettings {
             usize::from,
         )
     }
+}
+
+/// Returns the name of a part as the mesh has it, which may write accents in another way.
+fn as_in_mesh(mesh: &AnyMesh, part: &str) -> String {
+    let same = mesh.part_names().find(|name| *name == part);
+    let same = same.or_else(|| mesh.part_names().find(|name| composed(name) == composed(part)));
+    same.map_or(part.to_owned(), Clone::clone)
 }
 
 /// Returns the name of the first setting that is given, if there is one.

@@ -2,12 +2,12 @@
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::list_tree;
-use crate::pipeline::names::{is_left_behind, refuse_forbidden_name};
+use crate::pipeline::names::{clash, composed, is_left_behind, refuse_forbidden_name};
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::paper::{PAPER, Paper};
 use crate::replication::scene::Scene;
 use crate::replication::scenes::{SCENES, SceneFolder, find};
-use crate::report;
+use crate::report::{self, TEMPLATE};
 use crate::timing::recorded::{self, Timings};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,25 +65,33 @@ impl Project {
     /// # Errors
     /// [`Error::Io`] and [`Error::Input`] from its parts, but not from a single scene.
     pub fn read(root: PathBuf) -> Result<Self> {
+        Self::read_for(root, &[])
+    }
+
+    /// Reads the project in `root` as far as tasks of the scenes with these names depend on it; all of it if no name is
+    /// given.
+    ///
+    /// # Errors
+    /// As [`Project::read`], but not from files that no such task reads.
+    pub(crate) fn read_for(root: PathBuf, names: &[String]) -> Result<Self> {
         let folder = Self::read_scenes(&root)?;
-        let broken = refuse_broken(&folder.broken);
-        let partial = broken.is_err();
-        let mut project = Self::with(root, folder, &[PAPER, IDENTIFIED, TRUTH, recorded::PATH])
-            // Of several mistakes, that in a scene comes first.
-            .or_else(|e| broken.and(Err(e)))?;
-        project.partial = partial;
-        let report = project.root.join("report");
-        // Git keeps no empty folder.
-        if report.exists() || report.is_symlink() {
-            let listed = list_tree(&report, is_excluded);
-            let listed = listed.or_else(|(path, e)| Err(e).context("read", &path))?;
-            for name in listed.keys() {
-                refuse_forbidden_name("file", name)?;
+        let asked = folder.scenes.iter();
+        let asked: Vec<_> =
+            asked.filter(|one| names.is_empty() || names.contains(&one.name)).collect();
+        let of_all = asked.len() == folder.scenes.len() || asked.iter().any(|one| one.is_problem());
+        let more: &[&str] = match of_all {
+            true => &[PAPER, IDENTIFIED, TRUTH, recorded::PATH],
+            false => files_of_single_scenes(&asked),
+        };
+        let (broken, partial) = (refuse_broken(&folder.broken), !folder.broken.is_empty());
+        let read = Self::with(root, folder, more).and_then(|mut project| {
+            if of_all {
+                project.templates = listed_templates(&project.root)?;
             }
-            project.templates =
-                listed.into_iter().map(|(name, path)| (name, InputFile::new(path))).collect();
-        }
-        Ok(project)
+            Ok(Self { partial, ..project })
+        });
+        // Of several mistakes, that in a scene comes first.
+        read.or_else(|e| if names.is_empty() { broken.and(Err(e)) } else { Err(e) })
     }
 
     /// Reads the scenes of the project in `root`, and nothing else.
@@ -134,27 +142,44 @@ impl Project {
     /// As [`Project::read`], but neither for other scenes nor for the book.
     pub(crate) fn read_part(root: PathBuf, names: &[&str]) -> Result<Self> {
         let folder = SceneFolder::read(&root, |name| names.contains(&name))?;
-        let compared = folder.scenes.iter().any(|scene| scene.paper_table.is_some());
-        let more: &[&str] = if compared { &[PAPER, IDENTIFIED] } else { &[] };
+        let more = files_of_single_scenes(&folder.scenes.iter().collect::<Vec<_>>());
         Ok(Self { partial: true, ..Self::with(root, folder, more)? })
     }
 
-    /// Refuses a broken record of times, settings of the book that name another folder for it, and meshes that do not
-    /// fit the scenes with these names; returns warnings about meshes. Not part of [`Project::read`]: a run that has
-    /// nothing to do need not parse files that tasks of an earlier run have parsed.
-    pub(crate) fn check(&self, at_work: &BTreeSet<&str>) -> Result<Vec<String>> {
-        let mut warnings = Vec::new();
+    /// Checks the scenes with these names, a record of times and settings of the book, the last two only if they are
+    /// among the `files` that a task is to read. Not part of [`Project::read`]: a run that has nothing to do need not
+    /// look into files that tasks of an earlier run have read.
+    ///
+    /// # Errors
+    /// [`Error::Input`] and [`Error::Io`] for the files, but not from scenes.
+    pub(crate) fn check(
+        &self,
+        at_work: &BTreeSet<&str>,
+        files: &BTreeSet<&str>,
+    ) -> Result<Checked> {
+        let mut checked = Checked::default();
         for scene in self.scenes.iter().filter(|scene| at_work.contains(&*scene.name)) {
-            let notes = scene.check_mesh()?.into_iter();
-            warnings.extend(notes.map(|note| format!("warning: scene `{}`: {note}", scene.name)));
+            match scene.check() {
+                Ok(notes) => checked.warnings.extend(
+                    notes.iter().map(|note| format!("warning: scene `{}`: {note}", scene.name)),
+                ),
+                Err(why) => _ = checked.refused.insert(scene.name.clone(), why.to_string()),
+            }
         }
-        if let Some(file) = self.files.get(recorded::PATH) {
+        // Of several mistakes, that in a scene comes first.
+        if !checked.refused.is_empty() {
+            return Ok(checked);
+        }
+        if let Some(file) =
+            self.files.get(recorded::PATH).filter(|_| files.contains(recorded::PATH))
+        {
             Timings::parse(file.bytes()?)?;
         }
-        if let Some(file) = self.templates.get("book.toml") {
+        let settings = self.templates.get("book.toml");
+        if let Some(file) = settings.filter(|_| files.contains("report/book.toml")) {
             report::check_settings(file.bytes()?)?;
         }
-        Ok(warnings)
+        Ok(checked)
     }
 
     /// Returns the scenes with these names, each once, or all if no name is given.
@@ -189,18 +214,66 @@ impl Project {
     }
 }
 
-/// Refuses scenes that cannot be read, each by its name.
-fn refuse_broken(broken: &BTreeMap<String, String>) -> Result<()> {
+/// Result of the check of scenes that are to be run.
+#[derive(Debug, Default)]
+pub(crate) struct Checked {
+    /// Facts that a user has to know, in a line each.
+    pub warnings: Vec<String>,
+    /// Scenes that cannot be run: the name of each, and the error, which names it too.
+    pub refused: BTreeMap<String, String>,
+}
+
+/// Returns the files of the project that tasks of these scenes alone may read.
+fn files_of_single_scenes(scenes: &[&Scene]) -> &'static [&'static str] {
+    match scenes.iter().any(|scene| scene.paper_table.is_some()) {
+        true => &[PAPER, IDENTIFIED],
+        false => &[],
+    }
+}
+
+/// Lists the files of the book, by path in `report/`.
+fn listed_templates(root: &Path) -> Result<InputFiles> {
+    let report = root.join("report");
+    // Git keeps no empty folder.
+    if !report.exists() && !report.is_symlink() {
+        return Ok(InputFiles::new());
+    }
+    let listed = list_tree(&report, is_excluded);
+    let listed = listed.or_else(|(path, e)| Err(e).context("read", &path))?;
+    for name in listed.keys() {
+        refuse_forbidden_name("file", name)?;
+    }
+    let mut files = InputFiles::new();
+    // Pages that are alike are refused with their lines, where mdBook lists them.
+    let others =
+        listed.keys().filter(|name| ![".md", TEMPLATE].iter().any(|end| name.ends_with(end)));
+    let mut clashing = clash(others.map(String::as_str));
+    for (name, path) in &listed {
+        if files.insert(composed(name), InputFile::new(path.clone())).is_some() {
+            clashing = clashing.or(Some((name, name)));
+        }
+    }
+    match clashing {
+        None => Ok(files),
+        Some((one, other)) => Err(Error::input(format!(
+            "report: `{one}` and `{other}` are one name where capitals or the way to write accents do not count; \
+             rename one of them"
+        ))),
+    }
+}
+
+/// Refuses scenes that cannot be read or run, each by its name.
+pub(crate) fn refuse_broken(broken: &BTreeMap<String, String>) -> Result<()> {
     let Some((name, first)) = broken.first_key_value() else { return Ok(()) };
     let others: Vec<_> = broken.keys().filter(|other| *other != name).cloned().collect();
     Err(Error::input(match &others[..] {
         [] => first.clone(),
-        _ => format!("{first}; and neither can be read: {}", others.join(", ")),
+        _ => format!("{first}; there are mistakes in these scenes as well: {}", others.join(", ")),
     }))
 }
 
 /// Files and folders under `report/` that a run writes.
-const GENERATED: [&str; 3] = ["src", "book", "results.csv"];
+const GENERATED: [&str; 4] = ["src", "book", "results.csv", "tables"];
 
 /// True if a path under `report/` is generated, or is a file that operating systems and other programs leave.
 fn is_excluded(path: &str) -> bool {

@@ -1,12 +1,12 @@
 //! Settings of a saddle-point method in a scene.
 
 use crate::pipeline::error::{Error, Failure, Result};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::saddle::{Params, StopRule};
 
 /// Settings of a saddle-point method.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SaddleSettings {
     /// Interpolation to the next grid of the square.
     pub prolongation: Prolongation,
@@ -21,7 +21,7 @@ pub struct SaddleSettings {
 }
 
 /// Stopping rule and r of one run of a saddle-point method.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct RuleAndR {
     pub rule: StopRule,
     pub r: f64,
@@ -60,6 +60,12 @@ impl SaddleSettings {
     pub(crate) const R: f64 = 10.0;
     /// The stopping rule of `solve`, unless an option or a scene names another.
     pub(crate) const RULE: StopRule = StopRule::Printed;
+
+    /// Returns the settings as far as they say which runs there are; what else those read is as usual.
+    pub(super) fn runs(&self) -> Self {
+        let Params { max_iterations, .. } = Params::default();
+        Self { prolongation: Prolongation::default(), max_iterations, ..self.clone() }
+    }
 
     /// Makes the checks that a parser cannot.
     pub(super) fn check(&self) -> std::result::Result<(), Failure> {

@@ -6,7 +6,7 @@ use crate::pipeline::names::refuse_forbidden;
 use crate::replication::accuracy::{Accuracy, FIRST, MAX_CELLS, Written};
 use crate::replication::domain::{DomainSettings, first_given, name_or_table};
 use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings, repeated};
-use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem};
+use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem, grids};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
@@ -47,8 +47,9 @@ impl fmt::Display for Output {
     }
 }
 
-/// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors.
-#[derive(Clone, Debug, Serialize)]
+/// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors. Tasks read back what was written
+/// of it; files are read by [`Scene::parse`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Scene {
     /// File name without its ending.
     pub name: String,
@@ -196,7 +197,7 @@ impl<F> SceneFile<F> {
 fn some_grids<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> std::result::Result<Option<Vec<Grid>>, D::Error> {
-    nested(&Vec::<usize>::deserialize(deserializer)?).map(Some).map_err(serde::de::Error::custom)
+    grids(deserializer).map(Some)
 }
 
 fn some_name_or_table<'de, D: Deserializer<'de>>(
@@ -209,7 +210,7 @@ impl Scene {
     /// Parses and validates the text of a scene file; `name` names the scene in messages.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the mistake, or what makes the scene unsolvable.
+    /// [`Error::Input`] with the line of the mistake. [`Scene::check`] tells whether there is a problem to be solved.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
         let in_scene = |e: Error| Error::input(format!("{what}: {e}"));
@@ -267,25 +268,22 @@ impl Scene {
     }
 
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
-    /// the disk. Checks a domain without a mesh; [`Scene::check_mesh`] checks one with a mesh, which takes time.
+    /// the disk.
     ///
     /// # Errors
-    /// [`Error::Input`] and [`Error::Io`]: no mesh, or a domain that does not fit the scene.
+    /// [`Error::Input`] and [`Error::Io`] if there is no such mesh.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
-        let found = self.problem.find_mesh(root, known);
-        if found.map_err(|e| in_scene(&self.name, e))? {
-            self.check_mesh()?;
-        }
-        Ok(())
+        self.problem.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))
     }
 
-    /// Reads the mesh of the domain, if the scene has one, and checks that it fits the scene. Returns what a
-    /// user has to know of the mesh, in a line each.
+    /// Checks that there is a problem to be solved, and reads the mesh of the domain, if the scene has one, and checks
+    /// that it fits the scene. Takes time in the size of the problem: only a run of the scene asks for it. Returns what
+    /// a user has to know of the mesh, in a line each.
     ///
     /// # Errors
-    /// [`Error::Input`] if it does not; [`Error::Io`].
-    pub(crate) fn check_mesh(&self) -> Result<Vec<String>> {
-        let checked = self.problem.check_mesh().map_err(|e| in_scene(&self.name, e))?;
+    /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
+    pub(crate) fn check(&self) -> Result<Vec<String>> {
+        let checked = self.problem.check().map_err(|e| in_scene(&self.name, e))?;
         let Some(CheckedMesh { dimension, nodes, notes }) = checked else { return Ok(Vec::new()) };
         if let Some(accuracy) = self.accuracy.filter(|_| dimension == 3) {
             let asked = Written::Key.text(accuracy);
@@ -354,10 +352,6 @@ impl Scene {
                 }
             };
         };
-        // A known solution is proof enough, and its integral takes milliseconds on every command.
-        if square.f.exact().is_none() || self.problem.law.is_some() {
-            self.problem.problem(&InputFiles::new())?;
-        }
         // As many counts on other grids would be compared without an error.
         if self.paper_table.is_some() && square.grids[0].cells() != COARSEST {
             return Err(format!(
@@ -516,6 +510,39 @@ mod tests {
             (&*method.saddle().r, &*method.saddle().stop),
             (&[10.0][..], &[StopRule::Printed][..])
         );
+    }
+
+    #[test]
+    fn tasks_read_back_the_scene_that_was_hashed() {
+        let method = "solver = \"uzawa\"\nr = [1, 0.1, 1e12]\ndraw_r = 0.1\nstop = [\"printed\", \"signed\"]\n\
+            max_iterations = 7\nprolongation = \"rising-diagonal\"\nlaw = { friction = 0.3 }\n\
+            load = { rule = \"nodal\", tie = \"upper-left\", diagonal = \"falling\" }\n";
+        let on_mesh = "domain = { name = \"annulus\", refine = 2, free = [\"outer\", \"inner\"], fixed = [\"a.b\"], \
+            curve = { outer = [0.0, 0.1, 0.5], \"a.b\" = [0, 0, 1] } }\n";
+        let mut scenes = Vec::new();
+        for f in [
+            "else=-1",
+            "else=-0.1",
+            "halfplane(0.1,0.7,-0.3)=2; rect(-0.1,0.3,-0.2,0.1)=1e-3; disc(0,0,0.1)=-7; else=-1.998",
+            "halfplane(5e-324,5e-324,0)=1; halfplane(1.7e308,1.7e308,1.7e308)=-3; else=-1",
+            "formula( x*y  - 1.1 )",
+            "exact(full-contact)",
+        ] {
+            scenes.push(GOOD.replace("else=-1", f));
+            scenes.push(GOOD.replace("else=-1", f) + "paper_table = 2\n");
+        }
+        for more in
+            [method, on_mesh, "accuracy = 0.1\n", "accuracy_energy = 0.1\nlaw = { limit = 3 }\n"]
+        {
+            scenes.push(GOOD.to_owned() + more);
+        }
+        for text in scenes {
+            let scene = Scene::parse("s", &text).unwrap();
+            let written = serde_json::to_value(&scene).unwrap();
+            let back: Scene = serde_json::from_value(written.clone()).unwrap();
+            assert_eq!(format!("{scene:?}"), format!("{back:?}"), "{text}");
+            assert_eq!(serde_json::to_value(&back).unwrap(), written, "{text}");
+        }
     }
 
     #[test]

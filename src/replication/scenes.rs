@@ -2,7 +2,7 @@
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::read_text;
-use crate::pipeline::names::{alike, refuse_forbidden_name};
+use crate::pipeline::names::{alike, composed, refuse_forbidden_name};
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::scene::Scene;
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ impl SceneFolder {
         let mut found = Self::default();
         for entry in fs::read_dir(&folder).context("list", &folder)? {
             let path = entry.context("list", &folder)?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let name = composed(&path.file_name().unwrap_or_default().to_string_lossy());
             match name.strip_suffix(ENDING) {
                 _ if path.is_dir() => found.ignored.extend(scene_in_folder(&path, &name)),
                 Some(name) if wanted(name) => names.push((name.to_owned(), path)),
@@ -75,11 +75,12 @@ impl SceneFolder {
         }
         refuse_forbidden_name("scene", name)?;
         let text = read_text(path)?;
-        let mut scene = Scene::parse(name, &text)?;
+        let mut scene = Scene::parse(name, &composed(&text))?;
         scene.find_mesh(root, &mut self.files)?;
-        self.refuse_name_alike(name)?;
+        let on_disk = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
+        self.refuse_name_alike(on_disk)?;
         self.refuse_second_of_a_table(&scene)?;
-        self.known_as.insert(alike(name), name.to_owned());
+        self.known_as.insert(alike(name), on_disk.to_owned());
         let file = InputFile::with(path.to_path_buf(), text.into_bytes());
         self.files.insert(format!("{SCENES}/{name}{ENDING}"), file);
         Ok(scene)

@@ -2,34 +2,38 @@
 
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::is_plain;
+use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::accuracy::{Accuracy, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
 use crate::timing::machine;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::{LoadRule, moved_on};
-use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem};
+use signorini_mathematics::levels::{
+    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, ProblemError, Watch,
+};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::Solver;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Problem as a scene or the options of `solve` state it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StatedProblem {
     /// Domain with f.
     #[serde(flatten)]
     pub place: Place,
     /// Law on the boundary; none for the paper's.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<LawParameter>,
 }
 
 /// Domain with f, and its levels.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Place {
     /// The paper's square, with its grids.
@@ -39,19 +43,19 @@ pub enum Place {
 }
 
 /// f on nested grids of the square.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnSquare {
     /// Right-hand side.
     pub f: Source,
     /// Quadrature of the load vector.
     pub load: LoadRule,
     /// Nested grids, coarsest first.
-    #[serde(serialize_with = "cells")]
+    #[serde(serialize_with = "cells", deserialize_with = "grids")]
     pub grids: Vec<Grid>,
 }
 
 /// f on a mesh and its refinements.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnMesh {
     /// Domain and its refinements.
     pub domain: DomainSettings,
@@ -80,11 +84,18 @@ fn cells<S: serde::Serializer>(
     serializer.collect_seq(grids.iter().map(|grid| grid.cells()))
 }
 
+/// Grids of these numbers of cells per side.
+pub(super) fn grids<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Vec<Grid>, D::Error> {
+    nested(&Vec::<usize>::deserialize(deserializer)?).map_err(serde::de::Error::custom)
+}
+
 /// Cells per side of the grids of `solve` and of a scene, unless others are named: those of the paper.
 const USUAL_CELLS: [usize; 5] = [4, 8, 16, 32, 64];
 /// Part of the integral of |f| by which the nodal load may move jumps of f.
 const MOVED: f64 = 1e-3;
-/// Number of nodes up to which a scene on a mesh is checked whenever the project is read.
+/// Number of nodes up to which f is checked on the mesh of a scene before its tasks run.
 const CHECKED_NODES: f64 = super::domain::USUAL_NODES;
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
 const MOST_NODES: f64 = 1e7;
@@ -122,27 +133,51 @@ impl StatedProblem {
                 let made = Problem::on_square(grids.clone(), f.clone(), *load, self.law()?);
                 made.map_err(|e| Error::input(e.to_string()))
             }
-            Place::Mesh(place) => self.on_coarsest(place, &place.coarsest(files)?),
+            Place::Mesh(place) => self.on_coarsest(place, &place.coarsest(files)?, &|_| ()),
         }
     }
 
-    /// Returns the problem on a mesh that has been read.
-    pub(crate) fn on_coarsest(&self, place: &OnMesh, coarsest: &AnyMesh) -> Result<Problem> {
+    /// Returns the problem on a mesh that has been read; `watch` is told when it is refined, and when f is integrated.
+    pub(crate) fn on_coarsest(
+        &self,
+        place: &OnMesh,
+        coarsest: &AnyMesh,
+        watch: Watch<'_>,
+    ) -> Result<Problem> {
         let times = place.domain.refinements(coarsest);
-        Problem::on_mesh(coarsest, times, &place.f, self.law()?)
+        Problem::on_mesh_watched((coarsest, times), &place.f, self.law()?, watch)
             .map_err(|e| Error::input(e.to_string()))
     }
 
-    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh.
+    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh, and `ended`
+    /// told each step.
     ///
     /// # Errors
-    /// [`Error::Input`] in space, on the square, and if there is no problem or no bound.
+    /// [`Error::Input`] in space, on the square, and if there is no problem or no bound; [`Error::Interrupted`] if
+    /// `watch` does not let it go on.
     pub(crate) fn adapted(
         &self,
         coarsest: &AnyMesh,
-        (accuracy, written): (Accuracy, Written),
-        watch: &mut dyn FnMut(&AdaptedMesh),
+        asked: (Accuracy, Written),
+        watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
+        ended: Watch<'_>,
     ) -> Result<AdaptedRun> {
+        let run = self.adaption(coarsest, asked)?.run_while(watch, ended);
+        let run = run.map_err(|e| match (e, &self.place) {
+            (ProblemError::Mesh(e), Place::Mesh(place)) => {
+                Error::input(format!("{}: {e}", place.domain.name))
+            }
+            (e, _) => Error::input(format!("{}: {e}", asked.1.text(asked.0))),
+        })?;
+        run.ok_or(Error::Interrupted)
+    }
+
+    /// Returns the problem to be solved on adapted meshes.
+    fn adaption<'a>(
+        &'a self,
+        coarsest: &'a AnyMesh,
+        (accuracy, written): (Accuracy, Written),
+    ) -> Result<Adaption<'a>> {
         accuracy.check(written)?;
         let asked = written.text(accuracy);
         let (Place::Mesh(OnMesh { f, .. }), AnyMesh::Plane(coarsest)) = (&self.place, coarsest)
@@ -155,39 +190,61 @@ impl StatedProblem {
         let most_nodes = usize::try_from(memory / BYTES_PER_NODE).unwrap_or(usize::MAX);
         let goal = accuracy.goal_on_meshes();
         let bisections = Adaption::BISECTIONS;
-        let run =
-            Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections }.run(watch);
-        run.map_err(|e| Error::input(format!("{asked}: {e}")))
+        Ok(Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections })
     }
 
     /// As [`StatedProblem::adapted`], for a scene, whose mesh is read from these files. The end is that of the goal.
     ///
     /// # Errors
-    /// [`Error::Input`] also if the accuracy is not reached.
+    /// [`Error::Input`] also if the accuracy is not reached; [`Error::Interrupted`] if `watch` does not let it go on.
     pub(crate) fn adapted_scene(
         &self,
         files: &InputFiles,
         accuracy: Accuracy,
-        watch: &mut dyn FnMut(&AdaptedMesh),
+        watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
     ) -> Result<AdaptedRun> {
         let Place::Mesh(place) = &self.place else {
             return Err(Error::input("the square has grids in place of meshes"));
         };
-        let run = self.adapted(&place.coarsest(files)?, (accuracy, Written::Key), watch)?;
+        let (coarsest, asked) = (place.coarsest(files)?, Written::Key.text(accuracy));
+        let run = self.adapted(&coarsest, (accuracy, Written::Key), watch, &|_| ())?;
         match run.end {
             AdaptedEnd::Goal => Ok(run),
+            _ if !accuracy.reached(&run.bounds).is_finite() => Err(Error::input(format!(
+                "{asked}: the error is bounded on no mesh by less than the solution, as where v = 0; leave it out"
+            ))),
             AdaptedEnd::Nodes | AdaptedEnd::NoLongerFalls => Err(Error::input(format!(
-                "{}: {:.1e} is reached with {} nodes, and no more; ask for less",
-                Written::Key.text(accuracy),
+                "{asked}: {:.1e} is reached with {} nodes, and no more; ask for less",
                 accuracy.reached(&run.bounds),
                 run.y.len()
             ))),
         }
     }
 
-    /// Checks the mesh, its parts and, on meshes of the usual size, f; none on the square.
-    pub(crate) fn check_mesh(&self) -> Result<Option<CheckedMesh>> {
-        let Place::Mesh(place) = &self.place else { return Ok(None) };
+    /// Returns the problem on the meshes of [`StatedProblem::adapted_scene`], from the cells that were marked there.
+    pub(crate) fn on_bisected(&self, files: &InputFiles, marks: &[Vec<u32>]) -> Result<Problem> {
+        let Place::Mesh(place) = &self.place else {
+            return Err(Error::input("the square has grids in place of meshes"));
+        };
+        let AnyMesh::Plane(coarsest) = place.coarsest(files)? else {
+            return Err(Error::input("meshes are adapted in the plane alone"));
+        };
+        let problem = Problem::on_bisected(&coarsest, marks, &place.f, self.law()?);
+        problem.map_err(|e| Error::input(e.to_string()))
+    }
+
+    /// Checks f on the square, and elsewhere the mesh, its parts and, on meshes of the usual size, f. Takes time.
+    pub(crate) fn check(&self) -> Result<Option<CheckedMesh>> {
+        let place = match &self.place {
+            Place::Square(square) => {
+                // A known solution is proof enough.
+                if square.f.exact().is_none() || self.law.is_some() {
+                    self.problem(&InputFiles::new())?;
+                }
+                return Ok(None);
+            }
+            Place::Mesh(place) => place,
+        };
         let coarsest = place.coarsest(&place.files)?;
         let times = place.domain.refinements(&coarsest);
         let nodes = nodes_after(&coarsest, times);
@@ -196,10 +253,10 @@ impl StatedProblem {
                 "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
             )));
         }
+        let (dimension, mut notes) = (coarsest.dimension(), coarsest.notes());
         if nodes <= CHECKED_NODES {
-            self.on_coarsest(place, &coarsest)?;
+            notes.extend(refusal_of_curves(&self.on_coarsest(place, &coarsest, &|_| ())?));
         }
-        let (dimension, notes) = (coarsest.dimension(), coarsest.notes());
         Ok(Some(CheckedMesh { dimension, nodes, notes }))
     }
 
@@ -224,12 +281,12 @@ impl StatedProblem {
         Ok((&square.f, square.finest()))
     }
 
-    /// Finds the mesh in the project in `root`, as [`OnMesh::find_mesh`] does; true if a mesh is built in, and can be
-    /// checked at once.
-    pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<bool> {
-        let Place::Mesh(place) = &mut self.place else { return Ok(false) };
-        place.find_mesh(root, known)?;
-        Ok(place.files.is_empty())
+    /// Finds the mesh in the project in `root`, as [`OnMesh::find_mesh`] does.
+    pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
+        match &mut self.place {
+            Place::Square(_) => Ok(()),
+            Place::Mesh(place) => place.find_mesh(root, known),
+        }
     }
 
     /// Puts a problem on the square on one grid.
@@ -272,6 +329,22 @@ impl StatedProblem {
         }
     }
 
+    /// Name of the domain, or the file with its mesh.
+    pub(crate) fn domain(&self) -> &str {
+        match &self.place {
+            Place::Square(_) => "square",
+            Place::Mesh(place) => &place.domain.name,
+        }
+    }
+
+    /// f as text.
+    pub(crate) fn f(&self) -> String {
+        match &self.place {
+            Place::Square(square) => square.f.to_string(),
+            Place::Mesh(place) => place.f.clone(),
+        }
+    }
+
     /// Name of the file with the mesh, without folders, if there is one.
     pub(crate) fn file_name(&self) -> Option<&str> {
         let Place::Mesh(OnMesh { domain, .. }) = &self.place else { return None };
@@ -285,6 +358,16 @@ impl StatedProblem {
             Place::Mesh(place) => place.files.clone(),
         }
     }
+}
+
+/// Returns a line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has
+/// one.
+pub(crate) fn refusal_of_curves(problem: &Problem) -> Option<String> {
+    let polygon = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
+    let reason = problem.refusal_of_curves()?;
+    Some(format!(
+        "the {polygon} of the mesh has a solution, the domain with its curves has none: {reason}"
+    ))
 }
 
 impl OnSquare {
@@ -319,7 +402,7 @@ impl OnMesh {
         }
         let file = match known.get(&path) {
             Some(file) => file.clone(),
-            None => InputFile::if_there(&root.join(&path))?.ok_or_else(|| {
+            None => InputFile::if_there(&found(&root.join(&path)))?.ok_or_else(|| {
                 let names = AnyMesh::built_in_names().join(", ");
                 Error::input(format!(
                     "there is no {path}; put the mesh there, or name one of the domains {names}"

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use signorini_mathematics::problem::text::is_forbidden;
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Returns the first page of a book with these files, by path from its folder.
@@ -64,6 +65,12 @@ pub fn build(
         let text = text.map_err(|_| format!("{name}: not UTF-8 text"))?;
         refuse_forbidden(name, text)?;
         pages.insert(name.as_str(), text);
+    }
+    if pages.is_empty() {
+        return Err(
+            "report/templates has no SUMMARY.md; list the pages there, as `- [Title](page.md)`"
+                .into(),
+        );
     }
     let labels = Labels::of(&pages)?;
     if settings.is_on("links") {
@@ -133,7 +140,14 @@ fn in_templates(error: mdbook_driver::errors::Error, root: &Path) -> String {
     for folder in ["src", PAGES] {
         said = said.replace(&format!("{}/{folder}/", root.display()), "report/templates/");
     }
-    said.replace(&format!("{}/", root.display()), "report/")
+    said = said.replace(&format!("{}/", root.display()), "report/");
+    with_remedy(said)
+}
+
+/// Returns an error of the system with a remedy, if it is a full disk.
+fn with_remedy(said: String) -> String {
+    let is_full = ["No space left", "Disk quota exceeded"].iter().any(|full| said.contains(full));
+    if is_full { said + "; free some space and repeat the command" } else { said }
 }
 
 /// Refuses a page with a character that no line of text may have; tabs and ends of lines and pages are none.
@@ -172,7 +186,12 @@ fn allow_to_run(path: &Path) -> Result<(), String> {
 }
 
 fn io(path: &Path, error: std::io::Error) -> String {
-    format!("{}: {error}; building the book needs this folder for itself", path.display())
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            with_remedy(format!("{}: No space left", path.display()))
+        }
+        _ => format!("{}: {error}; building the book needs this folder for itself", path.display()),
+    }
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {

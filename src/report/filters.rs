@@ -68,16 +68,20 @@ fn extreme(numbers: Vec<f64>, of_two: fn(f64, f64) -> f64) -> TeraResult<f64> {
     numbers.into_iter().reduce(of_two).ok_or_else(|| tera::Error::message("no numbers"))
 }
 
-/// Returns a text of the user as Markdown that shows it unchanged.
+/// Returns a text of the user in a form that shows it unchanged, in Markdown, in `<code>` there, and as the value of an
+/// attribute: signs that have a meaning in any of these, and those that are set as others, are written by number.
 fn plain_text(text: &str) -> String {
-    let mut markdown = String::new();
+    let mut shown = String::new();
+    let mut last = ' ';
     for c in text.chars() {
-        if "\\`*_[]<>&|~$#".contains(c) {
-            markdown.push('\\');
+        let is_set_as_another = c == last && "-.".contains(c);
+        match is_set_as_another || "\\`*_[]{}<>&|~$#\"'".contains(c) {
+            true => shown += &format!("&#{};", u32::from(c)),
+            false => shown.push(c),
         }
-        markdown.push(c);
+        last = c;
     }
-    markdown
+    shown
 }
 
 /// Function `{{ require(that=CONDITION, what="...") }}`: nothing, or an error that stops the build.
@@ -200,6 +204,35 @@ fn word(n: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_of_the_user_is_shown_as_it_is() {
+        for text in [
+            "Price $5 and $6",
+            "See [a](nope.md) ![b](c.svg)",
+            "<b>x</b> &amp; *s* _t_ ~~u~~",
+            "a | b \\ {{#include x}} `c` \"d\" 'e' -- ... #f",
+        ] {
+            let shown = plain_text(text);
+            for markdown in [format!("**{shown}**"), format!("| a |\n| - |\n| {shown} |\n")] {
+                let mut read = String::new();
+                for event in
+                    pulldown_cmark::Parser::new_ext(&markdown, pulldown_cmark::Options::all())
+                {
+                    match event {
+                        pulldown_cmark::Event::Text(text) => read += &text,
+                        pulldown_cmark::Event::Start(_) | pulldown_cmark::Event::End(_) => {}
+                        other => panic!("{other:?}"),
+                    }
+                }
+                assert_eq!(
+                    read.strip_prefix('a').filter(|_| markdown.starts_with('|')).unwrap_or(&read),
+                    text
+                );
+            }
+            assert!(!shown.contains(['"', '<', '$', '{']), "{shown}");
+        }
+    }
 
     #[test]
     fn numbers_read_as_in_the_paper() {

@@ -43,7 +43,7 @@ fn the_answer_comes_first_and_then_how_it_was_found() {
         "contact force ",
         "solver multigrid, load bilinear",
         "grid ",
-        "solved in ",
+        "time: ",
     ];
     let mut lines = text.lines();
     for begin in begins {
@@ -151,14 +151,46 @@ fn advice_is_one_line_that_mends_all() {
     let mended: Vec<_> = ["solve", "a"].into_iter().chain(remedy.split(' ')).collect();
     let mended = project.run(&mended);
     assert!(!mended.out.contains("warning") && mended.code == Some(0), "{mended:?}");
-    // Each warning alone has its own remedy.
+    // In JSON the sentences are those of the text, and the remedy is the one of its last line.
     let json = project.run(&["solve", "a", "--json"]).json();
-    let remedies = json["warnings"].as_array().unwrap().iter();
-    assert!(remedies.map(Value::to_string).all(|text| text.contains("; ")), "{json}");
+    let sentences: Vec<_> =
+        lines.iter().filter_map(|line| line.strip_prefix("warning: ")).collect();
+    assert_eq!(json["warnings"], serde_json::json!(sentences));
+    assert_eq!(
+        (&json["remedy"], &json["failure"]),
+        (&"use --load exact --solver multigrid".into(), &Value::Null)
+    );
     // What is no solution has a remedy as complete.
     let failed = project.run(&["solve", "a", "--r", "1"]);
     assert!(failed.out.contains("not a solution"), "{failed:?}");
     assert!(failed.err.ends_with("; use --load exact --solver multigrid\n"), "{failed:?}");
+}
+
+#[test]
+fn json_has_the_reason_and_the_remedy_of_each_failure() {
+    let project = Project::with(TABLE);
+    let corner = "quadrant(ll)=3; else=-1.1";
+    let cases: [&[&str]; 3] = [
+        &["--f", corner, "--load", "nodal", "--h", "1/6", "--solver", "arrow-hurwicz"],
+        &["--f", SOURCE, "--max-iterations", "2"],
+        &["--f", corner, "--load", "nodal", "--h", "1/101", "--stop", "printed"],
+    ];
+    for args in cases {
+        let text = project.run(&[&["solve"], args].concat());
+        let said = project.run(&[&["solve", "--json"], args].concat());
+        let json = said.json();
+        let [failure, remedy] = ["failure", "remedy"].map(|name| json[name].as_str().unwrap());
+        assert_eq!(said.code, Some(3), "{said:?}");
+        assert_eq!(text.err, format!("error: {failure}; {remedy}\n"), "{json}");
+    }
+    // A warning alone has its remedy in the line of the text, and apart in JSON.
+    let poor = ["--f", "disc(0,0,1e-7)=1e15; else=-100"];
+    let text = project.run(&[&["solve"], &poor[..]].concat()).out;
+    let json = project.run(&[&["solve", "--json"], &poor[..]].concat()).json();
+    let [fact, remedy] = [&json["warnings"][0], &json["remedy"]].map(|text| text.as_str().unwrap());
+    assert_eq!(text.lines().last(), Some(&*format!("warning: {fact}; {remedy}")));
+    let well = project.run(&["solve", "--f", "else=-1", "--json"]).json();
+    assert_eq!((&well["failure"], &well["remedy"]), (&Value::Null, &Value::Null));
 }
 
 #[test]
@@ -177,4 +209,17 @@ fn commands_with_a_mistake_are_recognised_whatever_options_follow() {
     let said = project.run(&["nothing-like-it", "--f", "else=-1"]);
     assert!(said.code == Some(2) && !said.err.contains("--force"), "{said:?}");
     assert_eq!(project.run(&["list", "--json"]).json()["schema"], 1);
+}
+
+#[test]
+fn a_fixed_part_is_said_to_carry_what_the_contact_does_not() {
+    let said = "\nfixed parts carry the difference\n";
+    let f = ["--domain", "annulus", "--refine", "2", "--f", "else=-1"];
+    let (text, json) = answer(&[&f[..], &["--fixed", "inner"]].concat());
+    let forces = numbers(&text, "contact force ");
+    assert!(text.contains(said) && forces[0] < 0.9 * forces[1], "{text}");
+    assert!(near(forces[0], &json["force"]));
+    for free in [&f[..], &[&f[..], &["--free", "inner"]].concat()] {
+        assert!(!answer(free).0.contains(said));
+    }
 }

@@ -29,7 +29,7 @@ fn a_dry_run_tells_what_would_run_and_writes_nothing() {
         [
             "solve/a/signed/r=10: stale: first run",
             "solve/a/signed/r=1: stale: first run",
-            "tabulate/a/signed: waits for solve/a/signed/r=10"
+            "tabulate/a: waits for solve/a/signed/r=10"
         ]
     );
     assert_eq!(project.run(&["status", "--exit-code"]).code, Some(1));
@@ -40,7 +40,7 @@ fn a_dry_run_tells_what_would_run_and_writes_nothing() {
 fn a_scene_that_wants_a_table_draws_nothing() {
     let project = Project::with(TABLE);
     let ran = project.run(&["run", "-v"]);
-    assert_eq!(ran.ran(), [CELLS[0], CELLS[1], "tabulate/a/signed"]);
+    assert_eq!(ran.ran(), [CELLS[0], CELLS[1], "tabulate/a"]);
     assert!(!project.path("figures").exists());
     // Nor does it keep what only drawings need.
     let outputs = fs::read_to_string(project.path(".signorini/v2/tasks/solve/a/signed/r=10.runs"));
@@ -63,7 +63,7 @@ fn a_surface_solves_only_the_r_that_is_drawn() {
 #[test]
 fn an_r_or_a_grid_not_asked_for_is_nowhere() {
     let project = Project::with(&TABLE.replace("[10, 1]", "[5]").replace("[4, 8]", "[4, 8, 16]"));
-    assert_eq!(project.run(&["run", "-v"]).ran(), ["solve/a/signed/r=5", "tabulate/a/signed"]);
+    assert_eq!(project.run(&["run", "-v"]).ran(), ["solve/a/signed/r=5", "tabulate/a"]);
     for (name, bytes) in project.files(".signorini/v2") {
         let text = String::from_utf8(bytes).unwrap();
         assert!(!name.contains("r=1") && !text.contains("r=1"), "{name}: {text}");
@@ -82,12 +82,12 @@ fn one_scene_of_two_leaves_the_other_alone() {
     let only = project.run(&["run", "-v", "b", "b"]);
     assert_eq!(
         only.ran(),
-        ["solve/b/signed/r=1", "solve/b/signed/r=10", "tabulate/b/signed"],
+        ["solve/b/signed/r=1", "solve/b/signed/r=10", "tabulate/b"],
         "once each, however often it is named"
     );
     let lock = || fs::read_to_string(project.path("pipeline/lock.toml")).unwrap();
     assert!(lock().contains("solve/b/") && !lock().contains("solve/a/"), "what did not run");
-    assert_eq!(project.run(&["run", "-v"]).ran(), [CELLS[0], CELLS[1], "tabulate/a/signed"]);
+    assert_eq!(project.run(&["run", "-v"]).ran(), [CELLS[0], CELLS[1], "tabulate/a"]);
     assert!(lock().contains("solve/b/") && lock().contains("solve/a/"));
 }
 
@@ -96,10 +96,7 @@ fn only_a_stage_runs_it_and_what_it_needs() {
     let project = Project::with(&wanting("[\"table\", \"source\", \"surface\"]"));
     let ran = project.run(&["run", "-v", "--only", "figures"]);
     assert_eq!(ran.ran(), ["figures/a-source", "figures/a-surface", CELLS[0]], "r = 1 is drawn");
-    assert_eq!(
-        project.run(&["run", "-v", "--only", "tabulate"]).ran(),
-        [CELLS[1], "tabulate/a/signed"]
-    );
+    assert_eq!(project.run(&["run", "-v", "--only", "tabulate"]).ran(), [CELLS[1], "tabulate/a"]);
 }
 
 #[test]
@@ -107,7 +104,7 @@ fn a_longer_list_of_r_solves_only_the_new_cell() {
     let project = Project::with(TABLE);
     project.run(&["run"]).lines();
     project.scene("a", &TABLE.replace("[10, 1]", "[10, 1, 5]"));
-    assert_eq!(project.run(&["run", "-v"]).ran(), ["solve/a/signed/r=5", "tabulate/a/signed"]);
+    assert_eq!(project.run(&["run", "-v"]).ran(), ["solve/a/signed/r=5", "tabulate/a"]);
 }
 
 #[test]
@@ -145,7 +142,7 @@ fn another_f_runs_everything_again() {
 fn explain_prints_old_and_new() {
     let project = Project::with(TABLE);
     project.run(&["run"]).lines();
-    assert_eq!(project.run(&["explain", "tabulate"]).lines(), ["tabulate/a/signed: up to date"]);
+    assert_eq!(project.run(&["explain", "tabulate"]).lines(), ["tabulate/a: up to date"]);
     project.scene("a", &TABLE.replace("else=-1", "else=-2").replace("[4, 8]", "[8, 16]"));
     assert_eq!(
         project.run(&["explain", "solve/a/signed/r=10"]).lines(),
@@ -162,7 +159,7 @@ fn explain_prints_old_and_new() {
     // The table waits: it has the grids from the solutions.
     assert_eq!(
         project.run(&["explain", "tabulate"]).lines(),
-        ["tabulate/a/signed: waits for solve/a/signed/r=10"]
+        ["tabulate/a: waits for solve/a/signed/r=10"]
     );
     let json = project.run(&["explain", "solve", "--json"]).json();
     let change = &json["tasks"][CELLS[0]]["reason"]["what"][0];
@@ -184,7 +181,10 @@ fn a_reverted_edit_is_a_hit_and_survives_gc() {
         (back.ran(), back.lines()),
         (
             vec![],
-            vec!["1 file written to figures/ and report/", "pipeline/lock.toml brought up to date"]
+            vec![
+                "2 files written to figures/ and report/",
+                "pipeline/lock.toml brought up to date"
+            ]
         )
     );
     assert_same(&project.files("figures"), &figures);

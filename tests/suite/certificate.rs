@@ -106,7 +106,7 @@ fn whole(folder: &str, commit: &str) -> [String; 3] {
         format!(
             "checked out from commit `{commit}` of its git repository{folder}, without changes"
         ),
-        "Of the 2 inputs under `pipeline/`, all are as in this commit.".into(),
+        "Of the 2 inputs, all are as in this commit.".into(),
         format!(", which is the one in commit `{commit}`."),
     ]
 }

@@ -108,9 +108,14 @@ impl Said {
 }
 
 impl Project {
+    /// A folder with nothing in it.
+    pub(crate) fn empty() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
     /// A project with one scene, `a`.
     pub(crate) fn with(scene: &str) -> Self {
-        let project = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        let project = Self::empty();
         fs::create_dir_all(project.path("pipeline/scenes")).unwrap();
         fs::create_dir_all(project.path("report")).unwrap();
         project.write("pipeline/paper.toml", PAPER);
@@ -120,7 +125,7 @@ impl Project {
 
     /// A copy of the project that these tests belong to, without a cache.
     pub(crate) fn whole() -> Self {
-        let project = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        let project = Self::empty();
         for part in ["pipeline", "report", "figures"] {
             copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join(part), &project.path(part));
         }

@@ -152,7 +152,7 @@ fn the_multiplier_of_the_cube_has_the_total_force() {
         assert!((force - total).abs() < 1e-12 * total.max(1.0), "{case}: {force} {total}");
         let least = a.iter().copied().fold(f64::INFINITY, f64::min);
         if least > 0.0 {
-            assert!((judgement.kkt.min_lambda - least).abs() < 1e-15, "{case}: {least}");
+            assert!((judgement.kkt.min_lambda.unwrap() - least).abs() < 1e-15, "{case}: {least}");
         }
     }
 }

@@ -87,7 +87,7 @@ fn random_load(
 fn no_two_contact_sets_take_turns() {
     let cube = CubeMesh::new(1, 2);
     let mut dice = Dice(7);
-    for number in 0..20_000 {
+    for number in 0..5_000 {
         let amplitudes: Vec<f64> = (0..12).map(|_| 2.0 * dice.unit() - 1.0).collect();
         let load = random_load(&cube, &amplitudes, dice.unit(), -8.0 + 7.7 * dice.unit());
         let (_, outcome) = run(&cube, &load, Goal::RoundingFloor);

@@ -35,6 +35,9 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
         Some(browser) => {
             let page = opened(&browser, book, "?problem=2&r=1", PRESS_ALL, 10_000);
             assert!(page.contains("published 5.8·10⁻²"), "the link's problem is not shown");
+            // What the keyboard reaches first.
+            let skip = page.find(r##"<a class="skip" href="#"##).expect("a link to the text");
+            assert!(page[..skip].find("<button").is_none() && page.contains("<main"), "{skip}");
             let out = page.split(r#"class="explore-all" data-tables=""#).nth(1);
             let out = out.unwrap_or_else(|| panic!("no tables in the page: {page}"));
             let (text, rest) = out.split_once('"').unwrap();

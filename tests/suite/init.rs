@@ -18,8 +18,16 @@ fn a_new_study_runs() {
     // What the page points to is in the book.
     let book = place.path("new/study/report/book");
     let page = fs::read_to_string(book.join("plate.html")).unwrap();
-    for name in ["figures/plate-surface.svg", "results.csv"] {
+    for name in ["figures/plate-surface.svg", "results.csv", "tables/plate.csv"] {
         assert!(page.contains(&format!("\"{name}\"")) && book.join(name).exists(), "{name}");
+    }
+    // The table of the scene has all digits in its file, and is part of the page.
+    let csv = fs::read_to_string(place.path("new/study/report/tables/plate.csv")).unwrap();
+    assert_eq!(csv, fs::read_to_string(book.join("tables/plate.csv")).unwrap());
+    assert_eq!(csv.lines().next().map(|head| head.split(',').count()), Some(9));
+    for line in csv.lines() {
+        let first = line.split(',').next().unwrap();
+        assert!(page.contains(&format!(">{first}</t")), "{first}: {page}");
     }
     assert!(run(&["identify"]).refusal().contains("no published table"));
     assert!(run(&["diff"]).refusal().contains("paper_table"));
@@ -38,15 +46,12 @@ fn a_study_begins_wherever_none_of_its_files_is() {
     assert_eq!(fs::read(place.path("empty/README.md")).unwrap(), b"mine");
     let attributes = fs::read_to_string(place.path("empty/.gitattributes")).unwrap();
     assert!(attributes.lines().any(|line| line == "* -text"), "{attributes}");
-    for own in [".gitignore", ".gitattributes", "report/book.toml"] {
-        let folder = format!("with-{}", own.replace('/', "-"));
-        fs::create_dir_all(place.path(&format!("{folder}/report"))).unwrap();
-        place.write(&format!("{folder}/{own}"), "mine");
-        let before = place.files(&folder);
-        let said = place.run(&["init", &folder]);
-        assert!(said.refusal().contains(&format!("{folder}/{own} is there already")), "{said:?}");
-        assert_same(&place.files(&folder), &before);
-    }
+    fs::create_dir_all(place.path("with/report")).unwrap();
+    place.write("with/report/book.toml", "mine");
+    let before = place.files("with");
+    let said = place.run(&["init", "with"]);
+    assert!(said.refusal().contains("with/report/book.toml is there already"), "{said:?}");
+    assert_same(&place.files("with"), &before);
     for taken in ["empty", ".", "pipeline/scenes/a.toml"] {
         let before = place.times();
         let said = place.run(&["init", taken]);
@@ -58,7 +63,8 @@ fn a_study_begins_wherever_none_of_its_files_is() {
         assert_eq!(said.lines()[2], format!("next: {command}signorini run"));
     }
     // Where there is no cache yet, none is to be moved.
-    let said = place.run(&["init", "pipeline/scenes/a.toml/study"]);
+    place.write("file", "");
+    let said = place.run(&["init", "file/study"]);
     assert!(said.refusal().ends_with("; name a folder in another place"), "{said:?}");
 }
 
@@ -135,4 +141,27 @@ fn pages_may_lie_in_folders_and_show_pictures_of_their_own() {
     fs::remove_file(place.path(&format!("{templates}/SUMMARY.md"))).unwrap();
     let said = run();
     assert!(said.err.contains("failed to read `report/templates/SUMMARY.md`"), "{said:?}");
+}
+
+#[test]
+fn files_of_a_new_repository_get_the_lines_that_they_lack() {
+    let place = Project::with(TABLE);
+    fs::create_dir(place.path("study")).unwrap();
+    place.write("study/.gitignore", "/target\r\n/report/book\r\n*.log");
+    place.write("study/.gitattributes", "* text=auto\n");
+    place.run(&["init", "study"]).lines();
+    let ignored = fs::read_to_string(place.path("study/.gitignore")).unwrap();
+    assert!(ignored.starts_with("/target\r\n/report/book\r\n*.log\n"), "{ignored:?}");
+    for line in ["/.signorini", "/report/src", "/pipeline/.*"] {
+        assert_eq!(ignored.lines().filter(|one| *one == line).count(), 1, "{ignored:?}");
+    }
+    assert_eq!(ignored.matches("/report/book").count(), 1, "{ignored:?}");
+    let attributes = fs::read_to_string(place.path("study/.gitattributes")).unwrap();
+    assert!(attributes.starts_with("* text=auto\n") && attributes.ends_with("\n* -text\n"));
+    // What is a part of another project's results or inputs is no place for a study.
+    for folder in ["report/templates/study", "pipeline/study", "figures"] {
+        let said = place.run(&["init", folder]);
+        assert!(said.refusal().contains("the study would lie in"), "{said:?}");
+        assert!(!place.path(folder).join("report").exists());
+    }
 }

@@ -1,21 +1,17 @@
 //! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
 
 use crate::common::Dice;
-use crate::domains::CubeMesh;
-use signorini_mathematics::bounds::triangulation::bounds_on_mesh;
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
-use signorini_mathematics::mesh::{AnyMesh, CellData, Mesh, MeshLoad, mesh_load, refined};
-use signorini_mathematics::multigrid::active_set::active_set_on;
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::{AnyMesh, Mesh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
-use signorini_mathematics::multilevel::solve_nested_networks;
-use signorini_mathematics::problem;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
+use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
 
 /// Largest width of the bracket at 1/256 for each problem with friction.
 const WIDTHS: [f64; 6] = [2e-8, 8e-8, 2e-9, 3e-7, 2e-8, 2e-6];
@@ -184,20 +180,17 @@ fn an_end_of_the_interval_that_no_reaction_reaches_does_not_widen_the_bounds() {
 
 #[test]
 fn nor_does_it_on_meshes() {
-    let f: problem::source::Source<3> =
-        "box(-0.2,0.3,-0.3,0.1,-0.5,0.5)=1.1; else=-0.41".parse().unwrap();
-    let CubeMesh { levels, mesh } = CubeMesh::new(1, 3);
-    let MeshLoad { load, cells, .. } = mesh_load(&mesh, &f).unwrap();
-    let network = &levels[3].network;
+    let f = "box(-0.2,0.3,-0.3,0.1,-0.5,0.5)=1.1; else=-0.41";
+    let cube = AnyMesh::Space(uniform_cube(1));
     let mut dice = Dice(10);
     for near in [Law::limited(100.0).unwrap(), Law::friction(100.0).unwrap()] {
-        let problem = near.with_load(&load);
-        let (y, _) = solve_nested_networks(&levels, problem, &MultigridParams::default()).unwrap();
+        let problem = Problem::on_mesh(&cube, 3, f, near).unwrap();
+        let y = solve(&problem, &Settings::of(Solver::Multigrid)).unwrap().y;
         for size in [0.0, 1e-9, 1e-5] {
             let y = disturbed(&y, size, &mut dice);
-            let best = bounds_on_mesh(&mesh, network, &cells, near, &y).unwrap();
+            let best = problem.bounds(&y).unwrap();
             for law in far_laws(near) {
-                let found = bounds_on_mesh(&mesh, network, &cells, law, &y).unwrap();
+                let found = problem.levels().bounds(law, &y).unwrap();
                 // Which of two valid fluxes gives the lower end is a matter of rounding.
                 let allowed = width(&best) * (1.0 + 1e-6);
                 assert!(width(&found) <= allowed, "{law} {size}: {found:?} {best:?}");
@@ -212,10 +205,9 @@ fn nor_does_it_on_meshes() {
 fn the_energy_is_never_above_that_of_zero() {
     let f: Source = "quadrant(ll)=3; else=-1.25".parse().unwrap();
     let grid = Grid::new(16).unwrap();
-    let mesh = plane("disc");
-    let (levels, mesh) = refined(&mesh, 2).unwrap();
-    let halves: Source = "halfplane(1,0,0)=1; else=-1.3".parse().unwrap();
-    let of_mesh = mesh_load(&mesh, &halves).unwrap().cells;
+    let disc = AnyMesh::built_in("disc").unwrap();
+    let halves = "halfplane(1,0,0)=1; else=-1.3";
+    let on_disc = Problem::on_mesh(&disc, 2, halves, Law::SIGNORINI).unwrap();
     let mut dice = Dice(11);
     for law in [Law::SIGNORINI, Law::friction(0.3).unwrap(), Law::limited(2.0).unwrap()] {
         for size in [1.0, 100.0] {
@@ -223,8 +215,8 @@ fn the_energy_is_never_above_that_of_zero() {
             let y = disturbed(&y, size, &mut dice);
             let [low, high] = bounds(grid, &f, law, &y).unwrap().energy;
             assert!(low < high && high <= 0.0, "{law} {size}: {low} {high}");
-            let y = disturbed(&vec![size; mesh.points().len()], size, &mut dice);
-            let found = bounds_on_mesh(&mesh, &levels[2].network, &of_mesh, law, &y).unwrap();
+            let y = disturbed(&vec![size; on_disc.load().len()], size, &mut dice);
+            let found = on_disc.levels().bounds(law, &y).unwrap();
             assert!(
                 found.energy[0] < found.energy[1] && found.energy[1] <= 0.0,
                 "{law}: {found:?}"
@@ -248,11 +240,10 @@ fn what_the_law_cannot_balance_has_no_bound() {
         assert_eq!(found, Err(NoBound::NotFinite));
         nan[node] = 0.0;
     }
-    let plane = plane("lshape");
-    let (levels, mesh) = refined(&plane, 1).unwrap();
-    let f = CellData { mean: vec![400.0; mesh.cells().len()], deviation: None };
-    let (network, y) = (&levels[1].network, vec![0.0; mesh.points().len()]);
-    let found = bounds_on_mesh(&mesh, network, &f, law, &y);
+    let lshape = AnyMesh::built_in("lshape").unwrap();
+    let wide = Law::friction(1e4).unwrap();
+    let problem = Problem::on_mesh(&lshape, 1, "else=400", wide).unwrap();
+    let found = problem.levels().bounds(law, &vec![0.0; problem.load().len()]);
     let is_refused = matches!(found, Err(NoBound::Unsolvable(Unsolvable::Unbalanced { .. })));
     assert!(is_refused, "{found:?}");
 }
@@ -269,12 +260,14 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
     for name in ["lshape", "lshape", "disc"] {
         let mut coarse = plane(name);
         coarse.parts_mut().iter_mut().for_each(|part| part.curve = None);
+        let coarse = AnyMesh::Plane(coarse);
         for problem in 0..25 {
             let [left, right] = [0.0; 2].map(|_| dice.between(-6.0, 6.0));
-            let f: Source = format!("halfplane(1,0,0)={left}; else={right}").parse().unwrap();
-            let (levels, finest) = refined(&coarse, 3).unwrap();
-            let MeshLoad { integral, .. } = mesh_load(&finest, &f).unwrap();
-            let perimeter = levels[3].network.perimeter();
+            let f = format!("halfplane(1,0,0)={left}; else={right}");
+            let on = |times, law| Problem::on_mesh(&coarse, times, &f, law).unwrap();
+            let finest = on(3, Law::friction(1e4).unwrap());
+            let integral = finest.levels().integrals().of_f;
+            let perimeter = finest.networks().unwrap()[3].network.perimeter();
             let g = 1.01 * integral.abs() / perimeter + 0.02 + dice.between(0.0, 1.0).powi(2);
             let law = match problem % 4 {
                 0 => Law::new(-g, 2.0 * g),
@@ -284,16 +277,15 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
             let law = law.unwrap();
             let mut energies = Vec::new();
             for times in 1..=3 {
-                let (levels, mesh) = refined(&coarse, times).unwrap();
-                let network = &levels[times].network;
-                let made = mesh_load(&mesh, &f).unwrap();
-                let (y, _) = active_set_on(network, law, &made.load).unwrap();
-                let states = judge(network, law, &y, &made.load).states;
+                let on_mesh = on(times, law);
+                let Run { y, judgement, .. } =
+                    solve(&on_mesh, &Settings::of(Solver::ActiveSet)).unwrap();
+                let states = judgement.states;
                 let both = [BoundaryState::SlipsUp, BoundaryState::SlipsDown];
                 with_both_signs += usize::from(both.iter().all(|state| states.contains(state)));
                 for size in [0.0, 1e-6, 1e-2, 1.0] {
                     let wrong = disturbed(&y, size, &mut dice);
-                    let found = bounds_on_mesh(&mesh, network, &made.cells, law, &wrong).unwrap();
+                    let found = on_mesh.bounds(&wrong).unwrap();
                     let [low, high] = found.energy;
                     assert!(low <= high, "{name} {problem} {law}: {found:?}");
                     energies.push(found.energy);

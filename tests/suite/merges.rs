@@ -80,7 +80,7 @@ fn files_without_a_record_are_not_said_to_be_edited() {
 fn an_unreadable_record_is_not_an_absent_one() {
     let project = project();
     project.run(&["run"]).lines();
-    let record = project.path(".signorini/v2/tasks/tabulate/a/signed.runs");
+    let record = project.path(".signorini/v2/tasks/tabulate/a.runs");
     fs::remove_file(&record).unwrap();
     fs::create_dir(&record).unwrap();
     let said = project.run(&["explain", "tabulate"]);

@@ -166,3 +166,64 @@ fn a_pointer_in_the_place_of_a_mesh_is_told() {
     let refused = solve(&project, pointer, &["--f", "else=-1"]);
     assert!(refused.refusal().ends_with("the file is a pointer of Git LFS; do `git lfs pull`"));
 }
+
+/// A hexagon with a square hole, of large triangles; the elements from 5 on are cells, and 5, 6, 11, 14 lie at the hole.
+const HOLE: &str = "1 1 0 0\n2 0.5 0.8660254037844386 0\n3 -0.5 0.8660254037844386 0\n4 -1 0 0\n\
+    5 -0.5 -0.8660254037844386 0\n6 0.5 -0.8660254037844386 0\n7 0.3535533905932738 0.3535533905932738 0\n\
+    8 -0.3535533905932738 0.3535533905932738 0\n9 -0.3535533905932738 -0.3535533905932738 0\n\
+    10 0.3535533905932738 -0.3535533905932738 0";
+const AROUND_HOLE: &str = "1 1 2 7 7 7 8\n2 1 2 7 7 8 9\n3 1 2 7 7 9 10\n4 1 2 7 7 10 7\n5 2 2 3 1 9 8 4\n\
+    6 2 2 3 1 7 10 1\n7 2 2 3 1 10 6 1\n8 2 2 3 1 2 7 1\n9 2 2 3 1 3 7 2\n10 2 2 3 1 4 8 3\n11 2 2 3 1 8 7 3\n\
+    12 2 2 3 1 5 9 4\n13 2 2 3 1 6 10 5\n14 2 2 3 1 10 9 5";
+
+#[test]
+fn a_curve_that_is_too_far_away_is_refused_with_file_element_and_part() {
+    let project = Project::with(TABLE);
+    project.write("m.msh", mesh(HOLE, "1", AROUND_HOLE));
+    let path = project.path("m.msh");
+    for more in [["--refine", "3"], ["--accuracy", "0.001"]] {
+        let args = ["solve", "--domain", path.to_str().unwrap(), "--f", "else=-1"];
+        let curve = ["--curve", "7=0,0,0.5"];
+        let said = project.run(&[&args[..], &curve, &more].concat());
+        let refusal = said.refusal();
+        let (file, fault) = refusal.split_once("m.msh: element ").expect(refusal);
+        assert!(!file.contains("accuracy"), "{refusal}");
+        let (element, fault) = fault.split_once(' ').unwrap();
+        assert!(["5", "6", "11", "14"].contains(&element), "{refusal}");
+        assert!(
+            fault
+                .starts_with("turns inside out, or a piece of it, when the new nodes of part `7` ")
+        );
+    }
+}
+
+#[test]
+fn names_with_signs_of_f_and_of_options_stand_in_quotes_or_not() {
+    let project = Project::with(TABLE);
+    let names = "$PhysicalNames\n2\n1 7 \"a=b\"\n2 3 \"x=1; y=2\"\n$EndPhysicalNames\n$Nodes";
+    project.write("m.msh", mesh(HOLE, "1", AROUND_HOLE).replacen("$Nodes", names, 1));
+    let path = project.path("m.msh");
+    let args = ["solve", "--domain", path.to_str().unwrap(), "--refine", "0", "--json"];
+    let f = ["--f", "region(\"x=1; y=2\")=-2", "--curve", "a=b=0,0,0.5", "--free", "a=b"];
+    let json = project.run(&[&args[..], &f].concat()).json();
+    let plain = ["--f", "else=-2", "--curve", "a=b=0,0,0.5", "--free", "a=b"];
+    assert_eq!(json["energy"], project.run(&[&args[..], &plain].concat()).json()["energy"]);
+    assert_eq!(json["f"], "region(\"x=1; y=2\")=-2");
+}
+
+#[test]
+fn regions_and_local_errors_are_in_files_of_any_mesh() {
+    let project = Project::with(TABLE);
+    for (ending, more) in
+        [("npz", ["--refine", "2"]), ("vtu", ["--refine", "2"]), ("npz", ["--accuracy", "0.3"])]
+    {
+        let out = project.path(&format!("v.{ending}"));
+        let args = ["solve", "--domain", "disc", "--f", "else=-1", "--out", out.to_str().unwrap()];
+        let said = project.run(&[&args[..], &more].concat());
+        assert!(said.err.is_empty(), "{said:?}");
+        let file = std::fs::read(out).unwrap();
+        for name in ["region", "local_error"] {
+            assert!(file.windows(name.len()).any(|part| part == name.as_bytes()), "{name}");
+        }
+    }
+}

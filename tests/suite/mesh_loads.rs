@@ -190,10 +190,10 @@ fn energies(problem: &Problem) -> (f64, [f64; 2]) {
 }
 
 #[test]
-fn brackets_hold_the_energy_of_a_solution_four_refinements_finer() {
+fn brackets_hold_the_energy_of_a_solution_three_refinements_finer() {
     let mut dice = Dice(500);
     let mut tried = 0;
-    for case in 0..150 {
+    for case in 0..90 {
         let mesh = mesh(["lshape", "square", "gear"][case % 3]);
         let law = match case % 5 {
             0 | 1 => Law::SIGNORINI,
@@ -206,13 +206,13 @@ fn brackets_hold_the_energy_of_a_solution_four_refinements_finer() {
         let Ok(problem) = Problem::on_mesh(&mesh, times, &f, law) else { continue };
         assert!(!problem.levels().integrals().by_quadrature);
         let (_, [low, high]) = energies(&problem);
-        let (fine, finer) = energies(&Problem::on_mesh(&mesh, times + 4, &f, law).unwrap());
+        let (fine, finer) = energies(&Problem::on_mesh(&mesh, times + 3, &f, law).unwrap());
         let slack = 1e-10 * low.abs();
         assert!(low - slack <= fine && fine <= high + slack, "{f} {law}: {fine} {low} {high}");
         assert!(finer[1] - finer[0] < high - low, "{f} {law}: {finer:?} {low} {high}");
         tried += 1;
     }
-    assert!(tried >= 60, "{tried}");
+    assert!(tried >= 36, "{tried}");
 }
 
 #[test]

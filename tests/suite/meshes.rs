@@ -256,13 +256,17 @@ proptest! {
     #[test]
     fn a_valid_mesh_passes_in_every_order_and_keeps_its_volume(seed in 1..u64::MAX) {
         let mut dice = Dice(seed);
-        for domain in [BuiltIn::Disc, BuiltIn::LShape, BuiltIn::Annulus] {
-            let mesh = refined(domain.plane().unwrap(), dice.below(5));
+        let domains = [BuiltIn::Disc, BuiltIn::LShape, BuiltIn::Annulus, BuiltIn::Ball];
+        let domain = domains[dice.below(domains.len() as u64) as usize];
+        if let Some(plane) = domain.plane() {
+            let mesh = refined(plane, dice.below(5));
             passes(&mesh, &mut dice)?;
             one_cut_is_found(&mesh, &mut dice)?;
         }
-        let mesh = refined(BuiltIn::Ball.space().unwrap(), dice.below(3));
-        passes(&mesh, &mut dice)?;
-        one_cut_is_found(&mesh, &mut dice)?;
+        if let Some(space) = domain.space() {
+            let mesh = refined(space, dice.below(3));
+            passes(&mesh, &mut dice)?;
+            one_cut_is_found(&mesh, &mut dice)?;
+        }
     }
 }

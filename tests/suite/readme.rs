@@ -22,7 +22,9 @@ fn blocks(page: &str) -> Vec<(String, String)> {
             None => {}
             // The text that a template puts in ends with a line of its own.
             Some((opened, _, _))
-                if line == opened || line == format!("{{{{ scene.text }}}}{opened}") =>
+                if line
+                    .strip_suffix(&**opened)
+                    .is_some_and(|put| put.is_empty() || put.ends_with("}}")) =>
             {
                 blocks.extend(open.take().map(|(_, language, text)| (language, text)));
             }
@@ -31,6 +33,30 @@ fn blocks(page: &str) -> Vec<(String, String)> {
     }
     assert!(open.is_none(), "{page}: {open:?} does not end");
     blocks
+}
+
+#[test]
+fn what_is_to_be_copied_fits_its_box() {
+    /// Columns of a block of code in a window 1280 pixels wide.
+    const COLUMNS: usize = 90;
+    let mut long = Vec::new();
+    let folder = Path::new(ROOT).join("report/templates");
+    let pages = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+    let pages = pages.filter(|path| path.extension().is_some_and(|ending| ending == "tera"));
+    for page in pages.chain([Path::new(ROOT).join("README.md")]) {
+        for (language, text) in blocks(page.to_str().unwrap()) {
+            if ["sh", "toml", "python"].contains(&&*language) {
+                long.extend(
+                    text.lines().filter(|l| l.chars().count() > COLUMNS).map(str::to_owned),
+                );
+            }
+        }
+    }
+    for scene in ["plate", "regions", "free-corner"] {
+        let text = fs::read_to_string(format!("{ROOT}/pipeline/scenes/{scene}.toml")).unwrap();
+        long.extend(text.lines().filter(|l| l.chars().count() > COLUMNS).map(str::to_owned));
+    }
+    assert!(long.is_empty(), "{long:#?}");
 }
 
 /// Runs a README line in `project`, with the program that the tests built instead of `cargo run`.

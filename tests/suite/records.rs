@@ -63,7 +63,8 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
         assert!(yaml.contains(line), "{line} is not in {yaml}");
     }
     assert!(yaml.contains("    \"pipeline/scenes/a.toml\": \""), "{yaml}");
-    assert_eq!(files_of_manifest(&project, &yaml), 7, "a table, four figures, and the data of two");
+    let count = files_of_manifest(&project, &yaml);
+    assert_eq!(count, 8, "the paper's table, that of the scene, four figures, and the data of two");
 
     let page = fs::read_to_string(project.path("codecheck/certificate.md")).unwrap();
     for part in [
@@ -134,7 +135,7 @@ fn a_run_without_a_published_table_has_a_record_without_a_manifest() {
         "inputs/pipeline/paper.toml",
         "inputs/pipeline/scenes/a.toml",
         "ro-crate-metadata.json",
-        "tables/a-signed.csv",
+        "tables/a.csv",
     ];
     assert_eq!(files.keys().collect::<Vec<_>>(), wanted);
     for name in ["certificate.md", "ro-crate-metadata.json"] {

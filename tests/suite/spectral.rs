@@ -5,13 +5,46 @@ use crate::reference::REFERENCES;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::stiffness::energy;
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::multigrid::{self, MultigridParams};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::spectral::{Solution, SpectralError, SpectralParams, spectral};
+use signorini_mathematics::solvers::{Refusal, Settings, Solver, solve};
+use signorini_mathematics::spectral::{
+    Solution, SpectralError, SpectralParams, spectral, true_solution,
+};
 
 fn solved(f: &str, params: SpectralParams) -> Solution {
     spectral(&f.parse().unwrap(), params).unwrap_or_else(|e| panic!("{f}: {e}"))
+}
+
+#[test]
+fn the_table_of_solvers_runs_it_on_a_problem() {
+    let settings = Settings::of(Solver::Spectral);
+    let grids = || vec![Grid::new(64).unwrap()];
+    let f = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
+    for law in [Law::SIGNORINI, Law::friction(0.3).unwrap()] {
+        let source = f.parse().unwrap();
+        let problem = Problem::on_square(grids(), source, LoadRule::Bilinear {}, law).unwrap();
+        let run = solve(&problem, &settings).unwrap();
+        let others = solve(&problem, &Settings::of(Solver::Multigrid)).unwrap();
+        let distance =
+            run.y.iter().zip(&others.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(0.0 < distance && distance < 1e-3, "{law}: {distance}");
+        assert_eq!((run.last().name(), run.ends.len(), run.first_level), ("converged", 1, 0));
+        let truth = true_solution(law, &f.parse().unwrap()).unwrap().solution.energy;
+        let [low, high] = problem.bounds(&run.y).unwrap().energy;
+        assert!(low <= truth && truth <= high, "{law}: {low} {truth} {high}");
+    }
+    let formula = "formula(x - 1)".parse().unwrap();
+    let problem = Problem::on_square(grids(), formula, LoadRule::Bilinear {}, Law::SIGNORINI);
+    let refused = solve(&problem.unwrap(), &settings).err();
+    assert_eq!(refused, Some(Refusal::Spectral(SpectralError::NotPieces)));
+    let lshape = AnyMesh::built_in("lshape").unwrap();
+    let problem = Problem::on_mesh(&lshape, 2, "else=-1", Law::SIGNORINI).unwrap();
+    let refused = solve(&problem, &settings).err();
+    assert_eq!(refused, Some(Refusal::NotOnMeshes(Solver::Spectral)));
 }
 
 #[track_caller]

@@ -52,6 +52,8 @@ fn lines_are_broken_between_words_where_the_terminal_ends() {
     let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };
     assert!(shown.lines().all(|line| line.chars().count() <= 60), "{shown}");
     assert!(shown.contains("warning: the load vector sums to "), "{shown}");
+    // A table has its last columns left out, and no cell on a line of its own.
+    assert!(shown.contains("\nno room for: "), "{shown}");
     let line = format!(
         "stty rows 24 cols 40; '{}' run nobody-of-this-name",
         env!("CARGO_BIN_EXE_signorini")
@@ -61,6 +63,21 @@ fn lines_are_broken_between_words_where_the_terminal_ends() {
     assert!(shown.lines().all(|line| line.chars().count() <= 40), "{shown}");
     // What is no terminal gets the line as it is.
     assert!(project.run(&["run", "nobody-of-this-name"]).refusal().len() > 40);
+}
+
+#[test]
+fn tables_of_narrow_terminals_lack_columns_and_no_cell_is_broken() {
+    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
+    let program = env!("CARGO_BIN_EXE_signorini");
+    for (command, columns, missing) in
+        [("diff", 30, Some("Delta a")), ("diff", 80, None), ("list", 40, None)]
+    {
+        let line = format!("stty rows 24 cols {columns}; '{program}' {command}");
+        let Some(shown) = shown_by(&project, &line, &[("TERM", "dumb")]) else { return };
+        assert!(shown.lines().all(|line| line.chars().count() <= columns), "{shown}");
+        assert_eq!(shown.contains("\nno room for: "), missing.is_some(), "{shown}");
+        assert!(missing.is_none_or(|missing| shown.contains(missing)), "{shown}");
+    }
 }
 
 #[test]
@@ -104,7 +121,7 @@ fn status_stands_in_columns_and_fits_narrow_terminals() {
     project.scene("a-scene-with-a-name-that-takes-room", &TABLE.replace("else=-1", "else=-2"));
     expect![[r"
         solve     stale  4 of 4  solve/a/signed/r=10  first run
-        tabulate  waits  2 of 2  tabulate/a/signed    waits for solve/a/signed/r=10
+        tabulate  waits  2 of 2  tabulate/a           waits for solve/a/signed/r=10
         figures   stale  1 of 1  figures/a-source     first run
         7 tasks: 5 stale, 2 waiting for those
     "]]
@@ -113,7 +130,7 @@ fn status_stands_in_columns_and_fits_narrow_terminals() {
     let wide = project.run(&["status"]).out;
     expect![[r"
         solve     stale       2 of 4  solve/a-scene-with-a-name-that-takes-room/signed/r=10  parameter f: else=-1 -> else=-2
-        tabulate  waits       1 of 2  tabulate/a-scene-with-a-name-that-takes-room/signed    waits for solve/a-scene-with-a-name-that-takes-room/signed/r=10
+        tabulate  waits       1 of 2  tabulate/a-scene-with-a-name-that-takes-room           waits for solve/a-scene-with-a-name-that-takes-room/signed/r=10
         figures   up to date       1
         7 tasks: 4 up to date, 2 stale, 1 waiting for those
     "]]

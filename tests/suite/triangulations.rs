@@ -135,7 +135,7 @@ fn the_command_solves_on_a_file_and_on_a_domain() {
     let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
     let f = "rect(-2,0,-2,0)=-6; else=1";
     let project = Project::with(TABLE);
-    for (domain, more) in [(gear.as_str(), ["--free", "hole"]), ("disc", ["--refine", "3"])] {
+    for (domain, more) in [(gear.as_str(), ["--free", "hole"]), ("disc", ["--refine", "2"])] {
         for solver in ["multigrid", "active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal"] {
             let args =
                 [&["solve", "--json", "--f", f, "--solver", solver, "--domain", domain], &more[..]]

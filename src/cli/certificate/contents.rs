@@ -2,10 +2,11 @@
 
 use crate::cli::pipeline::Workplace;
 use crate::pipeline::error::{IoContext, Result};
-use crate::pipeline::{Summary, hash};
+use crate::pipeline::{InputFiles, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::PAPER;
 use crate::replication::project::{IDENTIFIED, Project, TRUTH};
+use crate::replication::scene::Scene;
 use crate::replication::scenes::SCENES;
 use crate::replication::stages::tabulate;
 use crate::timing::recorded;
@@ -95,10 +96,13 @@ fn address(path: &str) -> String {
 /// Returns the media type, as IANA registers it, of a file with this name.
 fn media_type(path: &str) -> &'static str {
     match path.rsplit('.').next() {
+        Some("css") => "text/css",
         Some("csv") => "text/csv",
+        Some("js") => "text/javascript",
         Some("md") => "text/markdown",
         Some("msh") => MESH,
         Some("svg") => "image/svg+xml",
+        Some("tera") => "text/plain",
         Some("toml") => "application/toml",
         _ => "application/octet-stream",
     }
@@ -189,11 +193,12 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
     sentences
 }
 
-/// Returns the files under `pipeline/` that the run read, with the bytes that it read.
-pub(super) fn inputs(project: &Project) -> Result<Vec<File>> {
+/// Returns the files that the run `read`, with the bytes that it read.
+pub(super) fn inputs(project: &Project, read: &InputFiles) -> Result<Vec<File>> {
     let mut files = Vec::new();
-    for (path, file) in &project.files {
-        let is_mesh = project.scenes.iter().any(|scene| scene.problem.files().contains_key(path));
+    for (path, file) in read {
+        let is_mesh = project.scenes.iter().any(|scene| scene.problem.files().contains_key(path))
+            || media_type(path) == MESH;
         let comment = match path.as_str() {
             PAPER => "the published tables",
             IDENTIFIED => "the record of the searches for f",
@@ -201,6 +206,7 @@ pub(super) fn inputs(project: &Project) -> Result<Vec<File>> {
             recorded::PATH => "recorded run times",
             _ if is_mesh => "a mesh",
             _ if is_scene(project, path) => "a scene: a problem, its grids, and the outputs wanted",
+            _ if path.starts_with("report/") => "a page, or a file of the book",
             _ => "a file that the run reads",
         };
         let mut file = File::new(format!("{INPUTS}{path}"), comment, file.bytes()?.to_vec());
@@ -226,35 +232,24 @@ pub(super) fn files(
     tables: &[TableComparison],
 ) -> Result<Vec<File>> {
     let mut files = Vec::new();
-    for table in tables {
-        let scene = workplace.project.scene(&table.scene)?;
-        let comment = format!(
-            "Table {} of the paper: {} of {} counts exact",
-            table.table, table.exact, table.cells
-        );
-        let bytes = table_of(workplace, summary, &tabulate::id(scene, scene.first_rule()))?;
-        let path = format!("tables/table{}.csv", table.table);
-        files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
-    }
     for scene in &workplace.project.scenes {
-        let compared = tables.iter().any(|table| table.scene == scene.name);
-        for rule in scene.rules().into_iter().skip(usize::from(compared)) {
-            let name = &scene.name;
-            let (path, comment) = match rule {
-                Some(rule) => (
-                    format!("tables/{name}-{rule}.csv"),
-                    format!(
-                        "iteration counts and Delta a of scene `{name}` with the stopping rule `{rule}`"
-                    ),
-                ),
-                None => (
-                    format!("tables/{name}.csv"),
-                    format!("energy and bounds of scene `{name}` by {}", scene.solver),
-                ),
-            };
-            let bytes = table_of(workplace, summary, &tabulate::id(scene, rule))?;
-            files.extend(bytes.map(|bytes| File::new(path, comment, bytes)));
+        let Some(bytes) = table_of(workplace, summary, scene)? else { continue };
+        let name = &scene.name;
+        let compared = tables.iter().find(|table| table.scene == *name);
+        if let (Some(table), Some(rule)) = (compared, scene.first_rule()) {
+            let comment = format!(
+                "Table {} of the paper: {} of {} counts exact",
+                table.table, table.exact, table.cells
+            );
+            let under = tabulate::under(&String::from_utf8_lossy(&bytes), rule);
+            let path = format!("tables/table{}.csv", table.table);
+            files.push(File::new(path, comment, under.into_bytes()));
         }
+        let comment = match scene.first_rule() {
+            Some(_) => format!("iteration counts and Delta a of scene `{name}`, rule by rule"),
+            None => format!("energy and bounds of scene `{name}` by {}", scene.solver),
+        };
+        files.push(File::new(format!("tables/{}", tabulate::file(scene)), comment, bytes));
     }
     let exports = &summary.exports.files;
     for path in exports.keys().filter(|path| path.starts_with("figures/")) {
@@ -271,11 +266,12 @@ pub(super) fn files(
     Ok(files)
 }
 
-/// Returns the table that a task made, `None` if the run has no such task.
-fn table_of(workplace: &Workplace, summary: &Summary, task: &str) -> Result<Option<Vec<u8>>> {
-    let Some(manifest) = summary.manifests.get(task) else { return Ok(None) };
-    let mut artifacts = workplace.store.artifacts(task, &manifest.outputs)?;
-    Ok(artifacts.remove(tabulate::TABLE))
+/// Returns the table of a scene, `None` if the run has none.
+fn table_of(workplace: &Workplace, summary: &Summary, scene: &Scene) -> Result<Option<Vec<u8>>> {
+    let task = tabulate::id(scene);
+    let Some(manifest) = summary.manifests.get(&task) else { return Ok(None) };
+    let mut artifacts = workplace.store.artifacts(&task, &manifest.outputs)?;
+    Ok(artifacts.remove(&tabulate::file(scene)))
 }
 
 fn title(svg: &[u8]) -> String {
@@ -283,4 +279,27 @@ fn title(svg: &[u8]) -> String {
     let title = text.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
     let title = title.map_or("a picture", |(title, _)| title);
     title.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replication::stages::{files_of, plan};
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    #[test]
+    fn the_inputs_are_the_files_of_all_tasks() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf();
+        let project = Project::read(root).unwrap();
+        let plan = plan(&project, &project.select(&[]).unwrap(), None).unwrap();
+        let of_tasks: BTreeSet<&String> =
+            plan.tasks().iter().flat_map(|task| task.files.keys()).collect();
+        let read = files_of(&project, plan.tasks());
+        let inputs = inputs(&project, &read).unwrap();
+        let certified = inputs.iter().map(|file| file.path.strip_prefix(INPUTS).unwrap());
+        assert!(certified.eq(of_tasks.iter().map(|path| path.as_str())));
+        let mesh = inputs.iter().find(|file| file.path.ends_with("gear.msh")).unwrap();
+        assert_eq!((&*mesh.comment, mesh.media_type), ("a mesh", MESH));
+    }
 }

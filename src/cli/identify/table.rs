@@ -26,7 +26,7 @@ pub(super) fn found(answer: &Answer) -> String {
     }
     out += if report.complete { "\n" } else { "; stopped early\n" };
     if report.found.is_empty() {
-        return out + "none gives all counts; widen --values\n";
+        return out + "none gives all counts; give --values a wider range, or a smaller step\n";
     }
     out + &table(&report.found)
 }

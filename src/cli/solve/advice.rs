@@ -1,10 +1,11 @@
 //! Warnings of an answer, and the advice that mends all that they warn of.
 
-/// Doubts about an answer, with advice.
+/// A doubt about an answer, or the reason why it is none, with advice.
 pub(super) struct Warning {
-    fact: String,
-    /// None where the fact itself says what to do.
-    remedy: Option<Remedy>,
+    /// Sentence without the advice.
+    pub fact: String,
+    /// Empty where nothing can be done.
+    pub remedies: Vec<Remedy>,
 }
 
 /// Advice to a user.
@@ -24,19 +25,19 @@ impl Remedy {
 
 impl Warning {
     pub(super) fn new(fact: String, remedy: Remedy) -> Self {
-        Self { fact, remedy: Some(remedy) }
+        Self { fact, remedies: vec![remedy] }
     }
 
-    /// Warning that says itself what to do, or that nothing can be done.
+    /// Warning without advice.
     pub(super) fn fact(fact: String) -> Self {
-        Self { fact, remedy: None }
+        Self { fact, remedies: Vec::new() }
     }
 
-    /// Returns the warning in a sentence.
+    /// Returns the warning in a sentence, with the advice.
     pub(super) fn sentence(&self) -> String {
-        match self.remedy {
-            Some(remedy) => format!("{}; {}", self.fact, remedy.words),
-            None => self.fact.clone(),
+        match &self.remedies[..] {
+            [] => self.fact.clone(),
+            remedies => format!("{}; {}", self.fact, combined(remedies)),
         }
     }
 }
@@ -58,7 +59,7 @@ pub(super) fn lines(warnings: &[Warning], failed: bool) -> String {
 
 /// Returns the remedies of warnings, in their order.
 pub(super) fn remedies(warnings: &[Warning]) -> Vec<Remedy> {
-    warnings.iter().filter_map(|warning| warning.remedy).collect()
+    warnings.iter().flat_map(|warning| warning.remedies.clone()).collect()
 }
 
 /// Returns one remedy in place of several: all options that they give, each once; then, in words, those without.

@@ -1,10 +1,12 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
-use super::advice::{self, Warning};
+use super::advice::{self, Warning, combined, remedies};
 use super::bound::{self, BoundaryWords};
+use super::clock::Part;
 use super::request::Request;
-use crate::cli::output::{columns, fitted};
-use crate::cli::shown::brief;
+use crate::cli::output::{in_columns, paragraph};
+use crate::replication::accuracy::Accuracy;
+use crate::table::Table;
 use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Bounds, NoBound};
@@ -18,10 +20,9 @@ use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solver};
 use std::collections::BTreeMap;
-use std::time::Duration;
 
-/// Columns of the settings, which may be many.
-const WIDTH: usize = 80;
+/// Digits of an energy, unless more are asked for.
+const DIGITS: usize = 7;
 
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -73,22 +74,15 @@ pub(super) struct Answer {
     errors: Option<KnownErrors>,
     /// Guaranteed bounds, or the reason for their absence.
     pub bounds: Result<Bounds, NoBound>,
-    /// Run times for grids and load vectors, and for the solver.
-    seconds: [f64; 2],
     pub warnings: Vec<Warning>,
-    /// Reason why the answer is no solution, in a sentence with a remedy.
-    pub failure: Option<String>,
-    /// Reason why the solution is not as accurate as asked, in a sentence with a remedy.
-    pub shortfall: Option<String>,
+    /// Reason why the answer is no solution.
+    pub failure: Option<Warning>,
+    /// Reason why the solution is not as accurate as asked.
+    pub shortfall: Option<Warning>,
 }
 
 impl Answer {
-    pub(super) fn new(
-        request: &Request,
-        run: Run,
-        bounds: Result<Bounds, NoBound>,
-        seconds: [f64; 2],
-    ) -> Self {
+    pub(super) fn new(request: &Request, run: Run, bounds: Result<Bounds, NoBound>) -> Self {
         let (problem, law) = (&request.problem, request.problem.law());
         let (y, judgement) = (&run.y, &run.judgement);
         let Judgement { contact, flux, states: of_nodes, .. } = judgement;
@@ -119,18 +113,40 @@ impl Answer {
             bounds,
             pair: Pair { y: y.clone(), a: judgement.multiplier(y) },
             run,
-            seconds,
             warnings: Vec::new(),
             failure: None,
             shortfall: None,
         };
         answer.judge(request);
+        request.clock.ended(Part::Bounds);
         answer
     }
 
     /// End on the finest level.
     pub(super) fn last(&self) -> &Outcome {
         self.run.last()
+    }
+
+    /// Energy that answers, which has the accuracy of the energy that was asked for.
+    fn energy(&self, request: &Request) -> f64 {
+        match (request.accuracy, &self.bounds) {
+            (Some(Accuracy::Energy(_)), Ok(bounds)) => bounds.nearest_energy(self.last().energy),
+            _ => self.last().energy,
+        }
+    }
+
+    /// Returns that energy and, if it is another, that of v.
+    fn energy_in_words(&self, request: &Request) -> String {
+        let digits = match request.accuracy {
+            Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
+            _ => DIGITS,
+        };
+        let (energy, of_v) = (self.energy(request), self.last().energy);
+        let mut text = format!("energy {}\n", plain(energy, digits));
+        if energy != of_v {
+            text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
+        }
+        text
     }
 
     /// Name of the end on the finest grid.
@@ -148,8 +164,8 @@ impl Answer {
         }
         let (kkt, bounds) = (last.kkt, self.bounds.as_ref().ok());
         let integral = levels.integrals().of_f;
-        let [v_least, v_greatest] = self.range();
-        let warnings = self.warnings.iter().map(Warning::sentence);
+        let [v_least, v_greatest] = last.range;
+        let warnings = self.warnings.iter().map(|warning| warning.fact.clone());
         let mut json = json!({
             "schema": 1,
             "scene": request.name,
@@ -164,7 +180,7 @@ impl Answer {
             "iterations_per_grid": ends.iter().map(|end| end.end.iterations).collect::<Vec<_>>(),
             "stop": self.end(request),
             "grids": grids,
-            "energy": last.energy,
+            "energy": self.energy(request),
             "v_least": v_least,
             "v_greatest": v_greatest,
             "integral_f": integral,
@@ -194,7 +210,9 @@ impl Answer {
             "contact": self.contact,
             "force": self.force,
             "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
-            "seconds": { "setup": self.seconds[0], "solve": self.seconds[1] },
+            "failure": self.refusal().map(|failure| &failure.fact),
+            "remedy": self.remedy(),
+            "seconds": request.clock.json(),
         });
         if !problem.law().is_signorini() {
             json["law"] = law_json(problem.law());
@@ -210,6 +228,9 @@ impl Answer {
         }
         if let Some(curve) = bounds.and_then(|bounds| bounds.curve) {
             json["bound"]["curve"] = curve.into();
+        }
+        if let Some(Accuracy::Energy(_)) = request.accuracy {
+            json["energy_of_linear_v"] = last.energy.into();
         }
         if let Some(meshes) = request.adapted {
             json["adapted"] = meshes.json(request.accuracy.zip(bounds));
@@ -230,6 +251,20 @@ impl Answer {
         json
     }
 
+    /// Reason why the answer is not what was asked for.
+    pub(super) fn refusal(&self) -> Option<&Warning> {
+        self.failure.as_ref().or(self.shortfall.as_ref())
+    }
+
+    /// Returns the advice that the text gives, in one line for all warnings; what is no solution has its own.
+    fn remedy(&self) -> Option<String> {
+        let of_end = self.refusal().into_iter().flat_map(|failure| failure.remedies.clone());
+        let of_warnings =
+            if self.failure.is_some() { Vec::new() } else { remedies(&self.warnings) };
+        let all: Vec<_> = of_end.chain(of_warnings).collect();
+        (!all.is_empty()).then(|| combined(&all))
+    }
+
     /// Returns the answer, then how it was found; with `recover`, the recovered solution is part of the answer.
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
         let levels = request.problem.levels();
@@ -248,7 +283,7 @@ impl Answer {
     fn solution(&self, request: &Request, recover: bool) -> String {
         let (problem, levels) = (&request.problem, request.problem.levels());
         let (last, law, integral) = (self.last(), problem.law(), levels.integrals().of_f);
-        let mut text = format!("energy {}\n", plain(last.energy, 7));
+        let mut text = self.energy_in_words(request);
         if !last.verdict().is_failure() || request.accuracy.is_some() {
             text += &bound::text(&self.bounds, problem, recover);
         }
@@ -261,7 +296,7 @@ impl Answer {
             }
             text.push('\n');
         }
-        let [least, greatest] = self.range().map(|v| plain(v, 6));
+        let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.contact.as_deref().unwrap_or_default();
         text += &self.states.text(law);
@@ -281,9 +316,12 @@ impl Answer {
         let words = BoundaryWords::of(law);
         for arc in arcs {
             let part = arc.part.clone().filter(|_| parts.is_some());
-            text += &words.arc(&ContactArc { part, ..arc.clone() }, 6);
+            text += &words.arc(&ContactArc { part, ..arc.clone() }, levels.integrals(), 6);
         }
         text += &words.force([self.force, 0.0 - integral], levels.integrals(), 6);
+        if levels.has_fixed_part() {
+            text += "fixed parts carry the difference\n";
+        }
         if self.load_misses(request) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");
@@ -302,7 +340,7 @@ impl Answer {
                 (None, None) => format!("{name} {value}"),
             });
         }
-        let mut text = fitted(&settings.join(", "), WIDTH) + "\n";
+        let mut text = paragraph(&settings.join(", ")) + "\n";
         if !request.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
@@ -310,18 +348,12 @@ impl Answer {
         if let Some(meshes) = request.adapted {
             text += &meshes.text();
         }
-        text += &format!("solved in {}", brief(Duration::from_secs_f64(self.seconds[1])));
-        if request.settings.solver == Solver::Multigrid {
-            text += &format!(", the cost of {:.1} sweeps", self.last().end.work_units);
-        }
-        text + "\n"
-    }
-
-    /// Least and greatest nodal value.
-    fn range(&self) -> [f64; 2] {
-        let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let range = |[least, greatest]: [f64; 2], v: &f64| [least.min(*v), greatest.max(*v)];
-        self.pair.y.iter().fold([least, greatest], range)
+        let cost = match request.settings.solver {
+            Solver::Multigrid => format!(" ({:.1} sweeps)", self.last().end.work_units),
+            _ => String::new(),
+        };
+        let setup = if request.problem.levels().cells(0).is_some() { "setup" } else { "mesh" };
+        text + &request.clock.text(setup, &cost)
     }
 
     fn table(&self, request: &Request) -> String {
@@ -343,7 +375,7 @@ impl Answer {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },
-                plain(outcome.energy, 7),
+                plain(outcome.energy, DIGITS),
                 plain(outcome.kkt.natural, 3),
                 plain(outcome.kkt.relative, 3),
             ];
@@ -352,7 +384,7 @@ impl Answer {
             }
             rows.push(row);
         }
-        columns(&head, &[], rows)
+        in_columns(&Table { rows, ..Table::new(head, &[]) })
     }
 }
 

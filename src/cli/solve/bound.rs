@@ -95,11 +95,8 @@ impl BoundaryWords {
     }
 
     /// Returns, as text, the total flux and minus the integral of f, which are equal at the solution.
-    /// Sums of rounding errors are shown as zero.
     pub(super) fn force(&self, sums: [f64; 2], integrals: &Integrals, digits: usize) -> String {
-        let rounding = integrals.rounding();
-        let shown = |sum: f64| plain(if sum.abs() <= rounding { 0.0 } else { sum }, digits);
-        let [force, minus_integral] = sums.map(shown);
+        let [force, minus_integral] = sums.map(|sum| balance(sum, integrals, digits));
         format!("{} {force}, minus the integral of f {minus_integral}\n", self.total)
     }
 
@@ -113,7 +110,7 @@ impl BoundaryWords {
     }
 
     /// Returns, as text, the place and the force of an arc at zero.
-    pub(super) fn arc(&self, arc: &ContactArc, digits: usize) -> String {
+    pub(super) fn arc(&self, arc: &ContactArc, integrals: &Integrals, digits: usize) -> String {
         let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
         let on = arc.part.as_ref().map_or(String::new(), |part| format!(" on {part}"));
         let place = match arc.closed {
@@ -122,9 +119,32 @@ impl BoundaryWords {
             false if digits > 6 => format!("from {from}\n  to {to}"),
             false => format!("from {from} to {to}{on}"),
         };
-        format!("{} {place}, force {}\n", self.holds, plain(arc.force, digits))
+        format!("{} {place}, force {}\n", self.holds, balance(arc.force, integrals, digits))
     }
+}
+
+/// Returns a term of the balance of the flux with f as text, a sum of rounding errors as zero.
+fn balance(term: f64, integrals: &Integrals, digits: usize) -> String {
+    plain(if term.abs() <= integrals.rounding() { 0.0 } else { term }, digits)
 }
 
 /// Error over the solution from which on a warning is given.
 const POOR: f64 = 0.5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_of_rounding_errors_are_zero() {
+        let integrals =
+            Integrals { of_f: -2.0, of_size: 3.0, by_quadrature: false, is_known: false };
+        let words = BoundaryWords::of(Law::SIGNORINI);
+        for (force, shown) in [(-3.69843e-15, "force 0\n"), (2e-11, "force 2.00000e-11\n")] {
+            let arc = ContactArc::new([[0.0, 0.0], [1.0, 0.0]], force);
+            let text = words.arc(&arc, &integrals, 6);
+            assert!(text.ends_with(shown), "{text}");
+        }
+        assert!(words.force([1e-16, 2.0], &integrals, 6).starts_with("contact force 0, "));
+    }
+}

@@ -90,11 +90,11 @@ impl Solution<'_> {
         let Self { levels, name, title, view, law, pair } = *self;
         match format {
             Format::Npy => Ok(levels.npy(pair)),
-            Format::Npz => levels.npz(pair).ok_or_else(|| {
+            Format::Npz => levels.npz(law, pair).ok_or_else(|| {
                 let vtk = levels.vtk_ending();
                 Error::input(format!("--out: an .npz file holds at most 4 GB; use .npy or .{vtk}"))
             }),
-            Format::Vti | Format::Vtu => Ok(levels.vtk(name, pair)),
+            Format::Vti | Format::Vtu => Ok(levels.vtk(name, law, pair)),
             Format::Svg => {
                 let on = (levels, law);
                 let picture = match view {

@@ -1,13 +1,14 @@
 //! Judgement of an answer: the failure, if it is no solution, and the warnings.
 
 use super::adapting;
-use super::advice::{Remedy, Warning, combined, remedies};
+use super::advice::{Remedy, Warning, remedies};
 use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
 use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
 use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
 use crate::replication::accuracy::Accuracy;
+use crate::replication::stated::refusal_of_curves;
 use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
@@ -17,6 +18,9 @@ use signorini_mathematics::saddle::tolerance;
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;
+/// Remedy for nested grids that begin with a fine one.
+const COARSER_GRIDS: Remedy =
+    Remedy::new("choose 1/(2^k m), such as 1/64, or --solver multigrid", "--solver multigrid");
 /// Error of the sum of the load vector of a formula, over the integral of |f|, that gets no warning on any grid.
 const RESOLVED: f64 = 1e-2;
 /// Error over the integral of |f| of the quadrature from which on a warning is given.
@@ -33,8 +37,8 @@ impl Answer {
         match last.verdict() {
             Verdict::NoSolution => self.failure = Some(self.without_solution(request)),
             _ if stop == Stop::IterationLimit => {
-                let remedy = request.after_limit();
-                self.failure = Some(format!("{name}: stopped at the {stop} on {grid}; {remedy}"));
+                let fact = format!("{name}: stopped at the {stop} on {grid}");
+                self.failure = Some(Warning::new(fact, request.after_limit()));
             }
             // A guaranteed bound has been reached; residuals of single nodes do not contradict it.
             _ if request.accuracy.is_some() => (),
@@ -50,12 +54,13 @@ impl Answer {
             Verdict::Solved => (),
         }
         self.warnings.extend(levels.notes().into_iter().map(Warning::fact));
+        self.warnings.extend(refusal_of_curves(&request.problem).map(Warning::fact));
         self.warn_of_levels(request);
         self.warn_of_tolerance(request);
         self.warn_of_load(request);
         if let Some(fact) = unsolved {
             let remedies = [vec![request.closer()], remedies(&self.warnings)].concat();
-            self.failure = Some(format!("{fact}; {}", combined(&remedies)));
+            self.failure = Some(Warning { fact, remedies });
         }
         if self.failure.is_none() {
             self.warn_of_force(request);
@@ -68,32 +73,32 @@ impl Answer {
     /// Decides whether the solution is as accurate as asked.
     pub(super) fn judge_end(&mut self, request: &Request, accuracy: Accuracy) {
         let Ok(bounds) = &self.bounds else { return };
-        let remedy = match request.adapted.map(|meshes| meshes.end) {
+        let (reason, remedy) = match request.adapted.map(|meshes| meshes.end) {
             None | Some(AdaptedEnd::Goal) => return,
-            Some(AdaptedEnd::Nodes) => "memory has no room for more nodes; ask for less",
+            Some(AdaptedEnd::Nodes) => ("memory has no room for more nodes", "ask for less"),
             Some(AdaptedEnd::NoLongerFalls) => {
-                "the bound no longer falls; ask for less, or write jumps of f as shapes"
+                ("the bound no longer falls", "ask for less, or write jumps of f as shapes")
             }
         };
         let (asked, nodes) = (request.written.text(accuracy), self.run.y.len());
         let reached = adapting::error(accuracy, accuracy.reached(bounds));
-        self.shortfall = Some(format!(
-            "{}: {asked} is not reached: {reached} with {nodes} nodes; {remedy}",
+        let fact = format!(
+            "{}: {asked} is not reached: {reached} with {nodes} nodes; {reason}",
             request.name
-        ));
+        );
+        self.shortfall = Some(Warning::new(fact, Remedy::new(remedy, "")));
     }
 
     /// Returns the message that the discrete problem on the finest level, or on all levels, has no solution.
-    fn without_solution(&self, request: &Request) -> String {
+    fn without_solution(&self, request: &Request) -> Warning {
         let ends = &self.run.ends;
         let on_all = ends.iter().all(|end| end.verdict() == Verdict::NoSolution);
-        let message = request.without_solution(self.last().sum_load);
-        match ends.len() {
-            2.. if on_all => {
-                message.replacen(" on grid ", " (as on all coarser grids) on grid ", 1)
-            }
-            _ => message,
-        }
+        let Warning { fact, remedies } = request.without_solution(self.last().sum_load);
+        let fact = match ends.len() {
+            2.. if on_all => fact.replacen(" on grid ", " (as on all coarser grids) on grid ", 1),
+            _ => fact,
+        };
+        Warning { fact, remedies }
     }
 
     fn warn_of_levels(&mut self, request: &Request) {
@@ -102,11 +107,11 @@ impl Answer {
             && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
         {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
-            self.warnings.push(Warning::fact(format!(
-                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {} on the last; \
-                 choose 1/(2^k m), such as 1/64, or --solver multigrid",
+            let fact = format!(
+                "grid 1/{coarsest} {what}, and the tolerance is 10^-k on the k-th grid, here {} on the last",
                 Written(tolerance(count))
-            )));
+            );
+            self.warnings.push(Warning::new(fact, COARSER_GRIDS));
         }
         let coarse = &self.run.ends[..self.run.ends.len() - 1];
         let without = |end: &Outcome| end.verdict() == Verdict::NoSolution;

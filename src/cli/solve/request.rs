@@ -1,14 +1,16 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
 use super::adapting::AdaptedMeshes;
-use super::advice::Remedy;
+use super::advice::{Remedy, Warning};
+use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
 use super::{SolveArgs, cells, rule_name};
 use crate::cli::current_folder;
-use crate::cli::output::{check_options, warn_of_outside};
+use crate::cli::output::{OutputFile, check_options, warn_of_outside};
 use crate::cli::shown::signed;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::found;
 use crate::replication::accuracy::{Accuracy, MAX_CELLS, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
 use crate::replication::project::Project;
@@ -22,13 +24,15 @@ use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::levels::{AdaptedMesh, Lattices, Levels, Problem};
+use signorini_mathematics::levels::{AdaptedMesh, Lattices, Levels, Problem, Watch};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::multigrid::{Goal, InputError};
 use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
 use signorini_mathematics::solvers::{self, Refusal, Run, Settings, Solver};
 use std::io::ErrorKind;
+use std::ops::ControlFlow;
+use std::path::Path;
 
 /// Data that determine an answer.
 pub(super) struct Request {
@@ -46,6 +50,8 @@ pub(super) struct Request {
     pub remedies: Remedies,
     /// Problem as it was stated.
     stated: StatedProblem,
+    /// Coarsest mesh; none on the square.
+    coarsest: Option<AnyMesh>,
     /// Problem with its levels.
     pub problem: Problem,
     pub settings: Settings,
@@ -65,6 +71,8 @@ pub(super) struct Request {
     pub warnings: Vec<String>,
     /// Memory per node for writing the solution, besides that of the solver.
     bytes_to_write: u64,
+    /// Clock since the options are read.
+    pub clock: Clock,
 }
 
 /// Remedy for a load vector that misses some of f at its jumps.
@@ -77,7 +85,7 @@ pub(super) struct Remedies {
     /// For a load vector that no discrete solution balances, under the paper's law and under others.
     unbalanced: [&'static str; 2],
     /// For a multigrid that has reached its limit; none where a choice of solver is the remedy.
-    limit: Option<&'static str>,
+    limit: Option<Remedy>,
     /// For an energy beyond the bounds.
     pub load: Remedy,
     /// For a quadrature that misses some of f.
@@ -90,15 +98,16 @@ impl Remedies {
             "use --load exact, another --h, or a lower f",
             "use --load exact, another --h, or a wider law",
         ],
-        limit: Some("choose another --h"),
+        limit: Some(Remedy::new("choose another --h", "")),
         load: EXACT_LOAD,
         quadrature: Remedy::new("choose a smaller --h", ""),
     };
     const ON_MESHES: Self = Self {
         unbalanced: ["lower f somewhere", "change f, or widen the law"],
-        limit: Some(
+        limit: Some(Remedy::new(
             "its cells are stretched too much; mesh with smaller aspects, or with fewer cells and --refine",
-        ),
+            "",
+        )),
         load: Remedy::new("refine the grid", ""),
         quadrature: Remedy::new("write jumps of f as shapes, or refine the mesh", ""),
     };
@@ -107,6 +116,7 @@ impl Remedies {
 impl Request {
     /// Reads and checks the arguments.
     pub(super) fn read(args: &SolveArgs) -> Result<Self> {
+        let clock = Clock::start();
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
         let mut overridden = Vec::new();
@@ -123,12 +133,14 @@ impl Request {
         // Measured: a file's fields, and the recovered solution on four times as many nodes.
         let bytes_to_write = if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) };
         let memory = Memory { solver, bytes_to_write, accuracy, written: written(args) };
-        let (domain, load, problem, remedies) = match &stated.place {
+        let (domain, load, (problem, coarsest), remedies) = match &stated.place {
             Place::Square(square) => {
                 check_domain_options(args, None)?;
                 memory.check(square.finest().cells())?;
+                clock.ended(Part::Setup);
                 let problem = stated.problem(&InputFiles::new())?;
-                ("square", Some(square.load), problem, Remedies::ON_THE_SQUARE)
+                clock.ended(Part::Load);
+                ("square", Some(square.load), (problem, None), Remedies::ON_THE_SQUARE)
             }
             Place::Mesh(place) => {
                 check_domain_options(args, Some(place))?;
@@ -137,9 +149,11 @@ impl Request {
                 if let Some(asked) = &asked {
                     place.domain.check_adapted(asked, "--")?;
                 }
-                let problem = on_mesh(name, (&stated, place), (solver, asked), args.out.is_some())?;
+                let wanted = Wanted { solver, asked, is_written: args.out.is_some() };
+                let (problem, coarsest) =
+                    on_mesh(name, (&stated, place), &wanted, &|step| clock.ended_step(step))?;
                 let domain = stated.file_name().unwrap_or(&place.domain.name);
-                (domain, None, problem, Remedies::ON_MESHES)
+                (domain, None, (problem, Some(coarsest)), Remedies::ON_MESHES)
             }
         };
         let name = args.scene.as_deref().unwrap_or(domain).to_owned();
@@ -165,6 +179,7 @@ impl Request {
             load,
             remedies,
             stated,
+            coarsest,
             problem,
             settings,
             tolerance: args.tolerance()?,
@@ -175,6 +190,7 @@ impl Request {
             overridden,
             warnings,
             bytes_to_write,
+            clock,
         })
     }
 
@@ -210,7 +226,15 @@ impl Request {
         watch: &mut dyn FnMut(&AdaptedMesh),
     ) -> Result<(Run, Bounds)> {
         let asked = (accuracy, self.written);
-        let adapted = self.stated.adapted(&self.problem.levels().mesh(), asked, watch)?;
+        let square = || Error::input("the square has grids in place of meshes");
+        let coarsest = self.coarsest.as_ref().ok_or_else(square)?;
+        let clock = &self.clock;
+        let ended = |step| clock.ended_step(step);
+        let mut watch = |mesh: &AdaptedMesh| {
+            watch(mesh);
+            ControlFlow::Continue(())
+        };
+        let adapted = self.stated.adapted(coarsest, asked, &mut watch, &ended)?;
         let ends = adapted.outcomes().to_vec();
         let (y, judgement) = (adapted.y, adapted.judgement);
         let meshes = AdaptedMeshes { count: adapted.meshes, nodes: y.len(), end: adapted.end };
@@ -228,11 +252,19 @@ impl Request {
         Ok(())
     }
 
-    /// Returns the bytes of a file with a solution on the finest of these levels.
-    pub(super) fn file(&self, format: Format, levels: &dyn Levels, pair: &Pair) -> Result<Vec<u8>> {
+    /// Writes a file with a solution on the finest of these levels.
+    pub(super) fn write(
+        &self,
+        (file, format): &(OutputFile, Format),
+        levels: &dyn Levels,
+        pair: &Pair,
+    ) -> Result<()> {
         let Self { name, title, view, .. } = self;
         let law = self.problem.law();
-        Solution { levels, name, title, view: *view, law, pair }.file(format)
+        let solution = Solution { levels, name, title, view: *view, law, pair };
+        let written = solution.file(*format).and_then(|bytes| file.write(&bytes));
+        self.clock.ended(Part::Files);
+        written
     }
 
     /// Grids and f on the square; refuses meshes, for an option that only the square has.
@@ -284,11 +316,12 @@ impl Request {
     }
 
     /// Returns advice after a limit on iterations.
-    pub(super) fn after_limit(&self) -> &'static str {
+    pub(super) fn after_limit(&self) -> Remedy {
         if self.settings.solver.is_nested() {
-            return "raise --max-iterations, or use --solver multigrid";
+            let words = "raise --max-iterations, or use --solver multigrid";
+            return Remedy::new(words, "--solver multigrid");
         }
-        self.remedies.limit.unwrap_or_else(|| self.closer().words)
+        self.remedies.limit.unwrap_or_else(|| self.closer())
     }
 
     /// Returns the settings, by name, on which the answer depends besides f, the solver and the levels.
@@ -313,15 +346,15 @@ impl Request {
     }
 
     /// Returns the message that no nodal vector solves the discrete problem for a load vector with this sum.
-    pub(super) fn without_solution(&self, sum_load: f64) -> String {
+    pub(super) fn without_solution(&self, sum_load: f64) -> Warning {
         let [papers, others] = self.remedies.unbalanced;
         let remedy = if self.problem.law().is_signorini() { papers } else { others };
         let (name, grid) = (&self.name, self.problem.levels().name(self.problem.finest()));
         let sum_load = signed(sum_load, 4);
-        format!(
-            "{name}: the load vector sums to {sum_load} on {grid}, where the discrete problem has no \
-             solution; {remedy}"
-        )
+        let fact = format!(
+            "{name}: the load vector sums to {sum_load} on {grid}, where the discrete problem has no solution"
+        );
+        Warning::new(fact, Remedy::new(remedy, ""))
     }
 
     fn refused(&self, refusal: &Refusal) -> Error {
@@ -331,12 +364,12 @@ impl Request {
             Refusal::Input(InputError::Unsolvable(
                 Unsolvable::NotCoercive { integral: sum, .. }
                 | Unsolvable::Unbalanced { integral: sum, .. },
-            )) => Error::Stage(vec![self.without_solution(*sum)]),
+            )) => Error::Stage(vec![self.without_solution(*sum).sentence()]),
             Refusal::Input(e @ InputError::GridSize { .. }) => Error::input(format!("--h: {e}")),
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }
-            Refusal::Input(_) | Refusal::Problem(_) => {
+            Refusal::Input(_) | Refusal::Problem(_) | Refusal::Spectral(_) => {
                 Error::input(format!("{place}: {refusal}; check f"))
             }
         }
@@ -469,14 +502,23 @@ fn with_options(mut domain: DomainSettings, args: &SolveArgs) -> Result<DomainSe
     Ok(domain)
 }
 
-/// Returns the problem on a mesh that is read from its file, if it is not built in.
-/// An `asked` accuracy begins with that mesh.
+/// Solver, accuracy and file that are wanted on a mesh.
+struct Wanted {
+    solver: Solver,
+    /// Accuracy, as the user wrote it.
+    asked: Option<String>,
+    /// True if the solution is written to a file.
+    is_written: bool,
+}
+
+/// Returns the problem on a mesh that is read from its file, if it is not built in, and that mesh.
+/// An accuracy begins with that mesh. `watch` is told when the mesh is made, and when f is integrated on it.
 fn on_mesh(
     name: &str,
     (stated, place): (&StatedProblem, &OnMesh),
-    (solver, asked): (Solver, Option<String>),
-    is_written: bool,
-) -> Result<Problem> {
+    Wanted { solver, asked, is_written }: &Wanted,
+    watch: Watch<'_>,
+) -> Result<(Problem, AnyMesh)> {
     if !solver.entry().on_meshes {
         return Err(Error::input(format!(
             "--solver {solver}: {name} has every solver but this one"
@@ -490,7 +532,8 @@ fn on_mesh(
         false => place.coarsest(&place.files)?,
         true => {
             let path = &place.domain.name;
-            let file = place.domain.is_file().then(|| std::fs::read(path)).transpose();
+            let there = found(Path::new(path));
+            let file = place.domain.is_file().then(|| std::fs::read(there)).transpose();
             let file = file.map_err(|e| match e.kind() {
                 ErrorKind::NotFound => place.domain.unknown("--"),
                 _ => Error::input(format!("{path}: {e}")),
@@ -504,15 +547,15 @@ fn on_mesh(
                 "{asked} is for domains in the plane; in space, --refine says how fine, and the answer how close"
             )));
         }
-        let refine = Some(0);
-        let unrefined =
-            OnMesh { domain: DomainSettings { refine, ..place.domain.clone() }, ..place.clone() };
-        // The polygon of a curved domain may be too coarse for a flux that balances f.
-        let problem = stated.on_coarsest(&unrefined, &coarsest);
-        return problem.or_else(|_| stated.on_coarsest(place, &coarsest)).map_err(in_domain);
+        // Where the domain is curved, whether there is a solution is asked of the usual refinement, as for scenes.
+        let refine = if coarsest.is_curved() { place.domain.refine } else { Some(0) };
+        let domain = DomainSettings { refine, ..place.domain.clone() };
+        let problem = stated.on_coarsest(&OnMesh { domain, ..place.clone() }, &coarsest, watch);
+        return Ok((problem.map_err(in_domain)?, coarsest));
     }
-    check_size(&coarsest, place, solver, is_written)?;
-    stated.on_coarsest(place, &coarsest).map_err(in_domain)
+    check_size(&coarsest, place, *solver, *is_written)?;
+    let problem = stated.on_coarsest(place, &coarsest, watch).map_err(in_domain)?;
+    Ok((problem, coarsest))
 }
 
 /// Memory on meshes in bytes per node, of file, mesh, network, solver and bounds: measured, rounded up.
@@ -596,7 +639,8 @@ fn cube(cells: usize) -> Result<[usize; 2]> {
 /// Reads `PART=NUMBERS`: a part of the boundary, and the numbers of the curve on which it lies.
 fn curve(text: &str) -> Result<(String, Vec<f64>)> {
     let read = || {
-        let (part, numbers) = text.split_once('=')?;
+        // A name may have the sign.
+        let (part, numbers) = text.rsplit_once('=')?;
         let numbers = numbers.split(',').map(|number| number.trim().parse().ok());
         Some((part.trim().to_owned(), numbers.collect::<Option<_>>()?))
     };
@@ -760,7 +804,7 @@ fn stop_rule(name: &str) -> Result<StopRule> {
 fn scene(name: &str) -> Result<Scene> {
     let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
     let scene = folder.named(name)?.clone();
-    scene.check_mesh()?;
+    scene.check()?;
     Ok(scene)
 }
 

@@ -1,83 +1,105 @@
 //! `solve --solver spectral`: the true solution, without a grid.
 
-use super::SolveArgs;
 use super::answer::law_json;
 use super::bound::BoundaryWords;
+use super::clock::Part;
+use super::files::Format;
 use super::request::Request;
-use crate::cli::output::{say_json, tell};
-use crate::cli::shown::brief;
+use crate::cli::output::OutputFile;
 use crate::pipeline::bar;
 use crate::pipeline::error::{Error, Result};
 use indicatif::ProgressBar;
+use serde_json::{Value, json};
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::levels::{Lattices, Levels};
+use signorini_mathematics::levels::{Integrals, Lattices, Levels};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{
     Checks, Solution, SpectralError, TrueSolution, true_solution,
 };
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// Solves, prints the answer, and returns the solution.
-pub(super) fn solve(args: &SolveArgs, request: &Request, lattices: &Lattices) -> Result<Solution> {
-    let (name, f, law) = (&request.name, lattices.source(), request.problem.law());
-    let integral = lattices.integrals().of_f;
-    let start = Instant::now();
-    let TrueSolution { solution: finer, steps } =
-        true_solution(law, f).map_err(|e| failed(name, &e))?;
-    let time = start.elapsed();
-    if args.json {
-        let [lower_right, upper_right, upper_left, lower_left] = finer.corners();
-        let mut json = serde_json::json!({
+/// True solution on the square.
+pub(super) struct TrueAnswer<'a> {
+    lattices: &'a Lattices,
+    solution: Solution,
+    /// Number of Newton steps.
+    steps: usize,
+}
+
+/// Solves.
+pub(super) fn answer(request: &Request) -> Result<TrueAnswer<'_>> {
+    let lattices = request.lattices("--solver spectral")?;
+    let found = true_solution(request.problem.law(), lattices.source());
+    let TrueSolution { solution, steps } = found.map_err(|e| failed(&request.name, &e))?;
+    request.clock.ended(Part::Solver);
+    Ok(TrueAnswer { lattices, solution, steps })
+}
+
+impl TrueAnswer<'_> {
+    /// Writes a file with the solution at the nodes of the finest grid.
+    pub(super) fn write(&self, request: &Request, file: &(OutputFile, Format)) -> Result<()> {
+        request.write(file, self.lattices, &on_grid(&self.solution, self.lattices.finest()))
+    }
+
+    pub(super) fn json(&self, request: &Request) -> Value {
+        let (Self { solution, .. }, law) = (self, request.problem.law());
+        let [lower_right, upper_right, upper_left, lower_left] = solution.corners();
+        let mut json = json!({
             "schema": 1,
-            "scene": name,
-            "f": f.to_string(),
+            "scene": request.name,
+            "f": self.lattices.f(),
             "dimension": 2,
             "solver": "spectral",
-            "iterations": steps,
+            "iterations": self.steps,
             "stop": "converged",
-            "energy": finer.energy,
-            "integral_f": integral,
-            "contact": finer.contact,
-            "force": force(&finer, law),
+            "energy": solution.energy,
+            "integral_f": self.lattices.integrals().of_f,
+            "contact": solution.contact,
+            "force": force(solution, law),
             "grids": null,
             "grids_reason": "the spectral solver uses no grid",
             "bound": null,
             "bound_reason": "the spectral solver checks its digits, see `checks`; --accuracy-energy gives guaranteed \
                 bounds",
             "value": {
-                "centre": finer.value(0.0, 0.0),
+                "centre": solution.value(0.0, 0.0),
                 "lower_left": lower_left,
                 "lower_right": lower_right,
                 "upper_right": upper_right,
                 "upper_left": upper_left,
             },
-            "checks": finer.checks,
+            "checks": solution.checks,
             "warnings": request.warnings,
-            "seconds": { "solve": time.as_secs_f64() },
+            "failure": null,
+            "remedy": null,
+            "seconds": request.clock.json(),
         });
         if !law.is_signorini() {
             json["law"] = law_json(law);
         }
-        say_json(&json)?;
-        return Ok(finer);
+        json
     }
-    let mut text = format!("{name}: f = {f}, integral {}\n", plain(integral, 4));
-    let words = BoundaryWords::of(law);
-    if !law.is_signorini() {
-        text += &format!("law {law}\n");
+
+    pub(super) fn text(&self, request: &Request) -> String {
+        let (Self { lattices, solution, steps }, law) = (self, request.problem.law());
+        let (name, f, integral) = (&request.name, lattices.f(), lattices.integrals().of_f);
+        let mut text = format!("{name}: f = {f}, integral {}\n", plain(integral, 4));
+        let words = BoundaryWords::of(law);
+        if !law.is_signorini() {
+            text += &format!("law {law}\n");
+        }
+        text += &table(solution, &words, lattices.integrals());
+        let sums = [force(solution, law), 0.0 - integral];
+        text += &words.force(sums, lattices.integrals(), 16);
+        text += &checks(&solution.checks);
+        text + &request.clock.text("setup", &format!(" ({steps} Newton steps)"))
     }
-    text += &table(&finer, &words);
-    text += &words.force([force(&finer, law), 0.0 - integral], lattices.integrals(), 16);
-    text += &checks(&finer.checks);
-    text += &format!("solved in {}, {steps} Newton steps\n", brief(time));
-    tell(&text)?;
-    Ok(finer)
 }
 
 /// Returns v at the nodes of a grid, and the multiplier at its boundary nodes.
-pub(super) fn on_grid(solution: &Solution, grid: Grid) -> Pair {
+fn on_grid(solution: &Solution, grid: Grid) -> Pair {
     let bar = bar("{spinner} v at {msg} nodes, {elapsed}");
     if let Some(bar) = &bar {
         bar.set_message(grid.nodes().to_string());
@@ -96,10 +118,10 @@ fn force(solution: &Solution, law: Law) -> f64 {
     solution.boundary_points().map(|point| point.weight * point.multiplier).sum()
 }
 
-fn table(solution: &Solution, words: &BoundaryWords) -> String {
+fn table(solution: &Solution, words: &BoundaryWords, integrals: &Integrals) -> String {
     let mut text = format!("energy {}\n", plain(solution.energy, 16));
     for arc in &solution.contact {
-        text += &words.arc(arc, 16);
+        text += &words.arc(arc, integrals, 16);
     }
     text + &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16))
 }

@@ -2,7 +2,7 @@
 //!
 //! A new solver is an entry of [`SOLVERS`] and a room of its own.
 
-use crate::discrete::end::Outcome;
+use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
@@ -10,6 +10,7 @@ use crate::levels::{NodalVectors, Problem, ProblemError, SaddleRun};
 use crate::multigrid::active_set::{MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE};
 use crate::multigrid::{Goal, InputError, MultigridParams, check_size};
 use crate::saddle::{Method, Monitor, Params};
+use crate::spectral::{SpectralError, true_solution};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
@@ -264,6 +265,9 @@ pub enum Refusal {
     /// The domain does not have the solver.
     #[error("{0} is for the square alone")]
     NotOnMeshes(Solver),
+    /// f is not constant on pieces, or no solution was found that stands its checks.
+    #[error(transparent)]
+    Spectral(#[from] SpectralError),
 }
 
 /// Reason for which a solver does not run on a grid or mesh.
@@ -330,12 +334,21 @@ pub fn solve_watched(
                 _ => solved,
             }
         }
-        SolverRun::Spectral => return Err(Refusal::NotOnMeshes(solver)),
+        SolverRun::Spectral => true_values(problem, solver)?,
     };
     let (judgement, level) = (problem.judge(&y), problem.finest());
     let has_solution = levels.is_solvable(level, law, load);
     let end = Outcome::new(end, &judgement, levels.cells(level), load, has_solution);
     Ok(Run { y, ends: vec![end], first_level: level, judgement })
+}
+
+/// The true solution at the nodes of the finest grid of the square, whose judgement is that of the grid.
+fn true_values(problem: &Problem, solver: Solver) -> Result<(Vec<f64>, End), Refusal> {
+    let lattices = problem.lattices().ok_or(Refusal::NotOnMeshes(solver))?;
+    let found = true_solution(problem.law(), lattices.source())?;
+    let end =
+        End { iterations: found.steps, work_units: 0.0, stop: Stop::Converged, delta_a: None };
+    Ok((found.solution.on_grid(lattices.finest()).y, end))
 }
 
 /// Runs a saddle-point method over all levels.

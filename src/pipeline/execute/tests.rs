@@ -1,29 +1,36 @@
 //! Plans of made-up tasks, walked in a temporary cache.
 
-use super::super::{Artifacts, hash};
+use super::super::{Artifacts, Inputs, Made, hash, program};
 use super::*;
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex};
 
-/// A task that makes one artifact of what it needs.
-fn task(id: &str, needs: &[&str], make: impl Fn() -> Vec<u8> + Send + Sync + 'static) -> Task {
-    let needs = needs.iter().map(|need| (*need).to_owned()).collect();
-    Task::new(id, BTreeMap::new(), needs, move |_| Ok(Artifacts::from([("out".into(), make())])))
+/// A task that makes one artifact.
+fn task(id: &str, needs: &[&str], byte: u8, make: fn(&u8, &Inputs) -> Made) -> Task {
+    Task::new(id, &byte, needs.iter().map(|need| (*need).to_owned()).collect(), make)
+}
+
+/// Makes the artifact `out` of one byte.
+fn out(byte: u8) -> Made {
+    Ok(Artifacts::from([("out".into(), vec![byte])]))
 }
 
 fn walk(plan: &Plan, cache: &Path, options: Options) -> Summary {
     let store = Store::new(cache).unwrap();
-    execute(plan, &store, options, &Progress::new(false, true), &AtomicBool::new(false)).unwrap()
+    execute(plan, &store, options, &Progress::new(false, true), &Interrupt::new()).unwrap()
 }
 
 #[test]
 fn another_program_never_finds_the_results_of_the_first() {
     let cache = tempfile::tempdir().unwrap();
     let [old, new] = [("old", 1), ("new", 2)].map(|(program, damping): (&str, u8)| {
+        // The byte of the first task stands for what the program has in its code.
+        let first: fn(&u8, &Inputs) -> Made =
+            if damping == 1 { |_, _| out(1) } else { |_, _| out(2) };
         let tasks =
-            vec![task("a/1", &[], move || vec![damping]), task("b/1", &["a/1"], || vec![7])];
-        Plan::new(&hash(program.as_bytes()), tasks).unwrap()
+            vec![task("a/1", &[], 0, first), task("b/1", &["a/1"], 7, |byte, _| out(*byte))];
+        Plan::new(super::super::program(&hash(program.as_bytes())), tasks).unwrap()
     });
     let options = Options::default();
     let first = walk(&old, cache.path(), options);
@@ -52,21 +59,22 @@ fn another_program_never_finds_the_results_of_the_first() {
 fn a_task_starts_when_all_it_needs_is_there_and_not_before_nor_after() {
     // `slow` ends only after `second`, of a later stage, has run: a barrier between stages would
     // never end.
-    let (send, receive) = channel::<()>();
-    let (send, receive) = (Mutex::new(send), Mutex::new(receive));
-    let order = &*Box::leak(Box::new(AtomicUsize::new(0)));
+    static ORDER: AtomicUsize = AtomicUsize::new(0);
+    static SECOND_HAS_RUN: (Mutex<bool>, Condvar) = (Mutex::new(false), Condvar::new());
     let tasks = vec![
-        task("a/slow", &[], move || {
-            receive.lock().unwrap().recv().unwrap();
-            Vec::new()
+        task("a/slow", &[], 0, |_, _| {
+            let has_run = SECOND_HAS_RUN.0.lock().unwrap();
+            drop(SECOND_HAS_RUN.1.wait_while(has_run, |has_run| !*has_run).unwrap());
+            out(0)
         }),
-        task("a/first", &[], || vec![order.fetch_add(1, Ordering::SeqCst) as u8]),
-        task("b/second", &["a/first"], move || {
-            send.lock().unwrap().send(()).unwrap();
-            vec![order.fetch_add(1, Ordering::SeqCst) as u8]
+        task("a/first", &[], 0, |_, _| out(ORDER.fetch_add(1, Ordering::SeqCst) as u8)),
+        task("b/second", &["a/first"], 0, |_, _| {
+            *SECOND_HAS_RUN.0.lock().unwrap() = true;
+            SECOND_HAS_RUN.1.notify_all();
+            out(ORDER.fetch_add(1, Ordering::SeqCst) as u8)
         }),
     ];
-    let plan = Plan::new("program", tasks).unwrap();
+    let plan = Plan::new(program("program"), tasks).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let summary = walk(&plan, cache.path(), Options { jobs: 2, ..Options::default() });
     let ran: Vec<&str> = summary.ran.iter().map(|ran| ran.task.as_str()).collect();
@@ -77,16 +85,45 @@ fn a_task_starts_when_all_it_needs_is_there_and_not_before_nor_after() {
 #[test]
 fn a_panic_is_the_failure_of_one_task() {
     let tasks = vec![
-        task("a/wild", &[], || panic!("on purpose")),
-        task("a/tame", &[], || vec![1]),
-        task("b/waits", &["a/tame", "a/wild"], || vec![2]),
-        task("c/waits", &["b/waits"], || vec![3]),
+        task("a/wild", &[], 0, |_, _| panic!("on purpose")),
+        task("a/tame", &[], 1, |byte, _| out(*byte)),
+        task("b/waits", &["a/tame", "a/wild"], 2, |byte, _| out(*byte)),
+        task("c/waits", &["b/waits"], 3, |byte, _| out(*byte)),
     ];
-    let plan = Plan::new("program", tasks).unwrap();
+    let plan = Plan::new(program("program"), tasks).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let summary = walk(&plan, cache.path(), Options { keep_going: true, ..Options::default() });
     assert!(summary.failed[0].starts_with("a/wild: panicked"), "{:?}", summary.failed);
     let waited = ["b/waits", "c/waits"].map(|id| format!("{id}: not run, because a/wild failed"));
     assert_eq!(summary.failed[1..], waited);
     assert!(summary.manifests.contains_key("a/tame"));
+}
+
+#[test]
+fn a_task_that_takes_long_may_end_early() {
+    let (cache, interrupt) = (tempfile::tempdir().unwrap(), Interrupt::new());
+    let long =
+        task("a/long", &[], 0, |_, inputs| match inputs.interrupted.load(Ordering::SeqCst) {
+            true => Err(Error::Interrupted.into()),
+            false => Ok(Artifacts::new()),
+        });
+    let plan = Plan::new(program("program"), vec![long]).unwrap();
+    let (task, store) = ((&plan, &plan.tasks()[0]), Store::new(cache.path()).unwrap());
+    interrupt.ask();
+    let ended = run(task, BTreeMap::new(), Vec::new(), (&store, &interrupt));
+    assert!(matches!(ended, Err(Error::Interrupted)), "{ended:?}");
+    let made = run(task, BTreeMap::new(), Vec::new(), (&store, &Interrupt::new()));
+    assert!(made.is_ok(), "{made:?}");
+}
+
+#[test]
+fn what_is_at_work_is_counted() {
+    let cache = tempfile::tempdir().unwrap();
+    static INTERRUPT: Interrupt = Interrupt::new();
+    let seen = task("a/1", &[], 0, |_, _| out(u8::from(INTERRUPT.is_at_work())));
+    let plan = Plan::new(program("program"), vec![seen]).unwrap();
+    let (store, progress) = (Store::new(cache.path()).unwrap(), Progress::new(false, true));
+    let summary = execute(&plan, &store, Options::default(), &progress, &INTERRUPT).unwrap();
+    assert_eq!(summary.manifests["a/1"].outputs["out"], hash(&[1]));
+    assert!(!INTERRUPT.is_at_work());
 }

@@ -1,29 +1,23 @@
 //! Single tasks of a made-up plan, by several workers on one cache.
 
-use super::super::{Artifacts, Inputs, Task};
+use super::super::{Artifacts, Inputs, Task, program};
 use super::*;
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Plan of `a/1` and `b/1` with one value.
-fn plan(value: u8, ran: &Arc<AtomicUsize>) -> Plan {
-    plan_of("program", [value; 2], ran)
+fn plan(value: u8) -> Plan {
+    plan_of("program", [value; 2])
 }
 
-/// Plan, for this program, of `a/1`, and of `b/1`, which adds the bytes of `a/1` to its own; `ran` counts the runs of
-/// both.
-fn plan_of(program: &str, [a, b]: [u8; 2], ran: &Arc<AtomicUsize>) -> Plan {
-    Plan::new(program, vec![task("a/1", a, &[], ran), task("b/1", b, &["a/1"], ran)]).unwrap()
+/// Plan, for this program, of `a/1`, and of `b/1`, which adds the bytes of `a/1` to its own.
+fn plan_of(digest: &str, [a, b]: [u8; 2]) -> Plan {
+    let tasks = vec![task("a/1", a, &[]), task("b/1", b, &["a/1"])];
+    Plan::new(program(digest), tasks).unwrap()
 }
 
-fn task(id: &str, value: u8, needs: &[&str], ran: &Arc<AtomicUsize>) -> Task {
-    let ran = ran.clone();
-    let parameters = BTreeMap::from([("value".into(), value.to_string())]);
+fn task(id: &str, value: u8, needs: &[&str]) -> Task {
     let needs = needs.iter().map(|need| (*need).to_owned()).collect();
-    Task::new(id, parameters, needs, move |inputs: &Inputs| {
-        ran.fetch_add(1, Ordering::SeqCst);
+    Task::new(id, &value, needs, |value, inputs: &Inputs| {
         let needed = inputs.artifacts.values().flat_map(|made| made.values().flatten());
         Ok(Artifacts::from([("out".into(), vec![value + needed.sum::<u8>()])]))
     })
@@ -32,13 +26,12 @@ fn task(id: &str, value: u8, needs: &[&str], ran: &Arc<AtomicUsize>) -> Task {
 fn work_on(plan: &Plan, asked: &[&str], cache: &Path) -> Result<Summary> {
     let asked: Vec<String> = asked.iter().map(|id| (*id).to_owned()).collect();
     let (store, progress) = (Store::new(cache).unwrap(), Progress::new(false, true));
-    work(plan, &asked, &store, &progress, &AtomicBool::new(false))
+    work(plan, &asked, &store, &progress, &Interrupt::new())
 }
 
 #[test]
 fn a_stamp_names_all_that_a_task_is_made_from() {
-    let ran = Arc::new(AtomicUsize::new(0));
-    let stamps = plan_of("program", [1, 1], &ran).stamps().unwrap();
+    let stamps = plan_of("program", [1, 1]).stamps().unwrap();
     for (program, values, changed) in [
         ("program", [1, 1], [false, false]),
         ("program", [1, 2], [false, true]),
@@ -46,27 +39,31 @@ fn a_stamp_names_all_that_a_task_is_made_from() {
         ("program", [2, 1], [true, true]),
         ("another", [1, 1], [true, true]),
     ] {
-        let others = plan_of(program, values, &ran).stamps().unwrap();
+        let others = plan_of(program, values).stamps().unwrap();
         assert_eq!([0, 1].map(|k| stamps[k] != others[k]), changed, "{program} {values:?}");
     }
 }
 
 #[test]
 fn garbage_keeps_the_stamps_of_runs_that_it_keeps() {
-    let (cache, ran) = (tempfile::tempdir().unwrap(), Arc::new(AtomicUsize::new(0)));
+    let cache = tempfile::tempdir().unwrap();
     let store = Store::new(cache.path()).unwrap();
-    let wanted = BTreeSet::from(["a/1".to_owned(), "b/1".to_owned()]);
-    let [old, new] = [plan(1, &ran), plan(2, &ran)];
+    let [old, new] = [plan(1), plan(2)];
     for plan in [&old, &new] {
         work_on(plan, &["a/1", "b/1"], cache.path()).unwrap();
         assert_eq!(stamps_in(&store, plan), 2);
     }
-    store.collect_garbage(&wanted, 2, false).unwrap();
+    store.collect_garbage(&new, 2, false).unwrap();
     assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [2, 2]);
-    store.collect_garbage(&wanted, 1, false).unwrap();
+    // One run of each task, and those that a run of this plan finds.
+    store.collect_garbage(&old, 1, false).unwrap();
+    assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [2, 2]);
+    store.collect_garbage(&new, 1, false).unwrap();
     assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [0, 2]);
     // Two objects, two manifests and two stamps; the locks have gone already.
-    let garbage = store.collect_garbage(&BTreeSet::new(), 1, true).unwrap();
+    let garbage = store
+        .collect_garbage(&Plan::new(program("program"), Vec::new()).unwrap(), 1, true)
+        .unwrap();
     assert_eq!(garbage.files, 6, "{garbage:?}");
 }
 
@@ -77,9 +74,8 @@ fn stamps_in(store: &Store, plan: &Plan) -> usize {
 
 #[test]
 fn an_edit_and_back_again_runs_nothing_twice() {
-    let (cache, ran) = (tempfile::tempdir().unwrap(), Arc::new(AtomicUsize::new(0)));
-    for value in [1, 2, 1, 2] {
-        work_on(&plan(value, &ran), &["a/1", "b/1"], cache.path()).unwrap();
-    }
-    assert_eq!(ran.load(Ordering::SeqCst), 4);
+    let cache = tempfile::tempdir().unwrap();
+    let ran = [1, 2, 1, 2]
+        .map(|value| work_on(&plan(value), &["a/1", "b/1"], cache.path()).unwrap().ran.len());
+    assert_eq!(ran, [2, 2, 0, 0]);
 }

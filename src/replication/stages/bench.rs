@@ -4,20 +4,23 @@
 mod claims;
 mod stability;
 
-use super::figures::drawing;
+use super::figures::{Drawing, drawing, made};
 use super::{cost, to_json};
-use crate::figures::Picture;
 use crate::pipeline::error::Failure;
-use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
+use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
-use serde::Serialize;
 use serde::de::DeserializeOwned;
-use signorini_mathematics::experiments::accuracy::AccuracyFindings;
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::experiments::accuracy::{self, AccuracyPlan};
+use signorini_mathematics::experiments::adapted::{self, AdaptedPlan};
 use signorini_mathematics::experiments::claims::ClaimsPlan;
+use signorini_mathematics::experiments::domains::{self, DomainsPlan};
 use signorini_mathematics::experiments::problems::TableProblem;
-use signorini_mathematics::experiments::{self, accuracy, adapted, sticking, stress, truth};
+use signorini_mathematics::experiments::sticking::{self, StickingPlan};
+use signorini_mathematics::experiments::{self, stress, truth};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -36,18 +39,16 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let stress = stress::StressPlan::new(problems.clone());
     let plan = ClaimsPlan::new(problems);
     vec![
-        task("accuracy", accuracy::AccuracyPlan::default(), accuracy::accuracy),
-        task("adapted", adapted::AdaptedPlan::default(), adapted::adapted),
-        task("claims", plan, experiments::claims::claims),
-        task("friction", ClaimsPlan::friction(), experiments::claims::claims),
-        task(
-            "domains",
-            experiments::domains::DomainsPlan::default(),
-            experiments::domains::domains,
-        ),
-        task("sticking", sticking::StickingPlan::default(), sticking::sticking),
-        task("truth", truth, truth::truth),
-        task("stress", stress, stress::stress),
+        task("accuracy", &AccuracyPlan::default(), |plan, _| found(accuracy::accuracy(plan))),
+        task("adapted", &AdaptedPlan::default(), |plan, _| found(adapted::adapted(plan))),
+        task("claims", &plan, |plan, _| found(experiments::claims::claims(plan))),
+        task("friction", &ClaimsPlan::friction(), |plan, _| {
+            found(experiments::claims::claims(plan))
+        }),
+        task("domains", &DomainsPlan::default(), |plan, _| found(domains::domains(plan))),
+        task("sticking", &StickingPlan::default(), |plan, _| found(sticking::sticking(plan))),
+        task("truth", &truth, |plan, _| found(truth::truth(plan))),
+        task("stress", &stress, |plan, _| found(stress::stress(plan))),
     ]
 }
 
@@ -55,97 +56,91 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
 pub(super) fn pictures(project: &Project) -> Vec<Task> {
     vec![
         rules(project),
-        picture::<AccuracyFindings>(
-            "accuracy",
-            "accuracy",
+        picture(
+            ["accuracy", "accuracy"],
             "Errors against the width of the grid, problems with known solutions",
-            cost::accuracy,
+            |it, inputs| it.made(inputs, cost::accuracy(&result(inputs, "accuracy")?)),
         ),
         picture(
-            "adapted",
-            "adapted",
+            ["adapted", "adapted"],
             "Guaranteed error against the number of nodes, adaptive and uniform refinement",
-            cost::adapted,
+            |it, inputs| it.made(inputs, cost::adapted(&result(inputs, "adapted")?)),
         ),
         picture(
-            "truth",
-            "ends",
+            ["truth", "ends"],
             "Error of the ends of contact and of the energy against the width of the grid",
-            cost::ends,
+            |it, inputs| it.made(inputs, cost::ends(&result(inputs, "truth")?)),
         ),
         picture(
-            "claims",
-            "sweep",
+            ["claims", "sweep"],
             "Iterations of both problems against the duality parameter, three ways of stopping",
-            claims::sweep,
+            |it, inputs| it.made(inputs, claims::sweep(&result(inputs, "claims")?)),
         ),
         picture(
-            "claims",
-            "uzawa",
+            ["claims", "uzawa"],
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
-            claims::uzawa,
+            |it, inputs| it.made(inputs, claims::uzawa(&result(inputs, "claims")?)),
         ),
         picture(
-            "sticking",
-            "sticking",
+            ["sticking", "sticking"],
             "Length of the arcs that stick against one over the bound of the friction",
-            claims::sticking,
+            |it, inputs| it.made(inputs, claims::sticking(&result(inputs, "sticking")?)),
         ),
         picture(
-            "stress",
-            "duality",
+            ["stress", "duality"],
             "KKT residual at the stop of the paper's method over r",
-            duality,
+            |it, inputs| it.made(inputs, duality(&result(inputs, "stress")?)),
         ),
         picture(
-            "stress",
-            "tolerances",
+            ["stress", "tolerances"],
             "KKT residual reached against the tolerance asked for",
-            tolerances,
+            |it, inputs| it.made(inputs, tolerances(&result(inputs, "stress")?)),
         ),
     ]
 }
 
-/// The task that draws the counts of three rules on the finest grid beside the published ones.
-fn rules(project: &Project) -> Task {
-    let paper = project.paper.clone();
-    let published = serde_json::json!({ "published": paper });
-    let title = "Counts on the finest grid: printed rule, signed rule, published".to_owned();
-    let task = drawing("rules", title, vec![id("claims")], move |inputs| {
-        Ok(claims::rules(&result(inputs, "claims")?, &paper))
-    });
-    Task { parameters: parameters(&published), ..task }
+/// Picture of counts beside published ones.
+#[derive(Serialize, Deserialize)]
+struct Rules {
+    title: String,
+    published: Paper,
 }
 
-/// The task that draws the findings of an `experiment`; the `title` is for readers who cannot see the picture.
-fn picture<T: DeserializeOwned + 'static>(
-    experiment: &'static str,
-    name: &str,
-    title: &str,
-    draw: fn(&T) -> Picture,
-) -> Task {
-    drawing(name, title.into(), vec![id(experiment)], move |inputs| {
-        Ok(draw(&result(inputs, experiment)?))
+/// The task that draws the counts of three rules on the finest grid beside the published ones.
+fn rules(project: &Project) -> Task {
+    let title = "Counts on the finest grid: printed rule, signed rule, published".into();
+    let rules = Rules { title, published: project.paper.clone() };
+    drawing("rules", &rules, vec![id("claims")], |Rules { title, published }, inputs| {
+        made(inputs, title, claims::rules(&result(inputs, "claims")?, published))
     })
+}
+
+/// The task that draws the findings of an experiment as a picture, by the names of both; the `title` is for readers who
+/// cannot see it.
+fn picture(
+    [experiment, name]: [&str; 2],
+    title: &str,
+    draw: fn(&Drawing, &Inputs) -> Made,
+) -> Task {
+    drawing(name, &Drawing::new(title), vec![id(experiment)], draw)
 }
 
 /// The tasks that draw recorded times, their only input; none if nothing has been recorded.
 pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
     let Some(file) = project.files.get(PATH) else { return Vec::new() };
-    let cost = drawing(
-        "cost",
-        "Time per unknown against the number of unknowns".into(),
-        Vec::new(),
-        |inputs| Ok(cost::cost(&times(inputs)?)),
-    );
-    let race = drawing("race", "Error against time, all solvers".into(), Vec::new(), |inputs| {
-        Ok(cost::race(&times(inputs)?))
-    });
-    let mut tasks = vec![cost, race];
-    for task in &mut tasks {
-        task.files.insert(PATH.into(), file.clone());
-    }
-    tasks
+    let [cost, race] =
+        ["Time per unknown against the number of unknowns", "Error against time, all solvers"]
+            .map(Drawing::new);
+    let tasks = [
+        drawing("cost", &cost, Vec::new(), |it, inputs| {
+            it.made(inputs, cost::cost(&times(inputs)?))
+        }),
+        drawing("race", &race, Vec::new(), |it, inputs| {
+            it.made(inputs, cost::race(&times(inputs)?))
+        }),
+    ];
+    let files = InputFiles::from([(PATH.to_owned(), file.clone())]);
+    tasks.map(|task| task.with_files(files.clone())).into()
 }
 
 /// Parses the record of times among the files of a task.
@@ -157,15 +152,18 @@ fn id(experiment: &str) -> String {
     format!("bench/{experiment}")
 }
 
-/// The task of an experiment, whose findings depend on `plan` alone.
-fn task<P, R>(name: &str, plan: P, run: fn(&P) -> Result<R, String>) -> Task
-where
-    P: Serialize + Send + Sync + 'static,
-    R: Serialize + 'static,
-{
-    Task::new(id(name), parameters(&plan), Vec::new(), move |_| {
-        Ok(Artifacts::from([(RESULT.into(), to_json(&run(&plan)?))]))
-    })
+/// The task of an experiment, whose findings depend on its `plan` alone.
+fn task<P: Serialize + DeserializeOwned + 'static>(
+    name: &str,
+    plan: &P,
+    run: fn(&P, &Inputs) -> Made,
+) -> Task {
+    Task::new(id(name), plan, Vec::new(), run)
+}
+
+/// Artifacts with the findings of an experiment.
+fn found(findings: Result<impl Serialize, String>) -> Made {
+    Ok(Artifacts::from([(RESULT.into(), to_json(&findings?))]))
 }
 
 pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {

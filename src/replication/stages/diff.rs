@@ -2,10 +2,11 @@
 
 use super::{solve, tabulate, to_json};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Artifacts, Task, parameters};
+use crate::pipeline::{Artifacts, Task};
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
+use serde::{Deserialize, Serialize};
 
 /// Artifact with a [`crate::replication::comparison::TableComparison`].
 pub(crate) const DIFF: &str = "diff.json";
@@ -14,18 +15,37 @@ pub(crate) fn id(scene: &Scene) -> String {
     format!("diff/{}", scene.name)
 }
 
+/// Scene that is compared with a published table.
+#[derive(Serialize, Deserialize)]
+struct Compared {
+    scene: String,
+    /// Ids of the tasks whose counts are compared.
+    solves: Vec<String>,
+    /// The published table alone.
+    paper: Paper,
+}
+
 /// The task that compares a scene with the published table of this number.
 pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task> {
     let table = project
         .paper
         .published(number)
         .map_err(|e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name)))?;
+    let grids = scene.on_grids().grids.len();
+    if let Some(other) = table.counts.iter().find(|counts| counts.len() != grids) {
+        return Err(Error::input(format!(
+            "scene `{}`: table {number} is on {} grids; let `grids` have as many, or leave out `paper_table`",
+            scene.name,
+            other.len()
+        )));
+    }
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
-    let needs: Vec<String> = solve::ids(scene, scene.first_rule()).collect();
-    let name = scene.name.clone();
-    let parameters = parameters(&serde_json::json!({ "r": paper.r, "table": table }));
-    Ok(Task::new(id(scene), parameters, needs.clone(), move |inputs| {
-        let diff = paper.compare(number, &name, &tabulate::rows(inputs, &needs)?)?;
+    let solves: Vec<String> = solve::ids(scene, scene.first_rule()).collect();
+    let (needs, name) = (solves.clone(), scene.name.clone());
+    let compared = Compared { scene: name, solves, paper };
+    Ok(Task::new(id(scene), &compared, needs, |Compared { scene, solves, paper }, inputs| {
+        let number = paper.table[0].number;
+        let diff = paper.compare(number, scene, &tabulate::rows(inputs, solves)?)?;
         Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))
     }))
 }

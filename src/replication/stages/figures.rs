@@ -11,15 +11,15 @@ use crate::figures::{
     Picture, SolutionMap, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
 };
 use crate::pipeline::error::Failure;
-use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
-use serde_json::json;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{SpectralParams, spectral_under};
-use std::collections::BTreeMap;
 
 /// Kind of figure.
 pub(super) struct Kind {
@@ -84,36 +84,46 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
     tasks
 }
 
+/// Figure of scenes, in the order of its panels.
+#[derive(Serialize, Deserialize)]
+struct SceneFigure {
+    kind: Output,
+    scenes: Vec<Scene>,
+}
+
 /// The task that draws the figure `name` of `scenes`.
 fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
-    let output = kind.output;
-    let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
-    let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
-    let title = format!("{}: {}", kind.caption, titles.join("; "));
-    // Drawing reads nothing else of a scene.
-    let mut hashed = BTreeMap::from([("kind".to_owned(), output.to_string())]);
-    for scene in &scenes {
-        let mut read = json!({ "title": scene.title });
-        match output {
-            Output::Source | Output::Identify | Output::Contact => {
-                read["problem"] = json!(scene.problem);
-            }
-            _ => read["place"] = json!(scene.problem.place),
+    let kind = kind.output;
+    let files: InputFiles = scenes.iter().flat_map(|scene| scene.problem.files()).collect();
+    let needs = scenes.iter().flat_map(|scene| needs(kind, scene)).collect();
+    let scenes = scenes.iter().map(|scene| shown(kind, scene)).collect();
+    let figure = SceneFigure { kind, scenes };
+    drawing(name, &figure, needs, |SceneFigure { kind, scenes }, inputs| {
+        let mut picture = draw(*kind, scenes, inputs)?;
+        if [Output::Surface, Output::Contact].contains(kind) {
+            picture.note = bounds(inputs, scenes)?;
         }
-        for (key, value) in parameters(&read) {
-            hashed.insert(format!("{}.{key}", scene.name), value);
+        let caption = KINDS.iter().find(|one| one.output == *kind).map_or("", |one| one.caption);
+        let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
+        made(inputs, &format!("{caption}: {}", titles.join("; ")), picture)
+    })
+    .with_files(files)
+}
+
+/// Returns a scene without what no figure of this kind shows: other outputs, runs that are not drawn, and what the runs
+/// alone read.
+fn shown(kind: Output, scene: &Scene) -> Scene {
+    let mut shown = Scene { outputs: vec![kind], ..scene.clone() };
+    if let Some(settings) = &mut shown.settings {
+        *settings = settings.runs();
+        if kind != Output::History {
+            settings.r = vec![settings.draw_r];
+        }
+        if kind != Output::Contact {
+            settings.stop.truncate(1);
         }
     }
-    let needs = scenes.iter().flat_map(|scene| needs(output, scene)).collect();
-    let files = scenes.iter().flat_map(|scene| scene.problem.files()).collect();
-    let task = drawing(name, title, needs, move |inputs| {
-        let mut picture = draw(output, &scenes, inputs)?;
-        if [Output::Surface, Output::Contact].contains(&output) {
-            picture.note = bounds(inputs, &scenes)?;
-        }
-        Ok(picture)
-    });
-    Task { parameters: hashed, files, ..task }
+    shown
 }
 
 /// Ids of the tasks from whose artifacts the figure of a scene is drawn.
@@ -130,30 +140,54 @@ fn needs(output: Output, scene: &Scene) -> Vec<String> {
     }
 }
 
-/// The task that draws the figure `name`; its title is its only parameter.
-pub(super) fn drawing(
-    name: &str,
+/// Picture with a title, of these scenes.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Drawing {
     title: String,
-    needs: Vec<String>,
-    draw: impl Fn(&Inputs) -> Result<Picture, Failure> + Send + Sync + 'static,
-) -> Task {
-    let (picture, table) = (format!("{name}.svg"), format!("{name}.csv"));
-    let parameters = BTreeMap::from([("title".into(), title.clone())]);
-    let task = Task::new(id(name), parameters, needs, move |inputs| {
-        let digest = &inputs.digest[..12];
-        let description =
-            format!("Made by `signorini run --only figures` from inputs {digest} (blake3).");
-        let drawn = draw(inputs)?;
-        let svg = drawn.svg(&title, &(drawn.note.clone() + &description))?;
-        let mut made = Artifacts::from([(picture.clone(), svg.into_bytes())]);
-        made.extend(drawn.table.map(|text| (table.clone(), text.into_bytes())));
-        Ok(made)
-    });
-    Task { export: Some("figures"), ..task }
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    scenes: Vec<Scene>,
 }
 
+impl Drawing {
+    /// Picture with this title, of no scene.
+    pub(super) fn new(title: &str) -> Self {
+        Self { title: title.into(), scenes: Vec::new() }
+    }
+
+    /// As [`made`], with the title.
+    pub(super) fn made(&self, inputs: &Inputs, picture: Picture) -> Made {
+        made(inputs, &self.title, picture)
+    }
+}
+
+/// The task that draws the figure `name` from a value.
+pub(super) fn drawing<P: Serialize + DeserializeOwned + 'static>(
+    name: &str,
+    value: &P,
+    needs: Vec<String>,
+    draw: fn(&P, &Inputs) -> Made,
+) -> Task {
+    Task::new(id(name), value, needs, draw).exported_to(FOLDER)
+}
+
+/// Returns a picture as the artifacts of the task that draws it: the SVG, and its table if it has one.
+pub(super) fn made(inputs: &Inputs, title: &str, picture: Picture) -> Made {
+    let name = inputs.task.trim_start_matches(FOLDER).trim_start_matches('/');
+    let description = format!(
+        "Made by `signorini run --only figures` from inputs {} (blake3).",
+        &inputs.digest[..12]
+    );
+    let svg = picture.svg(title, &(picture.note.clone() + &description))?;
+    let mut made = Artifacts::from([(format!("{name}.svg"), svg.into_bytes())]);
+    made.extend(picture.table.map(|text| (format!("{name}.csv"), text.into_bytes())));
+    Ok(made)
+}
+
+/// Folder of the project with the figures.
+const FOLDER: &str = "figures";
+
 pub(super) fn id(name: &str) -> String {
-    format!("figures/{name}")
+    format!("{FOLDER}/{name}")
 }
 
 /// The task whose pair is drawn as a surface.
@@ -212,14 +246,14 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     Ok(SolutionMap::of(title, on, &pair)?.picture())
 }
 
-/// Returns the title of a scene, with the end of its solver unless that is a solution, and the bound of its error.
+/// Returns the title of a scene, with the end of its solver unless that is a solution, above the bound of its error.
 fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (title_with_end(inputs, scene)?, scene.first_rule());
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let is_solution = rule.is_none() && solve::no_solution(inputs, scene, rule)?.is_none();
     let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
     Ok(match relative.filter(|_| is_solution) {
-        Some(error) => format!("{title}, error at most {}", solve::percent(error)),
+        Some(error) => format!("{title}\nerror at most {}", solve::percent(error)),
         None => title,
     })
 }

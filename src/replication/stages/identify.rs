@@ -2,11 +2,13 @@
 
 use super::{sharing, to_json};
 use crate::pipeline::error::{Error, Result, from_record};
-use crate::pipeline::{Artifacts, Task, parameters};
+use crate::pipeline::{Artifacts, Task};
 use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
-use signorini_mathematics::identify::{Variant, findings};
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::identify::{Questions, Target, Variant, findings};
+use signorini_mathematics::problem::source::Source;
 
 /// Artifact with [`signorini_mathematics::identify::Findings`].
 pub(super) const FINDINGS: &str = "findings.json";
@@ -26,6 +28,16 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     asking.into_iter().map(|scene| task(project, scene, record.as_ref())).collect()
 }
 
+/// Questions on a published table. Of the files that hold them, the rest may change freely.
+#[derive(Serialize, Deserialize)]
+struct Asked {
+    f: Source,
+    variant: Variant,
+    target: Target,
+    alternatives: Vec<[f64; 4]>,
+    questions: Questions,
+}
+
 fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Task> {
     let (Some(table), Some(record)) = (scene.paper_table, record) else {
         return Err(Error::input(format!(
@@ -38,16 +50,16 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
         prolongation: scene.saddle().prolongation,
         ..Variant::default()
     };
-    let (f, target) = (scene.on_grids().f.clone(), project.paper.target(table)?);
-    let alternatives = record.alternatives(table).to_vec();
-    let questions = record.questions.clone();
-    // Of the files that hold these, the rest may change freely.
-    let parameters = parameters(&serde_json::json!({
-        "f": f, "variant": variant, "target": target,
-        "alternatives": alternatives, "questions": questions,
-    }));
-    Ok(Task::new(id(scene), parameters, Vec::new(), move |_| {
-        let found = findings(&target, &variant, &f, &alternatives, &questions)
+    let asked = Asked {
+        f: scene.on_grids().f.clone(),
+        variant,
+        target: project.paper.target(table)?,
+        alternatives: record.alternatives(table).to_vec(),
+        questions: record.questions.clone(),
+    };
+    Ok(Task::new(id(scene), &asked, Vec::new(), |asked, _| {
+        let Asked { f, variant, target, alternatives, questions } = asked;
+        let found = findings(target, variant, f, alternatives, questions)
             .map_err(|e| format!("{e}; correct it, or drop `identify` from the scene's outputs"))?;
         Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
     }))

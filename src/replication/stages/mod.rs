@@ -14,7 +14,7 @@ pub(crate) mod solve;
 pub(crate) mod tabulate;
 
 use crate::pipeline::error::Result;
-use crate::pipeline::{Inputs, Plan, Task, stage};
+use crate::pipeline::{InputFiles, Inputs, Plan, RunningProgram, Task, stage};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use clap::ValueEnum;
@@ -28,7 +28,7 @@ use std::fmt;
 pub(crate) enum Stage {
     /// One problem by its solver; by a saddle-point method one column of a rule and an r, over all grids.
     Solve,
-    /// One table per scene and stopping rule.
+    /// One table per scene.
     Tabulate,
     /// Tables against the published ones.
     Diff,
@@ -68,9 +68,9 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     for scene in scenes {
         for rule in scene.rules() {
             tasks.extend(solve::tasks(scene, rule));
-            if scene.wants(Output::Table) {
-                tasks.push(tabulate::task(scene, rule));
-            }
+        }
+        if scene.wants(Output::Table) {
+            tasks.push(tabulate::task(scene));
         }
         if let Some(number) = scene.paper_table.filter(|_| scene.wants(Output::Table)) {
             tasks.push(diff::task(project, scene, number)?);
@@ -92,7 +92,8 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     if whole {
         tasks.push(report::task(project, &tasks));
     }
-    let plan = Plan::new(PROGRAM, tasks)?;
+    let program = RunningProgram { digest: PROGRAM.into(), commands: project.commands };
+    let plan = Plan::new(program, tasks)?;
     Ok(match only {
         Some(stage) => plan.only(|id| Stage::of(id) == Some(stage)),
         None => plan,
@@ -108,6 +109,15 @@ pub(crate) fn scene_of(id: &str) -> Option<&str> {
         Stage::Figures => figures::scene_of(rest),
         Stage::Bench | Stage::Report => None,
     }
+}
+
+/// Returns all files that a run of these tasks reads, by path: those of the project, and those of single tasks.
+pub(crate) fn files_of(project: &Project, tasks: &[Task]) -> InputFiles {
+    let mut files = project.files.clone();
+    for task in tasks {
+        files.extend(task.files.iter().map(|(path, file)| (path.clone(), file.clone())));
+    }
+    files
 }
 
 /// Returns those of `scenes` that share a figure of this output; none if one of the project's scenes that share it is

@@ -5,16 +5,16 @@ mod digits;
 mod times;
 
 use super::solutions::Solutions;
-use super::{artifact, figures, results, to_json};
+use super::{artifact, figures, files_of, results, tabulate};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
-use crate::pipeline::names::alike;
-use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Task, hash};
+use crate::pipeline::names::{alike, clash, composed};
+use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::report;
 pub(crate) use crate::report::TEMPLATE;
 use crate::timing::recorded;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The task that makes the pages and the book.
@@ -67,58 +67,84 @@ fn missing_setting(scene: &Scene) -> Option<String> {
     Some(format!("\"{missing}\" to `outputs`"))
 }
 
+/// Scenes, tasks and programs that the pages show, besides artifacts and files.
+#[derive(Serialize, Deserialize)]
+struct BookParts {
+    /// The paper's problems.
+    problems: Vec<Scene>,
+    /// The other scenes with a table.
+    others: Vec<Scene>,
+    /// Reason for which pages made from templates are left out, if there is one.
+    left_out: Option<String>,
+    /// Graph of all tasks.
+    graph: Graph,
+    /// Origin of each figure.
+    origins: Vec<FigureOrigin>,
+    /// Programs that the settings of the book name, by their hashes.
+    programs: BTreeMap<String, String>,
+}
+
+/// A figure, and what it is drawn from.
+#[derive(Serialize, Deserialize)]
+struct FigureOrigin {
+    name: String,
+    /// Id of the task.
+    task: String,
+    /// The stage with the scene or the experiment, as in `solve/plate`, of all runs together, and files.
+    needs: BTreeSet<String>,
+}
+
 /// The task that writes the pages and builds the book, from the artifacts of all `earlier` tasks.
 pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
-    let problems: Vec<Scene> = project.problems().into_iter().cloned().collect();
     let mut others = project.scenes.clone();
     others.retain(|scene| !scene.is_problem() && scene.wants(Output::Table));
-    let left_out = left_out(project);
-    let mut files = project.files.clone();
+    let mut files = files_of(project, earlier);
     for (name, file) in &project.templates {
         files.insert(format!("report/{name}"), file.clone());
     }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
     graph.0.push(GraphNode::new(ID, &needs));
-    // By hash, because `explain` prints changed parameters, old and new.
-    let mut parameters = BTreeMap::from([("graph".to_owned(), hash(&to_json(&graph)))]);
-    if let Some(book_toml) = project.templates.get("book.toml") {
+    let programs = project.templates.get("book.toml").map(|book_toml| {
         // A file that cannot be read is refused when the task runs.
-        let programs = report::program_hashes(book_toml.bytes().unwrap_or_default());
-        parameters
-            .extend(programs.into_iter().map(|(name, hash)| (format!("program {name}"), hash)));
-    }
-    let commands = project.commands;
-    let task = Task::new(ID, parameters, needs, move |inputs| {
-        if let Some(reason) = &left_out {
-            return book(inputs, Artifacts::new(), |templates| {
-                Ok(report::stubs(templates, reason)?)
-            });
-        }
-        let Solutions { listed, files } = Solutions::of(inputs, &problems, &others)?;
-        book(inputs, files, |templates| {
-            let mut context = chapters::context(inputs, &problems, &others)?;
-            context.insert("solutions", &listed);
-            context.insert("commands", &commands());
-            context.insert("mermaid", &graph.mermaid());
-            context.insert("origins", &origins(&graph));
-            Ok(report::pages(templates, &context)?)
-        })
+        report::program_hashes(book_toml.bytes().unwrap_or_default())
     });
-    Task { files, export: Some("report"), ..task }
+    let pages = BookParts {
+        problems: project.problems().into_iter().cloned().collect(),
+        others,
+        left_out: left_out(project),
+        graph,
+        origins: earlier.iter().filter_map(FigureOrigin::of).collect(),
+        programs: programs.into_iter().flatten().collect(),
+    };
+    Task::new(ID, &pages, needs, made).with_files(files).exported_to("report")
 }
 
-/// Returns, for each figure, its name, the id of its task, and what that needs: the stage with the scene or the
-/// experiment, as in `solve/plate`, of all runs together.
-fn origins(graph: &Graph) -> Vec<Value> {
-    let mut origins = Vec::new();
-    for GraphNode { id, needs } in &graph.0 {
-        let Some(name) = id.strip_prefix("figures/") else { continue };
-        let parts = |id: &String| id.split('/').take(2).collect::<Vec<_>>().join("/");
-        let needs: BTreeSet<String> = needs.iter().map(parts).collect();
-        origins.push(json!({ "name": name, "task": id, "needs": needs }));
+/// Makes the pages and the book.
+fn made(pages: &BookParts, inputs: &Inputs) -> Made {
+    let BookParts { problems, others, left_out, graph, origins, .. } = pages;
+    if let Some(reason) = left_out {
+        return book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)?));
     }
-    origins
+    let Solutions { listed, files } = Solutions::of(inputs, problems, others)?;
+    book(inputs, files, |templates| {
+        let mut context = chapters::context(inputs, problems, others)?;
+        context.insert("solutions", &listed);
+        context.insert("commands", &(inputs.program.commands)());
+        context.insert("mermaid", &graph.mermaid());
+        context.insert("origins", origins);
+        Ok(report::pages(templates, &context)?)
+    })
+}
+
+impl FigureOrigin {
+    /// Origin of the figure of a task; none if it draws none.
+    fn of(task: &Task) -> Option<Self> {
+        let name = task.id.strip_prefix("figures/")?;
+        let parts = |id: &String| id.split('/').take(2).collect::<Vec<_>>().join("/");
+        let needs = task.needs.iter().map(parts).chain(task.files.keys().cloned()).collect();
+        Some(Self { name: name.into(), task: task.id.clone(), needs })
+    }
 }
 
 /// Makes the pages from the templates, and the book from the pages and from `data`; all are files by name.
@@ -132,7 +158,7 @@ fn book(
     for (path, file) in inputs.files {
         let bytes = file.bytes()?;
         let Some(name) = path.strip_prefix("report/") else {
-            // Pages may include files of the project.
+            // BookParts may include files of the project.
             files.insert(format!("../{path}"), bytes.to_vec());
             continue;
         };
@@ -143,7 +169,7 @@ fn book(
                 if let Some(line) = conflict(text.as_bytes()) {
                     return Err(format!("{path}: line {line}: {CONFLICT}; resolve it there").into());
                 }
-                templates.insert(page.to_owned(), text);
+                templates.insert(page.to_owned(), composed(&text));
             }
             // Other files that pages show, such as a photograph.
             Some(other) => _ = files.insert(format!("src/{other}"), bytes.to_vec()),
@@ -158,6 +184,14 @@ fn book(
     for (_, pictures) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
         for (name, bytes) in pictures {
             made.insert(format!("src/figures/{name}"), bytes.clone());
+        }
+    }
+    for (_, tables) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("tabulate/")) {
+        for (name, bytes) in tables {
+            // Pages link to all digits, and include the table with fewer.
+            let shown = tabulate::markdown(std::str::from_utf8(bytes)?);
+            made.insert(format!("src/tables/{}", name.replace(".csv", ".md")), shown.into_bytes());
+            made.insert(format!("src/tables/{name}"), bytes.clone());
         }
     }
     if let Ok(csv) = artifact(inputs, results::ID, results::FILE) {
@@ -193,7 +227,8 @@ fn refuse_replaced<'a>(
     let made = made.filter_map(|name| name.strip_prefix("src/")).filter(own);
     let made: BTreeMap<String, &str> = made.map(|name| (alike(name), name)).collect();
     let users = files.keys().filter_map(|name| name.strip_prefix("src/"));
-    for name in users.chain(templates.keys().map(String::as_str)) {
+    let users: Vec<&str> = users.chain(templates.keys().map(String::as_str)).collect();
+    for name in &users {
         if let Some(same) = made.get(&alike(name)) {
             return Err(format!(
                 "report/templates/{name}: a run makes a file of this name, {same}; rename this one"
@@ -201,7 +236,15 @@ fn refuse_replaced<'a>(
             .into());
         }
     }
-    Ok(())
+    let folders = made.values().chain(&users).filter_map(|name| Some(name.rsplit_once('/')?.0));
+    match clash(folders) {
+        None => Ok(()),
+        Some((one, other)) => Err(format!(
+            "report/templates: `{one}` and `{other}` are one folder where capitals or the way to write accents do not \
+             count; rename your own"
+        )
+        .into()),
+    }
 }
 
 /// Returns names and versions of the packages that the book names, as the build resolved them.
@@ -224,4 +267,39 @@ pub(crate) fn versions() -> Vec<(String, String)> {
 fn field<'a>(section: &'a str, key: &str) -> &'a str {
     let value = section.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
     value.unwrap_or_default().trim_matches('"')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replication::stages::plan;
+    use std::path::Path;
+
+    #[test]
+    fn figures_are_said_to_be_drawn_from_all_that_their_tasks_read() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf();
+        let project = Project::read(root).unwrap();
+        let plan = plan(&project, &project.select(&[]).unwrap(), None).unwrap();
+        let (mut files, mut count) = (BTreeSet::new(), 0);
+        for (task, origin) in
+            plan.tasks().iter().filter_map(|task| Some((task, FigureOrigin::of(task)?)))
+        {
+            let read = origin.needs.iter().filter(|need| project.root.join(need).is_file());
+            assert!(read.clone().eq(task.files.keys()), "{}", task.id);
+            files.extend(read.cloned());
+            count += 1;
+        }
+        assert!(
+            count > 20
+                && files.contains(recorded::PATH)
+                && files.contains("pipeline/meshes/gear.msh")
+        );
+        let book = plan.task(ID).unwrap();
+        assert!(
+            plan.tasks()
+                .iter()
+                .flat_map(|task| task.files.keys())
+                .all(|path| book.files.contains_key(path))
+        );
+    }
 }

@@ -3,20 +3,22 @@
 
 use super::from_json;
 use super::solve::{self, OUTCOMES, Outcomes, WithoutGrid};
-use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
 use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Reserve;
+use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
+use signorini_mathematics::solvers::Solver;
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";
@@ -26,23 +28,69 @@ pub(super) const FILE: &str = "results.csv";
 /// The task that joins the results of all scenes that ask for a table; none if no scene does.
 pub(super) fn task(project: &Project) -> Option<Task> {
     let scenes = project.scenes.iter().filter(|scene| scene.wants(Output::Table));
-    let parts: Vec<(Scene, Option<StopRule>)> = scenes
-        .flat_map(|scene| scene.rules().into_iter().map(|rule| (scene.clone(), rule)))
-        .collect();
-    let needs = parts.iter().flat_map(|(scene, rule)| solve::ids(scene, *rule)).collect();
-    let paper = project.paper.clone();
-    let tables: Vec<_> = parts.iter().map(|(scene, _)| scene.paper_table).collect();
-    let printed: Vec<_> =
-        paper.table.iter().map(|table| (table.number, &table.counts, &table.delta_a)).collect();
-    let solvers: Vec<_> = parts.iter().map(|(scene, _)| scene.solver).collect();
-    let parameters = parameters(&serde_json::json!({
-        "r": paper.r, "solvers": solvers, "tables": tables, "published": printed,
-    }));
-    let task = Task::new(ID, parameters, needs, move |inputs| {
-        let results = joined(&solved(inputs, &parts)?, &paper)?;
+    let joined = Joined { scenes: scenes.map(Solves::of).collect(), paper: project.paper.clone() };
+    let runs = joined.scenes.iter().flat_map(|scene| &scene.runs);
+    let needs: Vec<String> = runs.map(|run| run.task.clone()).collect();
+    let is_empty = needs.is_empty();
+    let task = Task::new(ID, &joined, needs, |Joined { scenes, paper }, inputs| {
+        let results = table(&solved(inputs, scenes)?, paper)?;
         Ok(Artifacts::from([(FILE.into(), csv(results)?)]))
     });
-    (!task.needs.is_empty()).then(|| Task { export: Some("report"), ..task })
+    (!is_empty).then(|| task.exported_to("report"))
+}
+
+/// Scenes and published tables that are joined, in the order of the rows.
+#[derive(Serialize, Deserialize)]
+struct Joined {
+    scenes: Vec<Solves>,
+    paper: Paper,
+}
+
+/// Solves of one scene.
+#[derive(Serialize, Deserialize)]
+struct Solves {
+    name: String,
+    solver: Solver,
+    paper_table: Option<u8>,
+    /// Number of grids of a published table.
+    grids: Option<usize>,
+    domain: String,
+    f: String,
+    /// None for the paper's.
+    law: Option<LawParameter>,
+    runs: Vec<SolveOfRun>,
+}
+
+/// Task of one solve.
+#[derive(Serialize, Deserialize)]
+struct SolveOfRun {
+    task: String,
+    run: Option<RuleAndR>,
+}
+
+impl Solves {
+    fn of(scene: &Scene) -> Self {
+        let runs = scene.rules().into_iter().flat_map(|rule| scene.runs(rule));
+        Self {
+            name: scene.name.clone(),
+            solver: scene.solver,
+            paper_table: scene.paper_table,
+            grids: scene.paper_table.map(|_| scene.on_grids().grids.len()),
+            domain: scene.problem.domain().to_owned(),
+            f: scene.problem.f(),
+            law: scene.problem.law,
+            runs: runs.map(|run| SolveOfRun { task: solve::id_of(scene, run), run }).collect(),
+        }
+    }
+
+    /// Name of the law as scenes write it, and its parameter.
+    fn law_and_parameter(&self) -> (&'static str, Option<f64>) {
+        match self.law {
+            None => ("signorini", None),
+            Some(LawParameter::Friction(g)) => ("friction", Some(g)),
+            Some(LawParameter::Limit(limit)) => ("limit", Some(limit)),
+        }
+    }
 }
 
 /// Table with one row per problem, stopping rule, r and grid on which the solver ended.
@@ -50,7 +98,9 @@ pub(super) fn task(project: &Project) -> Option<Task> {
 /// Columns: `problem` (the name of its scene), `solver`, `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
 /// `tolerance` identify the solve; `rule`, `r` and `tolerance` are empty for solvers without. `energy_lower`,
 /// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were
-/// computed. The spectral solver has an energy alone.
+/// computed; `error_relative` is that bound over the norm of the solution. The spectral solver has an energy alone.
+/// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
+/// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
@@ -70,7 +120,7 @@ struct Aggregate {
 }
 
 /// Columns with their types. CSV has no types, and names of scenes may look like numbers, or like no value.
-const COLUMNS: [(&str, DataType); 27] = [
+const COLUMNS: [(&str, DataType); 34] = [
     ("problem", DataType::String),
     ("solver", DataType::String),
     ("rule", DataType::String),
@@ -88,7 +138,10 @@ const COLUMNS: [(&str, DataType); 27] = [
     ("energy_lower", DataType::Float64),
     ("energy_upper", DataType::Float64),
     ("error_bound", DataType::Float64),
+    ("error_relative", DataType::Float64),
     ("reserve", DataType::String),
+    ("v_least", DataType::Float64),
+    ("v_greatest", DataType::Float64),
     ("sum_load", DataType::Float64),
     ("kkt_stationarity", DataType::Float64),
     ("kkt_min_y", DataType::Float64),
@@ -98,6 +151,10 @@ const COLUMNS: [(&str, DataType); 27] = [
     ("kkt_relative", DataType::Float64),
     ("published", DataType::Int64),
     ("published_delta_a", DataType::Float64),
+    ("domain", DataType::String),
+    ("f", DataType::String),
+    ("law", DataType::String),
+    ("law_parameter", DataType::Float64),
 ];
 
 /// Columns that identify a row among those of one rule.
@@ -174,12 +231,14 @@ fn schema() -> Schema {
 
 /// Solve on one grid, or without a grid.
 struct GridSolve<'a> {
-    scene: &'a Scene,
+    scene: &'a Solves,
     run: Option<RuleAndR>,
     /// Number of the grid among those where the solver ended, from 1.
     level: usize,
     /// End on the grid; none for the spectral solver.
     outcome: Option<Outcome>,
+    /// Energy on the grid, see [`Outcomes::energy`].
+    energy: Option<f64>,
     bounds: Option<Bounds>,
     /// Approximations that the bounds leave out.
     reserve: String,
@@ -205,7 +264,7 @@ impl GridSolve<'_> {
     fn published_delta_a(&self, paper: &Paper) -> Option<f64> {
         self.published_count(paper)?;
         let (table, row) = self.published_row(paper)?;
-        (self.level == self.scene.on_grids().grids.len()).then_some(table.delta_a[row])
+        (Some(self.level) == self.scene.grids).then_some(table.delta_a[row])
     }
 
     fn iterations(&self) -> Option<i64> {
@@ -214,8 +273,7 @@ impl GridSolve<'_> {
     }
 
     fn energy(&self) -> Option<f64> {
-        let on_grid = self.outcome.map(|outcome| outcome.energy);
-        on_grid.or(self.without_grid.map(|end| end.energy))
+        self.energy.or(self.without_grid.map(|end| end.energy))
     }
 
     /// True if the stopping rule was met; none for a solver without.
@@ -225,14 +283,12 @@ impl GridSolve<'_> {
     }
 }
 
-fn solved<'a>(
-    inputs: &Inputs,
-    parts: &'a [(Scene, Option<StopRule>)],
-) -> Result<Vec<GridSolve<'a>>, String> {
+fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>>, String> {
     let mut solves = Vec::new();
-    for (scene, rule) in parts {
-        for run in scene.runs(*rule) {
-            let solved: Outcomes = from_json(inputs, &solve::id_of(scene, run), OUTCOMES)?;
+    for scene in scenes {
+        for &SolveOfRun { ref task, run } in &scene.runs {
+            let solved: Outcomes = from_json(inputs, task, OUTCOMES)?;
+            let energies: Vec<f64> = (0..solved.levels.len()).map(|k| solved.energy(k)).collect();
             let Outcomes { levels, bounds, reserve, without_grid, .. } = solved;
             let mut words = Vec::new();
             for reserve in reserve {
@@ -247,6 +303,7 @@ fn solved<'a>(
                 run,
                 level: 1,
                 outcome: None,
+                energy: None,
                 bounds: None,
                 reserve,
                 without_grid,
@@ -256,11 +313,13 @@ fn solved<'a>(
                 continue;
             }
             let bounds = bounds.into_iter().chain(std::iter::repeat(None));
-            for ((level, outcome), bounds) in (1..).zip(levels).zip(bounds) {
+            for (((level, outcome), bounds), energy) in (1..).zip(levels).zip(bounds).zip(energies)
+            {
                 let reserve = on_grid.reserve.clone();
                 solves.push(GridSolve {
                     level,
                     outcome: Some(outcome),
+                    energy: Some(energy),
                     bounds,
                     reserve,
                     ..on_grid
@@ -272,7 +331,7 @@ fn solved<'a>(
 }
 
 /// The table of [`Results`], made from solves and published numbers.
-fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
+fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
     df!(
         "problem" => column(solves, |solve| &*solve.scene.name),
         "solver" => column(solves, |solve| solve.scene.solver.entry().name),
@@ -291,18 +350,25 @@ fn joined(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "energy_lower" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[0])),
         "energy_upper" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[1])),
         "error_bound" => column(solves, |solve| Some(solve.bounds.as_ref()?.error[1])),
+        "error_relative" => column(solves, |solve| Some(solve.bounds.as_ref()?.relative())),
         "reserve" => column(solves, |solve| {
             (solve.bounds.is_some() && !solve.reserve.is_empty()).then_some(&*solve.reserve)
         }),
+        "v_least" => column(solves, |solve| Some(solve.outcome?.range[0])),
+        "v_greatest" => column(solves, |solve| Some(solve.outcome?.range[1])),
         "sum_load" => column(solves, |solve| Some(solve.outcome?.sum_load)),
         "kkt_stationarity" => column(solves, |solve| Some(solve.outcome?.kkt.stationarity)),
-        "kkt_min_y" => column(solves, |solve| Some(solve.outcome?.kkt.min_y)),
-        "kkt_min_lambda" => column(solves, |solve| Some(solve.outcome?.kkt.min_lambda)),
+        "kkt_min_y" => column(solves, |solve| solve.outcome?.kkt.min_y),
+        "kkt_min_lambda" => column(solves, |solve| solve.outcome?.kkt.min_lambda),
         "kkt_complementarity" => column(solves, |solve| Some(solve.outcome?.kkt.complementarity)),
         "kkt_natural" => column(solves, |solve| Some(solve.outcome?.kkt.natural)),
         "kkt_relative" => column(solves, |solve| Some(solve.outcome?.kkt.relative)),
         "published" => column(solves, |solve| solve.published_count(paper)),
         "published_delta_a" => column(solves, |solve| solve.published_delta_a(paper)),
+        "domain" => column(solves, |solve| &*solve.scene.domain),
+        "f" => column(solves, |solve| &*solve.scene.f),
+        "law" => column(solves, |solve| solve.scene.law_and_parameter().0),
+        "law_parameter" => column(solves, |solve| solve.scene.law_and_parameter().1),
     )
 }
 
@@ -342,7 +408,7 @@ mod tests {
 
     #[test]
     fn columns_have_the_types_with_which_they_are_written() {
-        let written = joined(&[], &Paper::default()).unwrap();
+        let written = table(&[], &Paper::default()).unwrap();
         assert_eq!(**written.schema(), schema());
     }
 

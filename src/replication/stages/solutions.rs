@@ -51,7 +51,8 @@ impl Solutions {
         let State { ending, words, pair } = state;
         let (name, what) = (format!("{}{ending}", scene.name), format!("{}, {words}", scene.title));
         let levels = problem.levels();
-        self.files.extend(levels.npz(pair).map(|bytes| (format!("{name}.npz"), bytes)));
+        self.files
+            .extend(levels.npz(problem.law(), pair).map(|bytes| (format!("{name}.npz"), bytes)));
         let (cells, nodes) = (levels.cells(problem.finest()), levels.nodes(problem.finest()));
         let mut listed = json!({ "name": name, "what": what });
         match cells {

@@ -5,13 +5,13 @@
 
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
 use crate::replication::accuracy::{Accuracy, Written};
 use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stated::{OnSquare, StatedProblem};
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::bounds::Bounds;
+use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
@@ -26,9 +26,11 @@ use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, Sto
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Parameters that determine the artifacts of a cell.
-#[derive(Clone, Debug, Serialize)]
+/// Settings that determine the artifacts of a cell, besides the file of a mesh.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
     #[serde(flatten)]
     problem: StatedProblem,
@@ -46,7 +48,7 @@ pub(super) struct Cell {
 }
 
 /// Settings of a saddle-point method in one cell.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct CellSettings {
     prolongation: Prolongation,
     r: f64,
@@ -69,6 +71,9 @@ pub(super) struct Outcomes {
     /// their rule says so, and the spectral solver.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) bounds: Vec<Option<Bounds>>,
+    /// True if the accuracy of the energy was asked for.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    asks_energy: bool,
     /// Parts of the problem that the bounds leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) reserve: Vec<Reserve>,
@@ -90,6 +95,9 @@ pub(super) struct WithoutGrid {
 pub(crate) const OUTCOMES: &str = "outcomes.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
 pub(super) const PAIR: &str = "pair.f64";
+/// Artifact with the cells that were marked for each bisection of adapted meshes: their number, then theirs, as
+/// little-endian integers of 32 bits.
+const MARKS: &str = "marks.u32";
 /// Artifact with every [`Iteration`], per grid.
 pub(super) const HISTORY: &str = "history.json";
 
@@ -141,14 +149,9 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 /// Runs the first rule with the drawn r on a scene on the square. Returns each grid with the pair where the rule stops
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
-    let cell = Cell { keep_history: false, ..drawn(scene) };
-    let Solved { pairs, .. } = cell.run(&InputFiles::new())?;
+    let drawn = cell(scene, scene.drawn(scene.first_rule()));
+    let Solved { pairs, .. } = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
     Ok(scene.on_grids().grids.iter().copied().zip(pairs).collect())
-}
-
-/// Returns the cell of a scene that is drawn: its first rule, with the drawn r.
-pub(super) fn drawn(scene: &Scene) -> Cell {
-    cell(scene, scene.drawn(scene.first_rule()))
 }
 
 fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
@@ -173,9 +176,10 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
 }
 
 fn task(id: String, cell: Cell) -> Task {
-    let (files, parameters) = (cell.problem.files(), parameters(&cell));
-    let task = Task::new(id, parameters, Vec::new(), move |inputs| cell.artifacts(inputs.files));
-    Task { files, ..task }
+    Task::new(id, &cell, Vec::new(), |cell, inputs| {
+        cell.artifacts(inputs.files, inputs.interrupted)
+    })
+    .with_files(cell.problem.files())
 }
 
 /// Results of a cell.
@@ -186,17 +190,21 @@ struct Solved {
     pairs: Vec<Pair>,
     /// Every iteration of a saddle-point method, per level, if it is kept.
     history: Vec<Vec<Iteration>>,
+    /// Reason for which there are no bounds on the finest level.
+    no_bound: Option<NoBound>,
+    /// Cells that were marked for each bisection of adapted meshes.
+    marks: Option<Vec<Vec<u32>>>,
 }
 
 impl Cell {
-    /// Solves; a mesh is read from these files.
-    fn run(&self, files: &InputFiles) -> Result<Solved, Failure> {
+    /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
+    fn run(&self, files: &InputFiles, interrupted: &AtomicBool) -> Result<Solved, Failure> {
         match (self.solver, self.accuracy) {
             (Solver::Spectral, _) => self.without_grid(),
             (_, Some(accuracy)) if self.problem.square().is_some() => {
-                Ok(self.on_finer_grids(accuracy)?)
+                Ok(self.on_finer_grids(accuracy, interrupted)?)
             }
-            (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files)?),
+            (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files, interrupted)?),
             (_, None) => Ok(self.on(&self.problem, files)?),
         }
     }
@@ -210,8 +218,11 @@ impl Cell {
         let Recorder { history, mut pairs, .. } = recorder;
         let mut outcomes =
             Outcomes { schema: 1, r: self.settings.as_ref().map(|of| of.r), ..Outcomes::default() };
+        let mut no_bound = None;
         if self.settings.is_none() {
-            outcomes.bounds.push(problem.bounds(&run.y).ok());
+            let bounds = problem.bounds(&run.y);
+            no_bound = bounds.as_ref().err().copied();
+            outcomes.bounds.push(bounds.ok());
             outcomes.reserve = problem.reserves();
             pairs.push(Pair { a: run.judgement.multiplier(&run.y), y: run.y });
         }
@@ -223,45 +234,52 @@ impl Cell {
                 outcomes.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
             }
         }
-        Ok(Solved { outcomes, pairs, history })
+        Ok(Solved { outcomes, pairs, history, no_bound, marks: None })
     }
 
     /// Solves on one grid of the square after the other until an accuracy is reached.
-    fn on_finer_grids(&self, accuracy: Accuracy) -> Read<Solved> {
+    fn on_finer_grids(&self, accuracy: Accuracy, interrupted: &AtomicBool) -> Read<Solved> {
         let mut all = Solved::default();
         accuracy.reach(Written::Key, |cells| {
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
             let mut stated = self.problem.clone();
             stated.set_grid(Grid::new(cells).map_err(|e| Error::input(e.to_string()))?);
-            let Solved { mut outcomes, pairs, .. } = self.on(&stated, &InputFiles::new())?;
+            let Solved { mut outcomes, pairs, no_bound, .. } =
+                self.on(&stated, &InputFiles::new())?;
             let bounds = outcomes.bounds.last().cloned().flatten();
+            let bounds = bounds.ok_or(no_bound.unwrap_or(NoBound::NotFinite));
             outcomes.levels.splice(0..0, std::mem::take(&mut all.outcomes.levels));
             outcomes.errors.splice(0..0, std::mem::take(&mut all.outcomes.errors));
             outcomes.bounds.splice(0..0, std::mem::take(&mut all.outcomes.bounds));
             let is_ended = outcomes.levels.last().is_some_and(|level| !is_at_rest(level));
             all = Solved { outcomes, pairs, ..Solved::default() };
-            match bounds {
-                _ if is_ended => Ok(None),
-                Some(bounds) => Ok(Some(bounds)),
-                None => {
-                    let asked = Written::Key.text(accuracy);
-                    Err(Error::input(format!("{asked}: there is no bound of the error; scale f")))
-                }
-            }
+            if is_ended { Ok(None) } else { accuracy.of_grid(Written::Key, bounds).map(Some) }
         })?;
         Ok(all)
     }
 
     /// Solves on one adapted mesh after the other until an accuracy is reached.
-    fn on_adapted_meshes(&self, accuracy: Accuracy, files: &InputFiles) -> Read<Solved> {
+    fn on_adapted_meshes(
+        &self,
+        accuracy: Accuracy,
+        files: &InputFiles,
+        interrupted: &AtomicBool,
+    ) -> Read<Solved> {
         let mut bounds = Vec::new();
-        let mut watch = |mesh: &AdaptedMesh| bounds.push(mesh.bounds.clone().ok());
+        let mut watch = |mesh: &AdaptedMesh| {
+            bounds.push(mesh.bounds.clone().ok());
+            unless(interrupted)
+        };
         let run = self.problem.adapted_scene(files, accuracy, &mut watch)?;
         // The first meshes have no solution where their polygon is too coarse.
         bounds.drain(..bounds.len() - run.outcomes().len());
         let (levels, reserve) = (run.outcomes().to_vec(), run.problem.reserves());
         let outcomes = Outcomes { schema: 1, levels, bounds, reserve, ..Outcomes::default() };
         let pair = Pair { a: run.judgement.multiplier(&run.y), y: run.y };
-        Ok(Solved { outcomes, pairs: vec![pair], history: Vec::new() })
+        let marks = Some(run.marks);
+        Ok(Solved { outcomes, pairs: vec![pair], marks, ..Solved::default() })
     }
 
     /// Finds the solution without a grid, and its values at the nodes of the finest grid if they are drawn.
@@ -272,7 +290,7 @@ impl Cell {
         let end = WithoutGrid { steps, energy: solution.energy };
         let outcomes = Outcomes { schema: 1, without_grid: Some(end), ..Outcomes::default() };
         let pair = self.keep_pair.then(|| solution.on_grid(finest));
-        Ok(Solved { outcomes, pairs: pair.into_iter().collect(), history: Vec::new() })
+        Ok(Solved { outcomes, pairs: pair.into_iter().collect(), ..Solved::default() })
     }
 
     /// Returns the settings of the solver.
@@ -285,13 +303,27 @@ impl Cell {
         Settings { params, prolongation, ..usual }
     }
 
-    fn artifacts(&self, files: &InputFiles) -> Result<Artifacts, Failure> {
-        let Solved { outcomes, pairs, history } = self.run(files)?;
+    fn artifacts(
+        &self,
+        files: &InputFiles,
+        interrupted: &AtomicBool,
+    ) -> Result<Artifacts, Failure> {
+        let Solved { mut outcomes, pairs, history, marks, .. } = self.run(files, interrupted)?;
+        outcomes.asks_energy = matches!(self.accuracy, Some(Accuracy::Energy(_)));
         let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair))?;
+        artifacts.extend(marks.map(|marks| (MARKS.to_owned(), marks_bytes(&marks))));
         if self.keep_history {
             artifacts.insert(HISTORY.into(), to_json(&history));
         }
         Ok(artifacts)
+    }
+}
+
+/// Goes on unless the run is to end.
+fn unless(interrupted: &AtomicBool) -> ControlFlow<()> {
+    match interrupted.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
     }
 }
 
@@ -328,6 +360,21 @@ impl Outcomes {
     /// Name of the end on the finest level, or of that of the spectral solver.
     pub(super) fn end(&self) -> &'static str {
         self.levels.last().map_or(Stop::Converged.name(), Outcome::name)
+    }
+
+    /// Energy on the level with this number: that of v or, where the accuracy of the energy was asked for, the number
+    /// of the guaranteed bracket that is nearest to it.
+    pub(super) fn energy(&self, level: usize) -> f64 {
+        let of_v = self.levels[level].energy;
+        match self.bounds.get(level) {
+            Some(Some(bounds)) if self.asks_energy => bounds.nearest_energy(of_v),
+            _ => of_v,
+        }
+    }
+
+    /// Energy on the finest level, if there is one.
+    pub(super) fn last_energy(&self) -> Option<f64> {
+        self.levels.len().checked_sub(1).map(|level| self.energy(level))
     }
 
     /// Guaranteed bounds on the finest level, if there are any.
@@ -496,9 +543,9 @@ pub(crate) fn without_solution(
 /// grid or the adapted mesh that reached it.
 pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure> {
     let mut stated = scene.problem.clone();
-    if let Some(accuracy) = scene.accuracy {
-        if stated.square().is_none() {
-            return Ok(stated.adapted_scene(inputs.files, accuracy, &mut |_| ())?.problem);
+    if scene.accuracy.is_some() {
+        if let Ok(marks) = artifact(inputs, &id_of(scene, None), MARKS) {
+            return Ok(stated.on_bisected(inputs.files, &marks_of(marks)?)?);
         }
         let outcomes = drawn_outcomes(inputs, scene, None)?;
         let cells = outcomes.levels.last().and_then(|level| level.cells);
@@ -506,6 +553,26 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
         grid.into_iter().for_each(|grid| stated.set_grid(grid));
     }
     Ok(stated.problem(inputs.files)?)
+}
+
+/// Returns the bytes of the artifact [`MARKS`].
+fn marks_bytes(marks: &[Vec<u32>]) -> Vec<u8> {
+    let lists = marks.iter().flat_map(|list| [&[list.len() as u32][..], list].concat());
+    lists.flat_map(u32::to_le_bytes).collect()
+}
+
+/// Reads the artifact [`MARKS`].
+fn marks_of(bytes: &[u8]) -> Result<Vec<Vec<u32>>, String> {
+    let (chunks, _) = bytes.as_chunks();
+    let numbers: Vec<u32> = chunks.iter().map(|chunk| u32::from_le_bytes(*chunk)).collect();
+    let (mut rest, mut marks) = (&numbers[..], Vec::new());
+    while let Some((&count, lists)) = rest.split_first() {
+        let list = lists.split_at_checked(count as usize);
+        let (list, more) = list.ok_or_else(|| format!("{MARKS} ends in a list"))?;
+        marks.push(list.to_vec());
+        rest = more;
+    }
+    Ok(marks)
 }
 
 /// Returns the pair of a scene on the finest level of its `problem`: the solution or, under a rule, where that stops
@@ -552,4 +619,36 @@ pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Strin
     let functional =
         Plain { network: &network, law: scene.law(), load: &load, r: scene.saddle().draw_r };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::RunningProgram;
+
+    #[test]
+    fn adapted_meshes_are_read_and_not_solved_for_again() {
+        let text = "title = 't'\ndomain = 'lshape'\nf = 'rect(-1,0,-1,0)=3; else=-2'\naccuracy = 0.3\n\
+            outputs = ['map']\n";
+        let scene = Scene::parse("t", text).unwrap();
+        let interrupted = AtomicBool::new(false);
+        let made = cell(&scene, None).artifacts(&InputFiles::new(), &interrupted).unwrap();
+        let artifacts = BTreeMap::from([("solve/t".to_owned(), made)]);
+        let files = InputFiles::new();
+        let inputs = Inputs {
+            task: "figures/t-map",
+            files: &files,
+            artifacts: &artifacts,
+            digest: "",
+            scratch: std::path::Path::new(""),
+            interrupted: &interrupted,
+            program: &RunningProgram { digest: String::new(), commands: Vec::new },
+        };
+        // If it were solved again, the mesh would be that of the accuracy.
+        let closer = Scene { accuracy: Some(Accuracy::Error(0.02)), ..scene.clone() };
+        let [coarse, same] = [&scene, &closer].map(|scene| problem(&inputs, scene).unwrap());
+        assert!(coarse.levels().count() > 3);
+        assert_eq!(coarse.lengths(), same.lengths());
+        pair(&inputs, &closer, None, &same).unwrap();
+    }
 }

@@ -1,39 +1,115 @@
-//! The `tabulate` stage: the cells of one scene and stopping rule as the paper's table.
+//! The `tabulate` stage: the cells of one scene as a table, for each stopping rule in the layout of the paper.
 
 use super::from_json;
 use super::solve::{self, Outcomes, WithoutGrid};
-use crate::pipeline::{Artifacts, Inputs, Task, parameters};
+use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
 use crate::table::Table;
+use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::StopRule;
 
-/// Artifact in the paper's layout.
-pub(crate) const TABLE: &str = "table.csv";
+/// Folder of the tables in the project.
+pub(crate) const FOLDER: &str = "report/tables";
+/// First column of the table of a saddle-point method.
+const RULE: &str = "rule";
+/// Columns of the guaranteed bracket of the energy.
+const BRACKET: [&str; 2] = ["energy_lower", "energy_upper"];
 
-/// Id of the task that makes the table of a scene, under a rule if its solver has one.
-pub(crate) fn id(scene: &Scene, rule: Option<StopRule>) -> String {
-    let name = &scene.name;
-    rule.map_or_else(|| format!("tabulate/{name}"), |rule| format!("tabulate/{name}/{rule}"))
+/// Id of the task that makes the table of a scene.
+pub(crate) fn id(scene: &Scene) -> String {
+    format!("tabulate/{}", scene.name)
 }
 
-pub(crate) fn task(scene: &Scene, rule: Option<StopRule>) -> Task {
-    let needs: Vec<String> = solve::ids(scene, rule).collect();
-    let r = scene.settings.as_ref().map(|settings| &settings.r);
-    let parameters = parameters(&serde_json::json!({ "r": r }));
-    Task::new(id(scene, rule), parameters, needs.clone(), move |inputs| {
-        let first: Outcomes = from_json(inputs, &needs[0], solve::OUTCOMES)?;
-        let table = match first.r {
-            Some(_) => {
+/// Artifact with the table of a scene.
+pub(crate) fn file(scene: &Scene) -> String {
+    format!("{}.csv", scene.name)
+}
+
+/// Returns the rows of a table that are under a rule, without the column of the rules.
+pub(crate) fn under(table: &str, rule: StopRule) -> String {
+    let mut rows = String::new();
+    for line in table.lines() {
+        match line.split_once(',') {
+            Some((first, rest)) if first == RULE || first == rule.name() => {
+                rows += &format!("{rest}\n");
+            }
+            _ => (),
+        }
+    }
+    rows
+}
+
+/// Returns a table in Markdown, with as many digits as are read; a bracket is rounded outwards.
+pub(super) fn markdown(table: &str) -> String {
+    let mut lines = table.lines().map(|line| line.split(',').map(str::to_owned).collect());
+    let head: Vec<String> = lines.next().unwrap_or_default();
+    let bracket = BRACKET.map(|name| head.iter().position(|column| column == name));
+    let mut rows: Vec<Vec<String>> = lines.collect();
+    for row in &mut rows {
+        let ends = bracket.map(|at| at.and_then(|at| row[at].parse::<f64>().ok()));
+        row.iter_mut().for_each(|cell| *cell = shown(cell));
+        if let ([Some(lower), Some(upper)], [Some(low), Some(high)]) = (bracket, ends) {
+            let text = interval([low, high]);
+            let (low, high) = text[1..text.len() - 1].split_once(", ").unwrap_or_default();
+            (row[lower], row[upper]) = (low.into(), high.into());
+        }
+    }
+    Table { head, rows, left: Vec::new() }.markdown()
+}
+
+/// Returns a number with six digits, unless it is whole, and any other cell as it is.
+fn shown(cell: &str) -> String {
+    match cell.parse::<f64>() {
+        Ok(number) if number.is_finite() && cell.contains(['.', 'e']) => plain(number, 6),
+        _ => cell.to_owned(),
+    }
+}
+
+/// Solves from which a table is made.
+#[derive(Serialize, Deserialize)]
+struct Tabulated {
+    /// Name of the artifact.
+    file: String,
+    /// In the order of the rows.
+    solves: Vec<TabulatedSolve>,
+}
+
+/// Solve of which a table has a row, or each level one.
+#[derive(Serialize, Deserialize)]
+struct TabulatedSolve {
+    task: String,
+    rule: Option<StopRule>,
+}
+
+pub(crate) fn task(scene: &Scene) -> Task {
+    let mut solves = Vec::new();
+    for run in scene.rules().into_iter().flat_map(|rule| scene.runs(rule)) {
+        let task = solve::id_of(scene, run);
+        solves.push(TabulatedSolve { task, rule: run.map(|run| run.rule) });
+    }
+    let needs = solves.iter().map(|solve| solve.task.clone()).collect();
+    let tabulated = Tabulated { file: file(scene), solves };
+    Task::new(id(scene), &tabulated, needs, Tabulated::made).exported_to(FOLDER)
+}
+
+impl Tabulated {
+    fn made(&self, inputs: &Inputs) -> Made {
+        let tasks: Vec<String> = self.solves.iter().map(|solve| solve.task.clone()).collect();
+        let first: Outcomes = from_json(inputs, &tasks[0], solve::OUTCOMES)?;
+        let rules: Option<Vec<StopRule>> = self.solves.iter().map(|solve| solve.rule).collect();
+        let table = match rules {
+            Some(rules) => {
                 let names: Vec<_> = first.levels.iter().map(Outcome::label).collect();
-                table(&rows(inputs, &needs)?, &ends(inputs, &needs)?, &names)
+                table(&rules, &rows(inputs, &tasks)?, &ends(inputs, &tasks)?, &names)
             }
             None => table_of_levels(&first),
         };
-        Ok(Artifacts::from([(TABLE.into(), table.csv().into_bytes())]))
-    })
+        Ok(Artifacts::from([(self.file.clone(), table.csv().into_bytes())]))
+    }
 }
 
 /// Table of a solver without r: a row per level on which it ended, with the guaranteed bounds there; of the spectral
@@ -46,9 +122,10 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
         let row = [String::new(), steps.to_string(), outcomes.end().into(), decimal(energy)];
         table.rows.push(row.into_iter().chain(bounds.map(|_| String::new())).collect());
     }
-    for (level, bounds) in outcomes.levels.iter().zip(&outcomes.bounds) {
+    for (number, (level, bounds)) in outcomes.levels.iter().zip(&outcomes.bounds).enumerate() {
         let iterations = level.end.iterations.to_string();
-        let mut row = vec![level.label(), iterations, level.name().into(), decimal(level.energy)];
+        let energy = outcomes.energy(number);
+        let mut row = vec![level.label(), iterations, level.name().into(), decimal(energy)];
         row.extend(match bounds {
             Some(bounds) => {
                 let ([low, high], [_, most]) = (bounds.energy, bounds.error);
@@ -89,12 +166,12 @@ fn ends(inputs: &Inputs, solves: &[String]) -> Result<Vec<Vec<&'static str>>, St
     Ok(ends)
 }
 
-/// Table in the paper's layout: a row per r, a column of counts per grid (`1/4`, `1/8`, ..., or `25 nodes`, ...), and
-/// `delta_a`.
+/// Table in the paper's layout: a row per rule and r, a column of counts per grid (`1/4`, `1/8`, ..., or `25 nodes`,
+/// ...), and `delta_a`.
 ///
 /// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
 /// ended without a solution of the discrete problem, a column `stop 1/4` holds the `ends`.
-fn table(rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> Table {
+fn table(rules: &[StopRule], rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> Table {
     let (mut capped, mut stopped) = (Vec::new(), Vec::new());
     for level in 0..grids.len() {
         if rows.iter().any(|row| row.capped[level]) {
@@ -107,11 +184,12 @@ fn table(rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> Table {
     let named = |name: &str, levels: &[usize]| -> Vec<String> {
         levels.iter().map(|&level| format!("{name} {}", grids[level])).collect()
     };
-    let counts_and_change = [&["r".to_owned()][..], grids, &["delta_a".to_owned()]].concat();
+    let keys = [RULE, "r"].map(str::to_owned);
+    let counts_and_change = [&keys[..], grids, &["delta_a".to_owned()]].concat();
     let marks = [named("capped", &capped), named("stop", &stopped)].concat();
     let mut table = Table::new(counts_and_change.into_iter().chain(marks), &[]);
-    for (row, ends) in rows.iter().zip(ends) {
-        let mut cells = vec![decimal(row.r)];
+    for ((rule, row), ends) in rules.iter().zip(rows).zip(ends) {
+        let mut cells = vec![rule.to_string(), decimal(row.r)];
         cells.extend(row.counts.iter().map(usize::to_string));
         cells.push(decimal(row.delta_a));
         cells.extend(capped.iter().map(|&level| row.capped[level].to_string()));
@@ -140,12 +218,32 @@ mod tests {
             Row { r: 1e6, counts: vec![1, 149], capped: vec![false; 2], delta_a: 1e-4 / 3.0 },
             Row { r: 0.5, counts: vec![3, 55], capped: vec![false, true], delta_a: 3.53e-4 },
         ];
+        let rules = [StopRule::Signed, StopRule::Printed];
+        let csv = table(&rules, &rows, &ends, &["1/4".into(), "1/8".into()]).csv();
+        expect_test::expect![[r"
+            rule,r,1/4,1/8,delta_a,capped 1/8,stop 1/4
+            signed,1000000.0,1,149,0.000033333333333333335,false,no-solution
+            printed,0.5,3,55,0.000353,true,converged
+        "]]
+        .assert_eq(&csv);
         expect_test::expect![[r"
             r,1/4,1/8,delta_a,capped 1/8,stop 1/4
-            1000000.0,1,149,0.000033333333333333335,false,no-solution
             0.5,3,55,0.000353,true,converged
         "]]
-        .assert_eq(&table(&rows, &ends, &["1/4".into(), "1/8".into()]).csv());
+        .assert_eq(&under(&csv, StopRule::Printed));
+    }
+
+    #[test]
+    fn a_page_has_few_digits_and_a_bracket_that_holds() {
+        let csv = "grid,energy_lower,energy_upper,error_bound,stop\n\
+            1/4,-0.12345678901234,-0.1234567812345,0.012345678,converged\n1/8,,,,not-solved\n";
+        expect_test::expect![[r"
+            | grid | energy_lower | energy_upper | error_bound | stop |
+            |---:|---:|---:|---:|---:|
+            | 1/4 | -0.1234567891 | -0.1234567812 | 0.0123457 | converged |
+            | 1/8 |  |  |  | not-solved |
+        "]]
+        .assert_eq(&markdown(csv));
     }
 
     #[test]

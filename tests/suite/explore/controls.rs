@@ -206,4 +206,8 @@ await note("problem 1");
     assert_eq!(own["controls"]["f"], "else=-2");
     assert_eq!(controls(&wrong), ["2", "", "nodal", "signed", "64", "true"]);
     assert_eq!(wrong["marked"], json!(["", "true"]));
+    let unknown =
+        "The address asks for problem=9, load=none, rule=, finest=5, which this page does not have";
+    assert!(wrong["unknown"].as_str().unwrap().starts_with(unknown), "{wrong:#}");
+    assert!([plain, linked, own].iter().all(|note| note["unknown"] == ""));
 }

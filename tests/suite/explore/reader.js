@@ -33,6 +33,7 @@ async function note(what, milliseconds = 500) {
     marked: [marked(form.f), marked(form.r)],
     address: location.search,
     controls: controls(),
+    unknown: document.querySelector(".explore-unknown:not([hidden])")?.textContent ?? "",
   });
   heard = [];
 }

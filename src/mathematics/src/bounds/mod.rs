@@ -80,6 +80,7 @@ use walk::Total;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::text::plain;
 use crate::problem::unsolvable::{Component, Unsolvable};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -103,12 +104,20 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Upper bound of the error relative to `|grad u|`; infinite if the bounds do not exclude `|grad u| = 0`.
+    /// Upper bound of the error relative to `|grad u|`; infinite if the bounds do not exclude `|grad u| = 0`, but zero
+    /// if there is no error.
     pub fn relative(&self) -> f64 {
         // |grad u|^2 = -2 J(u) under every law, since j(u) = -(du/dn) u on the boundary.
-        let size = (-2.0 * self.energy[1]).max(0.0).sqrt();
-        if size > 0.0 { self.error[1] / size } else { f64::INFINITY }
+        ratio(self.error[1], (-2.0 * self.energy[1]).max(0.0).sqrt())
     }
+
+    /// Bounds that say nothing.
+    pub const NONE: Self = Self {
+        energy: [f64::NEG_INFINITY, 0.0],
+        error: [0.0, f64::INFINITY],
+        recovered: None,
+        curve: None,
+    };
 
     /// Bounds that follow from these and others of the same solution.
     fn intersection(&self, other: &Self) -> Self {
@@ -124,11 +133,29 @@ impl Bounds {
         }
     }
 
-    /// Width of the bracket of the energy over |J(u)|; infinite if the bracket contains zero.
+    /// Width of the bracket of the energy over |J(u)|; infinite if the bracket contains zero and other numbers, zero if
+    /// it is zero alone.
     pub fn relative_energy(&self) -> f64 {
         let [low, high] = self.energy;
         // J(u) is at most zero.
-        if high < 0.0 { (high - low) / -high } else { f64::INFINITY }
+        ratio(high - low, -high)
+    }
+
+    /// The number of the bracket of the energy that is nearest to the energy of v; on the square mostly the upper end,
+    /// which is the energy of the recovery.
+    pub fn nearest_energy(&self, of_v: f64) -> f64 {
+        of_v.max(self.energy[0]).min(self.energy[1])
+    }
+}
+
+/// An error over a size, neither of them negative: without error zero, whatever the size.
+fn ratio(error: f64, size: f64) -> f64 {
+    if error == 0.0 {
+        0.0
+    } else if size > 0.0 {
+        error / size
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -141,6 +168,12 @@ pub enum NoBound {
     /// Rounding errors exceed the flux that is left to balance f.
     #[error("rounding errors exceed the flux that is left to balance f")]
     NotBalanced,
+    /// The points at which f is sampled miss this part of the integral of |f|: the bounds would be those of another f.
+    #[error("the points at which f is sampled miss {} of the integral of |f|", plain(*part, 2))]
+    Missed {
+        /// Part that is missed.
+        part: f64,
+    },
     /// A sum overflows, squares underflow, or the vector or f contains a NaN.
     #[error("numbers exceed the range of double precision")]
     NotFinite,
@@ -230,7 +263,7 @@ fn summed(
 /// Combines the sums over `n` by `n` cells to bounds.
 fn combined(n: usize, total: &Total, projection_distance: f64) -> Result<Bounds, NoBound> {
     let &Total { sums, work, boundary_bubble_gain, residual, largest, mass, flow, .. } = total;
-    if mass < LEAST_MASS {
+    if mass > 0.0 && mass < LEAST_MASS {
         return Err(NoBound::NotFinite);
     }
     let size = sums.recovered + 2.0 * largest * (mass + 4.0 * flow);
@@ -300,4 +333,23 @@ fn project(grid: Grid, slips: Slips, y: &[f64]) -> Projection<'_> {
         square += if grid.is_corner(b) { 0.0 } else { value * value };
     }
     Projection { v: Cow::Owned(v), distance: square.sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_error_an_answer_is_exact_whatever_its_size() {
+        let bounds =
+            |energy, most| Bounds { energy, error: [0.0, most], recovered: None, curve: None };
+        let zero = bounds([0.0; 2], 0.0);
+        assert_eq!([zero.relative(), zero.relative_energy()], [0.0; 2]);
+        let poor = bounds([-1.0, 0.0], 1.0);
+        assert_eq!([poor.relative(), poor.relative_energy()], [f64::INFINITY; 2]);
+        let good = bounds([-0.5, -0.45], 0.03);
+        assert!((good.relative() - 0.0316).abs() < 1e-4, "{}", good.relative());
+        assert!((good.relative_energy() - 0.111).abs() < 1e-3, "{}", good.relative_energy());
+        assert_eq!([-0.6, -0.47, -0.3].map(|of_v| good.nearest_energy(of_v)), [-0.5, -0.47, -0.45]);
+    }
 }

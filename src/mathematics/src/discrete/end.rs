@@ -60,6 +60,8 @@ pub struct Outcome {
     pub gradient_abs: Option<f64>,
     /// `1/2 <A y, y> - <F, y>`, with the law's term.
     pub energy: f64,
+    /// Least and greatest nodal value.
+    pub range: [f64; 2],
     /// Sum of the load vector.
     pub sum_load: f64,
     /// Residual of the Karush-Kuhn-Tucker conditions, the measure common to all solvers.
@@ -81,7 +83,7 @@ impl Outcome {
         load: &[f64],
         has_solution: bool,
     ) -> Self {
-        let &Judgement { kkt, energy, work, .. } = judgement;
+        let &Judgement { kkt, energy, work, range, .. } = judgement;
         Self {
             cells,
             nodes: load.len(),
@@ -89,6 +91,7 @@ impl Outcome {
             gradient_signed: None,
             gradient_abs: None,
             energy,
+            range,
             sum_load: sum(load),
             kkt,
             work,

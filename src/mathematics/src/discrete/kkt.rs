@@ -5,7 +5,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load_stats::LoadStats;
 use crate::discrete::network::Network;
 use crate::discrete::stiffness::{add_energy, residual_row};
-use crate::machine::extremes::{max_or_nan, min_or_nan};
+use crate::machine::extremes::{max_or_nan, min_or_nan, range};
 use crate::machine::simd::Largest;
 use crate::problem::law::{BoundaryState, ContactNode, Law};
 use crate::problem::unsolvable::Component;
@@ -20,10 +20,10 @@ use serde::{Deserialize, Serialize};
 pub struct Kkt {
     /// Largest `|A y - F|` over interior nodes, in units of F.
     pub stationarity: f64,
-    /// Least y on the boundary.
-    pub min_y: f64,
-    /// Least multiplier on the boundary.
-    pub min_lambda: f64,
+    /// Least y on the boundary where the law holds; none where it holds at no node.
+    pub min_y: Option<f64>,
+    /// Least multiplier there.
+    pub min_lambda: Option<f64>,
     /// Largest natural residual of the law over boundary nodes, for the paper's law `|min(y, A y - F)|`.
     pub complementarity: f64,
     /// `max(stationarity, complementarity)`, the natural residual: zero at the solution only.
@@ -50,6 +50,8 @@ pub struct Judgement {
     pub states: Vec<BoundaryState>,
     /// Up to this, values of y and of the flux are [`rounding`] errors.
     pub rounding: f64,
+    /// Least and greatest nodal value.
+    pub range: [f64; 2],
     /// Law by which the vector was judged.
     law: Law,
 }
@@ -259,13 +261,15 @@ impl Judge {
 
     pub(crate) fn judgement(&self, judged: JudgedValues<'_>) -> Judgement {
         let JudgedValues { law, cells, y, contact, flux } = judged;
-        let (mut min_y, mut min_lambda) = (f64::INFINITY, f64::INFINITY);
+        let (mut min_y, mut min_lambda) = (None, None);
+        let least =
+            |known: Option<f64>, value| Some(known.map_or(value, |known| min_or_nan(known, value)));
         let (mut energy, mut work) = (self.energy, 0.0);
         let mut complementarity = Largest::default();
         for (flux, &ContactNode { node, measure }) in flux.iter().zip(&contact) {
             let potential = measure * law.potential(y[node]);
-            min_y = min_or_nan(min_y, y[node]);
-            min_lambda = min_or_nan(min_lambda, flux / measure);
+            min_y = least(min_y, y[node]);
+            min_lambda = least(min_lambda, flux / measure);
             complementarity.put(law.residual(y[node], *flux, measure));
             energy += potential;
             work += y[node] * flux + potential;
@@ -282,7 +286,7 @@ impl Judge {
         let natural = max_or_nan(stationarity, complementarity);
         let relative = if natural == 0.0 { 0.0 } else { natural / scale };
         let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
-        Judgement { kkt, energy, contact, flux, work, states, rounding, law }
+        Judgement { kkt, energy, contact, flux, work, states, rounding, range: range(y), law }
     }
 }
 
@@ -298,16 +302,16 @@ mod tests {
         let mut y = vec![0.0; 9];
         y[4] = -0.25;
         let solved = kkt(grid, Law::SIGNORINI, &y, &load);
-        assert_eq!((solved.natural, solved.min_y, solved.min_lambda), (0.0, 0.0, 0.0));
+        assert_eq!((solved.natural, solved.min_y, solved.min_lambda), (0.0, Some(0.0), Some(0.0)));
         y[4] = 0.0;
         assert_eq!(kkt(grid, Law::SIGNORINI, &y, &load).stationarity, 1.0);
         y[4] = -0.25;
         y[1] = -0.5;
         let infeasible = kkt(grid, Law::SIGNORINI, &y, &load);
-        assert_eq!(infeasible.min_y, -0.5);
+        assert_eq!(infeasible.min_y, Some(-0.5));
         assert!(infeasible.complementarity >= 0.5);
         load[3] = 7.0;
-        assert!(kkt(grid, Law::SIGNORINI, &y, &load).min_lambda < -6.0);
+        assert!(kkt(grid, Law::SIGNORINI, &y, &load).min_lambda.unwrap() < -6.0);
     }
 
     #[test]

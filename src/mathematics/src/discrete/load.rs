@@ -5,12 +5,11 @@ mod exact;
 use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
 use super::sampled::{sampled, triangles};
-use crate::machine::threads::{TASK, in_tasks};
+use crate::machine::threads::{TASK, for_runs, items_per_task};
 use crate::problem::side::TiedRow;
 use crate::problem::source::{Source, Tie};
 use exact::exact;
 pub use exact::radon;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Quadrature of the load vector.
@@ -125,8 +124,13 @@ pub fn moved_on(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
 fn by_rows(grid: Grid, fill: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
     let mut vector = vec![0.0; grid.nodes()];
     let rows = (TASK / grid.side()).max(8);
-    let blocks = vector.par_chunks_mut(rows * grid.side()).enumerate();
-    in_tasks(blocks, rows * grid.side()).for_each(|(block, values)| fill(block * rows, values));
+    let run = rows * grid.side();
+    let blocks = items_per_task(vector.len().div_ceil(run), run);
+    for_runs(&mut vector, blocks * run, &|task, values| {
+        for (block, values) in (task * blocks..).zip(values.chunks_mut(run)) {
+            fill(block * rows, values);
+        }
+    });
     vector
 }
 

@@ -3,9 +3,9 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
 use crate::machine::simd::{Largest, vectorised};
+use crate::machine::threads::map_range;
 use crate::problem::exact::{Exact, Sample};
 use crate::problem::law::Law;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Errors of a discrete solution `v_h`, which is linear on the cells of its triangulation.
@@ -133,7 +133,7 @@ pub fn errors(grid: Grid, problem: Exact, y: &[f64]) -> Errors {
         }
         (l2.iter().sum::<f64>(), h1.iter().sum::<f64>())
     };
-    let rows: Vec<(f64, f64)> = (0..n).into_par_iter().map(of_row).collect();
+    let rows: Vec<(f64, f64)> = map_range(0..n, 1, || (), |(), row| of_row(row));
     let (l2, h1) = rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
     let nodes: Vec<_> = (0..=n).map(|i| problem.along(grid.coordinate(i))).collect();
     let (mut max, mut wrong) = (Largest::default(), vec![0.0; n + 1]);

@@ -1,9 +1,8 @@
 //! Integrals over the square of an f that is known by its values only.
 
 use super::adaptive::{BadValue, COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
-use crate::machine::threads::in_tasks;
+use crate::machine::threads::{items_per_task, map, map_range};
 use crate::problem::error::SourceError;
-use rayon::prelude::*;
 
 /// Integrals of f over the square.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,13 +34,13 @@ pub(crate) fn sampled<const D: usize, const V: usize>(
     let whole = Settling { least_parts: 1, most_parts: 0, tolerance: f64::INFINITY };
     let least_parts = LEAST_PARTS.div_ceil(cells.len()).next_power_of_two();
     let settling = Settling { least_parts, ..whole };
-    let first = in_tasks(cells.par_iter(), COST).map(|&vertices| {
+    let each = items_per_task(cells.len(), COST);
+    let first = map(cells, each, |&vertices| {
         let coarse = integrate(vertices, whole)?;
         let fine = if least_parts == 1 { coarse } else { integrate(vertices, settling)? };
         Ok::<_, BadValue<D>>((coarse.mean, fine))
     });
-    let first: Vec<(f64, SampledCell<V>)> =
-        first.collect::<Vec<_>>().into_iter().collect::<Result<_, _>>()?;
+    let first: Vec<(f64, SampledCell<V>)> = first.into_iter().collect::<Result<_, _>>()?;
     // The cells are alike, so that the means and differences over all of them have one tolerance.
     let size = first.iter().map(|(_, cell)| cell.size / count).sum::<f64>();
     let power = libm::pow(1.0 / count, (D as f64 - 1.0) / D as f64);
@@ -49,11 +48,17 @@ pub(crate) fn sampled<const D: usize, const V: usize>(
     let open = first.iter().filter(|(_, cell)| cell.worst > tolerance).count();
     let most_parts = least_parts + MOST_PARTS.div_ceil(open.max(1));
     let finer = Settling { least_parts, most_parts, tolerance };
-    let settled = in_tasks(cells.par_iter().zip(&first), COST).map(|(&vertices, (_, cell))| {
-        if cell.worst > tolerance { integrate(vertices, finer) } else { Ok(*cell) }
-    });
+    let settled = map_range(
+        0..cells.len(),
+        each,
+        || (),
+        |(), k| {
+            let (_, cell) = first[k];
+            if cell.worst > tolerance { integrate(cells[k], finer) } else { Ok(cell) }
+        },
+    );
     let mut sums = SampledIntegrals { integral: 0.0, size: 0.0, unsettled: 0.0, missed: 0.0 };
-    for (cell, (coarse, _)) in settled.collect::<Vec<_>>().into_iter().zip(&first) {
+    for (cell, (coarse, _)) in settled.into_iter().zip(&first) {
         let cell = cell?;
         sums.integral += cell.mean / count;
         sums.size += cell.size / count;

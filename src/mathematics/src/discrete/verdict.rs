@@ -105,8 +105,8 @@ mod tests {
         let none = 0.0;
         Kkt {
             stationarity: none,
-            min_y: none,
-            min_lambda: none,
+            min_y: None,
+            min_lambda: None,
             complementarity: none,
             natural: relative,
             relative,

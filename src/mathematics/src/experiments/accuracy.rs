@@ -9,11 +9,11 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::norms::{lumped, worst};
 use crate::discrete::stiffness::energy;
+use crate::machine::threads::{join, map};
 use crate::multigrid::{Goal, InputError, Multigrid, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::spectral::SpectralParams;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment; every grid is given by its cells per side.
@@ -167,14 +167,14 @@ pub fn accuracy(plan: &AccuracyPlan) -> Result<AccuracyFindings, String> {
     for (name, f) in CONTACT {
         solutions.push(KnownSolution::spectral(name, f, SpectralParams::default())?);
     }
-    let (problems, (others, (laws, comparison))) = rayon::join(
+    let (problems, (others, (laws, comparison))) = join(
         || -> Result<Vec<_>, String> {
-            solutions.par_iter().map(|solution| known(solution, plan)).collect()
+            map(&solutions, 1, |solution| known(solution, plan)).into_iter().collect()
         },
         || {
-            rayon::join(
+            join(
                 || others(&plan.others),
-                || rayon::join(|| work::laws(&plan.laws), || work::compare(&plan.compared)),
+                || join(|| work::laws(&plan.laws), || work::compare(&plan.compared)),
             )
         },
     );
@@ -227,7 +227,7 @@ fn others(cells: &[usize]) -> Result<Vec<Cost>, String> {
         let mut loads = paper_loads(n);
         loads.extend(stress_loads(n));
         let counted: Result<Vec<_>, String> =
-            loads.par_iter().map(|(name, load)| cost(name, n, load)).collect();
+            map(&loads, 1, |(name, load)| cost(name, n, load)).into_iter().collect();
         costs.extend(counted?.into_iter().map(|(cost, _)| cost));
     }
     Ok(costs)

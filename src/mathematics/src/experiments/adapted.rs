@@ -16,6 +16,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::stop::Stop;
 use crate::levels::{AdaptedRun, Adaption, ErrorGoal, Problem};
+use crate::machine::threads::{join, map};
 use crate::mesh::{
     AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
 };
@@ -27,7 +28,6 @@ use crate::saddle::{
     Goals, Method, Pair, Plain, RunStart, RunState, SaddleDomain, run, run_nested,
 };
 use crate::solvers::{Settings, Solver, solve};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 
@@ -351,13 +351,13 @@ pub struct CountAndDistance {
 /// A sentence if a problem cannot be solved.
 pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
     let solved = |problem: &AdaptedProblem| -> Result<[BoundedRun; 2], String> {
-        let (adaptive, uniform) = rayon::join(
+        let (adaptive, uniform) = join(
             || problem.adapted(plan.accuracy, plan.finest, 1),
             || problem.uniform(plan.refinements),
         );
         Ok([adaptive?, uniform?])
     };
-    let runs = plan.problems.par_iter().map(solved).collect::<Result<Vec<_>, _>>()?;
+    let runs = map(&plan.problems, 1, solved).into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut problems = Vec::new();
     for (problem, [adaptive, uniform]) in plan.problems.iter().zip(&runs) {
         let ways = vec![
@@ -368,10 +368,9 @@ pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
         problems.push(ErrorCurves { problem: problem.clone(), name, ways });
     }
     let [adaptive, uniform] = runs.first().ok_or("no problem")?;
-    let method = [(Way::Adaptive, adaptive), (Way::Uniform, uniform)]
-        .into_par_iter()
-        .map(|(way, run)| method(way, run, plan))
-        .collect::<Result<_, _>>()?;
+    let ways = [(Way::Adaptive, adaptive), (Way::Uniform, uniform)];
+    let method = map(&ways, 1, |(way, run)| method(*way, run, plan));
+    let method = method.into_iter().collect::<Result<_, _>>()?;
     let extrapolated = problems.iter().map(ErrorCurves::uniform_nodes).collect::<Option<_>>();
     Ok(AdaptedFindings {
         extrapolated: extrapolated.ok_or("too few meshes for an order")?,

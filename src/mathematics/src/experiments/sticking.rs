@@ -4,10 +4,10 @@
 //! wrong sign. So an arc lies between that sticks. It is about `C exp(-k / g)` long, where k grows with the slope of v
 //! there: short arcs are on no grid.
 
+use crate::machine::threads::map;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::{SpectralParams, spectral_under};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
@@ -59,7 +59,7 @@ pub struct StickingLine {
 /// A sentence if f cannot be read, or a problem has no solution that is found.
 pub fn sticking(plan: &StickingPlan) -> Result<StickingFindings, String> {
     let f: Source = plan.f.parse().map_err(|e| format!("f: {e}"))?;
-    let lines = plan.g.par_iter().map(|&g| line(&f, g)).collect::<Result<Vec<_>, _>>()?;
+    let lines = map(&plan.g, 1, |&g| line(&f, g)).into_iter().collect::<Result<Vec<_>, _>>()?;
     let logs: Vec<_> = lines.iter().map(|line| [1.0 / line.g, libm::log(line.length)]).collect();
     let count = logs.len() as f64;
     let [mean_x, mean_y] = [0, 1].map(|d| logs.iter().map(|log| log[d]).sum::<f64>() / count);

@@ -9,12 +9,12 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
+use crate::machine::threads::map;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Number of sweeps that Arrow-Hurwicz takes to a residual, grid by grid.
@@ -73,7 +73,7 @@ const CHECKS: CheckInterval = CheckInterval { share: 50, limit: 1_000_000 };
 pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<CostLaw>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
     let laws: Result<Vec<_>, String> =
-        runs.into_par_iter().map(|((f, cells), nested)| law(f, cells, nested)).collect();
+        map(&runs, 1, |&((f, cells), nested)| law(f, cells, nested)).into_iter().collect();
     Ok(laws?.concat())
 }
 

@@ -1,6 +1,6 @@
 //! Solutions on triangulations.
 
-use super::npy::{DOUBLE, INTEGER, doubles, npy};
+use super::npy::{DOUBLE, INTEGER, SHORT, doubles, npy};
 use super::vtk::{Appended, escaped};
 use super::zip;
 use crate::mesh::Mesh;
@@ -27,7 +27,8 @@ impl<const D: usize, const V: usize> MeshFields<'_, D, V> {
     }
 
     /// Mesh and solution in NPZ format, not compressed: `points`, one row of coordinates a node; `cells`, one row of
-    /// nodes a cell, in the positive sense; `v` and `multiplier` at the nodes; `f` on the cells.
+    /// nodes a cell, in the positive sense; `v` and `multiplier` at the nodes; on the cells `f`, the number of the
+    /// `region`, from 0 on, and the `local_error` where it is known.
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
     pub fn npz(&self) -> Option<Vec<u8>> {
@@ -47,14 +48,20 @@ fn npz<const D: usize, const V: usize>(
     fields: &MeshFields<'_, D, V>,
 ) -> Option<Vec<u8>> {
     let (nodes, cells) = (mesh.points().len(), mesh.cells().len());
-    zip::fits((D + 2) * nodes + (V + 1) * cells).then(|| {
-        zip::zip(&[
+    zip::fits((D + 2) * nodes + (V + 3) * cells).then(|| {
+        let region = mesh.regions().iter().map(|region| region.to_le_bytes());
+        let mut arrays = vec![
             ("points.npy", npy(DOUBLE, &[nodes, D], doubles(mesh.points().as_flattened()))),
             ("cells.npy", npy(INTEGER, &[cells, V], vertices(mesh))),
             ("v.npy", fields.npy()),
             ("multiplier.npy", npy(DOUBLE, &[nodes], doubles(fields.multiplier))),
             ("f.npy", npy(DOUBLE, &[cells], doubles(fields.f))),
-        ])
+            ("region.npy", npy(SHORT, &[cells], region)),
+        ];
+        if !fields.errors.is_empty() {
+            arrays.push(("local_error.npy", npy(DOUBLE, &[cells], doubles(fields.errors))));
+        }
+        zip::zip(&arrays)
     })
 }
 
@@ -212,6 +219,13 @@ mod tests {
                 "{header}"
             );
         }
+        let has = |archive: &[u8], text: &str| {
+            archive.windows(text.len()).any(|part| part == text.as_bytes())
+        };
+        assert!(has(&archive, "region.npy") && has(&archive, "'<u2'"));
+        assert!(!has(&archive, "local_error.npy"));
+        let with_errors = MeshFields { errors: &counted.on_cells, ..counted.fields() };
+        assert!(has(&with_errors.npz().unwrap(), "local_error.npy"));
         assert_eq!(counted.fields().npy().len(), 128 + 8 * 8);
     }
 }

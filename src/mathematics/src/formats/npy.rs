@@ -2,6 +2,8 @@
 
 /// NumPy's name of a little-endian double.
 pub(super) const DOUBLE: &str = "<f8";
+/// NumPy's name of a little-endian integer of 16 bits without a sign.
+pub(super) const SHORT: &str = "<u2";
 /// NumPy's name of a little-endian integer of 64 bits.
 pub(super) const INTEGER: &str = "<i8";
 

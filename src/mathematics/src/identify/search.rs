@@ -14,7 +14,7 @@ use super::found::{Found, found};
 use super::space::{Geometry, Lattice};
 use super::variant::Variant;
 use super::{IdentifyError, Target};
-use rayon::prelude::*;
+use crate::machine::threads::map;
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::sync::Mutex;
@@ -65,10 +65,10 @@ pub fn search(
     let tiles = candidates.tiles();
     let mut report = SearchReport { reached: vec![0; target.levels()], ..SearchReport::default() };
     let idle = Mutex::new(Vec::new());
-    let run = |tile| {
+    let run = |tile: &u64| {
         let taken = idle.lock().ok().and_then(|mut idle| idle.pop());
         let mut evaluator = taken.unwrap_or_else(|| evaluator.clone());
-        let report = candidates.run(tile, &mut evaluator);
+        let report = candidates.run(*tile, &mut evaluator);
         idle.lock().expect("nobody panics with it").push(evaluator);
         report
     };
@@ -76,8 +76,7 @@ pub fn search(
     while done < tiles && !stop.load(Ordering::Relaxed) {
         let end = (done + BATCH).min(tiles);
         let batch: Vec<u64> = (done..end).collect();
-        let ran: Vec<SearchReport> = batch.into_par_iter().with_max_len(1).map(run).collect();
-        ran.into_iter().for_each(|tile| report.merge(tile));
+        map(&batch, 1, run).into_iter().for_each(|tile| report.merge(tile));
         if stop.load(Ordering::Relaxed) {
             break;
         }

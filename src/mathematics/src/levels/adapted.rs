@@ -18,19 +18,21 @@
 //! do not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does
 //! not help the run ends: f has parts that its quadrature misses, or rounding errors are reached.
 
+mod anew;
 mod marking;
 mod meshes;
 #[cfg(test)]
 mod tests;
 
 use super::triangulations::read;
-use super::{Problem, ProblemError};
+use super::{Problem, ProblemError, Watch};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::end::Outcome;
 use crate::discrete::kkt::Judgement;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
 use meshes::Meshes;
+use std::ops::ControlFlow;
 
 /// Largest value that a guaranteed bound may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,6 +115,8 @@ pub struct AdaptedRun {
     pub end: AdaptedEnd,
     /// Number of meshes on which a solution was sought; the problem has those between them as well.
     pub meshes: usize,
+    /// Cells that were marked for each bisection, from which [`Problem::on_bisected`] makes the meshes anew.
+    pub marks: Vec<Vec<u32>>,
 }
 
 impl AdaptedRun {
@@ -133,13 +137,34 @@ impl Adaption<'_> {
     /// # Errors
     /// [`ProblemError`] if there is no problem, or no bound on the finest mesh that is allowed.
     pub fn run(&self, watch: &mut dyn FnMut(&AdaptedMesh)) -> Result<AdaptedRun, ProblemError> {
+        let run = self.run_while(
+            &mut |mesh| {
+                watch(mesh);
+                ControlFlow::Continue(())
+            },
+            &|_| (),
+        )?;
+        Ok(run.expect("whoever watches lets the run go on"))
+    }
+
+    /// As [`Adaption::run`], as long as `watch` lets it go on; none if it does not. `ended` is told each step as well.
+    ///
+    /// # Errors
+    /// As [`Adaption::run`].
+    pub fn run_while(
+        &self,
+        watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
+        ended: Watch<'_>,
+    ) -> Result<Option<AdaptedRun>, ProblemError> {
         let f = read(self.coarsest, self.f)?;
-        let mut meshes = Meshes::new(self, f)?;
+        let mut meshes = Meshes::new(self, f, ended)?;
         loop {
             let solved = meshes.solved()?;
             let bounds =
                 solved.as_ref().map(|found| found.bounds.clone()).map_err(|reason| *reason);
-            watch(&AdaptedMesh { nodes: meshes.nodes(), bounds });
+            if watch(&AdaptedMesh { nodes: meshes.nodes(), bounds }).is_break() {
+                return Ok(None);
+            }
             let end = match &solved {
                 Ok(found) if self.goal.excess(&found.bounds) <= 1.0 => Some(AdaptedEnd::Goal),
                 Ok(_) if meshes.has_stalled() => Some(AdaptedEnd::NoLongerFalls),
@@ -148,7 +173,7 @@ impl Adaption<'_> {
                 _ => Some(AdaptedEnd::Nodes),
             };
             if let Some(end) = end {
-                return Ok(meshes.finished(end, solved?));
+                return Ok(Some(meshes.finished(end, solved?)));
             }
         }
     }

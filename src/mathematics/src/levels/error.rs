@@ -27,6 +27,9 @@ pub enum ProblemError {
     /// Refused by a solver.
     #[error(transparent)]
     Solver(#[from] InputError),
+    /// No flux can balance f on the polygon or polyhedron of the mesh, but on the domain with its curves.
+    #[error("{0}, or refine the mesh: with the curves of its boundary the domain has a solution")]
+    Coarse(Unsolvable),
     /// No flux can balance f.
     #[error(transparent)]
     Unsolvable(#[from] Unsolvable),

@@ -12,7 +12,7 @@ use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
 use crate::discrete::norms::{errors, multiplier_error};
 use crate::formats::Fields;
-use crate::mesh::{AnyMesh, lattice_mesh, mesh_load, uniform_square};
+use crate::mesh::{AnyMesh, Condition, lattice_mesh, mesh_load, uniform_square};
 use crate::multigrid::active_set::active_set;
 use crate::multigrid::{MultigridParams, solve_square};
 use crate::problem::error::SourceError;
@@ -35,6 +35,8 @@ pub struct Lattices {
     integrals: Integrals,
     /// Load vector of the finest grid, once it is needed.
     load: OnceLock<Vec<f64>>,
+    /// Part of f that its quadrature misses, once it is needed.
+    missed: OnceLock<Option<f64>>,
 }
 
 /// Cells per side of the grid on which the quadrature of f is looked at, since on finer ones less is missed.
@@ -54,7 +56,7 @@ impl Lattices {
         let [of_f, of_size] = integrals(&f);
         let (by_quadrature, is_known) = (f.is_smooth(), f.exact().is_some());
         let integrals = Integrals { of_f, of_size, by_quadrature, is_known };
-        Self { grids, f, rule, integrals, load: OnceLock::new() }
+        Self { grids, f, rule, integrals, load: OnceLock::new(), missed: OnceLock::new() }
     }
 
     /// Grids, coarsest first.
@@ -120,15 +122,17 @@ impl Levels for Lattices {
     }
 
     fn missed(&self) -> Option<f64> {
-        if !self.f.is_smooth() || self.f.exact().is_some() {
-            return None;
-        }
-        let n = self.finest().cells();
-        let missed = missed_on(&self.f, n.min(LOOKED_AT))?;
-        if missed > MISSED && n > LOOKED_AT {
-            return missed_on(&self.f, n.min(FINEST));
-        }
-        Some(missed)
+        *self.missed.get_or_init(|| {
+            if !self.f.is_smooth() || self.f.exact().is_some() {
+                return None;
+            }
+            let n = self.finest().cells();
+            let missed = missed_on(&self.f, n.min(LOOKED_AT))?;
+            if missed > MISSED && n > LOOKED_AT {
+                return missed_on(&self.f, n.min(FINEST));
+            }
+            Some(missed)
+        })
     }
 
     fn finest_load(&self) -> &[f64] {
@@ -234,7 +238,7 @@ impl Levels for Lattices {
             parts: None,
             nodes: grid.boundary().collect(),
             points: points.collect(),
-            has_law: vec![true; grid.boundary_nodes()],
+            conditions: vec![Condition::Contact; grid.boundary_nodes()],
             places,
             length: Grid::PERIMETER,
         }])
@@ -244,11 +248,11 @@ impl Levels for Lattices {
         "vti"
     }
 
-    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8> {
+    fn vtk(&self, name: &str, _law: Law, pair: &Pair) -> Vec<u8> {
         Fields::new(self.finest(), &self.f, pair).vti(name)
     }
 
-    fn npz(&self, pair: &Pair) -> Option<Vec<u8>> {
+    fn npz(&self, _law: Law, pair: &Pair) -> Option<Vec<u8>> {
         Fields::new(self.finest(), &self.f, pair).npz()
     }
 

@@ -9,12 +9,14 @@ mod adapted;
 mod error;
 mod lattices;
 mod problem;
+mod steps;
 mod triangulations;
 
 pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, ErrorGoal};
 pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
+pub use steps::{Step, Watch};
 pub use triangulations::Triangulations;
 
 use crate::bounds::{Bounds, NoBound};
@@ -25,7 +27,7 @@ use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::Prolongation;
-use crate::mesh::{AnyMesh, PlaneMesh};
+use crate::mesh::{AnyMesh, Condition, PlaneMesh};
 use crate::multigrid::{InputError, MultigridParams};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
@@ -41,7 +43,7 @@ pub trait Levels: Send + Sync {
     /// Number of dimensions, 2 or 3.
     fn dimension(&self) -> u8;
 
-    /// Name of a level in sentences, such as `grid 1/64` or `refinement 3`.
+    /// Name of a level in sentences, such as `grid 1/64`, `refinement 3` or `the mesh of 900 nodes`.
     fn name(&self, level: usize) -> String;
 
     /// Number of cells per side; none on a mesh.
@@ -93,6 +95,12 @@ pub trait Levels: Send + Sync {
 
     /// Connected components of the domain, with f.
     fn components(&self) -> Vec<Component>;
+
+    /// Connected components of the domain with the curves of its boundary in place of the facets of the finest mesh, by
+    /// an estimate.
+    fn components_on_curves(&self) -> Vec<Component> {
+        self.components()
+    }
 
     /// True if the flux that a law allows can balance a load vector of a level: then the discrete problem has a
     /// solution.
@@ -153,11 +161,11 @@ pub trait Levels: Send + Sync {
     /// Ending of the files for ParaView, `vti` or `vtu`.
     fn vtk_ending(&self) -> &'static str;
 
-    /// Solution of the finest level in VTK's XML format, with this name.
-    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8>;
+    /// Solution of the finest level under a law in VTK's XML format, with this name.
+    fn vtk(&self, name: &str, law: Law, pair: &Pair) -> Vec<u8>;
 
-    /// Solution of the finest level in NPZ format; none if it is larger than the format allows.
-    fn npz(&self, pair: &Pair) -> Option<Vec<u8>>;
+    /// Solution of the finest level under a law in NPZ format; none if it is larger than the format allows.
+    fn npz(&self, law: Law, pair: &Pair) -> Option<Vec<u8>>;
 
     /// Nodal values of the finest level in NPY format.
     fn npy(&self, pair: &Pair) -> Vec<u8>;
@@ -170,6 +178,20 @@ pub trait Levels: Send + Sync {
     /// Nested networks of a mesh, for renumberings and the like.
     fn networks(&self) -> Option<&[NestedNetwork]> {
         None
+    }
+}
+
+/// Part of the integral of |f| from which on bounds are those of another f, if the points miss it.
+const MISSED: f64 = 0.1;
+
+/// Refuses bounds for an f of which the points of its quadrature miss this part.
+///
+/// # Errors
+/// [`NoBound::Missed`].
+fn check_missed(missed: Option<f64>) -> Result<(), NoBound> {
+    match missed.filter(|missed| *missed > MISSED) {
+        Some(part) => Err(NoBound::Missed { part }),
+        None => Ok(()),
     }
 }
 
@@ -202,8 +224,8 @@ pub struct ClosedCurve {
     pub nodes: Vec<usize>,
     /// Coordinates of these nodes.
     pub points: Vec<[f64; 2]>,
-    /// True if the law holds on the edge from the node to the next one, the first after the last.
-    pub has_law: Vec<bool>,
+    /// Condition on the edge from the node to the next one, the first after the last.
+    pub conditions: Vec<Condition>,
     /// Arc lengths of the nodes, from 0 on.
     pub places: Vec<f64>,
     /// Length of the curve.

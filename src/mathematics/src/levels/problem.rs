@@ -1,6 +1,8 @@
 //! A problem: what is solved.
 
-use super::{Lattices, Levels, NodalVectors, ProblemError, Triangulations};
+use super::{
+    Lattices, Levels, NodalVectors, ProblemError, Step, Triangulations, Watch, check_missed,
+};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
@@ -9,6 +11,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::unsolvable::Unsolvable;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -64,26 +67,57 @@ impl Problem {
         f: &str,
         law: Law,
     ) -> Result<Self, ProblemError> {
+        Self::on_mesh_watched((coarsest, times), f, law, &|_| ())
+    }
+
+    /// As [`Problem::on_mesh`]; `watch` is told when the meshes are made, and when f is integrated on them.
+    ///
+    /// # Errors
+    /// As [`Problem::on_mesh`].
+    pub fn on_mesh_watched(
+        (coarsest, times): (&AnyMesh, usize),
+        f: &str,
+        law: Law,
+        watch: Watch<'_>,
+    ) -> Result<Self, ProblemError> {
         let is_curved = coarsest.is_curved();
-        match coarsest {
-            AnyMesh::Plane(mesh) => Self::new(Triangulations::new(mesh, times, f)?, law, is_curved),
-            AnyMesh::Space(mesh) => Self::new(Triangulations::new(mesh, times, f)?, law, is_curved),
-        }
+        let made = match coarsest {
+            AnyMesh::Plane(mesh) => {
+                Self::new(Triangulations::new(mesh, times, f, watch)?, law, is_curved)
+            }
+            AnyMesh::Space(mesh) => {
+                Self::new(Triangulations::new(mesh, times, f, watch)?, law, is_curved)
+            }
+        };
+        watch(Step::Load);
+        made
     }
 
     /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding
     /// errors of integrals.
     fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
         let rounding = levels.integrals().rounding();
-        for component in levels.components() {
-            component.check(law, rounding)?;
+        let checked = levels.components().into_iter().try_for_each(|of| of.check(law, rounding));
+        let problem = Self::checked(levels, law, is_curved);
+        match checked {
+            Ok(()) => Ok(problem),
+            Err(reason) if is_curved && problem.refusal_of_curves().is_none() => {
+                Err(ProblemError::Coarse(reason))
+            }
+            Err(reason) => Err(reason.into()),
         }
-        Ok(Self::checked(levels, law, is_curved))
     }
 
     /// As [`Problem::new`], of a flux that is known to balance f.
     pub(super) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
         Self { levels: Box::new(levels), law, is_curved }
+    }
+
+    /// Reason for which the domain has no solution with the curves of its boundary in place of the facets of the finest
+    /// mesh, by an estimate; none where it has one.
+    pub fn refusal_of_curves(&self) -> Option<Unsolvable> {
+        let components = self.levels.components_on_curves();
+        components.into_iter().find_map(|component| component.check(self.law, 0.0).err())
     }
 
     /// Nested discrete problems.
@@ -153,6 +187,7 @@ impl Problem {
     /// # Errors
     /// [`NoBound`].
     pub fn bounds(&self, y: &[f64]) -> Result<Bounds, NoBound> {
+        check_missed(self.levels.missed())?;
         self.levels.bounds(self.law, y)
     }
 

@@ -2,9 +2,9 @@
 
 use super::{
     ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError, SaddleRun,
-    Solved,
+    Solved, Step, Watch,
 };
-use crate::bounds::triangulation::bounds_on_mesh;
+use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
@@ -14,8 +14,9 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
-    AnyMesh, Condition, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError, NestedMeshes,
-    PlaneMesh, boundary_curves, mesh_arcs, mesh_errors, mesh_load, nested_meshes,
+    AnyMesh, Condition, CurveGain, CutShape, Mesh, MeshLoad, MeshSource, MeshSourceError,
+    NestedMeshes, PlaneMesh, Sides, boundary_curves, curve_gains, mesh_arcs, mesh_errors,
+    mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
@@ -36,23 +37,29 @@ pub struct Triangulations<const D: usize, const V: usize> {
     /// f on the finest mesh.
     load: MeshLoad,
     integrals: Integrals,
-    /// Guaranteed error in each cell of the finest mesh; empty if the meshes are not adapted.
-    errors: Vec<f64>,
+    /// Guaranteed error in each cell of the finest mesh, if the meshes are adapted.
+    errors: Option<Vec<f64>>,
 }
 
 impl<const D: usize, const V: usize> Triangulations<D, V>
 where
     Shape<D>: CutShape<D, V>,
 {
-    /// Levels on a mesh and its refinements, `times` of them, with f given as text.
+    /// Levels on a mesh and its refinements, `times` of them, with f given as text; `watch` is told when they are made.
     ///
     /// # Errors
     /// [`ProblemError`] if the text is no f on the mesh, f is not finite, or the mesh cannot be refined.
-    pub(super) fn new(coarsest: &Mesh<D, V>, times: usize, f: &str) -> Result<Self, ProblemError> {
+    pub(super) fn new(
+        coarsest: &Mesh<D, V>,
+        times: usize,
+        f: &str,
+        watch: Watch<'_>,
+    ) -> Result<Self, ProblemError> {
         let f = read(coarsest, f)?;
         let nested = nested_meshes(coarsest, times)?;
+        watch(Step::Mesh);
         let load = mesh_load(&nested.meshes[times], &f)?;
-        f.check_scale(load.size)?;
+        f.check_scale(&load)?;
         Ok(Self::of(nested, f, load))
     }
 
@@ -64,12 +71,12 @@ where
             by_quadrature: load.unsettled.is_some(),
             is_known: f.known().is_some(),
         };
-        Self { nested, f, load, integrals, errors: Vec::new() }
+        Self { nested, f, load, integrals, errors: None }
     }
 
     /// Levels with the guaranteed error in each cell of the finest mesh.
     pub(super) fn with_errors(self, errors: Vec<f64>) -> Self {
-        Self { errors, ..self }
+        Self { errors: Some(errors), ..self }
     }
 
     /// Finest mesh.
@@ -91,9 +98,23 @@ where
         multiplier
     }
 
+    /// Guaranteed error in each cell of the finest mesh, as far as it is known.
+    fn local_errors(&self, law: Law, y: &[f64]) -> Cow<'_, [f64]> {
+        if let Some(errors) = &self.errors {
+            return errors.into();
+        }
+        let (mesh, network, f) = (self.finest(), self.network(), &self.load);
+        let bounded = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law }.bounds(y);
+        bounded.map_or_else(|_| Cow::default(), |bounds| bounds.errors().into())
+    }
+
     /// A pair of the finest mesh as the fields of a file, with its multiplier at all nodes.
-    fn fields<'a>(&'a self, pair: &'a Pair, multiplier: &'a [f64]) -> MeshFields<'a, D, V> {
-        let (mesh, f, errors) = (self.finest(), &self.load.cells.mean, &self.errors);
+    fn fields<'a>(
+        &'a self,
+        pair: &'a Pair,
+        [multiplier, errors]: [&'a [f64]; 2],
+    ) -> MeshFields<'a, D, V> {
+        let (mesh, f) = (self.finest(), &self.load.cells.mean);
         MeshFields { mesh, v: &pair.y, multiplier, f, errors }
     }
 
@@ -148,6 +169,8 @@ where
     fn name(&self, level: usize) -> String {
         match level {
             0 => "the coarsest mesh".into(),
+            // Of adapted meshes most are not shown.
+            level if self.errors.is_some() => format!("the mesh of {} nodes", self.nodes(level)),
             level => format!("refinement {level}"),
         }
     }
@@ -182,7 +205,7 @@ where
     }
 
     fn missed(&self) -> Option<f64> {
-        self.load.unsettled.map(|unsettled| unsettled / self.load.size)
+        self.load.missed()
     }
 
     fn finest_load(&self) -> &[f64] {
@@ -210,6 +233,20 @@ where
 
     fn components(&self) -> Vec<Component> {
         DiscreteDomain::components(self.network(), &self.load.load)
+    }
+
+    fn components_on_curves(&self) -> Vec<Component> {
+        let mut components = self.components();
+        let of_nodes = self.network().components();
+        for CurveGain { facet, measure, integral } in curve_gains(self.finest(), &self.f) {
+            let facet = &self.finest().facets()[facet];
+            let component = &mut components[of_nodes[facet.nodes[0] as usize] as usize];
+            component.integral += integral;
+            if self.finest().condition(facet) == Condition::Contact {
+                component.measure += measure;
+            }
+        }
+        components
     }
 
     fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool {
@@ -248,7 +285,7 @@ where
     }
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
-        bounds_on_mesh(self.finest(), self.network(), &self.load.cells, law, y)
+        bounds_on_mesh(self.finest(), self.network(), &self.load, law, y)
     }
 
     fn mesh(&self) -> AnyMesh {
@@ -286,9 +323,9 @@ where
 
     fn curves(&self) -> Option<Vec<ClosedCurve>> {
         let mesh = plane(self.finest())?;
-        let mut has_law = vec![false; mesh.points().len()];
+        let mut conditions = vec![Condition::Contact; mesh.points().len()];
         for facet in mesh.facets() {
-            has_law[facet.nodes[0] as usize] = mesh.condition(facet) == Condition::Contact;
+            conditions[facet.nodes[0] as usize] = mesh.condition(facet);
         }
         let mut curves = Vec::new();
         for curve in boundary_curves(mesh) {
@@ -299,7 +336,7 @@ where
             curves.push(ClosedCurve {
                 parts,
                 points: curve.nodes.iter().map(|&node| mesh.points()[node]).collect(),
-                has_law: curve.nodes.iter().map(|&node| has_law[node]).collect(),
+                conditions: curve.nodes.iter().map(|&node| conditions[node]).collect(),
                 nodes: curve.nodes,
                 places,
                 length,
@@ -312,16 +349,18 @@ where
         "vtu"
     }
 
-    fn vtk(&self, name: &str, pair: &Pair) -> Vec<u8> {
-        self.fields(pair, &self.multiplier(pair)).vtu(name)
+    fn vtk(&self, name: &str, law: Law, pair: &Pair) -> Vec<u8> {
+        let errors = self.local_errors(law, &pair.y);
+        self.fields(pair, [&self.multiplier(pair), &errors]).vtu(name)
     }
 
-    fn npz(&self, pair: &Pair) -> Option<Vec<u8>> {
-        self.fields(pair, &self.multiplier(pair)).npz()
+    fn npz(&self, law: Law, pair: &Pair) -> Option<Vec<u8>> {
+        let errors = self.local_errors(law, &pair.y);
+        self.fields(pair, [&self.multiplier(pair), &errors]).npz()
     }
 
     fn npy(&self, pair: &Pair) -> Vec<u8> {
-        self.fields(pair, &[]).npy()
+        self.fields(pair, [&[]; 2]).npy()
     }
 
     fn networks(&self) -> Option<&[NestedNetwork]> {

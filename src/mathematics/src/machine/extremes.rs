@@ -18,6 +18,12 @@ pub(crate) fn max_or_second(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
+/// The least and the greatest of some numbers; those that are NaN are passed over.
+pub(crate) fn range(values: &[f64]) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    values.iter().fold(none, |[least, greatest], &value| [least.min(value), greatest.max(value)])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! When work on nodal vectors is shared between threads.
 
 use rayon::iter::{IndexedParallelIterator, MinLen};
+use std::ops::Range;
 
 /// Numbers that a task has at least: fewer take no longer than waking a thread.
 pub(crate) const TASK: usize = 1 << 14;
@@ -20,9 +21,81 @@ pub(crate) fn in_tasks<I: IndexedParallelIterator>(items: I, size: usize) -> Min
     items.with_min_len(each)
 }
 
-/// Least number of some items, each of `size` numbers, a task has at least.
-fn items_per_task(items: usize, size: usize) -> usize {
-    if stays(items * size) { items } else { TASK.div_ceil(size) }
+/// Number of items, each of `size` numbers, that are worth a thread's while: all of them where one thread does better.
+pub(crate) fn items_per_task(items: usize, size: usize) -> usize {
+    if stays(items * size) { items.max(1) } else { TASK.div_ceil(size) }
+}
+
+/// Does both, side by side where a thread is free; returns both results.
+pub(crate) fn join<A: Send, B: Send>(
+    one: impl FnOnce() -> A + Send,
+    other: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    let (mut one, mut other) = (Some(one), Some(other));
+    let (mut of_one, mut of_other) = (None, None);
+    both(&mut || of_one = one.take().map(|one| one()), &mut || {
+        of_other = other.take().map(|other| other())
+    });
+    (of_one.expect("called once"), of_other.expect("called once"))
+}
+
+/// What passes work to other threads is compiled once here, not for each kind of work: else a fifth of the package.
+fn both(one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
+    rayon::join(one, other);
+}
+
+/// Returns the values of a function at some items, in their order; a task has `least` items.
+pub(crate) fn map<'a, T: Sync, R: Send>(
+    items: &'a [T],
+    least: usize,
+    value: impl Fn(&'a T) -> R + Sync,
+) -> Vec<R> {
+    map_range(0..items.len(), least, || (), |(), k| value(&items[k]))
+}
+
+/// Returns the values of a function at some numbers, in their order; a task has `least` of them, and room of its own.
+pub(crate) fn map_range<S, R: Send>(
+    numbers: Range<usize>,
+    least: usize,
+    room: impl Fn() -> S + Sync,
+    value: impl Fn(&mut S, usize) -> R + Sync,
+) -> Vec<R> {
+    let mut values: Vec<Option<R>> = Vec::new();
+    values.resize_with(numbers.len(), || None);
+    let fill = |run: usize, places: &mut [Option<R>]| {
+        let mut room = room();
+        for (k, place) in (numbers.start + run * least..).zip(places) {
+            *place = Some(value(&mut room, k));
+        }
+    };
+    for_runs(&mut values, least, &fill);
+    values.into_iter().map(|value| value.expect("each place is filled")).collect()
+}
+
+/// Changes a slice in runs of so many numbers, each by its number among them.
+pub(crate) fn for_runs<T: Send>(
+    all: &mut [T],
+    run: usize,
+    change: &(dyn Fn(usize, &mut [T]) + Sync),
+) {
+    let runs = all.len().div_ceil(run);
+    halve(all, 0..runs, run, change);
+}
+
+fn halve<T: Send>(
+    all: &mut [T],
+    runs: Range<usize>,
+    run: usize,
+    change: &(dyn Fn(usize, &mut [T]) + Sync),
+) {
+    if runs.len() < 2 {
+        return runs.for_each(|number| change(number, all));
+    }
+    let middle = runs.start + runs.len() / 2;
+    let (one, other) = all.split_at_mut((middle - runs.start) * run);
+    both(&mut || halve(one, runs.start..middle, run, change), &mut || {
+        halve(other, middle..runs.end, run, change);
+    });
 }
 
 /// Does work of several steps on so many numbers among the threads: it is handed over once, not at each step.
@@ -33,6 +106,28 @@ pub(crate) fn among_threads<R: Send>(numbers: usize, work: impl FnOnce() -> R + 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_are_in_their_order_whatever_the_runs() {
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.expect("three threads can be had").install(|| {
+                for (count, run) in [(0, 3), (1, 1), (7, 1), (9, 3), (10, 3), (11, 100)] {
+                    let squares: Vec<_> = (5..5 + count).map(|k| k * k).collect();
+                    let room = || Vec::from([0]);
+                    let of = |room: &mut Vec<usize>, k: usize| {
+                        room.push(k);
+                        room[room.len() - 1] * k
+                    };
+                    assert_eq!(map_range(5..5 + count, run, room, of), squares);
+                    let mut runs = vec![0; count];
+                    for_runs(&mut runs, run, &|number, run| run.fill(number));
+                    assert_eq!(runs, (0..count).map(|k| k / run).collect::<Vec<_>>());
+                }
+                assert_eq!(join(|| 1, || "two"), (1, "two"));
+            });
+        }
+    }
 
     #[test]
     fn little_work_stays_and_much_is_handed_over() {

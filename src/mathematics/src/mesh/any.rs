@@ -116,6 +116,18 @@ impl AnyMesh {
         }
     }
 
+    /// Names of the parts of the boundary, those of one part together.
+    pub fn part_names(&self) -> impl Iterator<Item = &String> {
+        let (plane, space) = match self {
+            Self::Plane(mesh) => (&mesh.parts[..], &[][..]),
+            Self::Space(mesh) => (&[][..], &mesh.parts[..]),
+        };
+        plane
+            .iter()
+            .flat_map(|part| part.names.iter())
+            .chain(space.iter().flat_map(|part| part.names.iter()))
+    }
+
     /// Names of the regions.
     pub fn region_names(&self) -> &[Names] {
         match self {
@@ -135,8 +147,8 @@ impl AnyMesh {
     /// True if refinement puts new nodes on a curve, so that the domain changes with the mesh.
     pub fn is_curved(&self) -> bool {
         match self {
-            Self::Plane(mesh) => mesh.parts.iter().any(|part| part.curve.is_some()),
-            Self::Space(mesh) => mesh.parts.iter().any(|part| part.curve.is_some()),
+            Self::Plane(mesh) => mesh.is_curved(),
+            Self::Space(mesh) => mesh.is_curved(),
         }
     }
 

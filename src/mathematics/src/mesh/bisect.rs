@@ -8,7 +8,6 @@
 //!
 //! A new node lies between two nodes of the mesh before, as in uniform refinement, or on the curve of its part.
 
-use super::check::check_piece;
 use super::error::MeshError;
 use super::sides::BoundarySide;
 use super::{Facet, PlaneMesh, Sides, dot};
@@ -222,9 +221,12 @@ impl<'a> Pieces<'a> {
                 is_curved = true;
             }
         }
+        let of_file = if coarse.is_curved() { &coarse.elements[..] } else { &[] };
+        let element = |&cell: &u32| of_file.get(cell as usize).copied();
         let mesh = PlaneMesh {
             points: self.points,
             regions: self.origins.iter().map(|&cell| coarse.regions[cell as usize]).collect(),
+            elements: self.origins.iter().filter_map(element).collect(),
             cells: self.cells,
             region_names: coarse.region_names.clone(),
             facets,
@@ -234,7 +236,7 @@ impl<'a> Pieces<'a> {
             origin: coarse.origin,
         };
         if is_curved {
-            check_orientation(&mesh, &self.origins)?;
+            check_orientation(coarse, &mesh, &self.origins)?;
         }
         let sides = Sides { of_cell: self.of_cell, both_cells, of_facet };
         Ok(Bisected { mesh, sides, parents: self.parents, origins: self.origins })
@@ -247,9 +249,15 @@ fn halves(first: u32, [a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Checks that all cells have the positive orientation, and a volume.
-fn check_orientation(mesh: &PlaneMesh, origins: &[u32]) -> Result<(), MeshError> {
+fn check_orientation(
+    coarse: &PlaneMesh,
+    mesh: &PlaneMesh,
+    origins: &[u32],
+) -> Result<(), MeshError> {
     let mut cells = mesh.cells.iter().zip(origins);
-    cells.try_for_each(|(cell, &origin)| check_piece(mesh.vertices(cell), false, origin as usize))
+    cells.try_for_each(|(cell, &origin)| {
+        coarse.check_piece(origin as usize, mesh.vertices(cell), false)
+    })
 }
 
 #[cfg(test)]
@@ -331,6 +339,14 @@ mod tests {
                 assert!((volume / whole - 1.0).abs() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn the_lips_of_a_slit_may_be_refined_apart_and_read_again() {
+        let PlaneMesh { points, cells, .. } = bisected(slit(), 6);
+        let again = MeshData { points, cells, ..MeshData::default() }.mesh().unwrap();
+        let said = again.touching().last().unwrap();
+        assert!(said.contains("sides in contact are meshed apart"), "{said}");
     }
 
     /// Length of each part of the boundary.

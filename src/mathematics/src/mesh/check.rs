@@ -3,7 +3,6 @@
 use super::error::MeshError;
 use super::facets::{BoundaryFacets, sorted};
 use super::geometry::{Element, size};
-use super::hanging::{HangingNode, hanging_node};
 use super::{Mesh, MeshData, MeshOrigin, Tags};
 
 /// Volume of an element over the power of its longest edge, below which it is flat.
@@ -17,19 +16,6 @@ pub(super) fn flat<const D: usize, const V: usize>(
     let scale = size(vertices).powi(D as i32);
     // Written so that NaN is flat.
     !(element.volume > FLAT * scale && element.volume.is_finite())
-}
-
-/// Checks that a piece of the cell of this number has the orientation that it would have without curves, and a volume.
-pub(super) fn check_piece<const D: usize, const V: usize>(
-    vertices: [[f64; D]; V],
-    is_mirrored: bool,
-    cell: usize,
-) -> Result<(), MeshError> {
-    let element = Element::new(vertices);
-    match element.is_mirrored != is_mirrored || flat(&element, vertices) {
-        true => Err(MeshError::Folded { cell }),
-        false => Ok(()),
-    }
 }
 
 impl<const D: usize, const V: usize> MeshData<D, V> {
@@ -50,23 +36,25 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         self.turn_cells()?;
         self.check_positions()?;
         self.check_regions()?;
-        let boundary = self.boundary()?;
+        let mut boundary = self.boundary()?;
         self.check_overlap(&boundary)?;
-        self.check_hanging(&boundary)?;
-        let touching = self.touching(&boundary);
+        let meshed_apart = self.check_hanging(&boundary)?;
+        self.part_pinched(&mut boundary);
+        let touching = self.touching(&boundary).map(|touching| touching.to_string());
         if self.regions.is_empty() {
             self.region_names = vec!["domain".into()];
             self.regions = vec![0; self.cells.len()];
         }
         let mesh = Mesh {
             points: self.points,
+            elements: (0..self.cells.len()).map(|cell| self.tags.cell(cell)).collect(),
             cells: self.cells,
             regions: self.regions,
             region_names: self.region_names,
             facets: boundary.facets,
             parts: self.parts,
             inside: boundary.inside,
-            touching,
+            touching: touching.into_iter().chain(meshed_apart).collect(),
             origin: MeshOrigin::default(),
         };
         Ok(mesh)
@@ -134,19 +122,6 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         }
     }
 
-    fn check_hanging(&self, boundary: &BoundaryFacets<D>) -> Result<(), MeshError> {
-        let BoundaryFacets { facets, cells, boxes, .. } = boundary;
-        let Some(HangingNode { node, facet }) = hanging_node(&self.points, facets, boxes) else {
-            return Ok(());
-        };
-        let cell = self.tags.cell(cells[facet as usize] as usize);
-        Err(MeshError::Hanging {
-            cell,
-            node: self.tags.node(node as usize),
-            domains: domains::<D>(),
-        })
-    }
-
     fn check_overlap(&self, boundary: &BoundaryFacets<D>) -> Result<(), MeshError> {
         let Some(cells) = self.overlap(boundary) else { return Ok(()) };
         let [one, two] = sorted(cells).map(|cell| self.tags.cell(cell as usize));
@@ -155,7 +130,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
 }
 
 /// Word for the domains of which Gmsh meshes the cells.
-fn domains<const D: usize>() -> &'static str {
+pub(super) fn domains<const D: usize>() -> &'static str {
     if D == 3 { "volumes" } else { "surfaces" }
 }
 
@@ -315,6 +290,66 @@ mod tests {
         data.points.extend([[0.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]);
         data.cells.extend([[4, 5, 6], [4, 6, 7]]);
         assert_eq!(data.mesh().unwrap().facets().len(), 8);
+    }
+
+    /// The square, and a second body on its right, from the left side of which a node lies on the right side of the
+    /// square; `same` of its corners there are those of the square.
+    fn beside(same: usize) -> MeshData<2, 3> {
+        let mut data = square();
+        data.points.extend([[1.0, 0.5], [2.0, 0.5], [1.0, 0.0], [1.0, 1.0]]);
+        let [lower, upper] = [[6, 1], [7, 2]];
+        let [lower, upper] = [lower[usize::from(same > 0)], upper[usize::from(same > 1)]];
+        data.cells.extend([[lower, 5, 4], [4, 5, upper]]);
+        data.points.truncate(8 - same);
+        if same == 1 {
+            data.points[6] = [1.0, 1.0];
+            data.cells[3][2] = 6;
+        }
+        data.tags = Tags::default();
+        data
+    }
+
+    #[test]
+    fn sides_in_contact_may_be_meshed_apart() {
+        let note = "node 4 lies on a side of element 0 that does not have it: sides in contact are meshed apart, and v \
+            has a value for each; to join them, fragment the surfaces in Gmsh, and mesh again";
+        let own = beside(0).mesh().unwrap();
+        assert_eq!((own.facets().len(), own.touching().last().unwrap().as_str()), (8, note));
+        // A slit, whose tip both sides have.
+        let slit = beside(1).mesh().unwrap();
+        assert_eq!((slit.facets().len(), slit.touching().last().unwrap().as_str()), (8, note));
+        let hanging = message(beside(2));
+        assert!(hanging.starts_with("node 4 hangs on a side of element 0: "), "{hanging}");
+        // The second body alone touches in a corner.
+        let mut corner = square();
+        corner.points.extend([[1.0, 0.5], [2.0, 0.25], [2.0, 0.75]]);
+        corner.cells.push([4, 5, 6]);
+        assert_eq!(corner.mesh().unwrap().touching().len(), 1);
+    }
+
+    #[test]
+    fn sides_in_contact_may_be_meshed_apart_in_space() {
+        // A tetrahedron on the half of the base of another, with a node inside the longest side of the base.
+        let data = |[a, b, c]: [u32; 3]| MeshData::<3, 4> {
+            points: vec![
+                [0.0; 3],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [0.0, 0.0, -1.0],
+                [0.5, 0.5, 0.0],
+                [0.0, 0.0, 1.0],
+                [0.0; 3],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+            ],
+            cells: vec![[0, 2, 1, 3], [a, b, 4, 5], [a, 4, c, 5]],
+            ..MeshData::default()
+        };
+        let own = data([6, 7, 8]).mesh().unwrap();
+        assert!(own.touching().last().unwrap().starts_with("node 4 lies on a side of element 0 "));
+        let mut same = data([0, 1, 2]);
+        same.points.truncate(6);
+        assert!(message(same).starts_with("node 4 hangs on a side of element 0: "));
     }
 
     #[test]

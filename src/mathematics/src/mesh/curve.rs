@@ -1,5 +1,9 @@
 //! Surfaces on which parts of the boundary may lie: new nodes of a refinement are put there.
 
+use super::check::flat;
+use super::error::MeshError;
+use super::{Element, Facet, Mesh, Names};
+
 /// Circle, sphere or cylinder: all points at one distance from a centre or from a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Round<const D: usize> {
@@ -37,6 +41,41 @@ impl<const D: usize> Round<D> {
             return point;
         }
         std::array::from_fn(|d| point[d] - outward[d] + outward[d] * self.radius / length)
+    }
+}
+
+impl<const D: usize, const V: usize> Mesh<D, V> {
+    /// Checks that a piece of the cell of this number has the orientation that it would have without curves, and a
+    /// volume.
+    pub(super) fn check_piece(
+        &self,
+        cell: usize,
+        vertices: [[f64; D]; V],
+        is_mirrored: bool,
+    ) -> Result<(), MeshError> {
+        let element = Element::new(vertices);
+        match element.is_mirrored != is_mirrored || flat(&element, vertices) {
+            true => Err(self.folded(cell)),
+            false => Ok(()),
+        }
+    }
+
+    /// Fault of a cell that a curve turns inside out, with the part of an edge of it that lies on one.
+    fn folded(&self, cell: usize) -> MeshError {
+        let at_cell = |facet: &&Facet<D>| {
+            let nodes = self.cells[cell];
+            facet.nodes.iter().filter(|node| nodes.contains(node)).count() >= 2
+        };
+        let parts =
+            self.facets.iter().filter(at_cell).map(|facet| &self.parts[facet.part as usize]);
+        let curved = parts.filter(|part| part.curve.is_some()).map(|part| &part.names);
+        let element = self.elements.get(cell).copied().unwrap_or(cell as u64);
+        MeshError::Folded { element, part: Names::all(curved) }
+    }
+
+    /// True if a part of the boundary lies on a curve.
+    pub(crate) fn is_curved(&self) -> bool {
+        self.parts.iter().any(|part| part.curve.is_some())
     }
 }
 

@@ -138,10 +138,13 @@ pub enum MeshError {
     },
     /// A refinement on a curve that turns an element inside out.
     #[error(
-        "element {cell} turns inside out when its new nodes are put on the curve; begin with a finer mesh"
+        "element {element} turns inside out, or a piece of it, when the new nodes of part `{part}` are put on its \
+         curve; begin with a finer mesh there"
     )]
     Folded {
-        /// Position of the cell that was refined.
-        cell: usize,
+        /// Number of the element of the file in which the cell lies that was refined.
+        element: u64,
+        /// Names of the part on the curve.
+        part: String,
     },
 }

@@ -15,15 +15,17 @@ pub(super) struct BoundaryFacets<const D: usize> {
     pub(super) boxes: FacetBoxes<D>,
     /// Names of parts that lie inside the domain.
     pub(super) inside: Vec<String>,
+    /// Sides of all cells.
+    pub(super) sides: CellSides<D>,
 }
 
 /// Side of a cell.
 #[derive(Clone, Copy)]
-struct CellSide<const D: usize> {
+pub(super) struct CellSide<const D: usize> {
     /// Nodes in increasing order.
-    nodes: [u32; D],
+    pub(super) nodes: [u32; D],
     /// Position of the cell.
-    cell: u32,
+    pub(super) cell: u32,
     /// Position of the vertex that the side is without.
     without: u8,
     /// True if the cell has the side in the even order of its nodes.
@@ -31,7 +33,7 @@ struct CellSide<const D: usize> {
 }
 
 /// Sides of all cells, by their nodes in increasing order; the same sides of several cells in the order of the cells.
-struct CellSides<const D: usize> {
+pub(super) struct CellSides<const D: usize> {
     /// Position of the first side whose lowest node is this one, and the number of all.
     starts: Vec<u32>,
     sides: Vec<CellSide<D>>,
@@ -65,7 +67,7 @@ impl<const D: usize> CellSides<D> {
     }
 
     /// Cells at each side.
-    fn groups(&self) -> impl Iterator<Item = &[CellSide<D>]> {
+    pub(super) fn groups(&self) -> impl Iterator<Item = &[CellSide<D>]> {
         self.sides.chunk_by(|one, two| one.nodes == two.nodes)
     }
 }
@@ -122,7 +124,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         let corners = facets.iter().map(|facet| facet.nodes.map(|node| self.points[node as usize]));
         let boxes = FacetBoxes::new(corners);
         let inside = self.keep_parts_of(&mut facets)?;
-        Ok(BoundaryFacets { facets, cells: owners, boxes, inside })
+        Ok(BoundaryFacets { facets, cells: owners, boxes, inside, sides })
     }
 
     /// Checks that no side has three cells, nor two on the same side of it; of the faults, that of the first cell.

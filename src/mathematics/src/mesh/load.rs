@@ -6,10 +6,9 @@
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
 use super::{Element, Mesh};
 use crate::discrete::adaptive::{COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
-use crate::machine::threads::in_tasks;
+use crate::machine::threads::{items_per_task, map_range};
 use crate::problem::error::SourceError;
 use crate::problem::shape::Shape;
-use rayon::prelude::*;
 
 /// f on the cells of a mesh.
 pub trait OnCells<const D: usize>: Sync {
@@ -42,6 +41,13 @@ pub struct MeshLoad {
     pub size: f64,
     /// Sum of the differences of the formulas by which f was sampled; none if all integrals are exact.
     pub unsettled: Option<f64>,
+}
+
+impl MeshLoad {
+    /// Part of the integral of |f| that the quadrature of f may have missed; none if all integrals are exact.
+    pub fn missed(&self) -> Option<f64> {
+        self.unsettled.map(|unsettled| unsettled / self.size)
+    }
 }
 
 impl<const V: usize> CellPart<V> {
@@ -127,10 +133,11 @@ where
         tolerance: f64::INFINITY,
     };
     for start in (0..cells).step_by(RUN) {
-        let run = (start..cells.min(start + RUN)).into_par_iter();
-        let parts = in_tasks(run, COST)
-            .map_init(CellCutter::new, |cutter, cell| work.integrate(cutter, cell, once));
-        for (cell, part) in (start..).zip(parts.collect::<Vec<_>>()) {
+        let run = start..cells.min(start + RUN);
+        let each = items_per_task(run.len(), COST);
+        let of_cell = |cutter: &mut CellCutter<D, V>, cell| work.integrate(cutter, cell, once);
+        let parts = map_range(run, each, CellCutter::new, of_cell);
+        for (cell, part) in (start..).zip(parts) {
             let part = part?;
             made.size += part.part.size;
             if part.worst > SETTLED * made.size {
@@ -149,9 +156,10 @@ where
         tolerance: SETTLED * size,
         ..once
     };
-    let finer = in_tasks(open.par_iter(), COST * more.most_parts)
-        .map_init(CellCutter::new, |cutter, (cell, _)| work.integrate(cutter, *cell, more));
-    for ((cell, coarse), part) in open.iter().zip(finer.collect::<Vec<_>>()) {
+    let each = items_per_task(open.len(), COST * more.most_parts);
+    let of_open = |cutter: &mut CellCutter<D, V>, k: usize| work.integrate(cutter, open[k].0, more);
+    let finer = map_range(0..open.len(), each, CellCutter::new, of_open);
+    for ((cell, coarse), part) in open.iter().zip(finer) {
         let part = part?;
         made.size += part.part.size - coarse.part.size;
         made.add(*cell, &part);

@@ -6,6 +6,7 @@ mod any;
 mod arcs;
 mod assemble;
 mod ball;
+mod beyond;
 mod bisect;
 mod boundary;
 mod builtin;
@@ -27,6 +28,7 @@ mod names;
 mod nested;
 mod origin;
 mod overlap;
+mod pinched;
 mod refine;
 mod same_place;
 mod sides;
@@ -37,6 +39,7 @@ pub use any::{AnyMesh, PartError};
 pub use arcs::mesh_arcs;
 pub use assemble::assemble;
 pub(crate) use assemble::assemble_sides;
+pub use beyond::{CurveGain, curve_gains};
 pub use bisect::{Bisected, bisect, label_longest_edges};
 pub use boundary::{BoundaryCurve, boundary_curves};
 pub use builtin::{BUILT_IN, BuiltIn};
@@ -54,7 +57,6 @@ pub use names::Names;
 pub use nested::{NestedMeshes, nested_meshes, refined};
 pub use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
-pub use same_place::Touching;
 pub use sides::Sides;
 pub(crate) use sides::{BoundarySide, Neighbour};
 pub use source::{MeshSource, MeshSourceError};
@@ -99,6 +101,8 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) points: Vec<[f64; D]>,
     /// Numbers of the vertices of each cell, in the order that refinement wants: in space some in the negative sense.
     pub(crate) cells: Vec<[u32; V]>,
+    /// Number of the element of the file in which each cell lies; of a refined mesh none, unless it is curved.
+    pub(crate) elements: Vec<u64>,
     /// Position of the region of each cell in `region_names`.
     pub(crate) regions: Vec<u16>,
     /// Names of the regions.
@@ -109,8 +113,8 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) parts: Vec<Part<D>>,
     /// Names of facets that all lie inside the domain.
     pub(crate) inside: Vec<String>,
-    /// Place where the domain touches itself.
-    pub(crate) touching: Option<Touching>,
+    /// Lines to be told of places where the domain touches itself.
+    pub(crate) touching: Vec<String>,
     /// Place of the mesh in its file, and what was read otherwise than it stands there.
     pub(crate) origin: MeshOrigin,
 }
@@ -213,9 +217,9 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &mut self.parts
     }
 
-    /// Place where the domain touches itself with nodes of both sides, if there is one.
-    pub fn touching(&self) -> Option<&Touching> {
-        self.touching.as_ref()
+    /// Lines to be told of places where the domain touches itself with nodes of both sides.
+    pub fn touching(&self) -> &[String] {
+        &self.touching
     }
 
     /// Place of the mesh in its file, and what was read otherwise than it stands there.
@@ -225,8 +229,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
     /// As [`AnyMesh::notes`].
     pub(crate) fn notes(&self) -> Vec<String> {
-        let touching = self.touching.iter().map(Touching::to_string);
-        self.origin.notes().into_iter().chain(touching).collect()
+        self.origin.notes().into_iter().chain(self.touching.iter().cloned()).collect()
     }
 
     /// Place in the space of the file of a point of the domain.

@@ -9,6 +9,12 @@ pub struct MeshOrigin {
     pub of_higher_order: usize,
     /// Number of quadrangles, which a diagonal cuts.
     pub quadrangles: usize,
+    /// Number of triangles that the file writes as quadrangles with a node twice.
+    pub collapsed: usize,
+    /// Number of elements of a lower dimension that are on no cell, and in no group.
+    pub left_out: usize,
+    /// True if the file tells of a volume, and has no tetrahedra.
+    pub without_volume: bool,
 }
 
 /// Plane in space, with two coordinates.
@@ -56,22 +62,38 @@ impl PlaneInSpace {
 impl MeshOrigin {
     /// Returns, in a line each, what was read otherwise than it stands in the file.
     pub fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        match self.of_higher_order {
-            0 => (),
-            1 => notes.push(
-                "1 element of higher order is read by its corners, with straight sides".into(),
+        let counted = [
+            (
+                self.of_higher_order,
+                "element of higher order is read by its corners, with straight sides",
+                "elements of higher order are read by their corners, with straight sides",
             ),
-            count => notes.push(format!(
-                "{count} elements of higher order are read by their corners, with straight sides"
-            )),
+            (
+                self.quadrangles,
+                "quadrangle is cut into triangles, by its shorter diagonal",
+                "quadrangles are cut into triangles, each by its shorter diagonal",
+            ),
+            (
+                self.collapsed,
+                "quadrangle with a node twice is read as a triangle",
+                "quadrangles with a node twice are read as triangles",
+            ),
+            (
+                self.left_out,
+                "element of a lower dimension that is on no cell and in no group is left out",
+                "elements of a lower dimension that are on no cell and in no group are left out",
+            ),
+        ];
+        let mut notes = Vec::new();
+        for (count, one, several) in counted.into_iter().filter(|(count, ..)| *count > 0) {
+            notes.push(format!("{count} {}", if count == 1 { one } else { several }));
         }
-        match self.quadrangles {
-            0 => (),
-            1 => notes.push("1 quadrangle is cut into triangles, by its shorter diagonal".into()),
-            count => notes.push(format!(
-                "{count} quadrangles are cut into triangles, each by its shorter diagonal"
-            )),
+        if self.without_volume {
+            notes.push(
+                "the file tells of a volume and has no tetrahedra: the domain is the surface; to have the volume, mesh \
+                 it with `gmsh -3`, in a Physical Volume if there are groups"
+                    .into(),
+            );
         }
         if let PlaneInSpace::Other { axes, .. } = &self.plane {
             let [x, y] = axes.each_ref().map(in_words);

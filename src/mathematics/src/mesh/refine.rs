@@ -3,7 +3,6 @@
 //! New nodes are numbered after the old ones in the order of the [edges](super::Edges) that they halve, and lie on the
 //! curve of their boundary part.
 
-use super::check::check_piece;
 use super::error::MeshError;
 use super::{Edges, Element, Facet, Mesh};
 
@@ -96,15 +95,19 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         let [a, b] = [mesh.points[a as usize], mesh.points[b as usize]];
         std::array::from_fn(|d| 0.5 * (a[d] + b[d]))
     }));
-    let is_curved = mesh.put_on_curves(&numbers, &mut points);
+    mesh.put_on_curves(&numbers, &mut points);
     let count = children * mesh.cells.len();
     let (mut cells, mut regions) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (cell, &region) in mesh.cells.iter().zip(&mesh.regions) {
         numbers.split(*cell, &mut cells);
         regions.resize(cells.len(), region);
     }
-    if is_curved {
+    let mut elements = Vec::new();
+    if mesh.is_curved() {
         check_orientation(mesh, &points, &cells)?;
+        elements.extend(
+            mesh.elements.iter().flat_map(|&element| std::iter::repeat_n(element, children)),
+        );
     }
     let mut facets = Vec::with_capacity((children / 2) * mesh.facets.len());
     let mut pieces = Vec::new();
@@ -116,6 +119,7 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
     let refined = Mesh {
         points,
         cells,
+        elements,
         regions,
         region_names: mesh.region_names.clone(),
         facets,
@@ -128,9 +132,8 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
 }
 
 impl<const D: usize, const V: usize> Mesh<D, V> {
-    /// Moves the midpoints of edges of curved parts onto the curves; true if there are any.
-    fn put_on_curves(&self, numbers: &NodeNumbers<'_>, points: &mut [[f64; D]]) -> bool {
-        let mut moved = false;
+    /// Moves the midpoints of edges of curved parts onto the curves.
+    fn put_on_curves(&self, numbers: &NodeNumbers<'_>, points: &mut [[f64; D]]) {
         for facet in &self.facets {
             let Some(curve) = self.parts[facet.part as usize].curve else { continue };
             for i in 0..D {
@@ -138,11 +141,9 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
                     let edge = numbers.edges.between(facet.nodes[i], facet.nodes[j]);
                     let point = &mut points[numbers.old + edge];
                     *point = curve.nearest(*point);
-                    moved = true;
                 }
             }
         }
-        moved
     }
 }
 
@@ -158,7 +159,7 @@ fn check_orientation<const D: usize, const V: usize>(
         let parent = Element::new(vertices);
         for (child, nodes) in children.iter().enumerate() {
             let expected = parent.is_mirrored != is_mirrored_child(V, child);
-            check_piece(nodes.map(|node| points[node as usize]), expected, k)?;
+            coarse.check_piece(k, nodes.map(|node| points[node as usize]), expected)?;
         }
     }
     Ok(())
@@ -268,7 +269,8 @@ mod tests {
         disc.parts_mut()[0].curve = Some(Round::sphere([0.0; 2], 0.1));
         assert_eq!(
             refine(&disc).err().unwrap().to_string(),
-            "element 0 turns inside out when its new nodes are put on the curve; begin with a finer mesh"
+            "element 0 turns inside out, or a piece of it, when the new nodes of part `rim` are put on its curve; \
+             begin with a finer mesh there"
         );
         let refused = MeshError::TooManyNodes { cells: 1 << 40 }.to_string();
         assert_eq!(refused, "1099511627776 elements are more than 32 bits number; refine less");

@@ -1,14 +1,14 @@
 //! f on a mesh as text: by named regions, by shapes, by a formula, or as a known solution's.
 //!
-//! `region(name)=v` is f on all cells of that region, whatever the shapes say; v is a number or a formula. The rest of
-//! the text is that of a [`Source`].
+//! `region(name)=v` is f on all cells of that region, whatever the shapes say; v is a number or a formula. A name with
+//! `=` or `;` stands in quotes. The rest of the text is that of a [`Source`].
 
 use super::Names;
 use super::cut::ConstantPieces;
-use super::load::OnCells;
+use super::load::{MeshLoad, OnCells};
 use crate::problem::error::SourceError;
 use crate::problem::exact::Known;
-use crate::problem::source::Source;
+use crate::problem::source::{Source, check_sizes};
 
 /// f on a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,11 @@ pub enum MeshSourceError {
     /// As on the square.
     #[error(transparent)]
     Source(#[from] SourceError),
+    /// A region without a value, or with a name whose end is not to be told.
+    #[error(
+        "cannot read `{0}` in f; write region(NAME)=VALUE, a name with = or ; in quotes, as in region(\"a=b\")=-1"
+    )]
+    Region(String),
     /// A region that the mesh has not.
     #[error("f names the region `{name}`, which the mesh has not; its regions are {regions}")]
     UnknownRegion {
@@ -53,8 +58,11 @@ impl<const D: usize> MeshSource<D> {
     pub fn read(text: &str, region_names: &[Names], size: f64) -> Result<Self, MeshSourceError> {
         let mut regions = vec![None; region_names.len()];
         let mut rest = Vec::new();
-        for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
+        for item in items(text) {
             let Some((name, value)) = region(item) else {
+                if item.starts_with(REGION) {
+                    return Err(MeshSourceError::Region(item.into()));
+                }
                 rest.push(item);
                 continue;
             };
@@ -103,10 +111,12 @@ impl<const D: usize> MeshSource<D> {
     ///
     /// # Errors
     /// [`SourceError::Scale`].
-    pub fn check_scale(&self, integral_of_size: f64) -> Result<(), SourceError> {
+    pub fn check_scale(&self, load: &MeshLoad) -> Result<(), SourceError> {
+        if load.size == 0.0 && load.cells.mean.iter().any(|mean| *mean != 0.0) {
+            return Err(SourceError::Scale { what: "the integral of |f|", size: 0.0 });
+        }
         let parts = self.regions.iter().flatten().chain([&self.rest]);
-        let sizes = parts.map(|f| f.largest().unwrap_or(integral_of_size));
-        Source::<D>::constant(sizes.fold(0.0, f64::max)).check_scale(integral_of_size)
+        check_sizes(parts.filter_map(Source::largest).reduce(f64::max), load.size)
     }
 }
 
@@ -134,10 +144,34 @@ fn set_named<const D: usize>(
     })
 }
 
+/// Beginning of a region.
+const REGION: &str = "region(";
+/// Beginning of a region with its name in quotes, and the end of the name.
+const QUOTED: [&str; 2] = ["region(\"", "\")"];
+
+/// Pieces of a text between semicolons or ends of lines, but for those in quotes around the name of a region.
+fn items(text: &str) -> Vec<&str> {
+    let [begin, end] = QUOTED;
+    let (mut items, mut rest) = (Vec::new(), text.trim_start());
+    while !rest.is_empty() {
+        let name = rest.strip_prefix(begin).and_then(|name| name.find(end));
+        let after = name.map_or(0, |length| begin.len() + length + end.len());
+        let length = rest[after..].find([';', '\n']).map_or(rest.len(), |length| after + length);
+        items.push(rest[..length].trim());
+        rest = rest[length..].trim_start_matches([';', '\n']).trim_start();
+    }
+    items.retain(|item| !item.is_empty());
+    items
+}
+
 /// Reads `region(name)=value`.
 fn region(item: &str) -> Option<(&str, &str)> {
+    let [begin, end] = QUOTED;
+    if let Some((name, rest)) = item.strip_prefix(begin).and_then(|rest| rest.split_once(end)) {
+        return Some((name, rest.trim_start().strip_prefix('=')?.trim()));
+    }
     let (left, value) = item.split_once('=')?;
-    let name = left.trim().strip_prefix("region(")?.strip_suffix(')')?;
+    let name = left.trim().strip_prefix(REGION)?.strip_suffix(')')?;
     Some((name.trim(), value.trim()))
 }
 
@@ -171,13 +205,13 @@ mod tests {
     use super::*;
     use crate::mesh::{BuiltIn, mesh_load};
 
-    fn names(names: &[&str]) -> Vec<Names> {
+    fn names_of(names: &[&str]) -> Vec<Names> {
         names.iter().map(|name| (*name).into()).collect()
     }
 
     #[test]
     fn regions_and_shapes_are_read_together() {
-        let names = names(&["core", "shell"]);
+        let names = names_of(&["core", "shell"]);
         let f = MeshSource::<2>::read("region(core)=-1/4;  disc(0,0,1)=2; else=-1", &names, 1.0)
             .unwrap();
         assert_eq!([f.at(0, [0.0; 2]), f.at(1, [0.0; 2]), f.at(1, [2.0; 2])], [-0.25, 2.0, -1.0]);
@@ -199,6 +233,19 @@ mod tests {
             ),
         ] {
             assert_eq!(MeshSource::<2>::read(text, &names, 1.0).unwrap_err().to_string(), said);
+        }
+        let odd = names_of(&["a=b; c", "d"]);
+        for text in [
+            "region(\"a=b; c\")=1; else=2",
+            "else=2;; region(\"a=b; c\") = 1\n",
+            "region(d)=2;else=1",
+        ] {
+            let f = MeshSource::<2>::read(text, &odd, 1.0).unwrap();
+            assert_eq!([f.at(0, [0.0; 2]), f.at(1, [0.0; 2])], [1.0, 2.0], "{text}");
+        }
+        for text in ["region(a=b; c)=1; else=2", "region(d); else=1"] {
+            let said = MeshSource::<2>::read(text, &odd, 1.0).unwrap_err().to_string();
+            assert!(said.contains("a name with = or ; in quotes"), "{said}");
         }
         let said = MeshSource::<2>::read("region(core)=1; region(shell)=2", &both, 1.0);
         assert_eq!(said.unwrap_err(), MeshSourceError::TwoValues("core, shell".into()));

@@ -264,6 +264,17 @@ mod tests {
         assert!("formula(x*y*z - 1)".parse::<Source<3>>().is_ok());
         let alone = "formula(x); else=1".parse::<Source>().unwrap_err().to_string();
         assert!(alone.contains("stands alone"), "{alone}");
+        for text in [
+            "formula(sin(x)-2",
+            "formula(sin(x",
+            "formula(x",
+            "formula(x; else=1",
+            "formula(sin(x-2)",
+        ] {
+            let open = text.parse::<Source>().unwrap_err().to_string();
+            assert!(!open.contains("stands alone"), "{open}");
+            assert_eq!(open.contains("a parenthesis is not closed"), !text.contains(';'), "{open}");
+        }
     }
 
     #[test]

@@ -60,8 +60,14 @@ impl<const D: usize> Source<D> {
             return exact(name.trim(), D).map(Self::Exact);
         }
         if let Some(rest) = text.trim().strip_prefix("formula(") {
-            let formula = rest.strip_suffix(')').ok_or(SourceError::NotAlone)?;
-            return Formula::read(formula, D).map(Self::Formula);
+            let [opened, closed] = ['(', ')'].map(|parenthesis| rest.matches(parenthesis).count());
+            let formula = match rest.strip_suffix(')') {
+                Some(formula) => Formula::read(formula, D),
+                None if opened < closed => return Err(SourceError::NotAlone),
+                // With the parenthesis that is not closed.
+                None => Formula::read(&format!("({rest}"), D),
+            };
+            return formula.map(Self::Formula);
         }
         let (mut background, mut pieces) = (None, Vec::new());
         for item in text.split([';', '\n']).map(str::trim).filter(|item| !item.is_empty()) {
@@ -129,16 +135,7 @@ impl<const D: usize> Source<D> {
         if let Self::Formula(formula) = self {
             formula.check_on_unit_domain(D)?;
         }
-        // The mean of a formula is not far from its largest value.
-        let largest = self.largest().unwrap_or(integral_of_size.abs());
-        if largest > 0.0 && !SCALE.contains(&largest) {
-            return Err(SourceError::Scale { what: "the largest value of |f|", size: largest });
-        }
-        let size = integral_of_size.abs();
-        if largest > 0.0 && size < SCALE.start {
-            return Err(SourceError::Scale { what: "the integral of |f|", size });
-        }
-        Ok(())
+        check_sizes(self.largest(), integral_of_size)
     }
 
     /// Value at a point; on the border of a piece, the piece's.
@@ -152,6 +149,22 @@ impl<const D: usize> Source<D> {
             Self::Exact(exact) => exact.f(&point),
             Self::Formula(formula) => formula.at(&point),
         }
+    }
+}
+
+/// Checks that the largest value of |f|, where it is known, and the integral of |f| or its negative are of a size that
+/// all solvers compute with. f = 0 passes.
+///
+/// # Errors
+/// [`SourceError::Scale`].
+pub(crate) fn check_sizes(largest: Option<f64>, integral: f64) -> Result<(), SourceError> {
+    let sizes = [
+        ("the largest value of |f|", largest.unwrap_or_default()),
+        ("the integral of |f|", integral.abs()),
+    ];
+    match sizes.into_iter().find(|(_, size)| *size > 0.0 && !SCALE.contains(size)) {
+        Some((what, size)) => Err(SourceError::Scale { what, size }),
+        None => Ok(()),
     }
 }
 
@@ -351,10 +364,16 @@ mod tests {
             ("disc(0,0,0.1)=1e308; else=-1e308", f64::NAN, false),
             ("else=-1e-129", 1e-129, true),
             ("else=-1e-131", 1e-131, false),
+            // Nothing of f lies in the domain, and a large domain.
+            ("disc(3,0,0.1)=1; else=0", 0.0, true),
+            ("else=-1e100", 1e160, false),
         ] {
             let f: Source = text.parse().unwrap();
             assert_eq!(f.check_scale(size).is_ok(), fits, "{text}");
         }
+        let peak: Source = "formula(1e140*exp(-1e8*(x*x+y*y)) - 1e131)".parse().unwrap();
+        let refusal = peak.check_scale(3.24e132).unwrap_err().to_string();
+        assert!(refusal.starts_with("the integral of |f| is 3.24e132"), "{refusal}");
     }
 
     #[test]

@@ -203,11 +203,10 @@ pub(super) fn judged(
     [gradient_signed, gradient_abs]: [f64; 2],
 ) -> Outcome {
     let (shape, judgement) = (domain.shape(), judge(domain, law, &pair.y, load));
-    // Without contact nodes the least multiplier is infinite.
     let finite = [judgement.energy, gradient_abs, judgement.kkt.natural]
         .iter()
         .all(|value| value.is_finite())
-        && judgement.kkt.min_lambda > f64::NEG_INFINITY;
+        && judgement.kkt.min_lambda.is_none_or(f64::is_finite);
     let end = End { stop: if finite { end.stop } else { Stop::Diverged }, ..end };
     let has_solution = has_solution(domain, law, load);
     let outcome = Outcome::new(end, &judgement, shape.cells, load, has_solution);

@@ -116,6 +116,7 @@ mod trace;
 
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
+use crate::machine::threads::map_range;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -127,7 +128,6 @@ use energy::Energies;
 pub use jumps::Touch;
 use place::BoundaryPlace;
 use problem::SpectralProblem;
-use rayon::prelude::*;
 use search::FoundTrace;
 use trace::{BoundaryValues, Sign, Trace};
 
@@ -386,8 +386,8 @@ impl Solution {
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.
     pub fn at_nodes(&self, n: usize) -> Vec<f64> {
-        let nodes = (0..(n + 1) * (n + 1)).into_par_iter();
-        nodes.map(|k| self.at_node(n, [k % (n + 1), k / (n + 1)])).collect()
+        let at = |(): &mut (), k: usize| self.at_node(n, [k % (n + 1), k / (n + 1)]);
+        map_range(0..(n + 1) * (n + 1), n + 1, || (), at)
     }
 
     /// v at the node in a column and a row of the grid with `n` cells per side.

@@ -1,37 +1,34 @@
 //! Figures that only the book shows: the problem, the grid, and the paper's problems where the first rule stops.
 
-use super::{drawing, surface};
+use super::{Drawing, drawing, shown, surface};
 use crate::figures::{
     DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, grid, membrane,
     mesh_picture, range_with_zero, surfaces, table_of_surfaces,
 };
 use crate::pipeline::error::Failure;
-use crate::pipeline::{Inputs, Task, parameters};
-use crate::replication::scene::Scene;
+use crate::pipeline::{Inputs, Made, Task};
+use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::solve;
-use serde_json::json;
 use signorini_mathematics::experiments::adapted::AdaptedProblem;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, tolerance};
 use signorini_mathematics::solvers::{self, Run, Settings, Solver};
-use std::collections::BTreeMap;
+
+/// Returns the drawing of scenes, each as its surface shows it.
+fn of_surfaces(title: &str, scenes: &[&Scene]) -> Drawing {
+    let scenes = scenes.iter().map(|scene| shown(Output::Surface, scene)).collect();
+    Drawing { title: title.into(), scenes }
+}
 
 /// The task that draws, in a row per problem, the surface where the paper stopped, the solution, and the difference.
 pub(super) fn stops(scenes: &[&Scene]) -> Task {
-    let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
-    let mut hashed = BTreeMap::new();
-    for scene in &scenes {
-        let Scene { name, title, .. } = scene;
-        hashed.insert(format!("{name}.title"), title.clone());
-        hashed.insert(format!("{name}.f"), scene.on_grids().f.to_string());
-    }
-    let needs = scenes.iter().map(surface).collect();
+    let needs = scenes.iter().map(|scene| surface(scene)).collect();
     let title = "Where the paper stopped, where the solution is, and the difference";
-    let task = drawing("stops", title.into(), needs, move |inputs| {
+    drawing("stops", &of_surfaces(title, scenes), needs, |it, inputs| {
         let mut rows = Vec::new();
-        for scene in &scenes {
+        for scene in &it.scenes {
             rows.push(row_of_stops(inputs, scene)?);
         }
         let mut panels = Vec::new();
@@ -40,9 +37,8 @@ pub(super) fn stops(scenes: &[&Scene]) -> Task {
             let (azimuth, range) = (row[1].azimuth(), Some(range_with_zero(heights)));
             panels.extend(row.iter().map(|one| one.panel(azimuth, range)));
         }
-        Ok(surfaces(3, &panels))
-    });
-    Task { parameters: hashed, ..task }
+        it.made(inputs, surfaces(3, &panels))
+    })
 }
 
 /// Surfaces of one problem: where the paper stopped, the solution, and the difference.
@@ -63,12 +59,18 @@ fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<[DrawnSolution; 3], Fa
 
 /// The task that draws the surfaces where the paper stopped on each grid, and the solution.
 pub(super) fn iterates(scene: &Scene) -> Task {
-    let scene = scene.clone();
     let title = format!("{}: where the paper stopped on each grid, and the solution", scene.title);
-    let hashed = parameters(&json!({ "title": scene.title, "cell": solve::drawn(&scene) }));
-    let task = drawing("iterates", title, Vec::new(), move |_| {
-        let mut states = solve::stops(&scene)?;
-        states.push((scene.finest(), solve::solution(&scene)?));
+    // The method runs again, with all its settings.
+    let mut scene = Scene { outputs: Vec::new(), ..scene.clone() };
+    if let Some(settings) = &mut scene.settings {
+        settings.r = vec![settings.draw_r];
+        settings.stop.truncate(1);
+    }
+    let scenes = vec![scene];
+    drawing("iterates", &Drawing { title, scenes }, Vec::new(), |it, inputs| {
+        let scene = &it.scenes[0];
+        let mut states = solve::stops(scene)?;
+        states.push((scene.finest(), solve::solution(scene)?));
         let mut drawn = Vec::new();
         for (k, (grid, pair)) in states.iter().enumerate() {
             let title = match k + 1 == states.len() {
@@ -81,27 +83,28 @@ pub(super) fn iterates(scene: &Scene) -> Task {
         let range = Some(range_with_zero(heights));
         let azimuth = drawn[drawn.len() - 1].azimuth();
         let panels: Vec<_> = drawn.iter().map(|one| one.panel(azimuth, range)).collect();
-        Ok(surfaces(3, &panels))
-    });
-    Task { parameters: hashed, ..task }
+        it.made(inputs, surfaces(3, &panels))
+    })
 }
 
 /// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
 pub(super) fn drawings() -> [Task; 5] {
-    let domains = "Solutions on the L-shape, the disc and the annulus";
-    [
-        drawing("domains", domains.into(), Vec::new(), |_| Ok(on_domains()?)),
-        drawing("meshes", "Meshes of three domains, refined once".into(), Vec::new(), |_| {
-            Ok(meshes()?)
+    let all: [(&str, &str, fn(&Drawing, &Inputs) -> Made); 5] = [
+        ("domains", "Solutions on the L-shape, the disc and the annulus", |it, inputs| {
+            it.made(inputs, on_domains()?)
         }),
-        drawing("adapted-mesh", "Adapted meshes of two domains".into(), Vec::new(), |_| {
-            Ok(adapted_meshes()?)
+        ("meshes", "Meshes of three domains, refined once", |it, inputs| {
+            it.made(inputs, meshes()?)
         }),
-        drawing("membrane", "The square and its membrane".into(), Vec::new(), |_| Ok(membrane())),
-        drawing("grid", "The coarsest grid, in the order of the sweep".into(), Vec::new(), |_| {
-            Ok(grid())
+        ("adapted-mesh", "Adapted meshes of two domains", |it, inputs| {
+            it.made(inputs, adapted_meshes()?)
         }),
-    ]
+        ("membrane", "The square and its membrane", |it, inputs| it.made(inputs, membrane())),
+        ("grid", "The coarsest grid, in the order of the sweep", |it, inputs| {
+            it.made(inputs, grid())
+        }),
+    ];
+    all.map(|(name, title, draw)| drawing(name, &Drawing::new(title), Vec::new(), draw))
 }
 
 /// Domains that are drawn: name, f, and number of refinements.
@@ -166,20 +169,11 @@ fn on_domains() -> Result<Picture, String> {
 
 /// The task that draws the gradient where the paper stopped, a map per problem.
 pub(super) fn gradients(scenes: &[&Scene]) -> Task {
-    let scenes: Vec<Scene> = scenes.iter().copied().cloned().collect();
-    let mut hashed = BTreeMap::new();
-    for scene in &scenes {
-        let read = json!({
-            "title": scene.title, "f": scene.on_grids().f.to_string(),
-            "load": scene.on_grids().load, "grids": scene.on_grids().grids.len(), "r": scene.saddle().draw_r,
-        });
-        hashed.insert(scene.name.clone(), read.to_string());
-    }
-    let needs = scenes.iter().map(surface).collect();
+    let needs = scenes.iter().map(|scene| surface(scene)).collect();
     let title = "Components of the gradient where the paper stopped, over the tolerance";
-    let task = drawing("gradient", title.into(), needs, move |inputs| {
+    drawing("gradient", &of_surfaces(title, scenes), needs, |it, inputs| {
         let mut panels = Vec::new();
-        for scene in &scenes {
+        for scene in &it.scenes {
             panels.push(GradientPanel {
                 title: &scene.title,
                 grid: scene.finest(),
@@ -187,7 +181,6 @@ pub(super) fn gradients(scenes: &[&Scene]) -> Task {
                 gradient: solve::gradient(inputs, scene)?,
             });
         }
-        Ok(draw_gradients(&panels))
-    });
-    Task { parameters: hashed, ..task }
+        it.made(inputs, draw_gradients(&panels))
+    })
 }

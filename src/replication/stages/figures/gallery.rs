@@ -1,13 +1,14 @@
 //! The gallery: maps of problems of all kinds, each with the one command that makes it and three numbers.
 
-use super::{drawing, id};
+use super::{drawing, id, made};
 use crate::figures::SolutionMap;
 use crate::pipeline::error::Failure;
-use crate::pipeline::{InputFile, InputFiles, Inputs, Task, parameters};
+use crate::pipeline::{InputFile, InputFiles, Inputs, Made, Task};
 use crate::replication::domain::DomainSettings;
 use crate::replication::project::Project;
 use crate::replication::stages::artifact;
 use crate::replication::stated::{OnSquare, StatedProblem};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::levels::Problem;
@@ -111,6 +112,9 @@ const GALLERY: [Shown; 8] = [
     },
 ];
 
+/// Most columns of a command on the page.
+const WIDTH: usize = 86;
+
 /// Columns of the table beside a picture.
 const COLUMNS: [&str; 3] = ["energy", "error", "held"];
 
@@ -126,28 +130,47 @@ struct SolvedPicture {
 }
 
 impl Shown {
-    /// Command that solves the problem and draws the picture.
-    fn command(&self) -> String {
-        // Long commands go on in a second line.
-        let mut command = format!("solve --f '{}' \\\n   ", self.f);
+    /// Command that solves the problem and draws the picture, as the words between which a line of it may end. A long f
+    /// is broken behind its semicolons.
+    fn command(&self) -> Vec<String> {
+        let quote = if self.f.len() < WIDTH - 40 { '\'' } else { '"' };
+        let f = format!("--f {quote}{}{quote}", self.f);
+        let mut words: Vec<String> = vec!["solve".into()];
+        match quote {
+            '"' => words.extend(f.split_inclusive("; ").map(|part| part.trim_end().to_owned())),
+            _ => words.push(f),
+        }
         if let Some((domain, refine)) = self.mesh {
-            command += &format!(" --domain {domain} --refine {refine}");
+            words.extend([format!("--domain {domain}"), format!("--refine {refine}")]);
         }
         if let Some(finest) = self.grids.last().filter(|_| self.grids != PLAIN.grids) {
-            command += &format!(" --h 1/{finest}");
+            words.push(format!("--h 1/{finest}"));
         }
-        for (option, value) in self.parts {
-            command += &format!(" {option} {value}");
+        words.extend(self.parts.iter().map(|(option, value)| format!("{option} {value}")));
+        match self.law {
+            Some(LawParameter::Friction(g)) => words.push(format!("--friction {g}")),
+            Some(LawParameter::Limit(limit)) => words.push(format!("--limit {limit}")),
+            None => {}
         }
-        command += &match self.law {
-            Some(LawParameter::Friction(g)) => format!(" --friction {g}"),
-            Some(LawParameter::Limit(limit)) => format!(" --limit {limit}"),
-            None => String::new(),
-        };
         if self.solver != Solver::Multigrid {
-            command += &format!(" --solver {}", self.solver);
+            words.push(format!("--solver {}", self.solver));
         }
-        format!("{command} --map --out target/{}.svg", self.name)
+        words.extend(["--map".into(), format!("--out target/{}.svg", self.name)]);
+        words
+    }
+
+    /// Lines of the command for a shell, behind those words.
+    fn lines(&self, first: &str) -> String {
+        let mut lines = vec![first.to_owned()];
+        for word in self.command() {
+            let last = lines.len() - 1;
+            if lines[last].len() + word.len() + " \\".len() < WIDTH {
+                lines[last] += &format!(" {word}");
+            } else {
+                lines.push(format!("    {word}"));
+            }
+        }
+        lines.join(" \\\n")
     }
 
     /// Problem as the command states it.
@@ -218,34 +241,52 @@ fn held(problem: &Problem, pair: &Pair) -> f64 {
     held / all
 }
 
+/// Picture of the gallery, by the name of its problem there; title and command are said for `explain`.
+#[derive(Serialize, Deserialize)]
+struct GalleryPicture {
+    name: String,
+    title: String,
+    command: String,
+}
+
 /// The tasks that draw the gallery; a picture whose mesh the project lacks is left out.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let mut tasks = Vec::new();
     for shown in &GALLERY {
-        let path = shown.mesh.map(|(name, _)| name).filter(|name| *name == GEAR);
-        let file = path.map(|path| (path, project.root.join(path)));
-        if file.as_ref().is_some_and(|(_, path)| !path.is_file()) {
-            continue;
+        let mut files = InputFiles::new();
+        if let Some((GEAR, _)) = shown.mesh {
+            // A scene may have the mesh too.
+            let known = project.files.get(GEAR).cloned();
+            let path = project.root.join(GEAR);
+            let Some(file) = known.or_else(|| path.is_file().then(|| InputFile::new(path))) else {
+                continue;
+            };
+            files.insert(GEAR.into(), file);
         }
-        let files = file.map(|(name, path)| (name.to_owned(), InputFile::new(path)));
-        let files: InputFiles = files.into_iter().collect();
-        let task = drawing(shown.name, shown.title.into(), Vec::new(), move |inputs| {
-            let stated = shown.stated()?;
-            let problem = stated.problem(inputs.files)?;
-            let SolvedPicture { pair, energy, error, held } = shown.solve(&stated, &problem)?;
-            let on = (problem.levels(), problem.law());
-            // As `solve` has it.
-            let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
-            let mut picture = SolutionMap::of(title, on, &pair)?.picture();
-            picture.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
-            Ok(picture)
-        });
-        // `explain` prints changed parameters in a line each.
-        let command = shown.command().replace("\\\n   ", "");
-        let said = parameters(&json!({ "title": shown.title, "command": command }));
-        tasks.push(Task { parameters: said, files, ..task });
+        let picture = GalleryPicture {
+            name: shown.name.into(),
+            title: shown.title.into(),
+            // `explain` prints changed parameters in a line each.
+            command: shown.command().join(" "),
+        };
+        tasks.push(drawing(shown.name, &picture, Vec::new(), draw).with_files(files));
     }
     tasks
+}
+
+/// Solves a problem of the gallery and draws its map.
+fn draw(picture: &GalleryPicture, inputs: &Inputs) -> Made {
+    let mut gallery = GALLERY.iter();
+    let shown = gallery.find(|shown| shown.name == picture.name).ok_or("not in the gallery")?;
+    let stated = shown.stated()?;
+    let problem = stated.problem(inputs.files)?;
+    let SolvedPicture { pair, energy, error, held } = shown.solve(&stated, &problem)?;
+    let on = (problem.levels(), problem.law());
+    // As `solve` has it.
+    let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
+    let mut drawn = SolutionMap::of(title, on, &pair)?.picture();
+    drawn.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
+    made(inputs, &picture.title, drawn)
 }
 
 /// Returns the pictures of the gallery that were made, each with its command and its numbers, for the templates.
@@ -264,7 +305,7 @@ pub(in crate::replication::stages) fn shown(inputs: &Inputs) -> Result<Vec<Value
         all.push(json!({
             "name": shown.name,
             "title": shown.title,
-            "command": shown.command(),
+            "command": shown.lines("cargo run --release --"),
             "energy": energy,
             "error": error,
             "held": held,
@@ -273,4 +314,24 @@ pub(in crate::replication::stages) fn shown(inputs: &Inputs) -> Result<Vec<Value
         }));
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_lines_that_fit_their_box_and_state_the_same_f() {
+        for shown in &GALLERY {
+            let lines = shown.lines("cargo run --release --");
+            assert!(lines.lines().all(|line| line.len() <= WIDTH), "{lines}");
+            // What a shell makes of it.
+            let words: Vec<_> =
+                lines.replace("\\\n", "").split_whitespace().map(str::to_owned).collect();
+            assert!(
+                words.join(" ").replace('"', "'").contains(&format!("--f '{}' -", shown.f)),
+                "{lines}"
+            );
+        }
+    }
 }

@@ -237,7 +237,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "rule": rule,
         // The finest level; none for the spectral solver.
         "level": level,
-        "energy": level.map(|level| level.energy).or(outcomes.without_grid.map(|end| end.energy)),
+        "energy": outcomes.last_energy().or(outcomes.without_grid.map(|end| end.energy)),
         "iterations": level.map(|level| level.end.iterations).or(outcomes.without_grid.map(|end| end.steps)),
         "nodal_error": outcomes.errors.last(),
     });

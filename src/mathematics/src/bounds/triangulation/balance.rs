@@ -5,11 +5,10 @@ use super::NoBound;
 use super::cells::{COST, Cells};
 use super::forest::CellForest;
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
-use crate::machine::threads::in_tasks;
+use crate::machine::threads::{for_runs, items_per_task};
 use crate::mesh::{BoundarySide, Condition, Sides, measure};
 use crate::problem::law::Law;
 use crate::problem::unsolvable::{Component, Unsolvable};
-use rayon::prelude::*;
 use std::cmp::Ordering;
 
 /// Distance of fluxes from the ends of a bounded interval, over the largest flux.
@@ -71,10 +70,12 @@ pub(super) fn balance<const D: usize, const V: usize>(
         });
     }
     let mut missing = masses;
-    let all = in_tasks(missing.par_iter_mut().enumerate(), COST);
-    all.for_each(|(cell, missing)| {
-        let outflow: f64 = sides.outflows(cell as u32, flux).iter().sum();
-        *missing = -*missing - outflow;
+    let run = items_per_task(missing.len(), COST);
+    for_runs(&mut missing, run, &|number, missing| {
+        for (cell, missing) in (number * run..).zip(missing) {
+            let outflow: f64 = sides.outflows(cell as u32, flux).iter().sum();
+            *missing = -*missing - outflow;
+        }
     });
     forest.carry_to_roots(sides, flux, &mut missing);
     for (tree, Outlet { side, cell, is_fixed, measure, .. }) in outlets.into_iter().enumerate() {

@@ -1,10 +1,9 @@
 //! Cells with a linear function w and an f that is constant on each: what the flux must carry, and the field that has
 //! given fluxes through the sides.
 
-use crate::machine::threads::in_tasks;
+use crate::machine::threads::{for_runs, items_per_task};
 use crate::mesh::{Element, Mesh, centroid, dot};
 use crate::problem::law::Law;
-use rayon::prelude::*;
 
 /// Numbers whose work takes as long as that on a cell.
 pub(super) const COST: usize = 8;
@@ -51,8 +50,14 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
 
     /// Integrals of f over all cells.
     pub(super) fn masses(&self) -> Vec<f64> {
-        let all = in_tasks(self.mesh.cells().par_iter().zip(self.f), COST);
-        all.map(|(nodes, f)| f * Element::new(self.mesh.vertices(nodes)).volume).collect()
+        let (nodes, mut masses) = (self.mesh.cells(), self.f.to_vec());
+        let run = items_per_task(masses.len(), COST);
+        for_runs(&mut masses, run, &|number, masses| {
+            for (nodes, mass) in nodes[number * run..].iter().zip(masses) {
+                *mass *= Element::new(self.mesh.vertices(nodes)).volume;
+            }
+        });
+        masses
     }
 
     fn load_on(&self, number: u32, volume: f64) -> f64 {

@@ -8,9 +8,8 @@
 
 use super::BoundedProblem;
 use super::cells::{COST, gradient};
-use crate::machine::threads::{among_threads, in_tasks};
+use crate::machine::threads::{among_threads, items_per_task, map_range};
 use crate::mesh::{BoundarySide, Condition, Edges, Element, Facet, Sides, dot};
-use rayon::prelude::*;
 
 /// Rounding errors of a residual, in roundings of its terms.
 const ROUNDINGS: f64 = 64.0;
@@ -142,8 +141,8 @@ fn bubbles<const D: usize, const V: usize>(
         let element = Element::new(mesh.vertices(nodes));
         let slope = gradient(&element, nodes.map(|node| w[node as usize]));
         // The mean of f is not enough where f is not constant.
-        let is_whole = f.deviation.as_ref().is_none_or(|deviation| deviation[number] == 0.0);
-        let load = 4.0 * f.mean[number] * element.volume / (V * (V + 1)) as f64;
+        let is_whole = f.cells.deviation.as_ref().is_none_or(|deviation| deviation[number] == 0.0);
+        let load = 4.0 * f.cells.mean[number] * element.volume / (V * (V + 1)) as f64;
         let cell = CellBubbles { element };
         let mut parts = [EdgeBubble::default(); MOST_EDGES];
         for (part, [i, j]) in parts.iter_mut().zip(CellBubbles::<D, V>::edges()) {
@@ -157,8 +156,9 @@ fn bubbles<const D: usize, const V: usize>(
     };
     let mut bubbles = vec![EdgeBubble::default(); edges.len()];
     for start in (0..mesh.cells().len()).step_by(RUN) {
-        let run = (start..mesh.cells().len().min(start + RUN)).into_par_iter();
-        let parts: Vec<_> = in_tasks(run, COST).map(of_cell).collect();
+        let run = start..mesh.cells().len().min(start + RUN);
+        let each = items_per_task(run.len(), COST);
+        let parts = map_range(run, each, || (), |(), number| of_cell(number));
         for (number, parts) in (start..).zip(parts) {
             let nodes = &mesh.cells()[number];
             for (part, ends) in parts.into_iter().zip(CellBubbles::<D, V>::edges()) {
@@ -205,6 +205,6 @@ fn square<const D: usize, const V: usize>(
     let of_run = |run: usize| -> f64 {
         (RUN * run..mesh.cells().len().min(RUN * (run + 1))).map(of_cell).sum()
     };
-    let of_runs = in_tasks(runs.into_par_iter(), COST * RUN).map(of_run);
-    of_runs.collect::<Vec<f64>>().iter().sum()
+    let each = items_per_task(runs.len(), COST * RUN);
+    map_range(runs, each, || (), |(), run| of_run(run)).iter().sum()
 }

@@ -35,8 +35,9 @@
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose
 //! norm is at most `h / pi` times the L2 norm of the deviation of f from the mean, h the diameter (Payne and
 //! Weinberger, Arch. Rational Mech. Anal. 5, 1960; Bebendorf, Z. Anal. Anwend. 22, 2003). The norms of sigma and of
-//! `grad w - sigma` on the cell grow by as much. J(w) takes f by the means alone, and `h / pi` times the deviation
-//! times `|grad w|` is added.
+//! `grad w - sigma` on the cell grow by as much. Where f is constant on shapes its load vector is exact, and with it
+//! J(w), from which G is taken for the lower end as well. Where f is sampled, J(w) takes f by the means alone, and
+//! `h / pi` times the deviation times `|grad w|` is added.
 
 mod around;
 mod balance;
@@ -56,8 +57,8 @@ mod tests;
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
-use crate::machine::threads::in_tasks;
-use crate::mesh::{CellData, Element, Mesh, Sides, dot};
+use crate::machine::threads::{items_per_task, join, map_range};
+use crate::mesh::{Element, Mesh, MeshLoad, Sides, dot};
 use crate::problem::law::Law;
 use around::FirstCells;
 use balance::balance;
@@ -67,7 +68,6 @@ pub use curve::{CurveShare, curve_shares};
 use fan::Fan;
 use forest::CellForest;
 use lower::lower;
-use rayon::prelude::*;
 use ring::Ring;
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -82,11 +82,11 @@ use sums::Summands;
 /// As [`BoundedProblem::bounds`].
 ///
 /// # Panics
-/// If `y`, `network` and `mesh` have not the same number of nodes, or `f` and `mesh` not the same number of cells.
+/// If `y`, `network` and `mesh` have not the same number of nodes, or `f` is not that of the mesh.
 pub fn bounds_on_mesh<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     network: &Network,
-    f: &CellData,
+    f: &MeshLoad,
     law: Law,
     y: &[f64],
 ) -> Result<Bounds, NoBound> {
@@ -104,8 +104,8 @@ pub struct BoundedProblem<'a, const D: usize, const V: usize> {
     pub sides: &'a Sides<V>,
     /// Discrete problem with the present conditions of the mesh.
     pub network: &'a Network,
-    /// f on the cells.
-    pub f: &'a CellData,
+    /// f on the mesh.
+    pub f: &'a MeshLoad,
     /// Law on the boundary in contact.
     pub law: Law,
 }
@@ -129,13 +129,12 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     /// range of double precision.
     ///
     /// # Panics
-    /// If `y`, the network and the mesh have not the same number of nodes, or f and the mesh not the same number of
-    /// cells.
+    /// If `y`, the network and the mesh have not the same number of nodes, or f is not that of the mesh.
     pub fn bounds(&self, y: &[f64]) -> Result<LocalBounds, NoBound> {
         let &Self { mesh, network, f, law, .. } = self;
-        assert_eq!([y.len(), network.nodes()], [mesh.points().len(); 2]);
-        let deviations = f.deviation.as_ref().map_or(f.mean.len(), Vec::len);
-        assert_eq!([f.mean.len(), deviations], [mesh.cells().len(); 2]);
+        assert_eq!([y.len(), network.nodes(), f.load.len()], [mesh.points().len(); 3]);
+        let deviations = f.cells.deviation.as_ref().map_or(f.cells.mean.len(), Vec::len);
+        assert_eq!([f.cells.mean.len(), deviations], [mesh.cells().len(); 2]);
         let w = admissible(network, Slips::of_law(law), y);
         let forest = OnceLock::new();
         let (found, slips) = self.bounds_through(&w, y, &forest)?;
@@ -159,7 +158,7 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         forest: &OnceLock<CellForest>,
     ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
         let &Self { mesh, sides, network, f, law } = self;
-        let cells = Cells { mesh, w, f: &f.mean, law };
+        let cells = Cells { mesh, w, f: &f.cells.mean, law };
         let flux = equilibrated(&cells, sides, network, forest)?;
         let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
         Ok((combined(&summands), summands.slips()))
@@ -183,6 +182,11 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
 }
 
 impl LocalBounds {
+    /// Guaranteed error in each cell.
+    pub fn errors(&self) -> Vec<f64> {
+        self.squares.iter().map(|square| square.max(0.0).sqrt()).collect()
+    }
+
     /// Bounds that follow from these and others of the same solution, with the parts of those that are closer.
     fn intersection(self, other: Self) -> Self {
         let bounds = self.bounds.intersection(&other.bounds);
@@ -198,20 +202,29 @@ fn combined<const D: usize, const V: usize>(
     let (totals, squares) = summands.totals();
     let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
-    let inside = 0.5 * totals.gradient - totals.load + totals.deviation;
-    let energy = inside + totals.potential + rounding;
+    let of_exact_load = summands.exact_load();
+    let load = of_exact_load.unwrap_or(totals.load - totals.deviation);
+    let inside = 0.5 * totals.gradient - load;
+    let energy = inside + totals.potential;
     let gap = 0.5 * totals.distance + totals.work;
+    let of_flux = totals.rounding_of_flux(largest);
+    let by_flux = -0.5 * totals.flux - of_flux;
+    let least = match of_exact_load {
+        // J(w) less G, in which the law's terms cancel.
+        Some(_) => by_flux.max(inside - 0.5 * totals.distance - totals.through - 3.0 * of_flux),
+        None => by_flux,
+    };
     let distance = root(2.0 * (gap + 2.0 * rounding));
     let projection = totals.projection.sqrt() * (1.0 + 1e-12);
     let bounds = Bounds {
-        energy: below_zero([-0.5 * totals.flux - totals.rounding_of_flux(largest), energy]),
+        energy: below_zero([least, energy + rounding]),
         error: [0.0, distance + projection],
         recovered: None,
         curve: segments(summands),
     };
     let underflows = totals.mass > 0.0 && totals.mass < LEAST_MASS;
     // The root hides a NaN.
-    let numbers = [bounds.energy[0], energy, gap, rounding, projection];
+    let numbers = [by_flux, energy, gap, rounding, projection];
     match underflows || !numbers.into_iter().all(f64::is_finite) {
         true => Err(NoBound::NotFinite),
         false => Ok(LocalBounds { bounds, squares }),
@@ -220,7 +233,7 @@ fn combined<const D: usize, const V: usize>(
 
 /// Sum of [`CurveShare`]s as an energy; none if no part of the boundary is curved, and in space.
 fn segments<const D: usize, const V: usize>(summands: &Summands<'_, D, V>) -> Option<f64> {
-    let shares = curve_shares(summands.mesh, summands.sides, &summands.f.mean, summands.w);
+    let shares = curve_shares(summands.mesh, summands.sides, &summands.f.cells.mean, summands.w);
     Some(0.5 * shares?.iter().map(|share| share.square).sum::<f64>())
 }
 
@@ -249,7 +262,7 @@ fn equilibrated<const D: usize, const V: usize>(
     network: &Network,
     forest: &OnceLock<CellForest>,
 ) -> Result<Vec<f64>, NoBound> {
-    let (mut flux, forest) = rayon::join(
+    let (mut flux, forest) = join(
         || {
             let mut flux = of_patches(cells, sides);
             if D == 2 {
@@ -322,16 +335,15 @@ fn of_patches<const D: usize, const V: usize>(
     let around = FirstCells::new(cells.w.len(), cells.mesh.cells());
     let mut flux = vec![0.0; sides.len()];
     for nodes in around.order.chunks(RUN * RUNS) {
-        let runs = in_tasks(nodes.par_chunks(RUN), COST * RUN);
-        let parts = runs.map_init(
-            || Patches::new(*cells, sides),
-            |patches, run| {
-                let mut outflows = Vec::with_capacity(8 * RUN);
-                run.iter().for_each(|&node| patches.add(node, &around, &mut outflows));
-                outflows
-            },
-        );
-        for SideOutflow { side, outflow } in parts.collect::<Vec<_>>().into_iter().flatten() {
+        let runs: Vec<_> = nodes.chunks(RUN).collect();
+        let room = || Patches::new(*cells, sides);
+        let of_run = |patches: &mut Patches<'_, D, V>, run: usize| {
+            let mut outflows = Vec::with_capacity(8 * RUN);
+            runs[run].iter().for_each(|&node| patches.add(node, &around, &mut outflows));
+            outflows
+        };
+        let parts = map_range(0..runs.len(), items_per_task(runs.len(), COST * RUN), room, of_run);
+        for SideOutflow { side, outflow } in parts.into_iter().flatten() {
             flux[side as usize] += outflow;
         }
     }

@@ -1,10 +1,9 @@
 //! Sums over cells and facets: energies of w and of the flux, and the distance between them.
 
-use super::CellData;
 use super::cells::{RaviartThomas, gradient};
 use crate::bounds::boundary::{PartLaw, Slips};
 use crate::machine::threads::in_tasks;
-use crate::mesh::{BoundarySide, Condition, Element, Mesh, Sides, dot, measure, size};
+use crate::mesh::{BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size};
 use crate::problem::law::Law;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -34,6 +33,8 @@ pub(super) struct Totals {
     pub projection: f64,
     /// Integral of `j(w) + w sigma.n` over the boundary; for the paper's law the work of the reactions.
     pub work: f64,
+    /// Integral of w sigma.n over the boundary.
+    pub through: f64,
     /// Integral of j(w) over the boundary.
     pub potential: f64,
     /// Integral of |f|, its means.
@@ -56,6 +57,7 @@ impl Totals {
             deviation: self.deviation + other.deviation,
             projection: self.projection + other.projection,
             work: self.work + other.work,
+            through: self.through + other.through,
             potential: self.potential + other.potential,
             mass: self.mass + other.mass,
             magnitude: self.magnitude + other.magnitude,
@@ -83,7 +85,7 @@ impl Totals {
 pub(super) struct Summands<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
     pub sides: &'a Sides<V>,
-    pub f: &'a CellData,
+    pub f: &'a MeshLoad,
     /// Nodal vector that was given.
     pub y: &'a [f64],
     /// Nodal vector in K.
@@ -118,6 +120,12 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         (halved_sum(&of_runs).add(halved_sum(&of_facets)), squares)
     }
 
+    /// Integral of f times w, if f is not constant on cells but on shapes, so that its load vector is exact.
+    pub(super) fn exact_load(&self) -> Option<f64> {
+        let is_exact = self.f.cells.deviation.is_some() && self.f.unsettled.is_none();
+        is_exact.then(|| halved_product(&self.f.load, self.w))
+    }
+
     /// Ends of the interval of the law that the flux through the boundary reaches; both ends of one that is not bounded
     /// count as reached if finite.
     pub(super) fn slips(&self) -> Slips {
@@ -149,8 +157,8 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         let differences = std::array::from_fn(|k| {
             outflows[k] + D as f64 * volume * dot(slope, element.gradients[k])
         });
-        let mean = self.f.mean[cell];
-        let deviation = self.f.deviation.as_ref().map_or(0.0, |all| all[cell]);
+        let mean = self.f.cells.mean[cell];
+        let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
         // Poincaré's constant on a convex cell is the diameter over pi.
         let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
         let gradient_square = volume * dot(slope, slope);
@@ -167,10 +175,12 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
             projection: self.projection(nodes, &element, w),
             work: 0.0,
+            through: 0.0,
             potential: 0.0,
             mass: mean.abs() * volume,
             boundary_magnitude: 0.0,
             magnitude: volume * (steepest + mean.abs() * highest)
+                + deviation * volume.sqrt() * highest
                 + longer_square(fields.largest_square(outflows), field),
             flow: outflows.iter().map(|q| q.abs()).sum(),
         }
@@ -196,8 +206,10 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
                 let law = PartLaw::new(self.law, measure);
                 let w = facet.nodes.map(|node| self.w[node as usize]);
                 let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
+                let flux = self.flux[side as usize];
                 let totals = Totals {
-                    work: law.work_of_facet(w, self.flux[side as usize]),
+                    work: law.work_of_facet(w, flux),
+                    through: flux * (w.iter().sum::<f64>() / D as f64),
                     potential: law.potential(w, 0.0),
                     boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
                     ..Totals::default()
@@ -216,6 +228,15 @@ fn halved_sum(terms: &[Totals]) -> Totals {
     }
     let (one, two) = terms.split_at(terms.len() / 2);
     halved_sum(one).add(halved_sum(two))
+}
+
+/// Scalar product with short chains of additions.
+fn halved_product(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() <= RUN {
+        return a.iter().zip(b).map(|(a, b)| a * b).sum();
+    }
+    let ((a, more_a), (b, more_b)) = (a.split_at(a.len() / 2), b.split_at(a.len() / 2));
+    halved_product(a, b) + halved_product(more_a, more_b)
 }
 
 /// Square of the sum of a length, given by its square, and another.

@@ -8,7 +8,7 @@ use super::*;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::mesh::{
-    BoundarySide, BuiltIn, Condition, Element, Facet, MeshData, Part, assemble, refine,
+    BoundarySide, BuiltIn, CellData, Condition, Element, Facet, MeshData, Part, assemble, refine,
 };
 use crate::multigrid::{MultigridParams, solve_square};
 use crate::problem::unsolvable::Unsolvable;
@@ -23,12 +23,22 @@ fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -
     load
 }
 
+/// An f that is constant on each cell.
+fn constant_on_cells<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    mean: Vec<f64>,
+) -> MeshLoad {
+    let load = load_of_cells(mesh, &mean);
+    let (integral, size) = (load.iter().sum(), f64::NAN);
+    MeshLoad { load, cells: CellData { mean, deviation: None }, integral, size, unsettled: None }
+}
+
 /// Discrete problem on a mesh with straight sides, and a nodal vector.
 #[derive(Clone)]
 struct TestProblem<const D: usize, const V: usize> {
     mesh: Mesh<D, V>,
     network: Network,
-    f: CellData,
+    f: MeshLoad,
     y: Vec<f64>,
 }
 
@@ -37,13 +47,14 @@ impl<const D: usize, const V: usize> TestProblem<D, V> {
         mesh.parts_mut().iter_mut().for_each(|part| part.curve = None);
         let network = assemble(&mesh);
         let y = vec![0.0; network.nodes()];
-        Self { mesh, network, f: CellData { mean, deviation: None }, y }
+        let f = constant_on_cells(&mesh, mean);
+        Self { mesh, network, f, y }
     }
 
     /// Refined mesh, with the same f and the same function.
     fn refined(&self) -> Self {
         let refined = refine(&self.mesh).unwrap();
-        let mean = self.f.mean.iter().flat_map(|f| std::iter::repeat_n(*f, 1 << D)).collect();
+        let mean = self.f.cells.mean.iter().flat_map(|f| std::iter::repeat_n(*f, 1 << D)).collect();
         let mut y = self.y.clone();
         let midpoints = refined.parents.iter();
         y.extend(
@@ -55,7 +66,7 @@ impl<const D: usize, const V: usize> TestProblem<D, V> {
     /// Solves the discrete problem by projected over-relaxation, at most this number of sweeps.
     fn relax(&mut self, sweeps: usize) {
         let nodes = self.y.len();
-        let load = load_of_cells(&self.mesh, &self.f.mean);
+        let load = load_of_cells(&self.mesh, &self.f.cells.mean);
         let mut range = vec![[f64::NEG_INFINITY, f64::INFINITY]; nodes];
         self.network.contact().iter().for_each(|contact| range[contact.node][0] = 0.0);
         self.network.fixed().iter().for_each(|&node| range[node as usize] = [0.0; 2]);
@@ -208,7 +219,7 @@ fn sigma_is_a_flux_for_every_vector() {
     problem.y = noise(problem.y.len(), 12.9898);
     let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
     let sides = Sides::new(&problem.mesh);
-    let (mesh, f) = (&problem.mesh, &problem.f.mean);
+    let (mesh, f) = (&problem.mesh, &problem.f.cells.mean);
     let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
     let flux = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
     for (cell, mass) in (0..).zip(cells.masses()) {
@@ -241,7 +252,7 @@ fn circulations_around_all_nodes_lower_the_norm_and_keep_the_balance() {
         problem.y = noise(problem.y.len(), 12.9898);
         let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
         let sides = Sides::new(&problem.mesh);
-        let (mesh, f) = (&problem.mesh, &problem.f.mean);
+        let (mesh, f) = (&problem.mesh, &problem.f.cells.mean);
         let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
         let before = of_patches(&cells, &sides);
         let mut after = before.clone();
@@ -267,7 +278,7 @@ fn circulations_around_all_nodes_lower_the_norm_and_keep_the_balance() {
 #[test]
 fn the_identity_holds_to_rounding() {
     let (problem, bounds) = annulus(Condition::Fixed).levels(3).pop().unwrap();
-    let load = load_of_cells(&problem.mesh, &problem.f.mean);
+    let load = load_of_cells(&problem.mesh, &problem.f.cells.mean);
     let [low, high] = bounds.energy;
     assert!((problem.network.energy(&problem.y, &load) - high).abs() < 1e-11);
     assert!((2.0 * (high - low) - bounds.error[1].powi(2)).abs() < 1e-11);
@@ -292,7 +303,7 @@ fn domains_that_touch_in_a_node_are_bounded_together() {
     let [low, high] = energies[4];
     assert!(high - low < 2e-2 * high.abs(), "{low} {high}");
     // The half that has no fixed side decides.
-    problem.f.mean[1] = 0.0;
+    problem.f.cells.mean[1] = 0.0;
     let found =
         bounds_on_mesh(&problem.mesh, &problem.network, &problem.f, Law::SIGNORINI, &problem.y);
     assert!(matches!(found, Err(NoBound::Unsolvable(Unsolvable::NotCoercive { .. }))), "{found:?}");
@@ -318,7 +329,7 @@ fn problems_without_bounds_are_refused_with_one_line() {
         nan.y[place] = f64::NAN;
         refused(&nan, NoBound::NotFinite);
         let mut nan = disc([-1.0; 6]);
-        nan.f.mean[place] = f64::NAN;
+        nan.f.cells.mean[place] = f64::NAN;
         refused(&nan, NoBound::NotFinite);
     }
     refused(&disc([-1e200; 6]), NoBound::NotFinite);

@@ -6,20 +6,21 @@ use super::{
     Measured, UzawaCell, WeightRow,
 };
 use crate::discrete::end::End;
+use crate::machine::threads::map;
 use crate::saddle::{StopRule, tolerance};
-use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
 /// Makes all runs, and gathers the counts of each problem, and those for each weight of the proximal term.
 pub(super) fn measure(plan: &ClaimsPlan) -> Result<(Vec<Measured>, Vec<WeightRow>), String> {
-    let problems: Result<Vec<_>, String> = plan.problems.par_iter().map(ClaimCase::new).collect();
+    let problems: Result<Vec<_>, String> =
+        map(&plan.problems, 1, ClaimCase::new).into_iter().collect();
     let problems = problems?;
     let results = run_all(plan, &problems);
     let mut all = Vec::new();
     for (index, problem) in problems.iter().enumerate() {
         all.push(Gathered { index, problem, plan, results: &results }.measured());
     }
-    let weights = problems.par_iter().map(|problem| problem.weights(plan)).collect();
+    let weights = map(&problems, 1, |problem| problem.weights(plan));
     Ok((all, weights))
 }
 

@@ -21,7 +21,7 @@ use crate::saddle::{Method, StopRule};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClaimsPlan {
     /// Problems of the paper.
     pub problems: Vec<TableProblem>,

@@ -8,10 +8,10 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::{largest, worst};
 use crate::discrete::stop::Stop;
 use crate::experiments::problems::{ProblemOnGrids, TableProblem};
+use crate::machine::threads::map;
 use crate::problem::law::Law;
 use crate::saddle::batch::{Job, LANES, NestedJob, run, run_all_nested};
 use crate::saddle::{self, JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz};
-use rayon::prelude::*;
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
 /// fine grids, and has no solution to converge to.
@@ -62,14 +62,10 @@ pub(super) fn run_all(
     problems: &[ClaimCase],
 ) -> Vec<(ClaimJob, Vec<(End, f64)>)> {
     let batches = batches(plan, problems);
-    let done: Vec<_> = batches
-        .par_iter()
-        .with_max_len(1)
-        .map(|batch| match batch[0].measure {
-            ClaimMeasure::Rule(_) => run_nested(problems, batch),
-            ClaimMeasure::Kkt(_) => run_on_grid(plan, problems, batch),
-        })
-        .collect();
+    let done = map(&batches, 1, |batch| match batch[0].measure {
+        ClaimMeasure::Rule(_) => run_nested(problems, batch),
+        ClaimMeasure::Kkt(_) => run_on_grid(plan, problems, batch),
+    });
     batches.concat().into_iter().zip(done.into_iter().flatten()).collect()
 }
 

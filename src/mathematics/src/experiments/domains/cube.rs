@@ -2,13 +2,13 @@
 
 use crate::discrete::norms::Errors;
 use crate::experiments::accuracy::KnownLevels;
+use crate::machine::threads::map;
 use crate::mesh::{NestedMeshes, mesh_errors, mesh_load, nested_meshes, uniform_cube};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::exact::CubeExact;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Errors on one mesh.
@@ -25,7 +25,7 @@ pub struct CubeLevel {
 /// Measures the errors of every known solution on the last two refinements: one order for each.
 pub(super) fn convergence(refinements: usize) -> Result<Vec<KnownLevels<CubeLevel>>, String> {
     let cubes = nested_meshes(&uniform_cube(1), refinements).map_err(|e| e.to_string())?;
-    CubeExact::ALL.into_par_iter().map(|exact| on_cube(exact, &cubes)).collect()
+    map(&CubeExact::ALL, 1, |&exact| on_cube(exact, &cubes)).into_iter().collect()
 }
 
 fn on_cube(exact: CubeExact, cubes: &NestedMeshes<3, 4>) -> Result<KnownLevels<CubeLevel>, String> {

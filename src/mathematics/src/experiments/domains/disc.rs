@@ -1,6 +1,7 @@
 //! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
 
 use crate::discrete::kkt::judge;
+use crate::machine::threads::map;
 use crate::mesh::{
     BuiltIn, ConstantPieces, Mesh, MeshPlace, NestedMeshes, OnCells, distance_squared, integrals,
     mesh_arcs, mesh_load, nested_meshes,
@@ -9,7 +10,6 @@ use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
 use crate::problem::law::{ContactNode, Law};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -71,7 +71,7 @@ const PROBLEMS: [DiscProblem; 4] = [
 /// Measures the errors on all refinements from the third on.
 pub(super) fn convergence(refinements: usize) -> Result<Vec<DiscFindings>, String> {
     let discs = discs(refinements)?;
-    PROBLEMS.into_par_iter().map(|problem| on_discs(problem, &discs)).collect()
+    map(&PROBLEMS, 1, |&problem| on_discs(problem, &discs)).into_iter().collect()
 }
 
 /// The disc and its refinements.

@@ -7,11 +7,11 @@ mod disc;
 
 use super::accuracy::KnownLevels;
 use crate::levels::{Problem, Reserve};
+use crate::machine::threads::map;
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::law::Law;
 use crate::solvers::{Run, Settings, Solver, solve};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 pub use counts::{CountedDomain, CountsRow, CountsSummary, Numbering, NumberingCounts};
@@ -128,10 +128,10 @@ pub struct DomainCost {
 /// # Errors
 /// A sentence if a problem cannot be solved.
 pub fn domains(plan: &DomainsPlan) -> Result<DomainsFindings, String> {
-    let cost: Result<Vec<_>, _> = plan.domains.par_iter().map(cost).collect();
+    let cost: Result<Vec<_>, _> = map(&plan.domains, 1, cost).into_iter().collect();
     let cost = cost?;
     let counts: Result<Vec<_>, _> =
-        plan.domains.par_iter().map(|domain| counts::counted(domain, plan)).collect();
+        map(&plan.domains, 1, |domain| counts::counted(domain, plan)).into_iter().collect();
     let mut most = [0.0f64; 2];
     for of in &cost {
         most = [0, 1].map(|goal| of.work_units[goal].max(most[goal]));

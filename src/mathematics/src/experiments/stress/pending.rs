@@ -3,11 +3,11 @@
 use super::{Series, StressCase};
 use crate::discrete::grid::Grid;
 use crate::experiments::trial::{Trial, multigrid_trial, saddle_trials};
+use crate::machine::threads::{join, map, map_range};
 use crate::multigrid::Goal;
 use crate::problem::law::Law;
 use crate::saddle::batch::{Job, LANES};
 use crate::saddle::{JobGoal, Method, Pair, StopRule};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Least number of runs of the paper's method for a second batch, so that few lanes are idle when only the longest are
@@ -63,17 +63,20 @@ impl StressJobs {
         let count = (saddle.len() / BATCH).max(1);
         let batches: Vec<Vec<usize>> =
             (0..count).map(|k| saddle[k..].iter().step_by(count).copied().collect()).collect();
-        let in_lanes = batches.par_iter().with_max_len(1).flat_map(|batch| {
+        let in_lanes = |batch: &Vec<usize>| {
             let jobs: Vec<_> = batch.iter().filter_map(|&k| self.saddle_job(k)).collect();
             batch.iter().copied().zip(saddle_trials(coarse, &jobs)).collect::<Vec<_>>()
-        });
-        let alone = self.0.par_iter().enumerate().filter_map(|(k, run)| match run {
+        };
+        let alone = |(): &mut (), k: usize| match &self.0[k] {
             StressJob::Saddle { .. } => None,
             StressJob::Multigrid { grid, load, goal, start } => {
                 Some((k, multigrid_trial(*grid, load, *goal, start.as_deref())))
             }
-        });
-        StressTrials(in_lanes.chain(alone).collect())
+        };
+        let (in_lanes, alone) =
+            join(|| map(&batches, 1, in_lanes), || map_range(0..self.0.len(), 1, || (), alone));
+        let all = in_lanes.into_iter().flatten().chain(alone.into_iter().flatten());
+        StressTrials(all.collect())
     }
 
     /// The run with this number, if it is one of the paper's method.

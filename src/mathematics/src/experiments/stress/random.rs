@@ -5,8 +5,8 @@ use crate::discrete::stop::Stop;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{Trial, multigrid_trial};
+use crate::machine::threads::map_range;
 use crate::multigrid::Goal;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::array::from_fn;
 
@@ -37,7 +37,7 @@ pub struct RandomProblems {
 
 impl RandomProblems {
     pub(super) fn of(problems: usize) -> Self {
-        let trials: Vec<_> = (0..problems).into_par_iter().map(trial).collect();
+        let trials = map_range(0..problems, 1, || (), |(), number| trial(number));
         let cycles: Vec<_> = trials.iter().map(|trial| trial.steps).collect();
         Self {
             problems,

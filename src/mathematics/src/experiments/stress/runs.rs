@@ -9,12 +9,12 @@ use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{multigrid_trial, saddle_trials};
+use crate::machine::threads::map;
 use crate::multigrid::Goal;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::batch::Job;
 use crate::saddle::{JobGoal, Method, Pair, StopRule};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// A series whose runs are yet to be made.
@@ -149,7 +149,7 @@ impl<'a> StressLoads<'a> {
     }
 
     pub(super) fn floors(&self) -> Series<f64> {
-        GRIDS.par_iter().map(|&cells| self.floor(cells)).collect()
+        map(&GRIDS, 1, |&cells| self.floor(cells))
     }
 
     fn floor(&self, cells: usize) -> StressCase<f64> {

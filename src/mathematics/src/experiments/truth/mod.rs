@@ -10,11 +10,11 @@ use super::known::KnownSolution;
 use super::problems::CONTACT;
 use crate::discrete::grid::Grid;
 use crate::discrete::norms::worst;
+use crate::machine::threads::map;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::saddle::Pair;
 use crate::spectral::{SpectralParams, spectral};
-use rayon::prelude::*;
 use reference::Resolutions;
 use serde::{Deserialize, Serialize};
 
@@ -134,21 +134,19 @@ impl TruthSummary {
 /// # Errors
 /// A sentence if a right-hand side cannot be read, or there is no solution.
 pub fn truth(plan: &TruthPlan) -> Result<Truth, String> {
-    let solved: Vec<(Reference, KnownSolution)> = plan
-        .problems
-        .par_iter()
-        .map(|(name, f)| solve(name, f, plan.resolutions).map_err(|e| format!("{name}: {e}")))
-        .collect::<Result<_, String>>()?;
+    let solved = map(&plan.problems, 1, |(name, f)| {
+        solve(name, f, plan.resolutions).map_err(|e| format!("{name}: {e}"))
+    });
+    let solved: Vec<(Reference, KnownSolution)> =
+        solved.into_iter().collect::<Result<_, String>>()?;
     let (references, mut known): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
     let sampled = known.iter().take(2).filter_map(KnownSolution::solution);
     let grid = Grid::new(plan.sampled).map_err(|e| e.to_string())?;
     let sampled = sampled.map(|solution| solution.on_grid(grid));
     let (samples, multipliers) = sampled.map(|Pair { y, a }| (y, a)).unzip();
     known.extend(Exact::ALL.map(KnownSolution::Formula));
-    let elements = known
-        .par_iter()
-        .map(|known| Elements::against(known, &plan.cells))
-        .collect::<Result<Vec<_>, _>>()?;
+    let elements = map(&known, 1, |known| Elements::against(known, &plan.cells));
+    let elements = elements.into_iter().collect::<Result<Vec<_>, _>>()?;
     let summary = TruthSummary::of(&references, &elements);
     Ok(Truth { references, elements, sampled: plan.sampled, samples, multipliers, summary })
 }

@@ -3,10 +3,10 @@
 use super::{Evaluator, Table};
 use crate::discrete::norms::largest;
 use crate::identify::moves::MOST_ITERATIONS;
+use crate::machine::threads::map_range;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, LaneEngine};
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
-use rayon::prelude::*;
 use std::array::from_fn;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -72,8 +72,10 @@ impl Evaluator<'_> {
         }
         let runs: Vec<_> = places.iter().map(|&(k, row)| (&all[k][..], row)).collect();
         let batches: Vec<_> = runs.chunks(LANES).collect();
-        let run = |evaluator: &mut Self, batch: &&[_]| evaluator.free_in_lanes(geometry, batch);
-        let done: Vec<_> = batches.par_iter().map_init(|| self.clone(), run).collect();
+        let own = || self.clone();
+        let run = |evaluator: &mut Self, k: usize| evaluator.free_in_lanes(geometry, batches[k]);
+        let each = batches.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let done = map_range(0..batches.len(), each, own, run);
         let mut held = vec![vec![vec![true; levels]; rows]; all.len()];
         for ((k, row), (counts, _)) in places.into_iter().zip(done.into_iter().flatten()) {
             let pairs = counts.iter().zip(&self.target.counts[row]);

@@ -9,8 +9,8 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::stop::Stop;
-use crate::levels::{Problem, ProblemError, ROUNDING, Triangulations};
-use crate::machine::threads::among_threads;
+use crate::levels::{Problem, ProblemError, ROUNDING, Step, Triangulations, Watch, check_missed};
+use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
     bisect, label_longest_edges, mesh_load, mesh_load_after,
@@ -18,7 +18,6 @@ use crate::mesh::{
 use crate::multigrid::{InputError, MultigridParams};
 use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
 use crate::problem::unsolvable::{Component, Unsolvable};
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Steps on each mesh but the first.
@@ -47,9 +46,13 @@ const MOST_WITHOUT_BOUND: usize = 100_000;
 /// Meshes so far, with the solution on the finest.
 pub(super) struct Meshes<'a> {
     adaption: &'a Adaption<'a>,
+    /// Is told each step.
+    ended: Watch<'a>,
     f: MeshSource<2>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
+    /// Cells that were marked for each mesh but the first.
+    marks: Vec<Vec<u32>>,
     /// Number of the connected component of each node of the finest mesh.
     component_of: Vec<u32>,
     /// Sides of the cells of the finest mesh.
@@ -73,19 +76,27 @@ pub(super) struct Meshes<'a> {
 
 impl<'a> Meshes<'a> {
     /// The first mesh.
-    pub(super) fn new(adaption: &'a Adaption<'a>, f: MeshSource<2>) -> Result<Self, ProblemError> {
+    pub(super) fn new(
+        adaption: &'a Adaption<'a>,
+        f: MeshSource<2>,
+        ended: Watch<'a>,
+    ) -> Result<Self, ProblemError> {
         let mut mesh = adaption.coarsest.clone();
         label_longest_edges(&mut mesh);
         let sides = Sides::new(&mesh);
         let network = assemble_sides(&mesh, &sides);
+        ended(Step::Mesh);
         let load = mesh_load(&mesh, &f)?;
-        f.check_scale(load.size)?;
+        ended(Step::Load);
+        f.check_scale(&load)?;
         Ok(Self {
             adaption,
+            ended,
             f,
             component_of: network.components(),
             all: vec![mesh],
             networks: vec![NestedNetwork { network, parents: Vec::new() }],
+            marks: Vec::new(),
             sides,
             load,
             y: None,
@@ -157,6 +168,7 @@ impl<'a> Meshes<'a> {
             }
             _ => solve_nested_networks(&self.networks, problem, &MultigridParams::default()),
         };
+        (self.ended)(Step::Solver);
         let (y, end) = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
                 return Ok(Err(reason.into()));
@@ -167,13 +179,15 @@ impl<'a> Meshes<'a> {
         let stop = if end.stop == Stop::Diverged { end.stop } else { Stop::Converged };
         let end = End { stop, ..end };
         let network = &self.networks[self.networks.len() - 1].network;
-        let (mesh, sides, f) = (self.finest(), &self.sides, &self.load.cells);
+        let (mesh, sides, f) = (self.finest(), &self.sides, &self.load);
         let bounded = BoundedProblem { mesh, sides, network, f, law };
+        let missed = check_missed(f.missed());
         let (judgement, bounds) = among_threads(COST * y.len(), || {
-            rayon::join(|| judge(network, law, &y, &self.load.load), || bounded.bounds(&y))
+            join(|| judge(network, law, &y, &f.load), || missed.and_then(|()| bounded.bounds(&y)))
         });
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
+        (self.ended)(Step::Bounds);
         (self.y, self.judgement) = (Some(y), Some(judgement));
         Ok(bounds)
     }
@@ -198,6 +212,7 @@ impl<'a> Meshes<'a> {
     /// bounds all cells are bisected.
     pub(super) fn refine(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
         let bisected = self.bisected(bounds)?;
+        (self.ended)(Step::Mesh);
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
         let mut origins = Cow::Borrowed(&origins[..]);
         for before in bisected.iter().rev().skip(1) {
@@ -206,9 +221,19 @@ impl<'a> Meshes<'a> {
         }
         let before = CellsBefore { origins: &origins, f: &self.load.cells };
         let assemble = |made: &Bisected| assemble_sides(&made.mesh, &made.sides);
+        let (f, ended) = (&self.f, self.ended);
         let (networks, load) = among_threads(COST * mesh.points().len(), || {
-            let networks = || bisected.par_iter().map(assemble).collect::<Vec<_>>();
-            rayon::join(networks, || mesh_load_after(before, mesh, &self.f))
+            let networks = || {
+                let networks = map(&bisected, 1, assemble);
+                ended(Step::Mesh);
+                networks
+            };
+            let load = || {
+                let load = mesh_load_after(before, mesh, f);
+                ended(Step::Load);
+                load
+            };
+            join(networks, load)
         });
         self.load = load?;
         for (Bisected { mesh, sides, parents, .. }, network) in bisected.into_iter().zip(networks) {
@@ -239,12 +264,14 @@ impl<'a> Meshes<'a> {
                 Some(last) => (&last.mesh, &last.sides),
                 None => (self.finest(), &self.sides),
             };
-            let next = bisect(mesh, sides, &largest_parts(&squares, fraction))?;
+            let marked = largest_parts(&squares, fraction);
+            let next = bisect(mesh, sides, &marked)?;
             if next.mesh.points().len() > self.adaption.most_nodes || next.parents.is_empty() {
                 break;
             }
             squares = expected_squares(&squares, &next.origins);
             made.push(next);
+            self.marks.push(marked);
         }
         Ok(made)
     }
@@ -281,20 +308,17 @@ impl<'a> Meshes<'a> {
     }
 
     /// Problem on the meshes, with the solution.
-    pub(super) fn finished(
-        self,
-        end: AdaptedEnd,
-        LocalBounds { bounds, squares }: LocalBounds,
-    ) -> AdaptedRun {
+    pub(super) fn finished(self, end: AdaptedEnd, found: LocalBounds) -> AdaptedRun {
         let law = self.adaption.law;
         let y = self.y.expect("a vector with bounds");
         let network = &self.networks[self.networks.len() - 1].network;
-        let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load.cells);
-        let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(bounds, &y);
+        let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load);
+        let errors = found.errors();
+        let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(found.bounds, &y);
+        (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
-        let levels = Triangulations::of(nested, self.f, self.load)
-            .with_errors(squares.iter().map(|square| square.max(0.0).sqrt()).collect());
+        let levels = Triangulations::of(nested, self.f, self.load).with_errors(errors);
         AdaptedRun {
             problem: Problem::checked(levels, law, is_curved),
             y,
@@ -303,6 +327,7 @@ impl<'a> Meshes<'a> {
             outcomes: self.outcomes,
             end,
             meshes: self.sought,
+            marks: self.marks,
         }
     }
 }

@@ -223,7 +223,7 @@ fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
     let adaption = problem.adaption(ErrorGoal::Relative(0.1));
     let f = read(&problem.mesh, problem.f).unwrap();
-    let mut meshes = Meshes::new(&adaption, f).unwrap();
+    let mut meshes = Meshes::new(&adaption, f, &|_| ()).unwrap();
     for _ in 0..6 {
         let found = meshes.solved().unwrap().unwrap();
         let sum: f64 = found.squares.iter().sum();
@@ -246,12 +246,27 @@ fn threads_make_the_same_meshes_to_the_bit() {
 }
 
 #[test]
+fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
+    for problem in [&known()[0], &known()[1]] {
+        let run = problem.adaption(ErrorGoal::Relative(0.05)).run(&mut |_| ()).unwrap();
+        let anew = Problem::on_bisected(&problem.mesh, &run.marks, problem.f, problem.law).unwrap();
+        assert!(run.marks.len() > 4 && anew.levels().count() == run.problem.levels().count());
+        assert!(anew.levels().mesh() == run.problem.levels().mesh());
+        assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.y.len(); 2]);
+        assert!(anew.load() == run.problem.load() && anew.lengths() == run.problem.lengths());
+    }
+}
+
+#[test]
 fn a_run_ends_with_a_number_whatever_happens() {
     let problem = &known()[0];
     let few = Adaption { most_nodes: 300, ..problem.adaption(ErrorGoal::Relative(1e-3)) };
     let run = few.run(&mut |_| ()).unwrap();
     assert_eq!(run.end, AdaptedEnd::Nodes);
     assert!(run.y.len() <= 300 && run.bounds.relative() < 0.3);
+    // There are more levels than meshes that are shown.
+    let name = run.problem.levels().name(run.problem.finest());
+    assert_eq!(name, format!("the mesh of {} nodes", run.y.len()));
     let huge = Adaption { f: "else=-1e200", ..problem.adaption(ErrorGoal::Relative(0.1)) };
     assert!(huge.run(&mut |_| ()).is_err());
     let energy = problem.adaption(ErrorGoal::RelativeEnergy(0.01)).run(&mut |_| ()).unwrap();

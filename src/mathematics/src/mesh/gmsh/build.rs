@@ -2,98 +2,133 @@
 
 use super::elements::{FileElement, FileElements};
 use super::error::GmshError;
-use super::groups::GroupNames;
+use super::groups::{Entities, GroupNames};
 use super::labels::Groups;
 use super::nodes::FileNodes;
 use super::plane::plane_of;
-use crate::mesh::{AnyMesh, Condition, Facet, Mesh, MeshData, MeshOrigin, Names, Part, Tags};
-
-/// Difference of two diagonals, over the longer one, that is a rounding error.
-const SAME_LENGTH: f64 = 1e-9;
+use super::quadrangles::halves;
+use crate::mesh::{
+    AnyMesh, Condition, Facet, Mesh, MeshData, MeshError, MeshOrigin, Names, Part, PlaneMesh,
+    SpaceMesh, Tags,
+};
 
 /// Sections that make a mesh.
 pub(super) struct Sections {
     pub(super) names: GroupNames,
+    pub(super) entities: Entities,
     pub(super) nodes: FileNodes,
     pub(super) elements: FileElements,
 }
 
 impl Sections {
-    /// Mesh in space if there are tetrahedra, else in the plane.
+    /// Mesh in space if there are tetrahedra, else in the plane, of sections with cells.
     pub(super) fn mesh(self) -> Result<AnyMesh, GmshError> {
-        let Self { names, mut nodes, elements } = self;
-        let FileElements {
-            lines,
-            mut triangles,
-            quadrangles,
-            tetrahedra,
-            sets,
-            of_higher_order,
-            ..
-        } = elements;
-        let mut groups = Groups { names, sets };
-        let has_cells = !(tetrahedra.is_empty() && triangles.is_empty() && quadrangles.is_empty());
-        if !has_cells && groups.is_any(&lines) {
+        self.check_partitions()?;
+        match self.elements.tetrahedra.is_empty() {
+            true => Ok(AnyMesh::Plane(self.plane_mesh()?)),
+            false => Ok(AnyMesh::Space(self.space_mesh()?)),
+        }
+    }
+
+    /// Checks that there are cells, and that what is in groups is meshed.
+    pub(super) fn check_cells(&self, has_nodes: bool) -> Result<(), GmshError> {
+        let FileElements { lines, triangles, quadrangles, tetrahedra, .. } = &self.elements;
+        if !(tetrahedra.is_empty() && triangles.is_empty() && quadrangles.is_empty()) {
+            return Ok(());
+        }
+        for (dimension, group, cells, option) in
+            [(3, "Physical Volume", "tetrahedra", "-3"), (2, "Physical Surface", "triangles", "-2")]
+        {
+            if self.has_group(dimension) {
+                return Err(GmshError::NotMeshed { group, cells, option });
+            }
+        }
+        if !has_nodes {
+            return Err(GmshError::Missing("Nodes"));
+        }
+        if !self.names.is_empty() || lines.iter().any(|line| self.elements.is_in_group(line)) {
             return Err(GmshError::NoCellsInGroups);
         }
-        let mut origin =
-            MeshOrigin { of_higher_order: of_higher_order[2], ..MeshOrigin::default() };
-        if tetrahedra.is_empty() {
-            let quadrangles = groups.cells_once(quadrangles)?;
-            let mut has_cell = has_cell(&nodes, &triangles);
-            mark(&mut has_cell, &quadrangles);
-            origin.plane = plane_of(&nodes, &has_cell)?;
-            origin.quadrangles = quadrangles.len();
-            for point in &mut nodes.points {
-                let [x, y] = origin.plane.coordinates(*point);
-                *point = [x, y, 0.0];
+        let (cells, domain) =
+            if self.entities.has(3) { ("tetrahedra", "volume") } else { ("triangles", "area") };
+        Err(MeshError::NoCells { cells, domain }.into())
+    }
+
+    /// True if the file tells of a group of this dimension.
+    fn has_group(&self, dimension: i64) -> bool {
+        self.names.select(dimension).next().is_some() || self.entities.has_group(dimension)
+    }
+
+    /// True if a cell is in no group.
+    pub(super) fn has_cell_without_group(&self) -> bool {
+        let elements = &self.elements;
+        let FileElements { triangles, quadrangles, tetrahedra, .. } = elements;
+        match tetrahedra.is_empty() {
+            true => {
+                triangles.iter().any(|cell| !elements.is_in_group(cell))
+                    || quadrangles.iter().any(|cell| !elements.is_in_group(cell))
             }
-            triangles.extend(quadrangles.iter().flat_map(|quadrangle| halves(&nodes, quadrangle)));
-            // Without triangles there is a better message.
-            if has_cells {
-                check_dimension(&lines, &has_cell, ["line", "triangle"])?;
-            }
-            let mut mesh = mesh(&mut groups, nodes, triangles, &lines)?;
-            mesh.origin = origin;
-            Ok(AnyMesh::Plane(mesh))
-        } else {
-            origin.of_higher_order = of_higher_order[3];
-            let has_cell = has_cell(&nodes, &tetrahedra);
-            check_dimension(&lines, &has_cell, ["line", "tetrahedron"])?;
-            check_dimension(&triangles, &has_cell, ["triangle", "tetrahedron"])?;
-            // No side of a tetrahedron is a quadrangle.
-            check_dimension(&quadrangles, &[], ["quadrangle", "tetrahedron"])?;
-            let mut mesh = mesh(&mut groups, nodes, tetrahedra, &triangles)?;
-            mesh.origin = origin;
-            Ok(AnyMesh::Space(mesh))
+            false => tetrahedra.iter().any(|cell| !elements.is_in_group(cell)),
         }
+    }
+
+    fn plane_mesh(self) -> Result<PlaneMesh, GmshError> {
+        let without_volume = self.has_group(3) || self.entities.has(3);
+        let Self { names, mut nodes, elements, .. } = self;
+        let FileElements { lines, mut triangles, quadrangles, sets, .. } = elements;
+        let mut has_cell = has_cell(&nodes, &triangles);
+        mark(&mut has_cell, &quadrangles);
+        let mut groups = Groups { names, sets };
+        let mut left_out = 0;
+        let lines = groups.on_cells(lines, &has_cell, ["line", "triangle"], &mut left_out)?;
+        let plane = plane_of(&nodes, &has_cell)?;
+        for point in &mut nodes.points {
+            let [x, y] = plane.coordinates(*point);
+            *point = [x, y, 0.0];
+        }
+        let quadrangles = groups.cells_once(quadrangles)?;
+        for quadrangle in &quadrangles {
+            triangles.extend(halves(&nodes, quadrangle)?);
+        }
+        let mut mesh = mesh(&mut groups, nodes, triangles, &lines)?;
+        mesh.origin = MeshOrigin {
+            plane,
+            of_higher_order: elements.of_higher_order[2],
+            quadrangles: quadrangles.len(),
+            collapsed: elements.collapsed,
+            left_out,
+            without_volume,
+        };
+        Ok(mesh)
+    }
+
+    fn space_mesh(self) -> Result<SpaceMesh, GmshError> {
+        let Self { names, nodes, elements, .. } = self;
+        let FileElements { lines, triangles, quadrangles, tetrahedra, sets, .. } = elements;
+        let has_cell = has_cell(&nodes, &tetrahedra);
+        let mut groups = Groups { names, sets };
+        let mut left_out = 0;
+        groups.on_cells(lines, &has_cell, ["line", "tetrahedron"], &mut left_out)?;
+        let triangles =
+            groups.on_cells(triangles, &has_cell, ["triangle", "tetrahedron"], &mut left_out)?;
+        // No side of a tetrahedron is a quadrangle.
+        groups.on_cells(quadrangles, &[], ["quadrangle", "tetrahedron"], &mut left_out)?;
+        let mut mesh = mesh(&mut groups, nodes, tetrahedra, &triangles)?;
+        mesh.origin = MeshOrigin {
+            of_higher_order: elements.of_higher_order[3],
+            collapsed: elements.collapsed,
+            left_out,
+            ..MeshOrigin::default()
+        };
+        Ok(mesh)
     }
 }
 
-/// Returns the triangles into which the shorter diagonal cuts a quadrangle in the plane, or the one that lies inside;
-/// of two as long, the one through the first corner.
-fn halves(nodes: &FileNodes, quadrangle: &FileElement<4>) -> [FileElement<3>; 2] {
-    let &FileElement { tag, nodes: [a, b, c, d], groups } = quadrangle;
-    let step = |from: u32, to: u32| {
-        let [from, to] = [from, to].map(|node| nodes.points[node as usize]);
-        [to[0] - from[0], to[1] - from[1]]
-    };
-    let length = |from, to| {
-        let [x, y] = step(from, to);
-        libm::hypot(x, y)
-    };
-    let is_left = |a, b, c| {
-        let ([px, py], [qx, qy]) = (step(a, b), step(a, c));
-        px * qy - py * qx > 0.0
-    };
-    let [first_inside, second_inside] =
-        [is_left(a, b, c) == is_left(a, c, d), is_left(a, b, d) == is_left(b, c, d)];
-    let second_shorter = length(b, d) < (1.0 - SAME_LENGTH) * length(a, c);
-    let halves = match second_inside && (second_shorter || !first_inside) {
-        true => [[a, b, d], [b, c, d]],
-        false => [[a, b, c], [a, c, d]],
-    };
-    halves.map(|nodes| FileElement { tag, nodes, groups })
+impl FileElements {
+    /// True if an element is in a group.
+    fn is_in_group<const K: usize>(&self, element: &FileElement<K>) -> bool {
+        !self.sets.groups(element.groups).is_empty()
+    }
 }
 
 /// Returns for each node if it belongs to a cell.
@@ -106,21 +141,6 @@ fn has_cell<const V: usize>(nodes: &FileNodes, cells: &[FileElement<V>]) -> Vec<
 /// Marks the nodes of cells.
 fn mark<const V: usize>(has_cell: &mut [bool], cells: &[FileElement<V>]) {
     cells.iter().flat_map(|cell| cell.nodes).for_each(|node| has_cell[node as usize] = true);
-}
-
-/// Checks that elements of a lower dimension have no nodes of their own.
-fn check_dimension<const K: usize>(
-    elements: &[FileElement<K>],
-    has_cell: &[bool],
-    [kind, cell]: [&'static str; 2],
-) -> Result<(), GmshError> {
-    let mut elements = elements.iter();
-    match elements.find(|element| {
-        !element.nodes.iter().all(|&node| has_cell.get(node as usize) == Some(&true))
-    }) {
-        Some(element) => Err(GmshError::Mixed { element: element.tag, kind, cell }),
-        None => Ok(()),
-    }
 }
 
 /// Mesh of cells and named sides. Nodes of no cell, such as centres of circles, are left out.
@@ -164,7 +184,7 @@ fn part<const D: usize>(names: Names) -> Part<D> {
 #[cfg(test)]
 mod tests {
     use crate::mesh::gmsh::read;
-    use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, after, plane};
+    use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, TETRAHEDRON, after, plane};
     use crate::mesh::{AnyMesh, Condition, MeshOrigin, PartError};
 
     #[test]
@@ -183,8 +203,8 @@ mod tests {
             (
                 "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14",
                 "23 3 2 2 1 11 12 13 14\n24 4 2 2 1 11 12 13 14",
-                "element 23 is a quadrangle on no tetrahedron: the file mixes dimensions; save only the domain and its \
-                 boundary",
+                "element 23 is a quadrangle on no tetrahedron, and in a group: the file mixes dimensions; take it out \
+                 of the group",
             ),
             (
                 "13 1 1 0",
@@ -202,7 +222,8 @@ mod tests {
             (
                 "23 2 2 2 1 11 12 13",
                 "23 1 2 0 1 11 12",
-                "element 22 is a line on no triangle: the file mixes dimensions; save only the domain and its boundary",
+                "element 22 is a line on no triangle, and in a group: the file mixes dimensions; take it out of the \
+                 group",
             ),
             (
                 "22 1 2 1 1 11 12",
@@ -215,41 +236,113 @@ mod tests {
         }
     }
 
-    /// Square of one quadrangle, whose last two corners are here.
-    fn quadrangle(corners: [&str; 2]) -> String {
-        let cells = "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14";
-        let nodes = ["13 1 1 0", "14 0 1 0"];
-        let text = SQUARE_22.replace("$Elements\n4", "$Elements\n3");
-        let text = text.replace(cells, "23 3 2 2 1 11 12 13 14");
-        nodes.iter().zip(corners).fold(text, |text, (node, corner)| text.replace(node, corner))
+    #[test]
+    fn what_is_on_no_cell_and_in_no_group_is_left_out() {
+        let square = plane(SQUARE_22.as_bytes());
+        let beside = |elements: &str| {
+            let count = 4 + elements.lines().count();
+            SQUARE_22
+                .replace("$Nodes\n4", "$Nodes\n6")
+                .replace("14 0 1 0\n", "14 0 1 0\n15 2 2 0\n16 3 2 7\n")
+                .replace("$Elements\n4", &format!("$Elements\n{count}"))
+                .replace("$EndElements", &format!("{elements}$EndElements"))
+        };
+        for strays in ["31 1 2 0 9 15 16\n", "31 1 2 0 9 15 16\n32 1 0 12 15\n"] {
+            let mut mesh = plane(beside(strays).as_bytes());
+            let notes = mesh.notes();
+            assert!(
+                notes[0].ends_with("on no cell and in no group is left out")
+                    || notes[0].starts_with("2 elem")
+            );
+            mesh.origin = MeshOrigin::default();
+            assert_eq!(mesh, square);
+        }
+        let named = read(beside("31 1 2 5 9 15 16\n").as_bytes()).unwrap_err().to_string();
+        assert!(
+            named.starts_with("element 31 is a line on no triangle, and in a group: "),
+            "{named}"
+        );
+        let nodes = "$Nodes\n7\n91 0 0 9\n92 1 0 9\n93 0 1 9\n";
+        let strays = "31 2 2 0 1 91 92 93\n32 1 2 0 1 91 92\n33 3 2 0 1 1 2 92 91\n$EndElements";
+        let AnyMesh::Space(alone) = read(TETRAHEDRON.as_bytes()).unwrap() else {
+            panic!("in space")
+        };
+        let text = TETRAHEDRON
+            .replace("$Nodes\n4\n", nodes)
+            .replace("$Elements\n3\n", "$Elements\n6\n")
+            .replace("$EndElements", strays);
+        let AnyMesh::Space(mut mesh) = read(text.as_bytes()).unwrap() else { panic!("in space") };
+        assert_eq!(mesh.origin().left_out, 3);
+        mesh.origin = MeshOrigin::default();
+        assert_eq!(mesh, alone);
     }
 
     #[test]
-    fn quadrangles_are_cut_by_the_shorter_diagonal_inside() {
-        let square = plane(SQUARE_22.as_bytes());
-        for (corners, cells) in [
-            // As long: through the first corner.
-            (["13 1 1 0", "14 0 1 0"], [[0, 1, 2], [0, 2, 3]]),
-            (["13 3 3 0", "14 0 1 0"], [[0, 1, 3], [1, 2, 3]]),
-            // The diagonal between the second corner and the fourth is shorter, and outside.
-            (["13 0.9 0.3 0", "14 1 0.6 0"], [[0, 1, 2], [0, 2, 3]]),
+    fn volumes_and_surfaces_that_are_not_meshed_are_told() {
+        let entity = "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n$EndEntities\n";
+        let text = SQUARE_41.replace("$EndEntities\n", &format!("$EndEntities\n{entity}"));
+        let notes = plane(text.as_bytes()).notes();
+        assert!(
+            notes[0].starts_with("the file tells of a volume and has no tetrahedra: "),
+            "{notes:?}"
+        );
+        assert!(plane(SQUARE_41.as_bytes()).notes().is_empty());
+        let (before, _) = SQUARE_22.split_once("$Elements").unwrap();
+        let alone = format!("{before}$Elements\n1\n22 1 2 1 1 11 12\n$EndElements\n");
+        for (from, to, said) in [
+            (
+                "2 2 \"",
+                "3 2 \"",
+                "the file has a Physical Volume and no tetrahedra: mesh it with `gmsh -3 ",
+            ),
+            (
+                "1 1 \"",
+                "1 1 \"",
+                "the file has a Physical Surface and no triangles: mesh it with `gmsh -2 ",
+            ),
         ] {
-            let mut mesh = plane(quadrangle(corners).as_bytes());
-            assert_eq!((mesh.cells(), mesh.origin().quadrangles), (&cells[..], 1), "{corners:?}");
-            let notes = mesh.notes();
-            assert!(notes[0].contains("1 quadrangle is cut into triangles"), "{notes:?}");
-            if corners[0] == "13 1 1 0" {
-                mesh.origin = MeshOrigin::default();
-                assert_eq!(mesh, square);
-            }
+            assert!(alone.contains(from), "{alone}");
+            let fault = read(alone.replace(from, to).as_bytes()).unwrap_err().to_string();
+            assert!(fault.starts_with(said), "{fault}");
         }
-        // Version 2 writes a cell of two groups twice.
-        let cell = "23 3 2 2 1 11 12 13 14";
-        let both = quadrangle(["13 1 1 0", "14 0 1 0"])
-            .replace("$Elements\n3", "$Elements\n4")
-            .replace(cell, &format!("{cell}\n25 3 2 5 1 11 12 13 14"));
-        let names = plane(both.as_bytes()).region_names()[0].to_string();
-        assert_eq!(names, "plate, 5");
+        let nothing = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n\
+            $Elements\n0 0 0 0\n$EndElements\n";
+        let nothing = nothing.replace("$Nodes", &format!("{entity}$Nodes"));
+        // With a Physical Volume, and surfaces meshed alone, version 4 has neither nodes nor elements.
+        let (geometry, _) = nothing.split_once("$Nodes").unwrap();
+        let fault = read(geometry.as_bytes()).unwrap_err().to_string();
+        assert!(fault.starts_with("the file has no section $Nodes; "), "{fault}");
+        let in_group = geometry.replace("1 1 1 0 0", "1 1 1 1 5 0");
+        let fault = read(in_group.as_bytes()).unwrap_err().to_string();
+        assert!(fault.starts_with("the file has a Physical Volume and no tetrahedra: "), "{fault}");
+        let fault = read(nothing.as_bytes()).unwrap_err().to_string();
+        assert_eq!(
+            fault,
+            "the mesh has no tetrahedra; mesh the volume itself, not only its boundary"
+        );
+    }
+
+    #[test]
+    fn planes_may_be_rounded_to_six_digits() {
+        let corners = ["11 0 0 0", "12 1 0 0", "13 1 1 0", "14 0 1 0"];
+        // Turned about the diagonal of x and y.
+        let turned =
+            ["11 0 0 0", "12 0.853553 0.146447 0.5", "13 1 1 0", "14 0.146447 0.853553 -0.500004"];
+        let mut text = SQUARE_22.to_owned();
+        corners.iter().zip(turned).for_each(|(from, to)| text = text.replace(from, to));
+        assert!((plane(text.as_bytes()).volume() - 1.0).abs() < 1e-5);
+        let bent = text.replace("-0.500004", "-0.5001");
+        assert!(
+            read(bent.as_bytes()).unwrap_err().to_string().contains("is off the plane of nodes")
+        );
+        // A strip is no line, however narrow.
+        for narrow in
+            [["12 1 0 0", "13 1 0 1e-6", "14 0 0 1e-6"], ["12 1 0 0", "13 1 1e-6 0", "14 0 1e-6 0"]]
+        {
+            let mut text = SQUARE_22.to_owned();
+            corners[1..].iter().zip(narrow).for_each(|(from, to)| text = text.replace(from, to));
+            assert!((plane(text.as_bytes()).volume() - 1e-6).abs() < 1e-15);
+        }
     }
 
     #[test]
@@ -377,7 +470,11 @@ mod tests {
     #[test]
     fn cells_that_are_in_no_group_are_missed_with_what_saves_them() {
         let cells = "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14\n";
-        let text = SQUARE_22.replace("$Elements\n4", "$Elements\n2").replace(cells, "");
+        let text = SQUARE_22
+            .replace("$PhysicalNames\n2", "$PhysicalNames\n1")
+            .replace("2 2 \"plate\"\n", "")
+            .replace("$Elements\n4", "$Elements\n2")
+            .replace(cells, "");
         let said = read(text.as_bytes()).unwrap_err().to_string();
         assert_eq!(
             said,

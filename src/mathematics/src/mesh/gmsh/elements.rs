@@ -4,6 +4,7 @@ use super::error::{Fault, GmshError};
 use super::groups::{Entities, GroupSets};
 use super::nodes::{FileNodes, blocks, entity};
 use super::scanner::{Scanner, Version};
+use std::collections::BTreeSet;
 
 /// Line, triangle, quadrangle or tetrahedron, by its corners.
 pub(super) struct FileElement<const K: usize> {
@@ -13,6 +14,21 @@ pub(super) struct FileElement<const K: usize> {
     pub(super) nodes: [u32; K],
     /// Position of the set of its physical groups.
     pub(super) groups: u32,
+}
+
+impl FileElement<4> {
+    /// Triangle that a quadrangle with the same node at both ends of a side is.
+    fn collapsed(&self) -> Option<FileElement<3>> {
+        let &Self { tag, nodes: [a, b, c, d], groups } = self;
+        let nodes = if a == b || b == c {
+            [a, c, d]
+        } else if c == d || d == a {
+            [a, b, c]
+        } else {
+            return None;
+        };
+        Some(FileElement { tag, nodes, groups })
+    }
 }
 
 /// Elements by kind, in the order of the file.
@@ -26,6 +42,12 @@ pub(super) struct FileElements {
     pub(super) sets: GroupSets,
     /// Number of elements of higher order, by dimension.
     pub(super) of_higher_order: [usize; 4],
+    /// Number of triangles written as quadrangles with a node twice.
+    pub(super) collapsed: usize,
+    /// Partitions that own elements, by dimension.
+    pub(super) partitions: [BTreeSet<u64>; 4],
+    /// Partitions to which elements belong as ghosts, in version 2.
+    pub(super) ghosts: BTreeSet<u64>,
     /// Number of points, which mean nothing.
     points: usize,
 }
@@ -97,8 +119,12 @@ impl FileElements {
         for _ in 0..said {
             let (tag, number_of_type, numbers) =
                 (scanner.tag()?, scanner.whole()?, scanner.whole()?);
-            let groups = self.sets.position(&[first_of(scanner, numbers)?]);
-            self.add(scanner, nodes, ElementHead { tag, number_of_type, groups })?;
+            self.add_numbered(
+                scanner,
+                nodes,
+                ElementHead { tag, number_of_type, groups: 0 },
+                numbers,
+            )?;
         }
         Ok(())
     }
@@ -114,9 +140,40 @@ impl FileElements {
             for _ in 0..length {
                 count += 1;
                 let tag = scanner.tag()?;
-                let groups = self.sets.position(&[first_of(scanner, numbers)?]);
-                self.add(scanner, nodes, ElementHead { tag, number_of_type, groups })?;
+                self.add_numbered(
+                    scanner,
+                    nodes,
+                    ElementHead { tag, number_of_type, groups: 0 },
+                    numbers,
+                )?;
             }
+        }
+        Ok(())
+    }
+
+    /// Adds an element of version 2, after whose head there are so many numbers: of its group, its entity, the number
+    /// of its partitions and these, the first its own, the others negative.
+    fn add_numbered(
+        &mut self,
+        scanner: &mut Scanner<'_>,
+        nodes: &FileNodes,
+        head: ElementHead,
+        numbers: i64,
+    ) -> Result<(), GmshError> {
+        let (mut group, mut partition) = (0, 0);
+        for k in 0..numbers {
+            let number = scanner.whole()?.unsigned_abs();
+            match k {
+                0 => group = number,
+                3 => partition = number,
+                4.. => _ = self.ghosts.insert(number),
+                _ => (),
+            }
+        }
+        let groups = self.sets.position(&[group]);
+        let shape = self.add(scanner, nodes, ElementHead { groups, ..head })?;
+        if partition != 0 {
+            self.partitions[shape.dimension()].insert(partition);
         }
         Ok(())
     }
@@ -132,6 +189,9 @@ impl FileElements {
             let (dimension, entity) = entity(scanner)?;
             let (number_of_type, count) = (scanner.whole()?, scanner.count()?);
             let groups = self.sets.position(entities.groups(dimension, entity));
+            if let (Some(owned), true) = (self.partitions.get_mut(dimension as usize), count > 0) {
+                owned.extend(entities.partitions_of(dimension, entity));
+            }
             for _ in 0..count {
                 let head = ElementHead { tag: scanner.tag()?, number_of_type, groups };
                 let shape = self.add(scanner, nodes, head)?;
@@ -160,7 +220,16 @@ impl FileElements {
             }
             Outline::Line => self.lines.push(element(scanner, nodes, head)?),
             Outline::Triangle => self.triangles.push(element(scanner, nodes, head)?),
-            Outline::Quadrangle => self.quadrangles.push(element(scanner, nodes, head)?),
+            Outline::Quadrangle => {
+                let quadrangle = element(scanner, nodes, head)?;
+                match quadrangle.collapsed() {
+                    Some(triangle) => {
+                        self.triangles.push(triangle);
+                        self.collapsed += 1;
+                    }
+                    None => self.quadrangles.push(quadrangle),
+                }
+            }
             Outline::Tetrahedron => self.tetrahedra.push(element(scanner, nodes, head)?),
         }
         for _ in shape.corners()..count {
@@ -169,18 +238,6 @@ impl FileElements {
         self.of_higher_order[shape.dimension()] += usize::from(count > shape.corners());
         Ok(shape)
     }
-}
-
-/// Reads so many numbers of version 2.2; returns the first, that of the group.
-fn first_of(scanner: &mut Scanner<'_>, numbers: i64) -> Result<u64, GmshError> {
-    let mut group = 0;
-    for k in 0..numbers {
-        let number = scanner.whole()?.unsigned_abs();
-        if k == 0 {
-            group = number;
-        }
-    }
-    Ok(group)
 }
 
 /// Reads the corners of an element.

@@ -29,6 +29,31 @@ pub enum GmshError {
          in space a Physical Volume, or set `Mesh.SaveAll = 1`"
     )]
     NoCellsInGroups,
+    /// A physical group of volumes or surfaces, and no element of its dimension or a higher one.
+    #[error(
+        "the file has a {group} and no {cells}: mesh it with `gmsh {option} FILE -o mesh.msh`, FILE its geometry"
+    )]
+    NotMeshed {
+        /// Kind of the group.
+        group: &'static str,
+        /// Kind of the cells.
+        cells: &'static str,
+        /// Option that makes them.
+        option: &'static str,
+    },
+    /// Some partitions of several.
+    #[error("the file has {found} of {all} partitions; save the mesh in one file")]
+    Partitions {
+        /// Number of partitions in the file.
+        found: usize,
+        /// Number of all, as far as the file tells.
+        all: String,
+    },
+    /// A quadrangle with its corners in an order that is not that around it.
+    #[error(
+        "element {0} is a quadrangle whose sides cross: name its corners in their order around it"
+    )]
+    Crosswise(u64),
     /// A surface that is not in one plane.
     #[error(
         "node {off} is off the plane of nodes {}, {} and {}, and the file has no tetrahedra: a surface in space is no \
@@ -43,9 +68,10 @@ pub enum GmshError {
         /// Node that is not in it.
         off: u64,
     },
-    /// A line or triangle apart from the domain.
+    /// A line or triangle apart from the domain that a group names.
     #[error(
-        "element {element} is a {kind} on no {cell}: the file mixes dimensions; save only the domain and its boundary"
+        "element {element} is a {kind} on no {cell}, and in a group: the file mixes dimensions; take it out of the \
+         group"
     )]
     Mixed {
         /// Number of the line or triangle.
@@ -161,7 +187,7 @@ pub enum Fault {
 #[cfg(test)]
 mod tests {
     use crate::mesh::gmsh::read;
-    use crate::mesh::gmsh::tests::{SQUARE_22, after};
+    use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, after};
 
     #[test]
     fn broken_sections_are_named_with_the_line() {
@@ -252,6 +278,12 @@ mod tests {
         ] {
             assert_eq!(after(SQUARE_22, from, to), message);
         }
+        for version in ["2.000000", "2", "2.1", "2.20", "2.2000", "2.200000047683716"] {
+            assert!(
+                read(SQUARE_22.replace("2.2 0 8", &format!("{version} 0 8")).as_bytes()).is_ok()
+            );
+        }
+        assert!(read(SQUARE_41.replace("4.1 0 8", "4.10 0 8").as_bytes()).is_ok());
         let (nodes, _) = SQUARE_22.split_once("$Elements").unwrap();
         assert_eq!(
             read(nodes.as_bytes()).unwrap_err().to_string(),

@@ -20,10 +20,29 @@ pub(super) struct Labels {
 }
 
 impl Groups {
-    /// True if there is a named group, or an element in a group.
-    pub(super) fn is_any<const K: usize>(&self, elements: &[FileElement<K>]) -> bool {
-        !self.names.is_empty()
-            || elements.iter().any(|element| !self.sets.groups(element.groups).is_empty())
+    /// Leaves out elements of a lower dimension that are on no cell, and counts them.
+    ///
+    /// # Errors
+    /// [`GmshError::Mixed`] if one of them is in a group.
+    pub(super) fn on_cells<const K: usize>(
+        &self,
+        mut elements: Vec<FileElement<K>>,
+        has_cell: &[bool],
+        [kind, cell]: [&'static str; 2],
+        left_out: &mut usize,
+    ) -> Result<Vec<FileElement<K>>, GmshError> {
+        let is_on_cells = |element: &FileElement<K>| {
+            element.nodes.iter().all(|&node| has_cell.get(node as usize) == Some(&true))
+        };
+        let is_named = |element: &&FileElement<K>| !self.sets.groups(element.groups).is_empty();
+        let mut strays = elements.iter().filter(|element| !is_on_cells(element));
+        if let Some(named) = strays.find(is_named) {
+            return Err(GmshError::Mixed { element: named.tag, kind, cell });
+        }
+        let before = elements.len();
+        elements.retain(is_on_cells);
+        *left_out += before - elements.len();
+        Ok(elements)
     }
 
     /// Cells, each once: version 2.2 writes one of several groups once for each, one after the other.

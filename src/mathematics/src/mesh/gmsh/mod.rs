@@ -1,8 +1,9 @@
 //! Meshes of [Gmsh](https://gmsh.info), from files of the versions 2.0 to 2.2, 4.0 and 4.1, in text and in bytes.
 //!
 //! Triangles and tetrahedra are read, those of higher order by their corners, and quadrangles, which a diagonal cuts;
-//! physical groups name regions and parts of the boundary. Sections may be repeated, and a mesh may be partitioned. The
-//! reader is our own because the crate `mshio` reads version 4.1 only, and has had no release for years.
+//! physical groups name regions and parts of the boundary. Sections may be repeated, and a mesh may be partitioned, if
+//! one file has all partitions. The reader is our own because the crate `mshio` reads version 4.1 only, and has had no
+//! release for years.
 
 mod build;
 mod elements;
@@ -11,7 +12,9 @@ mod groups;
 mod labels;
 mod nodes;
 mod other_file;
+mod partitions;
 mod plane;
+mod quadrangles;
 mod scanner;
 
 pub use error::{Fault, FilePlace, GmshError};
@@ -29,7 +32,8 @@ use scanner::{Scanner, Version};
 ///
 /// Nodes keep the order of the file; nodes of no line, triangle or tetrahedron are left out. A group without a name has
 /// its number for a name; cells without a group are the region `domain`. An element may be in several groups: facets of
-/// the same groups are a part, cells of the same groups a region. Facets inside the domain are left out.
+/// the same groups are a part, cells of the same groups a region. Facets inside the domain are left out, and so is what
+/// is on no cell and in no group.
 ///
 /// # Errors
 /// [`GmshError`], with the section and the line or byte, or the number of the element.
@@ -66,9 +70,14 @@ pub fn read(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
         }
         scanner.end()?;
     }
-    let nodes = nodes.ok_or(GmshError::Missing("Nodes"))?;
-    let elements = elements.ok_or(GmshError::Missing("Elements"))?;
-    Sections { names, nodes, elements }.mesh()
+    let has_nodes = nodes.is_some();
+    let (nodes, elements) = match (nodes, elements) {
+        (Some(_), None) => return Err(GmshError::Missing("Elements")),
+        (nodes, elements) => (nodes.unwrap_or_default(), elements.unwrap_or_default()),
+    };
+    let sections = Sections { names, entities, nodes, elements };
+    sections.check_cells(has_nodes)?;
+    sections.mesh()
 }
 
 #[cfg(test)]
@@ -88,7 +97,8 @@ mod tests {
     /// Square with coordinates of the nodes on the surface too, in version 4.1.
     pub(super) const SQUARE_41: &str = include_str!("../../../../../tests/meshes/square.msh");
     /// One cell with one named side, in version 2.2.
-    const TETRAHEDRON: &str = include_str!("../../../../../tests/meshes/tetrahedron-22.msh");
+    pub(super) const TETRAHEDRON: &str =
+        include_str!("../../../../../tests/meshes/tetrahedron-22.msh");
 
     /// Piece of a binary file.
     enum Piece {

@@ -17,7 +17,9 @@ pub struct OtherFile {
 type Beginning = (&'static [u8], &'static str, &'static str);
 
 const UNPACK: &str = "unpack it, and give the mesh that is inside";
-const CONVERT: &str = "convert it with `meshio convert FILE mesh.msh --output-format gmsh`";
+const CONVERT: &str = "convert it with `meshio convert FILE mesh.msh --output-format gmsh22`";
+const CONVERT_WITH_ALL: &str = "convert it with `meshio convert FILE mesh.msh --output-format gmsh22`, after \
+    `pip install \"meshio[all]\"`";
 const MESH: &str = "mesh it with `gmsh -2 FILE -o mesh.msh`, in space with -3";
 const SURFACE: &str = "mesh its inside, as a volume, in Gmsh, and save that as .msh";
 const DOWNLOAD: &str = "download the mesh itself";
@@ -38,15 +40,15 @@ const BEGINNINGS: [Beginning; 31] = [
     (b"\xfe\xff", "is text in UTF-16", "save it as UTF-8"),
     (b"# vtk datafile", "is a VTK file", CONVERT),
     (b"<vtkfile", "is a VTK file", CONVERT),
-    (b"<!doctype xdmf", "is an XDMF file", CONVERT),
-    (b"<xdmf", "is an XDMF file", CONVERT),
-    (b"\x89hdf", "is an HDF5 file, as of MED", CONVERT),
+    (b"<!doctype xdmf", "is an XDMF file", CONVERT_WITH_ALL),
+    (b"<xdmf", "is an XDMF file", CONVERT_WITH_ALL),
+    (b"\x89hdf", "is an HDF5 file, as of MED or Exodus", CONVERT_WITH_ALL),
     (b"meshversionformatted", "is a mesh of Medit", CONVERT),
     (b"(0 \"", "is a mesh of ANSYS", CONVERT),
     (b"(1 \"", "is a mesh of ANSYS", CONVERT),
     (b"<dolfin", "is a mesh of DOLFIN", CONVERT),
     (b"ndime=", "is a mesh of SU2", CONVERT),
-    (b"cdf\x01", "is a NetCDF file, as of Exodus", CONVERT),
+    (b"cdf\x01", "is a NetCDF file, as of Exodus", CONVERT_WITH_ALL),
     (b"*heading", "is a mesh of Abaqus", CONVERT),
     (b"*node", "is a mesh of Abaqus", CONVERT),
     (b"$nod\n", "is a mesh of Gmsh in version 1", "save it with `Mesh.MshFileVersion = 4.1`"),
@@ -149,11 +151,11 @@ mod tests {
             (b"PK\x03\x04", "is a ZIP archive; unpack it, and give the mesh that is inside"),
             (
                 b"# vtk DataFile Version 2.0\n",
-                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh`",
+                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh22`",
             ),
             (
                 b"<?xml version=\"1.0\"?>\n<!-- disc -->\n<VTKFile type=\"UnstructuredGrid\">",
-                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh`",
+                "is a VTK file; convert it with `meshio convert FILE mesh.msh --output-format gmsh22`",
             ),
             (
                 b"$NOD\r\n4\r\n",

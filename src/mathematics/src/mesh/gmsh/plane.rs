@@ -4,8 +4,9 @@ use super::error::GmshError;
 use super::nodes::FileNodes;
 use crate::mesh::PlaneInSpace;
 
-/// Distance from a plane over the size of the domain that is a rounding error of the file.
-const ROUNDING: f64 = 1e-8;
+/// Distance from a plane over the size of the domain that is a rounding error of the file: one or two units in the last
+/// of six digits, which many programs write.
+const ROUNDING: f64 = 1e-5;
 
 /// Points of cells, measured from the first.
 struct PlanePoints<'a> {
@@ -24,20 +25,19 @@ pub(super) fn plane_of(nodes: &FileNodes, has_cell: &[bool]) -> Result<PlaneInSp
     let mut points = PlanePoints { nodes, used, start: nodes.points[first], size: 0.0 };
     let [x, y, z] = [0, 1, 2].map(|d| points.farthest(|step| step[d].abs()).1);
     points.size = x.max(y).max(z);
-    let rounding = ROUNDING * points.size;
     let [x0, y0, z0] = points.start;
-    // Axes that are exact keep the coordinates of the file.
-    if z <= rounding {
-        return Ok(PlaneInSpace::Horizontal(z0));
-    }
     let [along_x, along_y, along_z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    if y <= rounding {
-        return Ok(PlaneInSpace::Other { foot: [0.0, y0, 0.0], axes: [along_x, along_z] });
+    // Axes that are exact keep the coordinates of the file. A strip may be as narrow as rounding errors.
+    let least = x.min(y).min(z);
+    if least > ROUNDING * points.size {
+        points.tilted()
+    } else if z <= least {
+        Ok(PlaneInSpace::Horizontal(z0))
+    } else if y <= least {
+        Ok(PlaneInSpace::Other { foot: [0.0, y0, 0.0], axes: [along_x, along_z] })
+    } else {
+        Ok(PlaneInSpace::Other { foot: [x0, 0.0, 0.0], axes: [along_y, along_z] })
     }
-    if x <= rounding {
-        return Ok(PlaneInSpace::Other { foot: [x0, 0.0, 0.0], axes: [along_y, along_z] });
-    }
-    points.tilted()
 }
 
 impl PlanePoints<'_> {

@@ -29,6 +29,23 @@ pub(super) enum Version {
     FourOne,
 }
 
+impl Version {
+    /// Reads a version, as a number: some programs write 2.000000, or the digits of a number of 32 bits.
+    fn read(word: &[u8]) -> Option<Self> {
+        const ROUNDING: f64 = 1e-6;
+        let number: f64 = str::from_utf8(word).ok()?.parse().ok()?;
+        let versions = [
+            (2.0, Self::Two),
+            (2.1, Self::Two),
+            (2.2, Self::Two),
+            (4.0, Self::FourZero),
+            (4.1, Self::FourOne),
+        ];
+        let found = versions.into_iter().find(|(read, _)| (read - number).abs() < ROUNDING);
+        found.map(|(_, version)| version)
+    }
+}
+
 /// Reader of words and numbers. Numbers of counts are never trusted: what is read is pushed, so that no allocation is
 /// larger than a few times the file.
 pub(super) struct Scanner<'a> {
@@ -56,12 +73,9 @@ impl<'a> Scanner<'a> {
                 _ => return Err(GmshError::NoMeshFormat(OtherFile::recognise(bytes))),
             }
         }
-        scanner.version = match scanner.word()? {
-            b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
-            b"4" | b"4.0" => Version::FourZero,
-            b"4.1" => Version::FourOne,
-            other => return Err(scanner.fault(Fault::Version(shown(other)))),
-        };
+        let version = scanner.word()?;
+        scanner.version =
+            Version::read(version).ok_or_else(|| scanner.fault(Fault::Version(shown(version))))?;
         let is_binary = match scanner.word()? {
             b"0" => false,
             b"1" => true,

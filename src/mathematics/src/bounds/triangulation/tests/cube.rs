@@ -21,11 +21,12 @@ struct Solved {
 fn solved(f: &Source<3>, times: usize) -> Solved {
     let (levels, mesh) = refined(&uniform_cube(1), times).unwrap();
     let network = &levels[times].network;
-    let MeshLoad { load, cells, unsettled, .. } = mesh_load(&mesh, f).unwrap();
-    let problem = Law::SIGNORINI.with_load(&load);
+    let made = mesh_load(&mesh, f).unwrap();
+    let MeshLoad { load, unsettled, .. } = &made;
+    let problem = Law::SIGNORINI.with_load(load);
     let (y, _) = solve_nested_networks(&levels, problem, &MultigridParams::default()).unwrap();
-    let bounds = bounds_on_mesh(&mesh, network, &cells, Law::SIGNORINI, &y).unwrap();
-    let energy = judge(network, Law::SIGNORINI, &y, &load).energy;
+    let bounds = bounds_on_mesh(&mesh, network, &made, Law::SIGNORINI, &y).unwrap();
+    let energy = judge(network, Law::SIGNORINI, &y, load).energy;
     Solved { bounds, energy, is_sampled: unsettled.is_some() }
 }
 

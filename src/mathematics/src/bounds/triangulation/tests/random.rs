@@ -1,8 +1,7 @@
 //! Random vectors, conditions and functions f: all brackets of a problem must hold one energy.
 
-use super::{TestProblem, noise, overlap, straight};
-use crate::bounds::triangulation::CellData;
-use crate::mesh::{BuiltIn, Condition, Element, Mesh};
+use super::{TestProblem, constant_on_cells, noise, overlap, straight};
+use crate::mesh::{BuiltIn, CellData, Condition, Element, Mesh, MeshLoad, refine};
 use proptest::prelude::*;
 
 /// Conditions on a third of the facets each, in which way they follow each other, and the frequencies of all noise.
@@ -58,14 +57,25 @@ fn check_brackets<const D: usize, const V: usize>(mut mesh: Mesh<D, V>, case: &R
         data.mean.push(mean);
         data.deviation.as_mut().unwrap().push(square.sum::<f64>().sqrt());
     }
-    fine.f.mean = f;
-    let mut coarse = TestProblem { f: data, ..coarse };
+    fine.f = constant_on_cells(&fine.mesh, f);
+    // A hat function is one half at the midpoints of the edges to its node.
+    let mut load = fine.f.load[..coarse.y.len()].to_vec();
+    let parents = refine(&coarse.mesh).unwrap().parents;
+    for (ends, of_midpoint) in parents.iter().zip(&fine.f.load[coarse.y.len()..]) {
+        ends.iter().for_each(|&end| load[end as usize] += 0.5 * of_midpoint);
+    }
+    let f = MeshLoad { load, cells: data, ..fine.f.clone() };
+    let mut coarse = TestProblem { f, ..coarse };
     // Zero first, then noise, then what relaxation makes of the noise.
     let mut energies = vec![coarse.bounds().energy, fine.bounds().energy];
     coarse.y = noise(coarse.y.len(), of_coarse);
     energies.push(coarse.bounds().energy);
     coarse.relax(1000);
-    energies.push(coarse.bounds().energy);
+    let [low, high] = coarse.bounds().energy;
+    // The vector is in K, and its load exact.
+    let energy = coarse.network.energy(&coarse.y, &coarse.f.load).min(0.0);
+    assert!((high - energy).abs() <= 1e-9 * (high - low), "{low} {high} {energy}");
+    energies.push([low, high]);
     let mut solved = fine.clone();
     solved.relax(1000);
     let solved_bounds = solved.bounds();

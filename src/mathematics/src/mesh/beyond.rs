@@ -1,0 +1,101 @@
+//! Space between the facets of a mesh and the curves or surfaces on which their parts of the boundary lie.
+
+use super::geometry::{Element, centroid, difference, dot, measure};
+use super::load::OnCells;
+use super::{Mesh, Sides};
+
+/// Halvings of a facet: in the plane 32 pieces, whose chords miss a thousandth of what the facet misses.
+const HALVINGS: usize = 5;
+
+/// Gain of the domain, by an estimate, if the curve of a facet takes its place. A loss is negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveGain {
+    /// Position of the facet.
+    pub facet: usize,
+    /// Length or area of the boundary.
+    pub measure: f64,
+    /// Integral of f.
+    pub integral: f64,
+}
+
+/// Returns the gains at all facets on curves. f is taken at one point of each piece between facet and curve.
+pub fn curve_gains<const D: usize, const V: usize, F: OnCells<D>>(
+    mesh: &Mesh<D, V>,
+    f: &F,
+) -> Vec<CurveGain> {
+    if mesh.parts().iter().all(|part| part.curve.is_none()) {
+        return Vec::new();
+    }
+    let mut gains = Vec::new();
+    for (number, side) in Sides::new(mesh).of_facets().iter().enumerate() {
+        let facet = &mesh.facets()[number];
+        let Some(curve) = mesh.parts()[usize::from(facet.part)].curve else { continue };
+        let inside = centroid(mesh.vertices(&mesh.cells()[side.cell as usize]));
+        let region = mesh.regions()[side.cell as usize];
+        let corners = mesh.corners(facet);
+        let (mut pieces, mut integral) = (vec![corners], 0.0);
+        for _ in 0..HALVINGS {
+            let mut halves = Vec::with_capacity(2 * pieces.len());
+            for piece in pieces {
+                let ends = longest_edge(piece);
+                let middle = centroid(ends.map(|end| piece[end]));
+                let top = curve.nearest(middle);
+                let between: [[f64; D]; V] =
+                    std::array::from_fn(|k| if k < D { piece[k] } else { top });
+                let outward = dot(difference(top, middle), difference(middle, inside));
+                let volume = Element::new(between).volume;
+                integral += volume.copysign(outward) * f.at(region, centroid(between));
+                for end in ends {
+                    let mut half = piece;
+                    half[end] = top;
+                    halves.push(half);
+                }
+            }
+            pieces = halves;
+        }
+        let of_pieces: f64 = pieces.into_iter().map(measure).sum();
+        gains.push(CurveGain { facet: number, measure: of_pieces - measure(corners), integral });
+    }
+    gains
+}
+
+/// Positions of the ends of the longest edge.
+fn longest_edge<const D: usize>(corners: [[f64; D]; D]) -> [usize; 2] {
+    let (mut longest, mut ends) = (-1.0, [0, 1]);
+    for j in 0..D {
+        for i in 0..j {
+            let edge = difference(corners[j], corners[i]);
+            if dot(edge, edge) > longest {
+                (longest, ends) = (dot(edge, edge), [i, j]);
+            }
+        }
+    }
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{BuiltIn, assemble};
+    use crate::problem::source::Source;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn polygons_and_polyhedra_with_their_gains_have_the_measures_of_discs_annuli_and_balls() {
+        for (domain, area, length) in
+            [(BuiltIn::Disc, PI, 2.0 * PI), (BuiltIn::Annulus, 0.75 * PI, 3.0 * PI)]
+        {
+            let mesh = domain.plane().unwrap();
+            let gains = curve_gains(&mesh, &Source::<2>::constant(1.0));
+            let [mut integral, mut boundary] = [mesh.volume(), assemble(&mesh).perimeter()];
+            gains.iter().for_each(|gain| integral += gain.integral);
+            gains.iter().for_each(|gain| boundary += gain.measure);
+            assert!((integral / area - 1.0).abs() < 1e-3, "{domain:?} {integral} {area}");
+            assert!((boundary / length - 1.0).abs() < 1e-3, "{domain:?} {boundary} {length}");
+        }
+        let mesh = BuiltIn::Ball.space().unwrap();
+        let gains = curve_gains(&mesh, &Source::<3>::constant(1.0));
+        let whole = mesh.volume() + gains.iter().map(|gain| gain.integral).sum::<f64>();
+        assert!((whole / (4.0 / 3.0 * PI) - 1.0).abs() < 0.05, "{whole}");
+    }
+}

@@ -1,0 +1,370 @@
+//! What each command reads and writes, what it refuses, and what it says that a run will do.
+
+use crate::common::{
+    EVERYTHING, Project, TABLE, assert_same, interrupt, send, wait_for_handler, wanting,
+};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::Stdio;
+use std::time::{Duration, SystemTime};
+
+/// Times of the files of the project outside of the cache.
+fn committed(project: &Project) -> BTreeMap<PathBuf, SystemTime> {
+    let mut times = project.times();
+    times.retain(|path, _| !path.components().any(|part| part.as_os_str() == ".signorini"));
+    times
+}
+
+/// Scene with a published table.
+fn published() -> String {
+    TABLE.to_owned() + "paper_table = 1\n"
+}
+
+/// A project with pages, of which one shows nothing.
+fn with_pages(scene: &str) -> Project {
+    let project = Project::with(scene);
+    fs::create_dir(project.path("report/templates")).unwrap();
+    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
+    project.write("report/templates/one.md", "# One\n");
+    project
+}
+
+#[test]
+fn a_comparison_writes_to_the_cache_alone() {
+    let project = with_pages(&published());
+    project.scene("heavy", &TABLE.replace("[4, 8]", "[4, 8, 16]"));
+    project.run(&["run"]);
+    project.scene("a", &published().replace("else=-1", "else=-1.5"));
+    project.scene("heavy", &TABLE.replace("[4, 8]", "[4, 8, 16, 32]"));
+    let before = committed(&project);
+    let compared = project.run(&["diff", "--json"]);
+    assert_eq!(compared.json()["tables"][0]["table"], 1, "{compared:?}");
+    assert_eq!(committed(&project), before);
+    // Only what is compared was solved.
+    let stale = project.stale();
+    assert!(!stale.iter().any(|id| id.starts_with("solve/a/")), "{stale:?}");
+    assert!(stale.iter().any(|id| id.starts_with("solve/heavy/")), "{stale:?}");
+    // The record still tells of the change.
+    let locked = project.run(&["run", "--locked"]);
+    assert_eq!(locked.code, Some(1), "{locked:?}");
+    assert!(locked.out.contains("solve/a/signed/r=10"), "{locked:?}");
+    assert_eq!(project.run(&["diff", "--json"]).out, compared.out);
+}
+
+#[test]
+fn mistakes_in_files_that_a_scene_does_not_read_do_not_stop_it() {
+    let project = with_pages(TABLE);
+    project.scene("b", TABLE);
+    project.run(&["run"]).lines();
+    project.write("pipeline/paper.toml", "x = [");
+    project.write("pipeline/timings.toml", "x = [");
+    project.write("report/book.toml", "x = [");
+    std::os::unix::fs::symlink("..", project.path("report/templates/loop")).unwrap();
+    std::os::unix::fs::symlink("nowhere", project.path("pipeline/truth.toml")).unwrap();
+    for args in [&["run", "a"][..], &["run", "a", "-n"], &["status", "a"]] {
+        assert_eq!(project.run(args).code, Some(0), "{args:?}");
+    }
+    project.scene("a", &TABLE.replace("else=-1", "else=-2"));
+    project.run(&["run", "a", "-n"]).lines();
+    project.run(&["run", "a"]).lines();
+    for args in [&["run"][..], &["run", "-n"], &["status"], &["run", "a", "b"]] {
+        project.run(args).refusal();
+    }
+}
+
+#[test]
+fn the_dry_run_refuses_what_the_run_refuses_and_nothing_else() {
+    let project = with_pages(&wanting(EVERYTHING));
+    project.scene("b", TABLE);
+    project.write("pipeline/timings.toml", "");
+    let alike = |args: &[&str]| {
+        let dry = project.run(&[args, &["-n"]].concat());
+        let said = project.run(args);
+        assert_eq!(dry.code, said.code, "{args:?}: {dry:?} {said:?}");
+        if said.code == Some(2) {
+            assert_eq!(dry.refusal(), said.refusal());
+        }
+        said.code
+    };
+    project.write("pipeline/timings.toml", "x = [");
+    assert_eq!(alike(&["run"]), Some(2), "the book shows the record");
+    assert_eq!(alike(&["run", "--only", "figures"]), Some(0), "the figures do not");
+    fs::remove_file(project.path("pipeline/timings.toml")).unwrap();
+    assert_eq!(alike(&["run"]), Some(0));
+    // A mistake that no task would read.
+    project.write("report/book.toml", "[book]\nsrc = \"elsewhere\"\n");
+    assert_eq!(alike(&["run", "b"]), Some(0));
+    assert_eq!(alike(&["run"]), Some(2));
+    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+    project.write("figures/a-source.svg", "<svg>mine</svg>");
+    assert_eq!(alike(&["run"]), Some(2));
+    assert_eq!(alike(&["run", "b"]), Some(0));
+    assert_eq!(alike(&["run", "--force"]), Some(0));
+    project.scene("b", &TABLE.replace("else=-1", "else=1"));
+    assert_eq!(alike(&["run"]), Some(2));
+    assert_eq!(alike(&["run", "a"]), Some(0));
+    assert_eq!(alike(&["run", "-k"]), Some(3));
+}
+
+#[test]
+fn a_run_that_has_only_to_note_something_is_told_of() {
+    let project = Project::with(TABLE);
+    project.run(&["run"]).lines();
+    let file = project.path("pipeline/lock.toml");
+    let lock = fs::read_to_string(&file).unwrap();
+    let will_note = |line: &str| {
+        let status = project.run(&["status", "--exit-code"]);
+        assert_eq!(status.code, Some(1), "{status:?}");
+        assert!(status.out.contains(line), "{status:?}");
+        let json = project.run(&["status", "--json"]).json();
+        assert_eq!(json["stale"], true);
+        assert!(json["files"].to_string().contains(line), "{json}");
+        let dry = project.run(&["run", "-n"]);
+        assert!(dry.lines().contains(&line), "{dry:?}");
+        let said = project.run(&["run"]);
+        assert!(!said.lines()[0].starts_with("nothing"), "{said:?}");
+        project.run(&["run", "-n"]).nothing_to_do();
+        assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
+        assert_eq!(fs::read_to_string(&file).unwrap(), lock);
+    };
+    project.scene("a", &TABLE.replace("else=-1", "else=-2"));
+    project.run(&["run", "a"]).lines();
+    project.scene("a", TABLE);
+    will_note("an older result is in use again");
+    fs::remove_file(&file).unwrap();
+    will_note("pipeline/lock.toml is missing or old");
+    // As a crash, and as a merge leaves it.
+    project.write("pipeline/lock.toml", "");
+    will_note("pipeline/lock.toml is missing or old");
+    let line = lock.lines().find(|line| line.contains("tabulate/a")).unwrap();
+    project.write("pipeline/lock.toml", lock.replace(line, ""));
+    will_note("pipeline/lock.toml is missing or old");
+}
+
+#[test]
+fn what_a_run_would_find_is_no_garbage() {
+    let project = with_pages(&wanting(EVERYTHING));
+    project.run(&["run"]).lines();
+    let edited = wanting(EVERYTHING).replace("else=-1", "else=-2");
+    project.scene("a", &edited);
+    project.run(&["run"]).lines();
+    project.scene("a", &wanting(EVERYTHING));
+    assert_eq!(project.stale(), [""; 0]);
+    project.run(&["gc"]).lines();
+    assert_eq!(project.stale(), [""; 0]);
+    // An artifact in the middle is gone: what is made from it is found once it is there again.
+    let objects = project.files(".signorini/v2/objects");
+    let runs = fs::read(project.path(".signorini/v2/tasks/solve/a/signed/r=10.runs")).unwrap();
+    let text = String::from_utf8(runs).unwrap();
+    // The latest is that of the edit.
+    let first = text.lines().next().unwrap();
+    let of_first = |name: &&String| first.contains(name.rsplit('/').next().unwrap());
+    for name in objects.keys().filter(of_first) {
+        fs::remove_file(project.path(&format!(".signorini/v2/objects/{name}"))).unwrap();
+    }
+    project.run(&["gc"]).lines();
+    let said = project.run(&["run", "-v"]);
+    assert_eq!(said.ran(), ["solve/a/signed/r=10"], "{said:?}");
+    // Both states are in use by turns.
+    project.scene("a", &edited);
+    assert_eq!(project.stale(), [""; 0]);
+    project.run(&["run"]).lines();
+    project.run(&["gc"]).lines();
+    project.scene("a", &wanting(EVERYTHING));
+    assert!(!project.stale().is_empty(), "the other one went");
+}
+
+/// A scene on this domain whose flux cannot balance f.
+fn unsolvable(domain: &str) -> String {
+    format!("title = \"Up\"\nf = \"else=1\"\n{domain}outputs = [\"table\"]\n")
+}
+
+#[test]
+fn a_scene_is_checked_when_it_is_to_run_and_not_before() {
+    let project = Project::with(TABLE);
+    project.scene("ball", &unsolvable("domain = { name = \"ball\", refine = 1 }\n"));
+    project.scene("formula", &unsolvable("").replace("else=1", "formula(1 + x)"));
+    project.scene("pieces", &unsolvable(""));
+    // None of these needs to know whether the others have a solution.
+    for args in [
+        &["list"][..],
+        &["status"],
+        &["explain", "solve"],
+        &["dag"],
+        &["gc", "-n"],
+        &["run", "a"],
+        &["run", "a", "-n"],
+        &["solve", "a", "--h", "8", "--solver", "multigrid"],
+    ] {
+        assert_eq!(project.run(args).code, Some(0), "{args:?}");
+    }
+    let before = project.times();
+    let said = project.run(&["run"]);
+    let refusal = said.refusal();
+    let ball = refusal.find("scene `ball`: ").unwrap();
+    assert!(refusal[ball..].contains("formula, pieces"), "all are named: {refusal}");
+    for scene in ["ball", "formula", "pieces"] {
+        for args in [&["run", scene][..], &["run", scene, "-n"], &["solve", scene]] {
+            assert!(
+                project.run(args).refusal().contains(&format!("scene `{scene}`: ")),
+                "{args:?}"
+            );
+        }
+        let task = format!("solve/{scene}");
+        assert!(project.run(&["run", "--task", &task]).refusal().contains(scene), "{task}");
+    }
+    assert_eq!(project.times(), before);
+}
+
+#[test]
+fn a_scene_that_cannot_run_does_not_stop_the_others_where_the_run_is_to_go_on() {
+    let project = with_pages(TABLE);
+    project.scene("b", TABLE);
+    project.run(&["run"]).lines();
+    let shown = project.files("report/src");
+    project.scene("a", &TABLE.replace("else=-1", "else=-2"));
+    project.scene("up", &unsolvable(""));
+    project.scene("high", &unsolvable("domain = { name = \"disc\", refine = 1 }\n"));
+    project.scene("part", &unsolvable("domain = { name = \"disc\", free = [\"no\"] }\n"));
+    let said = project.run(&["run", "-k"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    for (task, why) in
+        [("solve/up: ", "integral of f"), ("solve/high: ", "integral of f"), ("solve/part: ", "no")]
+    {
+        let line = said.err.lines().find(|line| line.contains(task)).unwrap();
+        assert!(line.contains(why), "{line}");
+    }
+    assert!(said.err.contains("diff/results: not run, because solve/"), "{said:?}");
+    let of_others = |id: &String| !["up", "high", "part"].iter().any(|name| id.contains(name));
+    let left: Vec<String> = project.stale().into_iter().filter(of_others).collect();
+    assert_eq!(left, ["diff/results", "report/book"]);
+    // One that cannot be read is listed, too, and what it made stays.
+    for name in ["up", "high", "part"] {
+        fs::remove_file(project.path(&format!("pipeline/scenes/{name}.toml"))).unwrap();
+    }
+    project.run(&["run"]).lines();
+    project.scene("b", "x = 1\n");
+    project.scene("a", &TABLE.replace("else=-1", "else=-3"));
+    let (lock, before) = (project.path("pipeline/lock.toml"), project.files("report/src"));
+    let said = project.run(&["run", "-k"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    assert!(said.err.ends_with(
+        "error: scene `b`: line 1: unknown field `x`, expected one of \
+        `title`, `paper_table`, `domain`, `f`, `law`, `load`, `solver`, `grids`, `accuracy`, \
+        `accuracy_energy`, `prolongation`, `r`, `stop`, `max_iterations`, `draw_r`, `outputs`\n"
+    ));
+    assert!(said.out.contains("solve"), "{said:?}");
+    assert!(fs::read_to_string(lock).unwrap().contains("solve/b/"));
+    assert_same(&project.files("report/src"), &before);
+    assert_eq!(shown.len(), before.len());
+    assert!(project.run(&["run"]).refusal().contains("scene `b`"));
+    assert!(project.run(&["run", "-k", "--locked"]).refusal().contains("scene `b`"));
+    assert!(project.run(&["run", "-k", "b"]).refusal().contains("scene `b`"));
+}
+
+#[test]
+fn a_signal_ends_at_once_what_has_not_begun() {
+    let project = Project::with(TABLE);
+    fs::create_dir(project.path(".signorini")).unwrap();
+    let lock = File::create(project.path(".signorini/lock")).unwrap();
+    lock.lock().unwrap();
+    for signal in ["INT", "TERM"] {
+        let mut command = project.command(&["run", "--task", "solve/a/signed/r=10"]);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_handler(&child);
+        send(signal, &child);
+        // It would wait for ever.
+        let said = child.wait_with_output().unwrap();
+        assert_eq!(said.status.code(), Some(130), "{said:?}");
+        let err = String::from_utf8(said.stderr).unwrap();
+        assert!(!err.contains("finishing"), "{err}");
+        assert!(err.ends_with("repeat the command to go on\n"), "{err}");
+    }
+    drop(lock);
+    assert_eq!(project.stale().len(), 3);
+}
+
+#[test]
+fn commands_that_write_nothing_end_with_the_signal() {
+    let project = with_pages(TABLE);
+    // A pipe of which nobody knows how long it is could not be hashed at all; a large file takes minutes.
+    let large = File::create(project.path("report/templates/large.bin")).unwrap();
+    large.set_len(1 << 40).unwrap();
+    for args in [&["status"][..], &["explain", "report"], &["run", "-n"]] {
+        let child = project.command(args).stdout(Stdio::null()).spawn().unwrap();
+        interrupt(&child);
+        let ended = child.wait_with_output().unwrap().status;
+        assert_eq!(std::os::unix::process::ExitStatusExt::signal(&ended), Some(2), "{args:?}");
+    }
+}
+
+#[test]
+fn refinement_ends_between_two_meshes() {
+    let scene = "title = \"Fine\"\nf = \"else=-1\"\ndomain = \"lshape\"\naccuracy = 1e-5\noutputs = [\"table\"]\n";
+    let project = Project::with(scene);
+    let mut command = project.command(&["run", "-v"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    lines.find(|line| line.as_ref().unwrap().contains(" to run")).unwrap().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    send("TERM", &child);
+    // To the end it would take an hour, and all memory.
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let said: Vec<String> = lines.map(Result::unwrap).collect();
+    assert!(said[0].starts_with("finishing what has begun"), "{said:?}");
+    assert!(said[1].starts_with("ended early: solve/a"), "{said:?}");
+    assert_eq!(project.stale().len(), 2);
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_is_told_with_its_remedy() {
+    let project = Project::with(&wanting(EVERYTHING));
+    let mut command = std::process::Command::new("bash");
+    command.args(["-c", "ulimit -f 10; exec \"$0\" run", env!("CARGO_BIN_EXE_signorini")]);
+    let said = command.current_dir(project.path(".")).output().unwrap();
+    assert_eq!(said.status.code(), Some(2), "{said:?}");
+    assert!(String::from_utf8_lossy(&said.stderr).contains("`ulimit -f`"), "{said:?}");
+}
+
+#[test]
+fn mistakes_that_are_known_before_a_run_are_told_before_it() {
+    let project = Project::with(&published().replace("[4, 8]", "[4, 8, 16]"));
+    for args in [&["run"][..], &["run", "-n"], &["status"], &["diff"]] {
+        let said = project.run(args);
+        assert!(said.refusal().contains("scene `a`: table 1 is on 2 grids"), "{args:?}: {said:?}");
+    }
+    // One spelling for the name of a domain.
+    project.scene("a", &unsolvable("domain = { mesh = \"square\" }\n"));
+    let said = project.run(&["run"]);
+    assert!(said.refusal().contains("unknown field `mesh`, expected one of `name`"), "{said:?}");
+    std::os::unix::fs::symlink("b.toml", project.path("pipeline/scenes/b.toml")).unwrap();
+    let said = project.run(&["run", "b"]);
+    assert!(said.refusal().contains("it links to itself: remove the link"), "{said:?}");
+    // A folder of git, or of the results, is none for the cache.
+    fs::create_dir(project.path(".git")).unwrap();
+    for folder in [".git", "report/cache"] {
+        let said = project.run(&["status", "--cache-dir", folder]);
+        assert!(said.refusal().contains("the cache would lie in"), "{said:?}");
+    }
+}
+
+#[test]
+fn failures_of_tasks_name_the_remedy() {
+    let project = with_pages(TABLE);
+    fs::remove_dir_all(project.path("report/templates")).unwrap();
+    let said = project.run(&["run"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    assert!(
+        said.err.contains("report/templates has no SUMMARY.md; list the pages there"),
+        "{said:?}"
+    );
+    let scene = "title = \"T\"\nf = \"else=0\"\naccuracy = 0.1\noutputs = [\"table\"]\n\
+        domain = { name = \"lshape\", fixed = [\"boundary\"] }\n";
+    project.scene("zero", scene);
+    let said = project.run(&["run", "zero"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    assert!(said.err.contains("as where v = 0; leave it out"), "{said:?}");
+}

@@ -1,0 +1,178 @@
+//! Fields of real answers in JSON, beside the tables of fields in the book.
+
+use crate::common::{PAPER, Project, TABLE};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+
+/// Paths of fields, with a colon before each that is one of the field before.
+type Fields = BTreeSet<String>;
+
+/// Fields whose values are settings or readings by name, of which each has fields of its own.
+const OPEN: [&str; 3] = ["readings: variant", "readings: searches", "own_mesh"];
+
+/// Objects whose fields are ids.
+const BY_ID: &str = "tasks";
+
+/// Adds the fields of an answer.
+fn add(fields: &mut Fields, path: &str, value: &Value) {
+    match value {
+        Value::Array(values) => values.iter().for_each(|value| add(fields, path, value)),
+        Value::Object(map) if path == BY_ID && !map.contains_key("id") => {
+            let is_verdict = map.contains_key("state");
+            for (name, value) in map {
+                let path = if is_verdict { format!("{path}: {name}") } else { path.to_owned() };
+                fields.extend(is_verdict.then(|| path.clone()));
+                add(fields, &path, value);
+            }
+        }
+        Value::Object(map) => {
+            for (name, value) in map {
+                let path = if path.is_empty() { name.clone() } else { format!("{path}: {name}") };
+                fields.insert(path.clone());
+                if !OPEN.contains(&&*path) {
+                    add(fields, &path, value);
+                }
+            }
+        }
+        _ => (),
+    }
+}
+
+fn fields_of(answers: &[Value]) -> Fields {
+    let mut fields = Fields::new();
+    for answer in answers {
+        assert_eq!(answer["schema"], 1, "{answer}");
+        add(&mut fields, "", answer);
+    }
+    fields.remove("schema");
+    fields
+}
+
+/// Fields in the rows of a table of the book, whose first cell names the command if `command` is one.
+fn documented(table: &str, command: Option<&str>) -> Fields {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/report/templates/commands.md.tera");
+    let page = fs::read_to_string(path).unwrap();
+    let (_, table) = page.split_once(&format!("table name=\"{table}\"")).unwrap();
+    let (table, _) = table.split_once("{% </table> %}").unwrap();
+    let mut fields = Fields::new();
+    for row in table.lines().filter(|line| line.starts_with("| `")) {
+        let mut cells = row.trim_matches('|').split('|').map(str::trim);
+        if let Some(command) = command {
+            let commands = cells.next().unwrap();
+            if !commands.split(", ").any(|name| name.trim_matches('`') == command) {
+                continue;
+            }
+        }
+        let mut paths = vec![String::new()];
+        for names in cells.next().unwrap().split(": ") {
+            let mut longer = Vec::new();
+            for path in &paths {
+                for name in names.split(", ") {
+                    let name = name.strip_prefix('`').and_then(|name| name.strip_suffix('`'));
+                    let name = name.unwrap_or_else(|| panic!("{row}"));
+                    longer.push(if path.is_empty() {
+                        name.to_owned()
+                    } else {
+                        format!("{path}: {name}")
+                    });
+                }
+            }
+            fields.extend(longer.iter().cloned());
+            paths = longer;
+        }
+    }
+    fields
+}
+
+/// Requires the same fields in answers and in the book.
+#[track_caller]
+fn agree(answers: &[Value], documented: &Fields) {
+    let found = fields_of(answers);
+    let unknown: Vec<_> = found.difference(documented).collect();
+    assert!(unknown.is_empty(), "fields without a line in the book: {unknown:?}");
+    let gone: Vec<_> = documented.difference(&found).collect();
+    assert!(gone.is_empty(), "lines of the book without a field: {gone:?}");
+}
+
+const MESH: &str = "halfplane(0,1,0)=-3; else=1.5";
+const SOURCE: &str = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
+
+#[test]
+fn each_field_of_solve_has_a_line_in_the_book_and_each_line_a_field() {
+    let project = Project::with(TABLE);
+    let mut answers = vec![project.run(&["solve", "a", "--r", "3", "--json"]).json()];
+    let square: [&[&str]; 12] = [
+        &["--solver", "arrow-hurwicz", "--stop", "signed"],
+        &["--solver", "uzawa"],
+        &["--solver", "uzawa-proximal"],
+        &["--solver", "active-set"],
+        &["--solver", "multigrid", "--tolerance", "1e-6"],
+        &["--friction", "0.4"],
+        &["--limit", "3"],
+        &["--friction", "0.4", "--solver", "spectral"],
+        &["--solver", "spectral"],
+        &["--accuracy", "0.5"],
+        &["--accuracy-energy", "0.1"],
+        &["--max-iterations", "1"],
+    ];
+    for more in square {
+        let by_itself = ["spectral", "--accuracy", "--accuracy-energy"];
+        let width: &[&str] =
+            if more.iter().any(|word| by_itself.contains(word)) { &[] } else { &["--h", "1/16"] };
+        let args = [&["solve", "--json", "--f", SOURCE], width, more].concat();
+        answers.push(project.run(&args).json());
+    }
+    let others: [&[&str]; 9] = [
+        &["--f", "exact(torsion)", "--h", "1/8"],
+        &["--f", "formula(x - 1)", "--h", "1/8", "--recover", "--out", "v.npy"],
+        &["--domain", "disc", "--f", MESH, "--refine", "2"],
+        &["--domain", "disc", "--f", MESH, "--accuracy", "0.3"],
+        &["--domain", "lshape", "--f", "else=-1", "--accuracy-energy", "0.1"],
+        &["--domain", "disc", "--f", MESH, "--refine", "2", "--solver", "arrow-hurwicz"],
+        &["--domain", "annulus", "--f", "else=-1", "--refine", "1", "--friction", "2"],
+        &["--domain", "cube", "--f", "ball(0,0,0,0.25)=2; else=-1", "--h", "1/4"],
+        &["--domain", "cube", "--f", "exact(free-disc)", "--h", "1/4"],
+    ];
+    for more in others {
+        answers.push(project.run(&[&["solve", "--json"], more].concat()).json());
+    }
+    agree(&answers, &documented("solve-json", None));
+    // A field that is null says why.
+    for answer in &answers {
+        for name in ["bound", "contact", "grids"] {
+            assert_eq!(answer[name].is_null(), answer[format!("{name}_reason")].is_string());
+        }
+    }
+}
+
+#[test]
+fn each_field_of_other_commands_has_a_line_in_the_book_and_each_line_a_field() {
+    let project = Project::with(&format!("paper_table = 1\n{TABLE}"));
+    project.scene("broken", "title = 1\n");
+    let list = project.run(&["list", "--json"]).json();
+    assert_eq!(list["broken"].as_array().unwrap().len(), 1);
+    agree(&[list], &documented("json", Some("list")));
+    fs::remove_file(project.path("pipeline/scenes/broken.toml")).unwrap();
+
+    agree(&[project.run(&["dag", "--json"]).json()], &documented("json", Some("dag")));
+    let never = project.run(&["status", "--json"]).json();
+    let explained = project.run(&["explain", "solve", "--json"]).json();
+    agree(&[project.run(&["diff", "--json"]).json(), capped()], &documented("json", Some("diff")));
+    project.run(&["run"]).lines();
+    let fresh = project.run(&["status", "--json"]).json();
+    project.scene("a", &format!("paper_table = 1\n{}", TABLE.replace("else=-1", "else=-2")));
+    let changed = project.run(&["status", "--json"]).json();
+    agree(&[never, fresh, changed], &documented("json", Some("status")));
+    let changed = project.run(&["explain", "solve", "--json"]).json();
+    let waits = project.run(&["explain", "tabulate", "--json"]).json();
+    agree(&[explained, changed, waits], &documented("json", Some("explain")));
+}
+
+/// Answer of `diff` to a table with a count that was cut off.
+fn capped() -> Value {
+    let scene = format!("paper_table = 1\nmax_iterations = 1\n{TABLE}");
+    let project = Project::with(&scene);
+    project.write("pipeline/paper.toml", PAPER);
+    project.run(&["diff", "--json"]).json()
+}
