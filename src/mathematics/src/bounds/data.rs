@@ -123,8 +123,8 @@ impl<'a> AllCells<'a> {
         if j < self.ends.len() {
             return Cow::Borrowed(self.stored(j));
         }
-        let cells = 0..self.grid.cells();
-        Cow::Owned(cells.map(|i| MomentRun::cut(i, self.integrated(i, j))).collect())
+        let moments = self.integrated(j).into_iter().enumerate();
+        Cow::Owned(moments.map(|(i, moments)| MomentRun::cut(i, moments)).collect())
     }
 
     /// True if the nodal vector `v` solves the equation with the integrals of f times linear hat functions rather than
@@ -156,20 +156,22 @@ impl<'a> AllCells<'a> {
         linear < bilinear
     }
 
-    /// Moments of a smooth f over cell (i, j), by quadrature.
-    fn integrated(&self, i: usize, j: usize) -> CellMoments {
-        let h = self.grid.h();
-        let [x, y] = [i, j].map(|k| self.grid.coordinate(k));
-        let mut sum = CellMoments::default();
+    /// Moments of a smooth f over the cells of row `j`, by quadrature.
+    fn integrated(&self, j: usize) -> Vec<CellMoments> {
+        let (n, h) = (self.grid.cells(), self.grid.h());
+        let (mut sums, mut values) = (vec![CellMoments::default(); n], vec![0.0; n]);
         for triangle in
             [[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]], [[-0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]]
         {
             for ([p, q], weight) in quadrature(triangle) {
-                let value = self.f.at([x + (p + 0.5) * h, y + (q + 0.5) * h]);
-                sum.add([p, q], weight * value * h * h, value * h * h);
+                let x: Vec<f64> = (0..n).map(|i| self.grid.coordinate(i) + (p + 0.5) * h).collect();
+                self.f.in_row(&x, self.grid.coordinate(j) + (q + 0.5) * h, &mut values);
+                for (sum, value) in sums.iter_mut().zip(&values) {
+                    sum.add([p, q], weight * value * h * h, value * h * h);
+                }
             }
         }
-        sum
+        sums
     }
 }
 

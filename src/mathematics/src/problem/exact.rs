@@ -14,6 +14,7 @@ pub use space::CubeExact;
 
 use super::complex::Complex;
 use super::field::{Field, bump, falling, hill, product};
+use crate::machine::simd::vectorised;
 use std::f64::consts::PI;
 
 /// The problems with known solutions.
@@ -125,6 +126,19 @@ impl Exact {
         }
     }
 
+    /// Writes [`Exact::source`] at points with the same y.
+    pub(super) fn sources_in_row(self, x: &[f64], y: f64, values: &mut [f64]) {
+        if self == Self::Torsion {
+            values.fill(-1.0);
+            return;
+        }
+        let x: Vec<_> = x.iter().map(|&x| self.along(x)).collect();
+        vectorised(
+            #[inline(always)]
+            || self.in_row(&x, self.along(y), |i, sample| values[i] = sample.f),
+        );
+    }
+
     /// Multiplier `dv/dn` on the side whose outer normal is `normal`, at a point of it.
     pub fn multiplier(self, [x, y]: [f64; 2], normal: [f64; 2]) -> f64 {
         let [gx, gy] = self.at(x, y).gradient;
@@ -199,6 +213,17 @@ fn harmonic(analytic: Complex, derivative: Complex) -> Field<2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sources_in_a_row_are_those_at_its_points_to_the_last_bit() {
+        let x: Vec<f64> = (0..101).map(|i| f64::from(i) / 100.0 - 0.5).collect();
+        for (problem, y) in Exact::ALL.into_iter().flat_map(|of| [(of, -0.5), (of, 0.137)]) {
+            let mut values = vec![f64::NAN; x.len()];
+            problem.sources_in_row(&x, y, &mut values);
+            let alone: Vec<_> = x.iter().map(|&x| problem.source(x, y)).collect();
+            assert_eq!(values, alone, "{problem:?}");
+        }
+    }
 
     /// Points inside, away from the ends of contact, where the fourth derivatives stay moderate.
     fn interior_points() -> impl Iterator<Item = (f64, f64)> {

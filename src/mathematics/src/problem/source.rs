@@ -176,6 +176,14 @@ impl Source {
             _ => None,
         }
     }
+
+    /// Writes the values at points with the same y.
+    pub(crate) fn in_row(&self, x: &[f64], y: f64, values: &mut [f64]) {
+        match self.exact() {
+            Some(exact) => exact.sources_in_row(x, y, values),
+            None => x.iter().zip(values).for_each(|(&x, value)| *value = self.at([x, y])),
+        }
+    }
 }
 
 impl From<Exact> for Source {

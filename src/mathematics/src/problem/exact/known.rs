@@ -50,7 +50,7 @@ impl Known {
     pub fn f(self, point: &[f64]) -> f64 {
         match (self, point) {
             (Self::Square(exact), &[x, y]) => exact.source(x, y),
-            (Self::Cube(exact), &[x, y, z]) => exact.at([x, y, z]).f,
+            (Self::Cube(exact), &[x, y, z]) => exact.source([x, y, z]),
             _ => f64::NAN,
         }
     }

@@ -34,16 +34,27 @@ impl CubeExact {
 
     /// The solution at a point of the closed cube.
     pub fn at(self, point: [f64; 3]) -> Sample<3> {
+        self.field(point).into()
+    }
+
+    /// `f = -Laplacian v` alone.
+    pub fn source(self, point: [f64; 3]) -> f64 {
+        -self.field(point).laplacian
+    }
+
+    /// Always inlined, so that what is not asked for is not computed.
+    #[inline(always)]
+    fn field(self, point: [f64; 3]) -> Field<3> {
         match self {
             Self::FullContact => full_contact(point),
             Self::FreeStrip => free_strip(point),
             Self::FreeDisc => free_disc(point),
         }
-        .into()
     }
 }
 
 /// `v = -cos(pi x) cos(pi y) cos(pi z)`.
+#[inline(always)]
 fn full_contact(point: [f64; 3]) -> Field<3> {
     let cosines = point.map(|at| {
         let (sin, cos) = libm::sincos(PI * at);
@@ -54,6 +65,7 @@ fn full_contact(point: [f64; 3]) -> Field<3> {
 
 /// `v = p(x) ((1 - t^2) p(z)^2 psi(x, t) - A p(z) t^2 (1 - t))`, `p(s) = 1 - 4 s^2`, `t = y + 1/2`,
 /// with the harmonic function `psi` of the free segment on the square.
+#[inline(always)]
 fn free_strip([x, y, z]: [f64; 3]) -> Field<3> {
     const AMPLITUDE: f64 = 4.0;
     let t = y + 0.5;
@@ -71,6 +83,7 @@ fn free_strip([x, y, z]: [f64; 3]) -> Field<3> {
 /// In oblate spheroidal coordinates, `t = a m s` and `r^2 = a^2 (1 + s^2) (1 - m^2)`, it is
 /// `3/5 P_1(m) q_1(s) + 2/5 P_3(m) q_3(s)`: on the disc `s = 0` and this is `m^3`. There its slope along
 /// `t` is a quadratic in `r`, the `c + d r^2` that `psi` takes away.
+#[inline(always)]
 fn free_disc([x, y, z]: [f64; 3]) -> Field<3> {
     const CENTRE: [f64; 2] = [0.03, -0.02];
     const RADIUS: f64 = 0.3618;
@@ -133,6 +146,7 @@ mod tests {
                 let at = |digit: i32, shift: f64| f64::from(1 + digit) / 8.0 - shift;
                 let point = [at(number % 7, 0.49), at(number / 7 % 7, 0.48), at(number / 49, 0.51)];
                 let Sample { value, gradient, f } = problem.at(point);
+                assert_eq!(problem.source(point), f);
                 let mut laplacian = 0.0;
                 for axis in 0..3 {
                     let v = |step: f64| {
