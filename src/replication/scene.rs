@@ -282,7 +282,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
-    pub(crate) fn check(&self) -> Result<Vec<String>> {
+    pub fn check(&self) -> Result<Vec<String>> {
         let checked = self.problem.check().map_err(|e| in_scene(&self.name, e))?;
         let Some(CheckedMesh { dimension, nodes, notes }) = checked else { return Ok(Vec::new()) };
         if let Some(accuracy) = self.accuracy.filter(|_| dimension == 3) {

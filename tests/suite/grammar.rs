@@ -53,7 +53,9 @@ fn by_program(text: &str) -> Result<Source, String> {
     let without_place = |message: String| {
         message.trim_start_matches("scene `f`: ").trim_start_matches("line 2: ").to_owned()
     };
-    parsed.map(|scene| scene.on_grids().f.clone()).map_err(without_place)
+    let scene = parsed.map_err(without_place)?;
+    scene.check().map_err(|error| without_place(error.to_string()))?;
+    Ok(scene.on_grids().f.clone())
 }
 
 /// What the script makes of all texts; nothing without a browser and without node.

@@ -263,7 +263,8 @@ fn summed(
 /// Combines the sums over `n` by `n` cells to bounds.
 fn combined(n: usize, total: &Total, projection_distance: f64) -> Result<Bounds, NoBound> {
     let &Total { sums, work, boundary_bubble_gain, residual, largest, mass, flow, .. } = total;
-    if mass > 0.0 && mass < LEAST_MASS {
+    // Where f is so small that its squares are zero, v may not be.
+    if mass < LEAST_MASS && (mass > 0.0 || largest > 0.0) {
         return Err(NoBound::NotFinite);
     }
     let size = sums.recovered + 2.0 * largest * (mass + 4.0 * flow);

@@ -164,7 +164,8 @@ pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64; 4]) -> Identifi
     let pieces = (0..values.len()).map(Some).chain([None]);
     let mut sides: Vec<Side> =
         pieces.flat_map(|piece| [side(piece, -1.0), side(piece, 1.0)]).collect();
-    // The same moves on all sides at once, so that no vector lane is idle, and of each row as long as a count may change.
+    // The same moves on all sides at once, so that no vector lane is idle, and of each row as long as a count may
+    // change.
     let steps: Vec<f64> = std::iter::successors(Some(REACH[0]), |step| Some(step * RATIO))
         .take_while(|step| *step <= REACH[1])
         .collect();

@@ -1,10 +1,10 @@
-//! How far the measure of the stopping rule moves at most on the coarsest grid when the values of f move: what lets one
-//! run discard all f near its own.
+//! Greatest moves of the measure of the stopping rule on the coarsest grid when the values of f move: with them, one
+//! run discards all f near its own.
 //!
 //! The iterates are continuous in f, and linear in parts: of each step the greatest slopes of its parts, all of one
 //! sign, make a step for bounds on the moves. From zero such bounds hold for all f.
 
-use super::evaluate::grid;
+use super::COARSEST;
 use super::variant::{ResidualTime, Variant};
 use crate::discrete::network::{Network, NodeCondition};
 use crate::saddle::batch::Order;
@@ -81,7 +81,8 @@ impl Moves<'_> {
     }
 
     /// (9)-(11) at a node, and there (12), in which y is what it was in the sweep: a sum of load and neighbours that is
-    /// large lifts y off the boundary and makes a zero, any other leaves y and a - r y as the second formulas have them.
+    /// large lifts y off the boundary and makes a zero, any other leaves y and a - r y as the second formulas have
+    /// them.
     fn relax(&mut self, node: usize) {
         let sum = self.network.row(node).add_to(self.load[node], &self.y);
         let diagonal = self.network.diagonal()[node];

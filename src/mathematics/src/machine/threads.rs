@@ -39,7 +39,8 @@ pub(crate) fn join<A: Send, B: Send>(
     (of_one.expect("called once"), of_other.expect("called once"))
 }
 
-/// What passes work to other threads is compiled once here, not for each kind of work: else a fifth of the package.
+/// Hands work to other threads: compiled once here, and not for each kind of work, which would be a fifth of the
+/// package.
 fn both(one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
     rayon::join(one, other);
 }

@@ -30,7 +30,7 @@ struct Gathered<'a> {
     index: usize,
     problem: &'a ClaimCase<'a>,
     plan: &'a ClaimsPlan,
-    /// What [`run_all`] gives.
+    /// Results of [`run_all`].
     results: &'a [(ClaimJob, Vec<(End, f64)>)],
 }
 
