@@ -90,8 +90,8 @@ fn found_in_template(
     Some(format!("report/templates/{name}{line}: {what}"))
 }
 
-/// Returns the pages of `templates`; `make` makes those of templates that end with [`PAGE`], from name and text, side by
-/// side.
+/// Returns the pages of `templates`; `make` makes those of templates that end with [`PAGE`], from name and text, side
+/// by side.
 fn made(
     templates: &BTreeMap<String, String>,
     make: impl Fn(&str, &str) -> Result<String, String> + Sync,

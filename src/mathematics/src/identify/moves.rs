@@ -6,6 +6,7 @@
 
 use super::COARSEST;
 use super::variant::{ResidualTime, Variant};
+use crate::discrete::grid::Grid;
 use crate::discrete::network::{Network, NodeCondition};
 use crate::saddle::batch::Order;
 
@@ -20,7 +21,7 @@ pub(super) fn greatest_moves(
     basis: &[Vec<f64>],
     iterations: usize,
 ) -> Vec<f64> {
-    let grid = grid(0);
+    let grid = Grid::new(COARSEST).expect("fine enough");
     let network = &Network::of_square(grid);
     let load = (0..grid.nodes()).map(|node| basis.iter().map(|piece| piece[node].abs()).sum());
     let mut corner = vec![1.0; grid.nodes()];

@@ -33,9 +33,14 @@ pub(crate) fn join<A: Send, B: Send>(
 ) -> (A, B) {
     let (mut one, mut other) = (Some(one), Some(other));
     let (mut of_one, mut of_other) = (None, None);
-    both(&mut || of_one = one.take().map(|one| one()), &mut || {
-        of_other = other.take().map(|other| other())
-    });
+    both(
+        &mut || {
+            of_one = one.take().map(|one| one());
+        },
+        &mut || {
+            of_other = other.take().map(|other| other());
+        },
+    );
     (of_one.expect("called once"), of_other.expect("called once"))
 }
 
@@ -63,13 +68,12 @@ pub(crate) fn map_range<S, R: Send>(
 ) -> Vec<R> {
     let mut values: Vec<Option<R>> = Vec::new();
     values.resize_with(numbers.len(), || None);
-    let fill = |run: usize, places: &mut [Option<R>]| {
+    for_runs(&mut values, least, &|run, places: &mut [Option<R>]| {
         let mut room = room();
         for (k, place) in (numbers.start + run * least..).zip(places) {
             *place = Some(value(&mut room, k));
         }
-    };
-    for_runs(&mut values, least, &fill);
+    });
     values.into_iter().map(|value| value.expect("each place is filled")).collect()
 }
 
@@ -115,12 +119,11 @@ mod tests {
             pool.expect("three threads can be had").install(|| {
                 for (count, run) in [(0, 3), (1, 1), (7, 1), (9, 3), (10, 3), (11, 100)] {
                     let squares: Vec<_> = (5..5 + count).map(|k| k * k).collect();
-                    let room = || Vec::from([0]);
-                    let of = |room: &mut Vec<usize>, k: usize| {
+                    let found = map_range(5..5 + count, run, Vec::new, |room, k| {
                         room.push(k);
                         room[room.len() - 1] * k
-                    };
-                    assert_eq!(map_range(5..5 + count, run, room, of), squares);
+                    });
+                    assert_eq!(found, squares);
                     let mut runs = vec![0; count];
                     for_runs(&mut runs, run, &|number, run| run.fill(number));
                     assert_eq!(runs, (0..count).map(|k| k / run).collect::<Vec<_>>());

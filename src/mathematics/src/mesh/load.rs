@@ -135,8 +135,9 @@ where
     for start in (0..cells).step_by(RUN) {
         let run = start..cells.min(start + RUN);
         let each = items_per_task(run.len(), COST);
-        let of_cell = |cutter: &mut CellCutter<D, V>, cell| work.integrate(cutter, cell, once);
-        let parts = map_range(run, each, CellCutter::new, of_cell);
+        let parts = map_range(run, each, CellCutter::new, |cutter, cell| {
+            work.integrate(cutter, cell, once)
+        });
         for (cell, part) in (start..).zip(parts) {
             let part = part?;
             made.size += part.part.size;
@@ -157,8 +158,9 @@ where
         ..once
     };
     let each = items_per_task(open.len(), COST * more.most_parts);
-    let of_open = |cutter: &mut CellCutter<D, V>, k: usize| work.integrate(cutter, open[k].0, more);
-    let finer = map_range(0..open.len(), each, CellCutter::new, of_open);
+    let finer = map_range(0..open.len(), each, CellCutter::new, |cutter, k| {
+        work.integrate(cutter, open[k].0, more)
+    });
     for ((cell, coarse), part) in open.iter().zip(finer) {
         let part = part?;
         made.size += part.part.size - coarse.part.size;

@@ -336,13 +336,17 @@ fn of_patches<const D: usize, const V: usize>(
     let mut flux = vec![0.0; sides.len()];
     for nodes in around.order.chunks(RUN * RUNS) {
         let runs: Vec<_> = nodes.chunks(RUN).collect();
-        let room = || Patches::new(*cells, sides);
-        let of_run = |patches: &mut Patches<'_, D, V>, run: usize| {
-            let mut outflows = Vec::with_capacity(8 * RUN);
-            runs[run].iter().for_each(|&node| patches.add(node, &around, &mut outflows));
-            outflows
-        };
-        let parts = map_range(0..runs.len(), items_per_task(runs.len(), COST * RUN), room, of_run);
+        let each = items_per_task(runs.len(), COST * RUN);
+        let parts = map_range(
+            0..runs.len(),
+            each,
+            || Patches::new(*cells, sides),
+            |patches, run| {
+                let mut outflows = Vec::with_capacity(8 * RUN);
+                runs[run].iter().for_each(|&node| patches.add(node, &around, &mut outflows));
+                outflows
+            },
+        );
         for SideOutflow { side, outflow } in parts.into_iter().flatten() {
             flux[side as usize] += outflow;
         }

@@ -63,20 +63,27 @@ impl StressJobs {
         let count = (saddle.len() / BATCH).max(1);
         let batches: Vec<Vec<usize>> =
             (0..count).map(|k| saddle[k..].iter().step_by(count).copied().collect()).collect();
-        let in_lanes = |batch: &Vec<usize>| {
-            let jobs: Vec<_> = batch.iter().filter_map(|&k| self.saddle_job(k)).collect();
-            batch.iter().copied().zip(saddle_trials(coarse, &jobs)).collect::<Vec<_>>()
-        };
-        let alone = |(): &mut (), k: usize| match &self.0[k] {
-            StressJob::Saddle { .. } => None,
-            StressJob::Multigrid { grid, load, goal, start } => {
-                Some((k, multigrid_trial(*grid, load, *goal, start.as_deref())))
-            }
-        };
-        let (in_lanes, alone) =
-            join(|| map(&batches, 1, in_lanes), || map_range(0..self.0.len(), 1, || (), alone));
+        let (in_lanes, alone) = join(
+            || {
+                map(&batches, 1, |batch| {
+                    let jobs: Vec<_> = batch.iter().filter_map(|&k| self.saddle_job(k)).collect();
+                    batch.iter().copied().zip(saddle_trials(coarse, &jobs)).collect::<Vec<_>>()
+                })
+            },
+            || map_range(0..self.0.len(), 1, || (), |(), k| self.multigrid_run(k)),
+        );
         let all = in_lanes.into_iter().flatten().chain(alone.into_iter().flatten());
         StressTrials(all.collect())
+    }
+
+    /// Result of the run with this number, if it is one of multigrid.
+    fn multigrid_run(&self, number: usize) -> Option<(usize, Trial)> {
+        match &self.0[number] {
+            StressJob::Saddle { .. } => None,
+            StressJob::Multigrid { grid, load, goal, start } => {
+                Some((number, multigrid_trial(*grid, load, *goal, start.as_deref())))
+            }
+        }
     }
 
     /// The run with this number, if it is one of the paper's method.

@@ -72,10 +72,13 @@ impl Evaluator<'_> {
         }
         let runs: Vec<_> = places.iter().map(|&(k, row)| (&all[k][..], row)).collect();
         let batches: Vec<_> = runs.chunks(LANES).collect();
-        let own = || self.clone();
-        let run = |evaluator: &mut Self, k: usize| evaluator.free_in_lanes(geometry, batches[k]);
         let each = batches.len().div_ceil(4 * rayon::current_num_threads()).max(1);
-        let done = map_range(0..batches.len(), each, own, run);
+        let done = map_range(
+            0..batches.len(),
+            each,
+            || self.clone(),
+            |evaluator, k| evaluator.free_in_lanes(geometry, batches[k]),
+        );
         let mut held = vec![vec![vec![true; levels]; rows]; all.len()];
         for ((k, row), (counts, _)) in places.into_iter().zip(done.into_iter().flatten()) {
             let pairs = counts.iter().zip(&self.target.counts[row]);
@@ -117,8 +120,8 @@ impl Evaluator<'_> {
         held
     }
 
-    /// For which of many f, given by their values, bounds tell that no f whose values are within `reach` of theirs gives
-    /// all counts on the coarsest grid.
+    /// For which of many f, given by their values, bounds tell that no f whose values are within `reach` of theirs
+    /// gives all counts on the coarsest grid.
     pub(in crate::identify) fn missed_around(
         &mut self,
         geometry: usize,

@@ -80,8 +80,8 @@ impl Job<'_> {
     }
 }
 
-/// Does all jobs; the ends and last pairs are in the order of the jobs. Lanes are busy the longer, the earlier long runs
-/// come. Jobs that differ in their goals alone have one run.
+/// Does all jobs; the ends and last pairs are in the order of the jobs. Lanes are busy the longer, the earlier long
+/// runs come. Jobs that differ in their goals alone have one run.
 ///
 /// # Panics
 /// As [`LaneEngine::enter`].
