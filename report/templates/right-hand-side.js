@@ -150,7 +150,7 @@ const rightHandSide = (() => {
       background: change(background),
     }, "bilinear").reduce((sum, part) => sum + part, 0);
     const [ofF, ofSize] = [integral(source, (v) => v), integral(source, Math.abs)];
-    if (largest > 0 && ofSize < LEAST) throw outOfScale("the integral of |f|", ofSize);
+    if (ofSize > 0 && !(ofSize >= LEAST && ofSize < GREATEST)) throw outOfScale("the integral of |f|", ofSize);
     if (ofF < -ROUNDING * ofSize) return;
     const shown = Math.abs(ofF) <= ROUNDING * ofSize ? "0" : shortened(ofF);
     throw new Error(`the integral of f is ${shown}, but (2) asks for a negative one; lower f somewhere`);

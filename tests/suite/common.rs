@@ -123,11 +123,14 @@ impl Project {
         project
     }
 
-    /// A copy of the project that these tests belong to, without a cache.
+    /// A copy of the project that these tests belong to, with the cache that `SIGNORINI_TEST_CACHE` names, if it does.
     pub(crate) fn whole() -> Self {
         let project = Self::empty();
         for part in ["pipeline", "report", "figures"] {
             copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join(part), &project.path(part));
+        }
+        if let Some(cache) = std::env::var_os("SIGNORINI_TEST_CACHE") {
+            copy(Path::new(&cache), &project.path(".signorini"));
         }
         project
     }

@@ -361,10 +361,4 @@ fn failures_of_tasks_name_the_remedy() {
         said.err.contains("report/templates has no SUMMARY.md; list the pages there"),
         "{said:?}"
     );
-    let scene = "title = \"T\"\nf = \"else=0\"\naccuracy = 0.1\noutputs = [\"table\"]\n\
-        domain = { name = \"lshape\", fixed = [\"boundary\"] }\n";
-    project.scene("zero", scene);
-    let said = project.run(&["run", "zero"]);
-    assert_eq!(said.code, Some(3), "{said:?}");
-    assert!(said.err.contains("as where v = 0; leave it out"), "{said:?}");
 }

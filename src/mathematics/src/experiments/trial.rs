@@ -7,7 +7,7 @@ use crate::discrete::stop::Stop;
 use crate::machine::simd::Largest;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::law::Law;
-use crate::saddle::batch::{Job, run};
+use crate::saddle::jobs::{Job, run};
 use crate::saddle::{JobGoal, Pair, StopRule};
 use serde::{Deserialize, Serialize};
 

@@ -137,7 +137,7 @@ mod tests {
     use crate::problem::exact::Exact;
     use crate::problem::law::Law;
     use crate::problem::source::Source;
-    use crate::saddle::batch::{Job, run};
+    use crate::saddle::jobs::{Job, run};
     use crate::saddle::{JobGoal, Method, Pair, StopRule};
     use crate::spectral::{SpectralParams, spectral};
     use std::fmt::Debug;

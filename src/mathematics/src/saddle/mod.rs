@@ -3,6 +3,7 @@
 
 pub mod batch;
 mod engine;
+pub mod jobs;
 mod method;
 mod nested;
 mod network;

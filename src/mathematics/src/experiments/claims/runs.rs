@@ -10,7 +10,8 @@ use crate::discrete::stop::Stop;
 use crate::experiments::problems::{ProblemOnGrids, TableProblem};
 use crate::machine::threads::map;
 use crate::problem::law::Law;
-use crate::saddle::batch::{Job, LANES, NestedJob, run, run_all_nested};
+use crate::saddle::batch::LANES;
+use crate::saddle::jobs::{Job, NestedJob, run, run_all_nested};
 use crate::saddle::{self, JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz};
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on

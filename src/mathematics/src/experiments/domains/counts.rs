@@ -8,7 +8,7 @@ use crate::experiments::numbers::RandomNumbers;
 use crate::levels::Problem;
 use crate::mesh::AnyMesh;
 use crate::problem::law::ContactNode;
-use crate::saddle::batch::{NestedJob, run_all_nested};
+use crate::saddle::jobs::{NestedJob, run_all_nested};
 use crate::saddle::{NestedLevels, Pair, StopRule};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;

@@ -5,7 +5,7 @@ use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{ProblemOnGrids, TableProblem};
 use crate::problem::law::Law;
-use crate::saddle::batch::{NestedJob, run_all_nested};
+use crate::saddle::jobs::{NestedJob, run_all_nested};
 use crate::saddle::{NestedGrids, StopRule};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

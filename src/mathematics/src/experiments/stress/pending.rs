@@ -6,7 +6,8 @@ use crate::experiments::trial::{Trial, multigrid_trial, saddle_trials};
 use crate::machine::threads::{join, map, map_range};
 use crate::multigrid::Goal;
 use crate::problem::law::Law;
-use crate::saddle::batch::{Job, LANES};
+use crate::saddle::batch::LANES;
+use crate::saddle::jobs::Job;
 use crate::saddle::{JobGoal, Method, Pair, StopRule};
 use std::collections::BTreeMap;
 

@@ -13,7 +13,7 @@ use crate::machine::threads::map;
 use crate::multigrid::Goal;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::saddle::batch::Job;
+use crate::saddle::jobs::Job;
 use crate::saddle::{JobGoal, Method, Pair, StopRule};
 use std::collections::BTreeMap;
 
