@@ -133,7 +133,7 @@ pub fn errors(grid: Grid, problem: Exact, y: &[f64]) -> Errors {
         }
         (l2.iter().sum::<f64>(), h1.iter().sum::<f64>())
     };
-    let rows: Vec<(f64, f64)> = map_range(0..n, 1, || (), |(), row| of_row(row));
+    let rows: Vec<(f64, f64)> = map_range(0..n, 1, of_row);
     let (l2, h1) = rows.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
     let nodes: Vec<_> = (0..=n).map(|i| problem.along(grid.coordinate(i))).collect();
     let (mut max, mut wrong) = (Largest::default(), vec![0.0; n + 1]);

@@ -48,15 +48,10 @@ pub(crate) fn sampled<const D: usize, const V: usize>(
     let open = first.iter().filter(|(_, cell)| cell.worst > tolerance).count();
     let most_parts = least_parts + MOST_PARTS.div_ceil(open.max(1));
     let finer = Settling { least_parts, most_parts, tolerance };
-    let settled = map_range(
-        0..cells.len(),
-        each,
-        || (),
-        |(), k| {
-            let (_, cell) = first[k];
-            if cell.worst > tolerance { integrate(cells[k], finer) } else { Ok(cell) }
-        },
-    );
+    let settled = map_range(0..cells.len(), each, |k| {
+        let (_, cell) = first[k];
+        if cell.worst > tolerance { integrate(cells[k], finer) } else { Ok(cell) }
+    });
     let mut sums = SampledIntegrals { integral: 0.0, size: 0.0, unsettled: 0.0, missed: 0.0 };
     for (cell, (coarse, _)) in settled.into_iter().zip(&first) {
         let cell = cell?;

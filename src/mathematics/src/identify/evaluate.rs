@@ -5,7 +5,7 @@ mod runs;
 use super::moves::{MOST_ITERATIONS, greatest_moves};
 use super::space::Geometry;
 use super::variant::{ResidualTime, Variant};
-use super::{COARSEST, IdentifyError, Target};
+use super::{IdentifyError, Target, grid};
 use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::load;
@@ -210,11 +210,6 @@ where
             *load = *load + value * share;
         }
     }
-}
-
-/// The grid of a column of the table.
-pub(super) fn grid(level: usize) -> Grid {
-    Grid::new(COARSEST << level).expect("fine enough")
 }
 
 fn mirror(grid: Grid, mut v: Vec<f64>, against_x: bool, against_y: bool) -> Vec<f64> {

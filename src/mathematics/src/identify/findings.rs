@@ -1,8 +1,9 @@
 //! Findings about a recovered f: which other f explains its table, how far it may move, and that a blind search finds
 //! it.
 
-use super::evaluate::{Evaluator, grid};
+use super::evaluate::Evaluator;
 use super::found::{Found, found};
+use super::grid;
 use super::identifiability::{Identifiability, Slice, identifiability, slice};
 use super::search::{SearchReport, search};
 use super::space::{Geometry, Lattice};

@@ -29,11 +29,17 @@ pub use search::{SearchReport, search};
 pub use space::{Geometry, Lattice};
 pub use variant::{DualWeight, Measure, Order, ResidualTime, Start, Variant};
 
+use crate::discrete::grid::Grid;
 use crate::saddle::batch::LANES;
 use serde::{Deserialize, Serialize};
 
 /// Cells per side of the coarsest grid of the tables; every further column halves the width.
 pub const COARSEST: usize = 4;
+
+/// The grid of a column of the table.
+fn grid(level: usize) -> Grid {
+    Grid::new(COARSEST << level).expect("fine enough")
+}
 
 /// A published table: what the search is to explain.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

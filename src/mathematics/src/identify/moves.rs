@@ -4,9 +4,8 @@
 //! The iterates are continuous in f, and linear in parts: of each step the greatest slopes of its parts, all of one
 //! sign, make a step for bounds on the moves. From zero such bounds hold for all f.
 
-use super::COARSEST;
+use super::grid;
 use super::variant::{ResidualTime, Variant};
-use crate::discrete::grid::Grid;
 use crate::discrete::network::{Network, NodeCondition};
 use crate::saddle::batch::Order;
 
@@ -21,7 +20,7 @@ pub(super) fn greatest_moves(
     basis: &[Vec<f64>],
     iterations: usize,
 ) -> Vec<f64> {
-    let grid = Grid::new(COARSEST).expect("fine enough");
+    let grid = grid(0);
     let network = &Network::of_square(grid);
     let load = (0..grid.nodes()).map(|node| basis.iter().map(|piece| piece[node].abs()).sum());
     let mut corner = vec![1.0; grid.nodes()];

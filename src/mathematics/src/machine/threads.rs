@@ -56,11 +56,20 @@ pub(crate) fn map<'a, T: Sync, R: Send>(
     least: usize,
     value: impl Fn(&'a T) -> R + Sync,
 ) -> Vec<R> {
-    map_range(0..items.len(), least, || (), |(), k| value(&items[k]))
+    map_range(0..items.len(), least, |k| value(&items[k]))
 }
 
-/// Returns the values of a function at some numbers, in their order; a task has `least` of them, and room of its own.
-pub(crate) fn map_range<S, R: Send>(
+/// Returns the values of a function at some numbers, in their order; a task has `least` of them.
+pub(crate) fn map_range<R: Send>(
+    numbers: Range<usize>,
+    least: usize,
+    value: impl Fn(usize) -> R + Sync,
+) -> Vec<R> {
+    map_with_room(numbers, least, || (), |(), k| value(k))
+}
+
+/// As [`map_range`]; each task has room of its own.
+pub(crate) fn map_with_room<S, R: Send>(
     numbers: Range<usize>,
     least: usize,
     room: impl Fn() -> S + Sync,
@@ -119,7 +128,7 @@ mod tests {
             pool.expect("three threads can be had").install(|| {
                 for (count, run) in [(0, 3), (1, 1), (7, 1), (9, 3), (10, 3), (11, 100)] {
                     let squares: Vec<_> = (5..5 + count).map(|k| k * k).collect();
-                    let found = map_range(5..5 + count, run, Vec::new, |room, k| {
+                    let found = map_with_room(5..5 + count, run, Vec::new, |room, k| {
                         room.push(k);
                         room[room.len() - 1] * k
                     });

@@ -6,7 +6,7 @@
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
 use super::{Element, Mesh};
 use crate::discrete::adaptive::{COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
-use crate::machine::threads::{items_per_task, map_range};
+use crate::machine::threads::{items_per_task, map_with_room};
 use crate::problem::error::SourceError;
 use crate::problem::shape::Shape;
 
@@ -135,7 +135,7 @@ where
     for start in (0..cells).step_by(RUN) {
         let run = start..cells.min(start + RUN);
         let each = items_per_task(run.len(), COST);
-        let parts = map_range(run, each, CellCutter::new, |cutter, cell| {
+        let parts = map_with_room(run, each, CellCutter::new, |cutter, cell| {
             work.integrate(cutter, cell, once)
         });
         for (cell, part) in (start..).zip(parts) {
@@ -158,7 +158,7 @@ where
         ..once
     };
     let each = items_per_task(open.len(), COST * more.most_parts);
-    let finer = map_range(0..open.len(), each, CellCutter::new, |cutter, k| {
+    let finer = map_with_room(0..open.len(), each, CellCutter::new, |cutter, k| {
         work.integrate(cutter, open[k].0, more)
     });
     for ((cell, coarse), part) in open.iter().zip(finer) {

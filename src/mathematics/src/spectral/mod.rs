@@ -386,12 +386,7 @@ impl Solution {
 
     /// v at the nodes of the grid with `n` cells per side, row by row from the lower left corner.
     pub fn at_nodes(&self, n: usize) -> Vec<f64> {
-        map_range(
-            0..(n + 1) * (n + 1),
-            n + 1,
-            || (),
-            |(), k| self.at_node(n, [k % (n + 1), k / (n + 1)]),
-        )
+        map_range(0..(n + 1) * (n + 1), n + 1, |k| self.at_node(n, [k % (n + 1), k / (n + 1)]))
     }
 
     /// v at the node in a column and a row of the grid with `n` cells per side.

@@ -158,7 +158,7 @@ fn bubbles<const D: usize, const V: usize>(
     for start in (0..mesh.cells().len()).step_by(RUN) {
         let run = start..mesh.cells().len().min(start + RUN);
         let each = items_per_task(run.len(), COST);
-        let parts = map_range(run, each, || (), |(), number| of_cell(number));
+        let parts = map_range(run, each, of_cell);
         for (number, parts) in (start..).zip(parts) {
             let nodes = &mesh.cells()[number];
             for (part, ends) in parts.into_iter().zip(CellBubbles::<D, V>::edges()) {
@@ -206,5 +206,5 @@ fn square<const D: usize, const V: usize>(
         (RUN * run..mesh.cells().len().min(RUN * (run + 1))).map(of_cell).sum()
     };
     let each = items_per_task(runs.len(), COST * RUN);
-    map_range(runs, each, || (), |(), run| of_run(run)).iter().sum()
+    map_range(runs, each, of_run).iter().sum()
 }

@@ -57,7 +57,7 @@ mod tests;
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
-use crate::machine::threads::{items_per_task, join, map_range};
+use crate::machine::threads::{items_per_task, join, map_with_room};
 use crate::mesh::{Element, Mesh, MeshLoad, Sides, dot};
 use crate::problem::law::Law;
 use around::FirstCells;
@@ -337,7 +337,7 @@ fn of_patches<const D: usize, const V: usize>(
     for nodes in around.order.chunks(RUN * RUNS) {
         let runs: Vec<_> = nodes.chunks(RUN).collect();
         let each = items_per_task(runs.len(), COST * RUN);
-        let parts = map_range(
+        let parts = map_with_room(
             0..runs.len(),
             each,
             || Patches::new(*cells, sides),

@@ -71,7 +71,7 @@ impl StressJobs {
                     batch.iter().copied().zip(saddle_trials(coarse, &jobs)).collect::<Vec<_>>()
                 })
             },
-            || map_range(0..self.0.len(), 1, || (), |(), k| self.multigrid_run(k)),
+            || map_range(0..self.0.len(), 1, |k| self.multigrid_run(k)),
         );
         let all = in_lanes.into_iter().flatten().chain(alone.into_iter().flatten());
         StressTrials(all.collect())

@@ -37,7 +37,7 @@ pub struct RandomProblems {
 
 impl RandomProblems {
     pub(super) fn of(problems: usize) -> Self {
-        let trials = map_range(0..problems, 1, || (), |(), number| trial(number));
+        let trials = map_range(0..problems, 1, trial);
         let cycles: Vec<_> = trials.iter().map(|trial| trial.steps).collect();
         Self {
             problems,

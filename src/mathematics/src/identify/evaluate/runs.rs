@@ -3,7 +3,7 @@
 use super::{Evaluator, Table};
 use crate::discrete::norms::largest;
 use crate::identify::moves::MOST_ITERATIONS;
-use crate::machine::threads::map_range;
+use crate::machine::threads::map_with_room;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, LaneEngine};
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
@@ -73,7 +73,7 @@ impl Evaluator<'_> {
         let runs: Vec<_> = places.iter().map(|&(k, row)| (&all[k][..], row)).collect();
         let batches: Vec<_> = runs.chunks(LANES).collect();
         let each = batches.len().div_ceil(4 * rayon::current_num_threads()).max(1);
-        let done = map_range(
+        let done = map_with_room(
             0..batches.len(),
             each,
             || self.clone(),

@@ -124,14 +124,10 @@ impl FileElements {
     fn read_list(&mut self, scanner: &mut Scanner<'_>, nodes: &FileNodes) -> Result<(), GmshError> {
         let said = scanner.count()?;
         for _ in 0..said {
-            let (tag, number_of_type, numbers) =
-                (scanner.tag()?, scanner.whole()?, scanner.whole()?);
-            self.add_numbered(
-                scanner,
-                nodes,
-                ElementHead { tag, number_of_type, groups: 0 },
-                numbers,
-            )?;
+            let (tag, number_of_type) = (scanner.tag()?, scanner.whole()?);
+            let head = ElementHead { tag, number_of_type, groups: 0 };
+            let numbers = scanner.whole()?;
+            self.add_numbered(scanner, nodes, head, numbers)?;
         }
         Ok(())
     }
@@ -146,13 +142,8 @@ impl FileElements {
                 (scanner.whole()?, scanner.whole()?, scanner.whole()?);
             for _ in 0..length {
                 count += 1;
-                let tag = scanner.tag()?;
-                self.add_numbered(
-                    scanner,
-                    nodes,
-                    ElementHead { tag, number_of_type, groups: 0 },
-                    numbers,
-                )?;
+                let head = ElementHead { tag: scanner.tag()?, number_of_type, groups: 0 };
+                self.add_numbered(scanner, nodes, head, numbers)?;
             }
         }
         Ok(())
