@@ -3,7 +3,6 @@
 use crate::pipeline::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Bounds, NoBound};
-use signorini_mathematics::levels::ErrorGoal;
 use signorini_mathematics::multigrid::Goal;
 
 /// Largest number of cells per side; two nodal vectors of that grid take about 1 GB.
@@ -108,10 +107,10 @@ impl Accuracy {
     }
 
     /// Returns the goal of adaptive refinement on a mesh.
-    pub(crate) fn goal_on_meshes(self) -> ErrorGoal {
+    pub(crate) fn goal_on_meshes(self) -> signorini_mathematics::bounds::Accuracy {
         match self {
-            Self::Error(wanted) => ErrorGoal::Relative(wanted),
-            Self::Energy(wanted) => ErrorGoal::RelativeEnergy(wanted),
+            Self::Error(wanted) => signorini_mathematics::bounds::Accuracy::Error(wanted),
+            Self::Energy(wanted) => signorini_mathematics::bounds::Accuracy::Energy(wanted),
         }
     }
 

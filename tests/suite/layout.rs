@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-const ROOMS: [&str; 21] = [
+const ROOMS: [&str; 22] = [
     "machine",
     "problem",
     "discrete",
@@ -21,6 +21,7 @@ const ROOMS: [&str; 21] = [
     "bounds",
     "levels",
     "solvers",
+    "statement",
     "identify",
     "experiments",
     "table",

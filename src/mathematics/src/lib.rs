@@ -92,3 +92,4 @@ pub mod problem;
 pub mod saddle;
 pub mod solvers;
 pub mod spectral;
+pub mod statement;

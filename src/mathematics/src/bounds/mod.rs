@@ -60,6 +60,7 @@
 //!   keep the chains of additions as short as `summed` assumes.
 //! - Vector instructions need each function between `vectorised` and the loop to be inlined.
 
+mod accuracy;
 mod boundary;
 mod cells;
 mod data;
@@ -73,6 +74,7 @@ mod strip;
 pub mod triangulation;
 mod walk;
 
+pub use accuracy::Accuracy;
 use boundary::Slips;
 use data::AllCells;
 use walk::Total;

@@ -10,12 +10,12 @@
 
 use super::domains::{Nested, nested};
 use super::{Range, exponent};
-use crate::bounds::Bounds;
+use crate::bounds::{Accuracy, Bounds};
 use crate::discrete::end::End;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::stop::Stop;
-use crate::levels::{AdaptedRun, Adaption, ErrorGoal, Problem};
+use crate::levels::{AdaptedRun, Adaption, Problem};
 use crate::machine::threads::{join, map};
 use crate::mesh::{
     AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
@@ -156,7 +156,7 @@ impl AdaptedProblem {
         bisections: usize,
     ) -> Result<BoundedRun, String> {
         let mesh = self.mesh()?;
-        let goal = ErrorGoal::Relative(accuracy);
+        let goal = Accuracy::Error(accuracy);
         let adaption = Adaption {
             coarsest: &mesh,
             f: &self.f,

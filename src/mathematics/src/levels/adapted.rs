@@ -26,41 +26,13 @@ mod tests;
 
 use super::triangulations::read;
 use super::{Problem, ProblemError, Watch};
-use crate::bounds::{Bounds, NoBound};
+use crate::bounds::{Accuracy, Bounds, NoBound};
 use crate::discrete::end::Outcome;
 use crate::discrete::kkt::Judgement;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
 use meshes::Meshes;
 use std::ops::ControlFlow;
-
-/// Largest value that a guaranteed bound may have.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ErrorGoal {
-    /// Error in the energy norm, relative to that of the solution.
-    Relative(f64),
-    /// Width of the bracket of the energy, relative to the energy.
-    RelativeEnergy(f64),
-}
-
-impl ErrorGoal {
-    /// The bound over the goal.
-    fn excess(self, bounds: &Bounds) -> f64 {
-        match self {
-            Self::Relative(goal) => bounds.relative() / goal,
-            Self::RelativeEnergy(goal) => bounds.relative_energy() / goal,
-        }
-    }
-
-    /// Square of the error that the goal allows over the present one; zero while the bounds do not tell.
-    fn square_left(self, bounds: &Bounds) -> f64 {
-        let excess = self.excess(bounds);
-        match self {
-            Self::Relative(_) => 1.0 / (excess * excess),
-            Self::RelativeEnergy(_) => 1.0 / excess,
-        }
-    }
-}
 
 /// Reason for which a run of adaptive refinement ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +55,7 @@ pub struct Adaption<'a> {
     /// Law where the boundary is in contact.
     pub law: Law,
     /// Goal.
-    pub goal: ErrorGoal,
+    pub goal: Accuracy,
     /// Most nodes of a mesh.
     pub most_nodes: usize,
     /// Number of bisections from one mesh with a solution to the next, at least one.

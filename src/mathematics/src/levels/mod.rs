@@ -12,7 +12,7 @@ mod problem;
 mod steps;
 mod triangulations;
 
-pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, ErrorGoal};
+pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption};
 pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};

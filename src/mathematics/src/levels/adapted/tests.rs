@@ -131,7 +131,7 @@ fn known() -> Vec<KnownEnergy> {
 }
 
 impl KnownEnergy {
-    fn adaption(&self, goal: ErrorGoal) -> Adaption<'_> {
+    fn adaption(&self, goal: Accuracy) -> Adaption<'_> {
         Adaption {
             coarsest: &self.mesh,
             f: self.f,
@@ -147,7 +147,7 @@ impl KnownEnergy {
 fn every_bracket_of_every_mesh_holds_the_true_energy() {
     for problem in known() {
         let mut meshes: Vec<AdaptedMesh> = Vec::new();
-        let run = problem.adaption(ErrorGoal::Relative(0.03));
+        let run = problem.adaption(Accuracy::Error(0.03));
         let run = run.run(&mut |mesh| meshes.push(mesh.clone())).unwrap();
         let (name, energy) = (problem.name, problem.energy);
         assert_eq!(run.end, AdaptedEnd::Goal, "{name}");
@@ -197,7 +197,7 @@ fn errors_fall_like_the_inverse_root_of_the_number_of_nodes() {
             let error = mesh.bounds.as_ref().unwrap().error[1];
             points.push([mesh.nodes as f64, error].map(libm::log));
         };
-        problem.adaption(ErrorGoal::Relative(0.01)).run(&mut watch).unwrap();
+        problem.adaption(Accuracy::Error(0.01)).run(&mut watch).unwrap();
         let last = points[points.len() - 1][0];
         points.retain(|[nodes, _]| *nodes > last - libm::log(30.0));
         let order = -slope(&points);
@@ -209,7 +209,7 @@ fn errors_fall_like_the_inverse_root_of_the_number_of_nodes() {
 fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
     let problem = known().into_iter().find(|problem| problem.name == "tiny source").unwrap();
     let mut meshes: Vec<AdaptedMesh> = Vec::new();
-    let adaption = problem.adaption(ErrorGoal::Relative(0.2));
+    let adaption = problem.adaption(Accuracy::Error(0.2));
     adaption.run(&mut |mesh| meshes.push(mesh.clone())).unwrap();
     // An error of several solutions; the first mesh knows the load, and of the solution next to nothing.
     let tells = |mesh: &AdaptedMesh| mesh.bounds.as_ref().unwrap().relative() < 5.0;
@@ -222,7 +222,7 @@ fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
 #[test]
 fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
-    let adaption = problem.adaption(ErrorGoal::Relative(0.1));
+    let adaption = problem.adaption(Accuracy::Error(0.1));
     let f = read(&problem.mesh, problem.f).unwrap();
     let mut meshes = Meshes::new(&adaption, f, &|_| ()).unwrap();
     for _ in 0..6 {
@@ -239,7 +239,7 @@ fn threads_make_the_same_meshes_to_the_bit() {
     let problem = &known()[0];
     let found = [1, 16].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let run = pool.install(|| problem.adaption(ErrorGoal::Relative(0.015)).run(&mut |_| ()));
+        let run = pool.install(|| problem.adaption(Accuracy::Error(0.015)).run(&mut |_| ()));
         let run = run.unwrap();
         (run.problem.levels().mesh(), run.y.iter().map(|y| y.to_bits()).collect::<Vec<_>>())
     });
@@ -249,7 +249,7 @@ fn threads_make_the_same_meshes_to_the_bit() {
 #[test]
 fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
     for problem in [&known()[0], &known()[1]] {
-        let run = problem.adaption(ErrorGoal::Relative(0.05)).run(&mut |_| ()).unwrap();
+        let run = problem.adaption(Accuracy::Error(0.05)).run(&mut |_| ()).unwrap();
         let anew = Problem::on_bisected(&problem.mesh, &run.marks, problem.f, problem.law).unwrap();
         assert!(run.marks.len() > 4 && anew.levels().count() == run.problem.levels().count());
         assert!(anew.levels().mesh() == run.problem.levels().mesh());
@@ -261,16 +261,16 @@ fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
 #[test]
 fn a_run_ends_with_a_number_whatever_happens() {
     let problem = &known()[0];
-    let few = Adaption { most_nodes: 300, ..problem.adaption(ErrorGoal::Relative(1e-3)) };
+    let few = Adaption { most_nodes: 300, ..problem.adaption(Accuracy::Error(1e-3)) };
     let run = few.run(&mut |_| ()).unwrap();
     assert_eq!(run.end, AdaptedEnd::Nodes);
     assert!(run.y.len() <= 300 && run.bounds.relative() < 0.3);
     // There are more levels than meshes that are shown.
     let name = run.problem.levels().name(run.problem.finest());
     assert_eq!(name, format!("the mesh of {} nodes", run.y.len()));
-    let huge = Adaption { f: "else=-1e200", ..problem.adaption(ErrorGoal::Relative(0.1)) };
+    let huge = Adaption { f: "else=-1e200", ..problem.adaption(Accuracy::Error(0.1)) };
     assert!(huge.run(&mut |_| ()).is_err());
-    let energy = problem.adaption(ErrorGoal::RelativeEnergy(0.01)).run(&mut |_| ()).unwrap();
+    let energy = problem.adaption(Accuracy::Energy(0.01)).run(&mut |_| ()).unwrap();
     assert_eq!(energy.end, AdaptedEnd::Goal);
     assert!(energy.bounds.relative_energy() <= 0.01);
 }
@@ -282,7 +282,7 @@ fn circles_are_refined_for_what_the_bound_does_not_feel() {
         coarsest: &mesh,
         f: "else=-1",
         law: Law::SIGNORINI,
-        goal: ErrorGoal::Relative(0.02),
+        goal: Accuracy::Error(0.02),
         most_nodes: 1 << 20,
         bisections: Adaption::BISECTIONS,
     };

@@ -1,0 +1,61 @@
+//! Accuracy that is asked for: the largest value that a guaranteed bound may have.
+
+use super::Bounds;
+use serde::{Deserialize, Serialize};
+
+/// Largest value that a guaranteed bound may have.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Accuracy {
+    /// Error in the energy norm, relative to that of the solution.
+    #[serde(rename = "accuracy")]
+    Error(f64),
+    /// Width of the bracket of the energy, relative to the energy.
+    #[serde(rename = "accuracy_energy")]
+    Energy(f64),
+}
+
+impl Accuracy {
+    /// Largest value.
+    pub fn wanted(self) -> f64 {
+        let (Self::Error(wanted) | Self::Energy(wanted)) = self;
+        wanted
+    }
+
+    /// Value of the bound.
+    pub fn reached(self, bounds: &Bounds) -> f64 {
+        match self {
+            Self::Error(_) => bounds.relative(),
+            Self::Energy(_) => bounds.relative_energy(),
+        }
+    }
+
+    /// The bound over the largest value.
+    pub fn excess(self, bounds: &Bounds) -> f64 {
+        self.reached(bounds) / self.wanted()
+    }
+
+    /// Square of the error that is allowed over the present one; zero while the bounds do not tell.
+    pub(crate) fn square_left(self, bounds: &Bounds) -> f64 {
+        let excess = self.excess(bounds);
+        match self {
+            Self::Error(_) => 1.0 / (excess * excess),
+            Self::Energy(_) => 1.0 / excess,
+        }
+    }
+
+    /// Relative error in the energy norm that is allowed, whose square is that of the energy.
+    pub fn error(self) -> f64 {
+        match self {
+            Self::Error(wanted) => wanted,
+            Self::Energy(wanted) => wanted.sqrt(),
+        }
+    }
+
+    /// Order of the bound on the square: the power of the width of the grid that is proportional to it.
+    pub(crate) fn order(self) -> f64 {
+        match self {
+            Self::Error(_) => 1.0,
+            Self::Energy(_) => 3.0,
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! What is asked: a domain with f, a law, the conditions on the parts of the boundary, how fine, and a solver with its
+//! settings.
+//!
+//! Central is [`Statement`], plain data: a scene is a statement with a title and outputs, the options of `solve` are
+//! one, and so are the parameters of a task. [`Statement::problem`] makes the problem of it.
+
+mod domain;
+mod fineness;
+
+pub use domain::Domain;
+pub use fineness::{Fineness, MOST_CELLS, USUAL_NODES, nodes_after};
+
+use crate::bounds::Accuracy;
+use crate::discrete::grid::{Grid, nested};
+use crate::discrete::load::LoadRule;
+use crate::discrete::norms::largest;
+use crate::discrete::transfer::Prolongation;
+use crate::levels::{Problem, ProblemError, Watch};
+use crate::mesh::AnyMesh;
+use crate::multigrid::Goal;
+use crate::problem::error::SourceError;
+use crate::problem::law::{Law, LawError, LawParameter};
+use crate::problem::source::Source;
+use crate::saddle::{Params, StopRule};
+use crate::solvers::{Settings, Solver};
+use serde::{Deserialize, Serialize};
+
+/// What is asked: the same in a scene, in options, in experiments and in the parameters of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Statement {
+    /// Domain, with the conditions on the parts of its boundary.
+    pub domain: Domain,
+    /// f as text; on the square as [`Source`] writes it.
+    pub f: String,
+    /// Law where the boundary is in contact; none for the paper's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawParameter>,
+    /// Quadrature of the load vector on the square; none on meshes, which have one alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<LoadRule>,
+    /// Grids or meshes.
+    pub fineness: Fineness,
+    /// Solver.
+    pub solver: Solver,
+    /// Settings of a saddle-point method; none for other solvers.
+    #[serde(flatten)]
+    pub saddle: Option<SaddleSettings>,
+    /// KKT residual over the largest load at which multigrid stops; none for the rounding floor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+}
+
+/// Settings of a saddle-point method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SaddleSettings {
+    /// Interpolation to the next grid of the square.
+    pub prolongation: Prolongation,
+    /// Duality parameter, positive.
+    pub r: f64,
+    /// Stopping rule.
+    pub stop: StopRule,
+    /// Limit of iterations per level.
+    pub max_iterations: usize,
+}
+
+/// Reason for which a statement states no problem.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StatementError {
+    /// A field whose value is wrong: the name of the field, the value, and the reason.
+    #[error("{field} {value}: {reason}")]
+    Field {
+        /// Name of the field.
+        field: &'static str,
+        /// Value, as text.
+        value: String,
+        /// Reason, with the remedy.
+        reason: String,
+    },
+    /// There is no problem.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+}
+
+impl StatementError {
+    /// Error in a field.
+    pub(crate) fn field(field: &'static str, value: impl ToString, reason: impl ToString) -> Self {
+        Self::Field { field, value: value.to_string(), reason: reason.to_string() }
+    }
+}
+
+impl From<LawError> for StatementError {
+    fn from(error: LawError) -> Self {
+        Self::field("law", "", error)
+    }
+}
+
+impl Default for SaddleSettings {
+    /// Settings of `solve`: r = 10, and the rule as printed.
+    fn default() -> Self {
+        Self {
+            prolongation: Prolongation::default(),
+            r: 10.0,
+            stop: StopRule::Printed,
+            max_iterations: Params::default().max_iterations,
+        }
+    }
+}
+
+impl Statement {
+    /// Solver, unless another is named.
+    pub const SOLVER: Solver = Solver::Multigrid;
+    /// Quadrature of the load vector on the square, unless another is named.
+    pub const LOAD: LoadRule = LoadRule::Bilinear {};
+
+    /// Statement of f on a domain with all else as usual.
+    pub fn usual(domain: Domain, f: impl Into<String>) -> Self {
+        Self {
+            load: domain.is_square().then_some(Self::LOAD),
+            domain,
+            f: f.into(),
+            law: None,
+            fineness: Fineness::Usual,
+            solver: Self::SOLVER,
+            saddle: None,
+            tolerance: None,
+        }
+    }
+
+    /// Law where the boundary is in contact.
+    ///
+    /// # Errors
+    /// [`LawError`] if its parameter makes none.
+    pub fn law(&self) -> Result<Law, LawError> {
+        LawParameter::law_or_papers(self.law)
+    }
+
+    /// f on the square.
+    ///
+    /// # Errors
+    /// [`SourceError`] if the text is no f.
+    pub fn source(&self) -> Result<Source, SourceError> {
+        self.f.parse()
+    }
+
+    /// Accuracy that is asked for; none where the fineness is stated otherwise.
+    pub fn accuracy(&self) -> Option<Accuracy> {
+        match self.fineness {
+            Fineness::Within(accuracy) => Some(accuracy),
+            _ => None,
+        }
+    }
+
+    /// Nested grids of the square, coarsest first; where an accuracy is asked for, the first that is tried.
+    ///
+    /// # Errors
+    /// [`StatementError::Field`] if they do not nest, or are too coarse.
+    pub fn grids(&self) -> Result<Vec<Grid>, StatementError> {
+        let sizes = self.fineness.cells();
+        let named = |e| StatementError::field(self.fineness.field(), &self.fineness, e);
+        nested(&sizes).map_err(named)
+    }
+
+    /// Coarsest mesh with its conditions and curves, from the contents of the Gmsh file unless the domain is built in;
+    /// none on the square.
+    ///
+    /// # Errors
+    /// [`StatementError::Field`].
+    pub fn mesh(&self, file: Option<&[u8]>) -> Result<Option<AnyMesh>, StatementError> {
+        if self.domain.is_square() {
+            return Ok(None);
+        }
+        let cells = match self.fineness {
+            Fineness::Width(cells) => Some(fineness::of_cube(cells)?[0]),
+            _ => None,
+        };
+        self.domain.mesh(file, cells).map(Some)
+    }
+
+    /// Number of refinements of the coarsest mesh; none where an accuracy is asked for.
+    ///
+    /// # Errors
+    /// [`StatementError::Field`] if the cube has no cells of this width.
+    pub fn refinements(&self, mesh: &AnyMesh) -> Result<usize, StatementError> {
+        self.fineness.refinements(mesh)
+    }
+
+    /// Problem on the square or on a mesh that [`Statement::mesh`] has made; where an accuracy is asked for, on the
+    /// first grid or mesh. `watch` is told when meshes are made, and when f is integrated on them.
+    ///
+    /// # Errors
+    /// [`StatementError`].
+    pub fn problem(
+        &self,
+        mesh: Option<&AnyMesh>,
+        watch: Watch<'_>,
+    ) -> Result<Problem, StatementError> {
+        let law = self.law()?;
+        let Some(mesh) = mesh else {
+            let f = self.source().map_err(|e| StatementError::field("f", "", e))?;
+            let rule = self.load.unwrap_or(Self::LOAD);
+            return Ok(Problem::on_square(self.grids()?, f, rule, law)?);
+        };
+        let times = self.refinements(mesh)?;
+        Ok(Problem::on_mesh_watched((mesh, times), &self.f, law, watch)?)
+    }
+
+    /// Settings of the solver for a problem.
+    pub fn settings(&self, problem: &Problem) -> Settings {
+        let usual = Settings::of(self.solver);
+        let goal = match (self.accuracy(), self.tolerance) {
+            (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
+            // The bracket of the energy is much narrower than the error.
+            (Some(Accuracy::Energy(_)), _) | (None, None) => Goal::RoundingFloor,
+            (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(problem.load())),
+        };
+        let SaddleSettings { prolongation, r, stop, max_iterations } =
+            self.saddle.unwrap_or_default();
+        let params = Params { r, rule: stop, max_iterations, ..usual.params };
+        Settings { params, prolongation, goal, ..usual }
+    }
+}
