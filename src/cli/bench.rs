@@ -1,10 +1,11 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
+use super::current_folder;
 use super::interrupt::{at_work, interrupted};
 use super::output::{OutputFile, in_columns, say, say_json, talk};
-use super::{current_folder, solver_parser};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
+use crate::replication::fields::values::solver_parser;
 use crate::replication::project::Project;
 use crate::table::Table;
 use crate::timing::measure::{TIMED, TimingPlan, measure};

@@ -93,7 +93,7 @@ pub(super) fn comparisons(
 fn grids(project: &Project, table: &TableComparison) -> Vec<String> {
     let scene = project.scenes.iter().find(|scene| scene.name == table.scene);
     scene.map_or(Vec::new(), |scene| {
-        scene.on_grids().grids.iter().map(|grid| format!("1/{}", grid.cells())).collect()
+        scene.grids().iter().map(|grid| format!("1/{}", grid.cells())).collect()
     })
 }
 

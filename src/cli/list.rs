@@ -1,8 +1,10 @@
 //! `list`: the scenes of the project, the solvers, the domains, and the problems with known solutions.
 
 use super::current_folder;
-use super::output::{say_json, talk, tell};
+use super::name_parser;
+use super::output::{say, say_json, talk, tell};
 use crate::pipeline::error::{Error, Result};
+use crate::replication::fields::write::command;
 use crate::replication::project::Project;
 use crate::replication::scenes::SceneFolder;
 use crate::table::Table;
@@ -14,6 +16,9 @@ use signorini_mathematics::solvers::SOLVERS;
 
 #[derive(Args)]
 pub(super) struct ListArgs {
+    /// A scene, whose command of `solve` is shown
+    #[arg(value_parser = name_parser)]
+    scene: Option<String>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -40,7 +45,20 @@ struct Named {
     description: String,
 }
 
+/// Scene with the command that solves it.
+#[derive(Serialize)]
+struct SceneCommand {
+    schema: u8,
+    name: String,
+    title: String,
+    /// Command in the folder of the project; of a saddle-point method for the r that is drawn.
+    command: String,
+}
+
 pub(super) fn list(args: &ListArgs) -> Result<u8> {
+    if let Some(name) = &args.scene {
+        return list_scene(name, args.json);
+    }
     let SceneFolder { scenes, broken, .. } = scenes()?;
     let listed = Listed {
         schema: 1,
@@ -56,6 +74,19 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
         talk(&format!("error: {description}"));
     }
     Ok(if listed.broken.is_empty() { 0 } else { BROKEN })
+}
+
+fn list_scene(name: &str, json: bool) -> Result<u8> {
+    let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
+    let scene = folder.named(name)?;
+    let (name, title) = (scene.name.clone(), scene.title.clone());
+    let shown = SceneCommand { schema: 1, name, title, command: command(scene).join(" ") };
+    match json {
+        true => say_json(&shown)?,
+        // To be copied: not broken between words.
+        false => say(&format!("{}: {}\n{}\n", shown.name, shown.title, shown.command))?,
+    };
+    Ok(0)
 }
 
 /// Exit code if a scene cannot be read, as for all wrong input.

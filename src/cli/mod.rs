@@ -24,16 +24,12 @@ mod status;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::composed;
 use crate::timing::machine;
-use clap::builder::{
-    PossibleValue, PossibleValuesParser, Resettable, StringValueParser, TypedValueParser,
-};
+use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::{say, styled, talk};
 use serde_json::{Value, json};
-use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::convert::Infallible;
-use std::ffi::OsStr;
 use std::panic::PanicHookInfo;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -116,7 +112,8 @@ enum Command {
         after_long_help = "Examples:\n  signorini solve problem2 --json\n  \
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --out v.npy\n  \
-        signorini solve --domain cube --f 'ball(0,0,0,0.25)=2; else=-1' --h 1/32 --out v.vtu\n\n\
+        signorini solve --domain cube --f 'ball(0,0,0,0.25)=2; else=-1' --h 1/32 --out v.vtu\n  \
+        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --save disc     then: signorini run disc\n\n\
         f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers \
         a point wins. The square is [-0.5,0.5]^2; its regions are rect(x0,x1,y0,y1), \
         quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
@@ -150,6 +147,9 @@ enum Command {
     )]
     Certificate(certificate::CertificateArgs),
     /// List the scenes, solvers, domains, and problems with known solutions
+    #[command(
+        after_help = "Examples:\n  signorini list\n  signorini list plate              the command that solves a scene"
+    )]
     List(list::ListArgs),
     /// Begin a study of your own: two scenes, one page, and a run that works
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
@@ -179,38 +179,10 @@ enum Command {
     },
 }
 
-/// Parser of the names of solvers, for `--solver`.
-fn solver_parser() -> impl TypedValueParser<Value = Solver> {
-    let names = SOLVERS.map(|entry| PossibleValue::new(entry.name).help(entry.description));
-    PossibleValuesParser::new(names)
-        .map(|name| Solver::named(&name).expect("the parser takes no other name"))
-}
-
 /// Reads a name that is looked up, in the form that the names of a project have.
 #[expect(clippy::unnecessary_wraps, reason = "a parser may fail")]
 fn name_parser(text: &str) -> std::result::Result<String, Infallible> {
     Ok(composed(text))
-}
-
-/// Parser of a text for which shells suggest some values; the command itself refuses others, with its own remedy.
-#[derive(Clone)]
-struct Suggested(Vec<&'static str>);
-
-impl TypedValueParser for Suggested {
-    type Value = String;
-
-    fn parse_ref(
-        &self,
-        command: &clap::Command,
-        argument: Option<&clap::Arg>,
-        value: &OsStr,
-    ) -> std::result::Result<String, clap::Error> {
-        StringValueParser::new().parse_ref(command, argument, value)
-    }
-
-    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(self.0.iter().map(PossibleValue::new)))
-    }
 }
 
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.

@@ -196,7 +196,7 @@ impl Workplace {
         // The load of a published table is the paper's.
         let own = self.project.scenes.iter().filter(|scene| scene.paper_table.is_none());
         for scene in own.filter(|scene| at_work.contains(&*scene.name)) {
-            if let Some(moved) = scene.problem.moved_jumps() {
+            if let Some(moved) = scene.statement.moved_jumps() {
                 let moved = moved_jumps(moved) + "; load = { rule = \"bilinear\" } does not";
                 progress.note(&for_talk(&format!("warning: scene `{}`: {moved}", scene.name)));
             }

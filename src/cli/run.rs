@@ -212,7 +212,7 @@ impl RunArgs {
         if !self.quiet {
             project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
             for scene in project.select(scenes)? {
-                warn_of_outside(Some(&scene.name), &scene.problem.outside());
+                warn_of_outside(Some(&scene.name), &scene.statement.outside());
             }
         }
         Ok(())

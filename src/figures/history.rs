@@ -139,7 +139,7 @@ fn ground(
     for k in (1..places.len()).rev() {
         places[k - 1] = places[k - 1].min(places[k] - SMALL);
     }
-    for ((k, grid), y) in (1..).zip(panel.grids).zip(places) {
+    for ((k, grid), y) in (1..).zip(&panel.grids).zip(places) {
         let text = format!("{}  h = 1/{}", power_of_ten(-k), grid.cells());
         picture.text(&text, (ACROSS.1 + 7.0, y), plain(SMALL).pos(START).color(&MUTED));
     }

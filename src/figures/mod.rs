@@ -75,7 +75,7 @@ pub(crate) struct Surface<'a> {
 pub(crate) struct HistoryPanel<'a> {
     pub(crate) title: &'a str,
     /// Nested grids of every run; grid number k, from 1, has tolerance 10^-k.
-    pub(crate) grids: &'a [Grid],
+    pub(crate) grids: Vec<Grid>,
     pub(crate) runs: Vec<HistoryCurve>,
 }
 

@@ -133,7 +133,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
             levels: levels.clone(),
         })
         .collect();
-    let panel = HistoryPanel { title, grids: &grids, runs };
+    let panel = HistoryPanel { title, grids, runs };
     figures.push(("long".into(), svg(&histories(&[panel]))));
     figures
 }

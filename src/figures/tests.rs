@@ -170,7 +170,7 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
     let run = HistoryCurve { label: "r".into(), is_drawn: true, levels };
-    let history = HistoryPanel { title: "t", grids: &grids, runs: vec![run] };
+    let history = HistoryPanel { title: "t", grids, runs: vec![run] };
     [
         ("source", maps_of_f(&[("t", &f), ("u", &f)])),
         ("surface", surfaces(2, &[front])),

@@ -1,201 +1,189 @@
-//! Accuracy that a scene or an option asks for: the guaranteed bounds, and the grids that are tried to reach them.
+//! Accuracy that a scene or an option asks for: the grids and meshes that are tried to reach it.
 
+use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
-use serde::{Deserialize, Serialize};
-use signorini_mathematics::bounds::{Bounds, NoBound};
-use signorini_mathematics::multigrid::Goal;
+use crate::replication::fields::table::Voice;
+use crate::replication::mesh_files;
+use crate::timing::machine;
+use signorini_mathematics::bounds::{Accuracy, Bounds, NoBound};
+use signorini_mathematics::levels::{
+    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, ProblemError, Watch,
+};
+use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::statement::{MOST_CELLS, Statement};
+use std::ops::ControlFlow;
 
-/// Largest number of cells per side; two nodal vectors of that grid take about 1 GB.
-pub const MAX_CELLS: usize = 8192;
 /// Cells per side of the first grid.
 pub(crate) const FIRST: usize = 16;
 /// Cells per side from which on errors fall like a power of the width of the grid.
 const SETTLED: usize = 128;
 /// Largest ratio of the widths of a grid and the next one.
 const STRIDE: usize = 8;
+/// Memory per node of the finest of adapted meshes, with all coarser ones: measured, rounded up.
+const BYTES_PER_NODE: u64 = 900;
 
-/// Largest value that a guaranteed bound may have.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Accuracy {
-    /// Error in the energy norm, relative to that of the solution.
-    #[serde(rename = "accuracy")]
-    Error(f64),
-    /// Width of the bracket of the energy, relative to the energy.
-    #[serde(rename = "accuracy_energy")]
-    Energy(f64),
-}
-
-/// Way in which an accuracy is written, for messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Written {
-    /// As an option of `solve`.
-    Option,
-    /// As a key of a scene.
-    Key,
-}
-
-impl Written {
-    /// Accuracy as the user wrote it.
-    pub(crate) fn text(self, accuracy: Accuracy) -> String {
-        let (option, wanted) = (accuracy.option(), accuracy.wanted());
-        match self {
-            Self::Option => format!("--{option} {wanted:?}"),
-            Self::Key => format!("{} = {wanted:?}", option.replace('-', "_")),
-        }
-    }
-
-    /// Choice of the solver without grids.
-    fn spectral(self) -> &'static str {
-        match self {
-            Self::Option => "--solver spectral",
-            Self::Key => "solver = \"spectral\"",
-        }
+/// Choice of the solver without grids.
+fn spectral(voice: Voice) -> &'static str {
+    match voice {
+        Voice::Options | Voice::OverScene => "--solver spectral",
+        Voice::Keys => "solver = \"spectral\"",
     }
 }
 
-impl Accuracy {
-    /// Solves on one grid of the square after the other until the guaranteed bounds are small enough. `solve` gets the
-    /// cells per side, and returns the bounds, or none if it failed and no finer grid is to be tried. All coarser
-    /// grids together cost less than the last one.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if no grid reaches the accuracy, and those of `solve`.
-    pub(crate) fn reach(
-        self,
-        written: Written,
-        mut solve: impl FnMut(usize) -> Result<Option<Bounds>>,
-    ) -> Result<()> {
-        self.check(written)?;
-        let (mut finest, mut tried) = (FIRST, Vec::new());
-        while let Some(bounds) = solve(finest)? {
-            let reached = self.reached(&bounds);
-            if reached <= self.wanted() {
-                break;
-            }
-            tried.push(TriedGrid { cells: finest, reached });
-            finest = self.next(written, &tried)?;
+/// Solves on one grid of the square after the other until the guaranteed bounds are small enough. `solve` gets the
+/// cells per side, and returns the bounds, or none if it failed and no finer grid is to be tried. All coarser
+/// grids together cost less than the last one.
+///
+/// # Errors
+/// [`Error::Input`] if no grid reaches the accuracy, and those of `solve`.
+pub(crate) fn reach(
+    accuracy: Accuracy,
+    voice: Voice,
+    mut solve: impl FnMut(usize) -> Result<Option<Bounds>>,
+) -> Result<()> {
+    let (mut finest, mut tried) = (FIRST, Vec::new());
+    while let Some(bounds) = solve(finest)? {
+        let reached = accuracy.reached(&bounds);
+        if reached <= accuracy.wanted() {
+            break;
         }
-        Ok(())
+        tried.push(TriedGrid { cells: finest, reached });
+        finest = next(accuracy, voice, &tried)?;
     }
+    Ok(())
+}
 
-    /// Returns what a grid of the square tells: its bounds, or that a finer one is needed, whose points miss less of f.
-    ///
-    /// # Errors
-    /// [`Error::Input`] if no grid has bounds.
-    pub(crate) fn of_grid(
-        self,
-        written: Written,
-        bounds: std::result::Result<Bounds, NoBound>,
-    ) -> Result<Bounds> {
-        match bounds {
-            Err(NoBound::Missed { .. }) => Ok(Bounds::NONE),
-            Err(reason) => {
-                let asked = written.text(self);
-                Err(Error::input(format!("{asked}: no bound of the error: {reason}; scale f")))
-            }
-            Ok(bounds) => Ok(bounds),
+/// Returns what a grid of the square tells: its bounds, or that a finer one is needed, whose points miss less of f.
+///
+/// # Errors
+/// [`Error::Input`] if no grid has bounds.
+pub(crate) fn of_grid(
+    accuracy: Accuracy,
+    voice: Voice,
+    bounds: std::result::Result<Bounds, NoBound>,
+) -> Result<Bounds> {
+    match bounds {
+        Err(NoBound::Missed { .. }) => Ok(Bounds::NONE),
+        Err(reason) => {
+            let asked = voice.accuracy(accuracy);
+            Err(Error::input(format!("{asked}: no bound of the error: {reason}; scale f")))
         }
+        Ok(bounds) => Ok(bounds),
     }
+}
 
-    /// Returns the goal of multigrid on a grid.
-    pub(crate) fn goal(self) -> Goal {
-        match self {
-            Self::Error(_) => Goal::DiscretisationError,
-            // The bracket of the energy is much narrower than the error.
-            Self::Energy(_) => Goal::RoundingFloor,
-        }
+/// Returns the cells per side of the grid after the last of those `tried`, whose bounds are too large.
+fn next(accuracy: Accuracy, voice: Voice, tried: &[TriedGrid]) -> Result<usize> {
+    let (asked, spectral) = (voice.accuracy(accuracy), spectral(voice));
+    let TriedGrid { cells: finest, reached } = tried[tried.len() - 1];
+    // Of two grids of nearly the same width the coarser may be better, if the borders of f are among its lines.
+    let before = tried.iter().filter(|grid| 2 * grid.cells <= finest);
+    let before = before.map(|grid| grid.reached).fold(f64::INFINITY, f64::min);
+    // The relative error is infinite if the error may be as large as the solution.
+    let settled = finest >= SETTLED && reached.is_finite();
+    if settled && finest > SETTLED && reached >= before {
+        return Err(Error::input(format!(
+            "{asked}: rounding errors leave {before:.1e}; ask for less, or use {spectral}"
+        )));
     }
-
-    /// Returns the goal of adaptive refinement on a mesh.
-    pub(crate) fn goal_on_meshes(self) -> signorini_mathematics::bounds::Accuracy {
-        match self {
-            Self::Error(wanted) => signorini_mathematics::bounds::Accuracy::Error(wanted),
-            Self::Energy(wanted) => signorini_mathematics::bounds::Accuracy::Energy(wanted),
-        }
-    }
-
-    /// Returns the name of the option.
-    pub(crate) fn option(self) -> &'static str {
-        match self {
-            Self::Error(_) => "accuracy",
-            Self::Energy(_) => "accuracy-energy",
-        }
-    }
-
-    pub(crate) fn wanted(self) -> f64 {
-        let (Self::Error(wanted) | Self::Energy(wanted)) = self;
-        wanted
-    }
-
-    pub(crate) fn reached(self, bounds: &Bounds) -> f64 {
-        match self {
-            Self::Error(_) => bounds.relative(),
-            Self::Energy(_) => bounds.relative_energy(),
-        }
-    }
-
-    /// Returns the accepted relative error in the energy norm, whose square is that of the energy.
-    pub(crate) fn error(self) -> f64 {
-        match self {
-            Self::Error(wanted) => wanted,
-            Self::Energy(wanted) => wanted.sqrt(),
-        }
-    }
-
-    /// Returns the order of the bound: the power of the width of the grid that is proportional to it.
-    fn order(self) -> f64 {
-        match self {
-            Self::Error(_) => 1.0,
-            Self::Energy(_) => 3.0,
-        }
-    }
-
-    /// Refuses a value that is not between 0 and 1.
-    pub(crate) fn check(self, written: Written) -> Result<()> {
-        let wanted = self.wanted();
-        if wanted > 0.0 && wanted < 1.0 {
-            return Ok(());
-        }
-        let example = match self {
-            Self::Error(_) => "1e-3 for an error of 0.1 % in the energy norm",
-            Self::Energy(_) => "1e-6 for six digits of the energy",
+    let order = order(accuracy);
+    let needed = finest as f64 * libm::pow(reached / accuracy.wanted(), 1.0 / order);
+    let last = MOST_CELLS as f64;
+    if finest == MOST_CELLS || (settled && needed > 1.02 * last) {
+        let best = match reached * libm::pow(finest as f64 / last, order) {
+            f64::INFINITY => "does not reach half".into(),
+            best => format!("reaches about {best:.1e}"),
         };
-        let asked = written.text(self);
-        Err(Error::input(format!("{asked}: must be between 0 and 1, e.g. {example}")))
+        let grid = match needed < 1e6 {
+            true => format!("of about 1/{needed:.0}"),
+            false => "finer than 1/1000000".into(),
+        };
+        return Err(Error::input(format!(
+            "{asked} takes a grid {grid}, too fine for memory; 1/{MOST_CELLS} {best}, and {spectral} needs no grid"
+        )));
     }
+    Ok(size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MOST_CELLS))
+}
 
-    /// Returns the cells per side of the grid after the last of those `tried`, whose bounds are too large.
-    fn next(self, written: Written, tried: &[TriedGrid]) -> Result<usize> {
-        let (asked, spectral) = (written.text(self), written.spectral());
-        let TriedGrid { cells: finest, reached } = tried[tried.len() - 1];
-        // Of two grids of nearly the same width the coarser may be better, if the borders of f are among its lines.
-        let before = tried.iter().filter(|grid| 2 * grid.cells <= finest);
-        let before = before.map(|grid| grid.reached).fold(f64::INFINITY, f64::min);
-        // The relative error is infinite if the error may be as large as the solution.
-        let settled = finest >= SETTLED && reached.is_finite();
-        if settled && finest > SETTLED && reached >= before {
-            return Err(Error::input(format!(
-                "{asked}: rounding errors leave {before:.1e}; ask for less, or use {spectral}"
-            )));
-        }
-        let order = self.order();
-        let needed = finest as f64 * libm::pow(reached / self.wanted(), 1.0 / order);
-        let last = MAX_CELLS as f64;
-        if finest == MAX_CELLS || (settled && needed > 1.02 * last) {
-            let best = match reached * libm::pow(finest as f64 / last, order) {
-                f64::INFINITY => "does not reach half".into(),
-                best => format!("reaches about {best:.1e}"),
-            };
-            let grid = match needed < 1e6 {
-                true => format!("of about 1/{needed:.0}"),
-                false => "finer than 1/1000000".into(),
-            };
-            return Err(Error::input(format!(
-                "{asked} takes a grid {grid}, too fine for memory; 1/{MAX_CELLS} {best}, and {spectral} needs no grid"
-            )));
-        }
-        Ok(size(needed.min(finest as f64 * STRIDE as f64)).clamp(finest + 1, MAX_CELLS))
+/// Order of the bound on the square: the power of the width of the grid that is proportional to it.
+fn order(accuracy: Accuracy) -> f64 {
+    match accuracy {
+        Accuracy::Error(_) => 1.0,
+        Accuracy::Energy(_) => 3.0,
     }
+}
+
+/// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh, and `ended` told
+/// each step.
+///
+/// # Errors
+/// [`Error::Input`] in space, and if there is no problem or no bound; [`Error::Interrupted`] if `watch` does not let it
+/// go on.
+pub(crate) fn adapted(
+    statement: &Statement,
+    coarsest: &AnyMesh,
+    (accuracy, voice): (Accuracy, Voice),
+    watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
+    ended: Watch<'_>,
+) -> Result<AdaptedRun> {
+    let asked = voice.accuracy(accuracy);
+    let AnyMesh::Plane(coarsest) = coarsest else {
+        return Err(Error::input(format!(
+            "{asked}: meshes are adapted in the plane alone; in space, choose how fine by the number of refinements"
+        )));
+    };
+    let memory = machine::available_memory().unwrap_or(u64::MAX);
+    let most_nodes = usize::try_from(memory / BYTES_PER_NODE).unwrap_or(usize::MAX);
+    let law = statement.law().map_err(|e| Error::input(format!("law: {e}")))?;
+    let (f, goal, bisections) = (&*statement.f, accuracy, Adaption::BISECTIONS);
+    let adaption = Adaption { coarsest, f, law, goal, most_nodes, bisections };
+    let run = adaption.run_while(watch, ended).map_err(|e| match e {
+        ProblemError::Mesh(e) => Error::input(format!("{}: {e}", statement.domain.name)),
+        e => Error::input(format!("{asked}: {e}")),
+    })?;
+    run.ok_or(Error::Interrupted)
+}
+
+/// As [`adapted`], for a scene, whose mesh is read from these files. The end is that of the goal.
+///
+/// # Errors
+/// [`Error::Input`] also if the accuracy is not reached; [`Error::Interrupted`] if `watch` does not let it go on.
+pub(crate) fn adapted_scene(
+    statement: &Statement,
+    files: &InputFiles,
+    accuracy: Accuracy,
+    watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
+) -> Result<AdaptedRun> {
+    let Some(coarsest) = mesh_files::mesh(statement, files)? else {
+        return Err(Error::input("the square has grids in place of meshes"));
+    };
+    let (asked, voice) = (Voice::Keys.accuracy(accuracy), Voice::Keys);
+    let run = adapted(statement, &coarsest, (accuracy, voice), watch, &|_| ())?;
+    match run.end {
+        AdaptedEnd::Goal => Ok(run),
+        _ if !accuracy.reached(&run.bounds).is_finite() => Err(Error::input(format!(
+            "{asked}: the error is bounded on no mesh by less than the solution, as where v = 0; leave it out"
+        ))),
+        AdaptedEnd::Nodes | AdaptedEnd::NoLongerFalls => Err(Error::input(format!(
+            "{asked}: {:.1e} is reached with {} nodes, and no more; ask for less",
+            accuracy.reached(&run.bounds),
+            run.y.len()
+        ))),
+    }
+}
+
+/// Returns the problem on the meshes of [`adapted_scene`], from the cells that were marked there.
+pub(crate) fn on_bisected(
+    statement: &Statement,
+    files: &InputFiles,
+    marks: &[Vec<u32>],
+) -> Result<Problem> {
+    let Some(AnyMesh::Plane(coarsest)) = mesh_files::mesh(statement, files)? else {
+        return Err(Error::input("meshes are adapted in the plane alone"));
+    };
+    let law = statement.law().map_err(|e| Error::input(format!("law: {e}")))?;
+    let problem = Problem::on_bisected(&coarsest, marks, &statement.f, law);
+    problem.map_err(|e| Error::input(e.to_string()))
 }
 
 /// Grid that was tried, with the bound that it gave.

@@ -4,12 +4,11 @@
 
 pub mod accuracy;
 pub mod comparison;
-pub mod domain;
+pub(crate) mod fields;
 pub(crate) mod identified;
+pub(crate) mod mesh_files;
 pub mod paper;
 pub mod project;
-pub mod saddle;
 pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;
-pub mod stated;

@@ -1,22 +1,21 @@
-//! Scenes: a problem with its grids, solver and wanted outputs, read from TOML.
+//! Scenes: a statement with a title and wanted outputs, read from TOML.
 
 use crate::pipeline::InputFiles;
-use crate::pipeline::error::{Error, Failure, Result, from_toml};
+use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
-use crate::replication::accuracy::{Accuracy, FIRST, MAX_CELLS, Written};
-use crate::replication::domain::{DomainSettings, first_given, name_or_table};
-use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings, repeated};
-use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem, grids};
-use serde::{Deserialize, Deserializer, Serialize};
-use signorini_mathematics::discrete::grid::{Grid, nested};
+use crate::replication::fields::Fields;
+use crate::replication::fields::table::{Reading, Refused, Voice};
+use crate::replication::mesh_files::{MeshFacts, check, find_mesh};
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::problems::TableProblem;
 use signorini_mathematics::identify::COARSEST;
-use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::statement::{MOST_CELLS, SaddleSettings, Statement};
 use std::fmt;
 use std::path::Path;
 
@@ -57,44 +56,31 @@ pub struct Scene {
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
-    /// Problem as its file states it.
-    #[serde(flatten)]
-    pub problem: StatedProblem,
-    /// Solver.
-    pub solver: Solver,
-    /// Accuracy by which the grid of the square is chosen, beginning with that of the problem; none if the scene has
-    /// its grids.
-    #[serde(flatten)]
-    pub accuracy: Option<Accuracy>,
-    /// Settings of a saddle-point method; none for other solvers.
-    #[serde(flatten)]
-    pub settings: Option<SaddleSettings>,
+    /// What is asked; of the runs of a saddle-point method, the one that is drawn.
+    pub statement: Statement,
+    /// Runs of a saddle-point method; none for other solvers.
+    pub runs: Option<Runs>,
     /// Wanted outputs, sorted.
     pub outputs: Vec<Output>,
+    /// Files on which the problem depends, by path: the mesh, if there is one.
+    #[serde(skip)]
+    pub files: InputFiles,
 }
 
-/// Keys of a file of a scene, with f as text or, on the square, read.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SceneFile<F> {
-    title: String,
-    paper_table: Option<u8>,
-    #[serde(default, deserialize_with = "some_name_or_table")]
-    domain: Option<DomainSettings>,
-    f: F,
-    law: Option<LawParameter>,
-    load: Option<LoadRule>,
-    solver: Option<Solver>,
-    #[serde(default, deserialize_with = "some_grids")]
-    grids: Option<Vec<Grid>>,
-    accuracy: Option<f64>,
-    accuracy_energy: Option<f64>,
-    prolongation: Option<Prolongation>,
-    r: Option<Vec<f64>>,
-    stop: Option<Vec<StopRule>>,
-    max_iterations: Option<usize>,
-    draw_r: Option<f64>,
-    outputs: Vec<Output>,
+/// Runs of a saddle-point method: one for each rule and r.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Runs {
+    /// Duality parameters.
+    pub r: Vec<f64>,
+    /// Stopping rules; the first is the one compared with the paper.
+    pub stop: Vec<StopRule>,
+}
+
+/// Stopping rule and r of one run of a saddle-point method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RuleAndR {
+    pub rule: StopRule,
+    pub r: f64,
 }
 
 /// Outputs of a scene on the square that other domains do not have, each with the reason.
@@ -103,108 +89,8 @@ const NOT_ON_DOMAINS: [(Output, &str); 2] = [
     (Output::Identify, "no table was published"),
 ];
 
-impl<F> SceneFile<F> {
-    /// Name of a key that means nothing but on the square, if there is one.
-    fn key_of_the_square(&self) -> Option<&'static str> {
-        first_given([
-            ("grids", self.grids.is_some()),
-            ("load", self.load.is_some()),
-            ("prolongation", self.prolongation.is_some()),
-            ("paper_table", self.paper_table.is_some()),
-        ])
-    }
-
-    /// Name of a key that means nothing but for a saddle-point method, if there is one.
-    fn key_of_saddle_points(&self) -> Option<&'static str> {
-        first_given([
-            ("r", self.r.is_some()),
-            ("stop", self.stop.is_some()),
-            ("max_iterations", self.max_iterations.is_some()),
-            ("draw_r", self.draw_r.is_some()),
-            ("prolongation", self.prolongation.is_some()),
-        ])
-    }
-
-    /// Returns the solver: the one that the scene names, or else the paper's for a published table and that of `solve`
-    /// for any other problem.
-    fn solver(&self) -> Result<Solver> {
-        let papers = Solver::ArrowHurwicz;
-        if let Some(solver) = self.solver.filter(|&solver| solver != papers)
-            && self.paper_table.is_some()
-        {
-            return Err(Error::input(format!(
-                "the published tables are those of {papers}; leave out solver = \"{solver}\", or `paper_table`"
-            )));
-        }
-        let usual = if self.paper_table.is_some() { papers } else { StatedProblem::SOLVER };
-        let solver = self.solver.unwrap_or(usual);
-        let Some(key) = self.key_of_saddle_points().filter(|_| !solver.is_nested()) else {
-            return Ok(solver);
-        };
-        let load = match self.solver.is_none() && self.domain.is_none() && self.load.is_none() {
-            true => {
-                "; a scene that names no `load` has the bilinear one, where earlier versions took \
-                 { rule = \"nodal\", diagonal = \"rising\" }"
-            }
-            false => "",
-        };
-        Err(Error::input(format!(
-            "`{key}` is for the saddle-point methods, not for {solver}; add solver = \"{papers}\", or leave `{key}` \
-             out{load}"
-        )))
-    }
-
-    /// Returns the accuracy that the scene asks for in place of grids.
-    fn accuracy(&self, solver: Solver) -> Result<Option<Accuracy>> {
-        let asked = match (self.accuracy, self.accuracy_energy) {
-            (Some(_), Some(_)) => {
-                return Err(Error::input(
-                    "`accuracy` and `accuracy_energy` both choose the grid; leave one of them out",
-                ));
-            }
-            (Some(wanted), None) => Accuracy::Error(wanted),
-            (None, Some(wanted)) => Accuracy::Energy(wanted),
-            (None, None) => return Ok(None),
-        };
-        let written = Written::Key.text(asked);
-        if self.grids.is_some() {
-            return Err(Error::input(format!(
-                "{written} chooses the grid; leave out `grids`, or the accuracy"
-            )));
-        }
-        if solver != Solver::Multigrid {
-            return Err(Error::input(format!(
-                "{written} is reached by {}, not by {solver}; change `solver`, or leave the accuracy out",
-                Solver::Multigrid
-            )));
-        }
-        asked.check(Written::Key)?;
-        Ok(Some(asked))
-    }
-
-    /// Returns the scene with this name, problem and solver.
-    fn scene(self, name: &str, problem: StatedProblem, solver: Solver) -> Result<Scene> {
-        let accuracy = self.accuracy(solver)?;
-        let Self { title, paper_table, outputs, .. } = self;
-        let Self { prolongation, r, stop, max_iterations, draw_r, .. } = self;
-        let keys = SaddleKeys { prolongation, r, stop, max_iterations, draw_r };
-        let settings = solver.is_nested().then(|| keys.settings(paper_table.is_some()));
-        let name = name.to_owned();
-        Ok(Scene { name, title, paper_table, problem, solver, accuracy, settings, outputs })
-    }
-}
-
-fn some_grids<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> std::result::Result<Option<Vec<Grid>>, D::Error> {
-    grids(deserializer).map(Some)
-}
-
-fn some_name_or_table<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> std::result::Result<Option<DomainSettings>, D::Error> {
-    name_or_table(deserializer).map(Some)
-}
+/// Duality parameters of the published tables.
+const PAPERS_R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
 
 impl Scene {
     /// Parses and validates the text of a scene file; `name` names the scene in messages.
@@ -213,58 +99,51 @@ impl Scene {
     /// [`Error::Input`] with the line of the mistake. [`Scene::check`] tells whether there is a problem to be solved.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
-        let in_scene = |e: Error| Error::input(format!("{what}: {e}"));
-        let keys: toml::Table = toml::from_str(text).unwrap_or_default();
-        let mut scene = match domain_of(&keys).is_none_or(|domain| domain == SQUARE) {
-            true => Self::on_square(name, from_toml(&what, text)?),
-            false => Self::on_mesh(name, from_toml(&what, text)?),
-        }
-        .map_err(in_scene)?;
-        scene.complete().map_err(|e| Error::input(format!("{what}: {e}")))?;
-        Ok(scene)
+        let fields: Fields = from_toml(&what, text)?;
+        let scene = Self::of(name, &fields).and_then(Self::complete);
+        scene.map_err(|Refused { field, text: why }| {
+            let line = line_of(field, text).map_or(String::new(), |line| format!("line {line}: "));
+            Error::input(format!("{what}: {line}{why}"))
+        })
     }
 
-    fn on_square(name: &str, file: SceneFile<Source>) -> Result<Self> {
-        if let Some(key) = file.domain.as_ref().and_then(DomainSettings::about_mesh) {
-            return Err(Error::input(format!(
-                "`{key}` is for meshes; the square has `grids`, and is in contact everywhere"
-            )));
+    /// The scene that these fields make, before it is checked as a whole.
+    fn of(name: &str, fields: &Fields) -> Reading<Self> {
+        let missing = |field| Refused::new(field, format!("missing field `{field}`; add it"));
+        let title = fields.title.clone().ok_or_else(|| missing("title"))?;
+        let outputs = fields.outputs.clone().ok_or_else(|| missing("outputs"))?;
+        let usual = fields.usual(Voice::Keys)?;
+        let is_papers = fields.paper_table.is_some();
+        if is_papers && !usual.domain.is_square() {
+            let text = "`paper_table` is for the square; leave it out beside `domain`";
+            return Err(Refused::new("paper_table", text));
         }
-        let solver = file.solver()?;
-        let square = OnSquare {
-            f: file.f.clone(),
-            load: file.load.unwrap_or(match file.paper_table {
-                Some(_) => LoadRule::default(),
-                None => OnSquare::LOAD,
-            }),
-            grids: match file.accuracy(solver)? {
-                Some(_) => nested(&[FIRST]).expect("one grid"),
-                None => file.grids.clone().unwrap_or_else(OnSquare::usual_grids),
-            },
-        };
-        let problem = StatedProblem::on_square(square, file.law);
-        file.scene(name, problem, solver)
-    }
-
-    fn on_mesh(name: &str, mut file: SceneFile<String>) -> Result<Self> {
-        if let Some(key) = file.key_of_the_square() {
-            return Err(Error::input(format!(
-                "`{key}` is for the square; leave it out beside `domain`, whose meshes are its refinements"
-            )));
+        let papers = Solver::ArrowHurwicz;
+        if let Some(solver) = fields.solver.filter(|&solver| is_papers && solver != papers) {
+            let text = format!(
+                "the published tables are those of {papers}; leave out solver = \"{solver}\", or `paper_table`"
+            );
+            return Err(Refused::new("solver", text));
         }
-        let solver = file.solver()?;
-        if !solver.entry().on_meshes {
-            return Err(Error::input(format!(
-                "solver = \"{solver}\" is for the square; choose another, or leave it out"
-            )));
-        }
-        let domain = file.domain.take().expect("a scene on a mesh names its domain");
-        if let Some(accuracy) = file.accuracy(solver)? {
-            domain.check_adapted(&Written::Key.text(accuracy), "")?;
-        }
-        let f = file.f.split_whitespace().collect::<Vec<_>>().join(" ");
-        let problem = StatedProblem::on_mesh(domain, f, file.law);
-        file.scene(name, problem, solver)
+        let base = if is_papers { of_the_tables(usual) } else { usual };
+        let usual = base.saddle.unwrap_or_default();
+        let statement = fields.over(base, Voice::Keys)?;
+        let runs = statement.saddle.map(|_| ()).map(|()| {
+            let r = if is_papers { PAPERS_R.to_vec() } else { vec![usual.r] };
+            Ok(Runs {
+                r: fields.r.clone().unwrap_or(r),
+                stop: fields.stop_rules(Voice::Keys)?.unwrap_or_else(|| vec![usual.stop]),
+            })
+        });
+        Ok(Self {
+            name: name.to_owned(),
+            title,
+            paper_table: fields.paper_table,
+            statement,
+            runs: runs.transpose()?,
+            outputs,
+            files: InputFiles::new(),
+        })
     }
 
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
@@ -273,7 +152,9 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] and [`Error::Io`] if there is no such mesh.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
-        self.problem.find_mesh(root, known).map_err(|e| in_scene(&self.name, e))
+        let found = find_mesh(&self.statement.domain, root, known);
+        self.files = found.map_err(|e| in_scene(&self.name, e))?;
+        Ok(())
     }
 
     /// Checks that there is a problem to be solved, and reads the mesh of the domain, if the scene has one, and checks
@@ -283,15 +164,15 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
     pub fn check(&self) -> Result<Vec<String>> {
-        let checked = self.problem.check().map_err(|e| in_scene(&self.name, e))?;
-        let Some(CheckedMesh { dimension, nodes, notes }) = checked else { return Ok(Vec::new()) };
-        if let Some(accuracy) = self.accuracy.filter(|_| dimension == 3) {
-            let asked = Written::Key.text(accuracy);
+        let facts = check(&self.statement, &self.files).map_err(|e| in_scene(&self.name, e))?;
+        let Some(MeshFacts { dimension, nodes, notes }) = facts else { return Ok(Vec::new()) };
+        if let Some(accuracy) = self.statement.accuracy().filter(|_| dimension == 3) {
+            let asked = Voice::Keys.accuracy(accuracy);
             let text =
                 format!("{asked} is for domains in the plane; in space, `refine` says how fine");
             return Err(in_scene(&self.name, Error::input(text)));
         }
-        self.solver.check_nodes(dimension, nodes).map_err(|e| {
+        self.statement.solver.check_nodes(dimension, nodes).map_err(|e| {
             let remedy = "choose another `solver`, or fewer refinements";
             Error::input(format!("scene `{}`: {e}; {remedy}", self.name))
         })?;
@@ -306,110 +187,129 @@ impl Scene {
         }
     }
 
-    /// Fills in the values that follow from others, and makes the checks that a parser cannot.
-    fn complete(&mut self) -> std::result::Result<(), Failure> {
-        self.problem.law()?;
-        if self.problem.law.is_some() && self.paper_table.is_some() {
-            return Err(
-                "the published tables are for the paper's law; leave out `law`, or `paper_table`"
-                    .into(),
-            );
+    /// Makes the checks that concern the scene as a whole.
+    fn complete(mut self) -> Reading<Self> {
+        if self.statement.law.is_some() && self.paper_table.is_some() {
+            let text =
+                "the published tables are for the paper's law; leave out `law`, or `paper_table`";
+            return Err(Refused::new("law", text));
         }
         self.check_on_domain()?;
-        if let Some(settings) = &self.settings {
-            settings.check()?;
-        } else if self.wants(Output::History) {
-            return Err(format!(
-                "`history` is of the saddle-point methods, not of {}; add solver = \"{}\", or drop it from `outputs`",
-                self.solver,
-                Solver::ArrowHurwicz
-            )
-            .into());
+        match &self.runs {
+            Some(runs) => runs.check(self.saddle().r)?,
+            None if self.wants(Output::History) => {
+                return Err(Refused::new(
+                    "outputs",
+                    format!(
+                        "`history` is of the saddle-point methods, not of {}; add solver = \"{}\", or drop it from \
+                     `outputs`",
+                        self.statement.solver,
+                        Solver::ArrowHurwicz
+                    ),
+                ));
+            }
+            None => (),
         }
         if let Some(output) = repeated(&self.outputs) {
-            return Err(format!("`outputs` lists {output} twice; remove one").into());
+            let text = format!("`outputs` lists {output} twice; remove one");
+            return Err(Refused::new("outputs", text));
         }
         self.outputs.sort();
         if self.wants(Output::Identify) && self.paper_table.is_none() {
-            return Err("`identify` explains a published table; add `paper_table`, or drop it from `outputs`".into());
+            let text = "`identify` explains a published table; add `paper_table`, or drop it from `outputs`";
+            return Err(Refused::new("outputs", text));
         }
         if self.title.contains(['\n', '\r']) {
-            return Err("`title` must be a single line".into());
+            return Err(Refused::new("title", "`title` must be a single line"));
         }
-        refuse_forbidden("`title`", &self.title)?;
-        Ok(())
+        refuse_forbidden("`title`", &self.title)
+            .map_err(|e| Refused::new("title", e.to_string()))?;
+        Ok(self)
     }
 
     /// Makes the checks that concern the square or, on another domain, do not need the mesh.
-    fn check_on_domain(&self) -> std::result::Result<(), Failure> {
-        let Some(square) = self.problem.square() else {
+    fn check_on_domain(&self) -> Reading<()> {
+        let statement = &self.statement;
+        if !statement.domain.is_square() {
             let mut refused = NOT_ON_DOMAINS.iter();
             return match refused.find(|(output, _)| self.outputs.contains(output)) {
                 None => Ok(()),
-                Some((output, reason)) => {
-                    Err(format!("`{output}` is for the square: {reason}; drop it from `outputs`")
-                        .into())
-                }
+                Some((output, reason)) => Err(Refused::new(
+                    "outputs",
+                    format!("`{output}` is for the square: {reason}; drop it from `outputs`"),
+                )),
             };
-        };
+        }
+        let field = statement.fineness.field();
+        let grids = statement.grids().map_err(|e| Refused::new(field, e.to_string()))?;
         // As many counts on other grids would be compared without an error.
-        if self.paper_table.is_some() && square.grids[0].cells() != COARSEST {
-            return Err(format!(
-                "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave \
+        if self.paper_table.is_some() && grids[0].cells() != COARSEST {
+            return Err(Refused::new(
+                "grids",
+                format!(
+                    "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave \
                  out `paper_table`"
-            )
-            .into());
+                ),
+            ));
         }
-        if self.solver == Solver::Spectral && square.f.is_smooth() {
-            return Err(
-                "solver = \"spectral\" takes an f of constant pieces; choose another `solver`"
-                    .into(),
-            );
+        if statement.solver == Solver::Spectral && self.source().is_smooth() {
+            let text =
+                "solver = \"spectral\" takes an f of constant pieces; choose another `solver`";
+            return Err(Refused::new("solver", text));
         }
-        let finest = square.finest().cells();
-        if let Err(e) = self.solver.check_cells(finest) {
-            return Err(format!("`grids`: {e}").into());
+        let finest = self.finest().cells();
+        if let Err(e) = statement.solver.check_cells(finest) {
+            return Err(Refused::new(field, format!("`{field}`: {e}")));
         }
-        if finest > MAX_CELLS {
-            return Err(format!(
-                "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
-            )
-            .into());
+        if finest > MOST_CELLS {
+            return Err(Refused::new(
+                field,
+                format!(
+                    "grid 1/{finest} needs more memory than is sensible; 1/{MOST_CELLS} is the finest"
+                ),
+            ));
         }
         Ok(())
     }
 
     /// Returns the law on the boundary.
     pub(crate) fn law(&self) -> Law {
-        self.problem.law().expect("validated: a law with this parameter")
+        self.statement.law().expect("validated: a law with this parameter")
     }
 
-    /// Returns the settings of the saddle-point method of a scene, as those of published tables have one.
-    ///
-    /// # Panics
-    /// If the scene has another solver.
-    pub fn saddle(&self) -> &SaddleSettings {
-        self.settings.as_ref().expect("a scene with a saddle-point method")
+    /// Returns the settings of the run of a saddle-point method that is drawn; usual ones for another solver.
+    pub fn saddle(&self) -> SaddleSettings {
+        self.statement.saddle.unwrap_or_default()
+    }
+
+    /// Returns the duality parameters of the runs.
+    pub fn r(&self) -> &[f64] {
+        self.runs.as_ref().map_or(&[], |runs| &runs.r)
+    }
+
+    /// Returns the stopping rules of the runs.
+    pub(crate) fn stop(&self) -> &[StopRule] {
+        self.runs.as_ref().map_or(&[], |runs| &runs.stop)
     }
 
     /// Returns the stopping rules of the scene, each of which has a table of its own; none for a solver without.
     pub(crate) fn rules(&self) -> Vec<Option<StopRule>> {
-        match &self.settings {
-            Some(settings) => settings.stop.iter().copied().map(Some).collect(),
+        match &self.runs {
+            Some(runs) => runs.stop.iter().copied().map(Some).collect(),
             None => vec![None],
         }
     }
 
     /// Returns the first rule of the scene, that of its pictures.
     pub(crate) fn first_rule(&self) -> Option<StopRule> {
-        self.settings.as_ref().map(|settings| settings.stop[0])
+        self.stop().first().copied()
     }
 
     /// Returns the runs of the solver under a rule: of a saddle-point method one for each r.
     pub(crate) fn runs(&self, rule: Option<StopRule>) -> Vec<Option<RuleAndR>> {
-        match (&self.settings, rule) {
-            (Some(settings), Some(rule)) => {
-                settings.r.iter().map(|&r| Some(RuleAndR { rule, r })).collect()
+        match (&self.runs, rule) {
+            (Some(runs), Some(rule)) => {
+                runs.r.iter().map(|&r| Some(RuleAndR { rule, r })).collect()
             }
             _ => vec![None],
         }
@@ -417,7 +317,16 @@ impl Scene {
 
     /// Returns the run of the solver under a rule that is drawn.
     pub(crate) fn drawn(&self, rule: Option<StopRule>) -> Option<RuleAndR> {
-        Some(RuleAndR { rule: rule?, r: self.settings.as_ref()?.draw_r })
+        Some(RuleAndR { rule: rule?, r: self.statement.saddle?.r })
+    }
+
+    /// Returns what a run asks.
+    pub(crate) fn of_run(&self, run: Option<RuleAndR>) -> Statement {
+        let saddle = self.statement.saddle;
+        let saddle = run.map_or(saddle, |RuleAndR { rule: stop, r }| {
+            saddle.map(|saddle| SaddleSettings { stop, r, ..saddle })
+        });
+        Statement { saddle, ..self.statement.clone() }
     }
 
     /// True if the scene asks for this output.
@@ -432,44 +341,98 @@ impl Scene {
 
     /// Returns the problem in the form that experiments take, if it belongs to a published table.
     pub fn table_problem(&self) -> Option<TableProblem> {
-        let (number, square) = (self.paper_table?, self.on_grids());
+        let number = self.paper_table?;
+        let SaddleSettings { prolongation, max_iterations, .. } = self.saddle();
         Some(TableProblem {
             number,
-            f: square.f.to_string(),
-            law: self.problem.law,
-            load: square.load,
-            prolongation: self.saddle().prolongation,
-            grids: square.grids.iter().map(|grid| grid.cells()).collect(),
-            r: self.saddle().r.clone(),
-            max_iterations: self.saddle().max_iterations,
+            f: self.statement.f.clone(),
+            law: self.statement.law,
+            load: self.load(),
+            prolongation,
+            grids: self.statement.fineness.cells(),
+            r: self.r().to_vec(),
+            max_iterations,
         })
     }
 
-    /// Returns f and the grids of a scene on the square, as those of published tables are.
+    /// Returns f of a scene on the square, as those of published tables are.
     ///
     /// # Panics
     /// If the scene is on a mesh.
-    pub fn on_grids(&self) -> &OnSquare {
-        self.problem.square().expect("a scene on the square")
+    pub fn source(&self) -> Source {
+        self.statement.source().expect("validated: f on the square")
+    }
+
+    /// Returns the quadrature of the load vector of a scene on the square.
+    pub fn load(&self) -> LoadRule {
+        self.statement.load.unwrap_or(Statement::LOAD)
+    }
+
+    /// Returns the grids of a scene on the square, coarsest first.
+    ///
+    /// # Panics
+    /// If they do not nest, which [`Scene::parse`] refuses.
+    pub fn grids(&self) -> Vec<Grid> {
+        self.statement.grids().expect("validated: nested grids")
     }
 
     /// Returns the finest grid of a scene on the square.
     ///
     /// # Panics
-    /// If the scene is on a mesh.
+    /// As [`Scene::grids`].
     pub fn finest(&self) -> Grid {
-        self.on_grids().finest()
+        *self.grids().last().expect("at least one grid")
     }
 }
 
-/// Name of the domain that has grids.
-const SQUARE: &str = "square";
+impl Runs {
+    /// Makes the checks that a parser cannot; `drawn` is the r that is drawn.
+    fn check(&self, drawn: f64) -> Reading<()> {
+        let empty = [("r", self.r.is_empty()), ("stop", self.stop.is_empty())];
+        if let Some((field, _)) = empty.into_iter().find(|(_, is_empty)| *is_empty) {
+            let example = "r = [10], stop = [\"signed\"]";
+            let text = format!("`r` and `stop` must not be empty; e.g. {example}");
+            return Err(Refused::new(field, text));
+        }
+        if let Some(r) = repeated(&self.r) {
+            return Err(Refused::new("r", format!("`r` lists {r} twice; remove one")));
+        }
+        if let Some(rule) = repeated(&self.stop) {
+            return Err(Refused::new("stop", format!("`stop` lists {rule} twice; remove one")));
+        }
+        if !self.r.contains(&drawn) {
+            let text = format!("`draw_r` = {drawn} is not among `r`; add it there");
+            return Err(Refused::new("draw_r", text));
+        }
+        Ok(())
+    }
+}
 
-/// Returns the name of the domain that the keys of a scene name.
-fn domain_of(keys: &toml::Table) -> Option<&str> {
-    let domain = keys.get("domain")?;
-    let name = domain.as_table().and_then(|table| table.get("name"));
-    Some(name.unwrap_or(domain).as_str().unwrap_or_default())
+/// The statement with what a published table has in place of the usual.
+fn of_the_tables(usual: Statement) -> Statement {
+    let r = PAPERS_R[PAPERS_R.len() / 2];
+    let saddle = SaddleSettings { r, stop: StopRule::Signed, ..SaddleSettings::default() };
+    let solver = Solver::ArrowHurwicz;
+    Statement { solver, load: Some(LoadRule::default()), saddle: Some(saddle), ..usual }
+}
+
+/// Returns the first item that equals an earlier one.
+pub(super) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
+}
+
+/// Returns the number of the line of a text in TOML on which a key stands, if it is written plainly.
+fn line_of(key: &str, text: &str) -> Option<usize> {
+    let is_there = |line: &str| {
+        let mut words = line.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        line.contains('=') && words.any(|word| word == key)
+    };
+    let begins = |line: &str| {
+        line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    let mut lines = text.lines();
+    let place = lines.position(begins).or_else(|| text.lines().position(is_there));
+    place.map(|line| line + 1)
 }
 
 /// Returns the error with the name of the scene before it, unless it is of the system, and names a path.
@@ -495,19 +458,19 @@ mod tests {
     fn defaults_are_the_papers_for_its_tables_and_else_those_of_solve() {
         let papers = Scene::parse("s", &format!("{GOOD}paper_table = 1\n")).unwrap();
         assert_eq!(papers.finest().cells(), 64);
-        assert_eq!(papers.solver, Solver::ArrowHurwicz);
-        assert_eq!(papers.on_grids().load, LoadRule::default());
-        assert_eq!(papers.saddle().r, [1e6, 10.0, 5.0, 1.0, 0.5]);
-        assert_eq!(papers.saddle().stop, [StopRule::Signed]);
+        assert_eq!(papers.statement.solver, Solver::ArrowHurwicz);
+        assert_eq!(papers.load(), LoadRule::default());
+        assert_eq!(papers.r(), [1e6, 10.0, 5.0, 1.0, 0.5]);
+        assert_eq!(papers.stop(), [StopRule::Signed]);
         assert!(papers.wants(Output::Table) && !papers.wants(Output::Surface));
         let own = Scene::parse("s", GOOD).unwrap();
-        assert_eq!((own.finest().cells(), own.solver), (64, Solver::Multigrid));
-        assert_eq!(own.on_grids().load, LoadRule::Bilinear {});
-        assert!(own.settings.is_none());
+        assert_eq!((own.finest().cells(), own.statement.solver), (64, Solver::Multigrid));
+        assert_eq!(own.load(), LoadRule::Bilinear {});
+        assert!(own.runs.is_none());
         let method = Scene::parse("s", &format!("{GOOD}solver = \"uzawa\"\n")).unwrap();
-        assert_eq!(method.on_grids().load, own.on_grids().load);
+        assert_eq!(method.load(), own.load());
         assert_eq!(
-            (&*method.saddle().r, &*method.saddle().stop),
+            (method.r(), method.stop()),
             (&[10.0][..], &[StopRule::Printed][..])
         );
     }
@@ -562,8 +525,6 @@ mod tests {
             ] {
                 let text = error(&format!("{GOOD}{solver}{key}\n"));
                 assert!(text.contains("add solver = \"arrow-hurwicz\", or leave `"), "{text}");
-                // Without a solver the text may be one for an earlier version, which had another load.
-                assert_eq!(text.contains("earlier versions"), solver.is_empty(), "{text}");
             }
         }
         let history = error(&GOOD.replace("\"table\"", "\"history\""));
@@ -574,9 +535,9 @@ mod tests {
                 "the published tables are those of arrow-hurwicz",
             ),
             ("accuracy = 0.01\naccuracy_energy = 0.01", "leave one of them out"),
-            ("accuracy = 0.01\ngrids = [4]", "leave out `grids`"),
-            ("accuracy = 0.01\nsolver = \"uzawa\"", "reached by multigrid, not by uzawa"),
-            ("accuracy = 0.01\npaper_table = 1", "reached by multigrid, not by arrow-hurwicz"),
+            ("accuracy = 0.01\ngrids = [4]", "both say how fine"),
+            ("accuracy = 0.01\nsolver = \"uzawa\"", "`accuracy` is for multigrid, not for uzawa"),
+            ("accuracy = 0.01\npaper_table = 1", "`accuracy` is for multigrid, not for arrow-hurwicz"),
             ("accuracy = 2", "accuracy = 2.0: must be between 0 and 1"),
             ("accuracy_energy = 0", "accuracy_energy = 0.0: must be between 0 and 1"),
             ("solver = \"spectral\"\ndomain = \"disc\"", "is for the square; choose another"),
@@ -618,6 +579,6 @@ mod tests {
         assert!(error(&other_grids).contains("let `grids` begin with 4"));
         assert!(error(&GOOD.replace("\"t\"", "\"t\\nu\"")).contains("a single line"));
         assert!(error(&GOOD.replace("\"t\"", "\"t\\uFFFE\"")).contains("U+FFFE"));
-        assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("unknown variant `never`"));
+        assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("no rule `never`; choose one of signed"));
     }
 }

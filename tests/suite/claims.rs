@@ -47,14 +47,12 @@ fn the_lanes_count_what_the_solver_counts() {
     let project = project();
     let scene = project.scene("problem2").unwrap();
     let loads: Vec<_> = scene
-        .on_grids()
-        .grids
-        .iter()
+        .grids().iter()
         .map(|&grid| {
             signorini_mathematics::discrete::load::load(
                 grid,
-                &scene.on_grids().f,
-                scene.on_grids().load,
+                &scene.source(),
+                scene.load(),
             )
         })
         .collect();
@@ -63,7 +61,7 @@ fn the_lanes_count_what_the_solver_counts() {
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
         let (outcomes, _) = solve_nested(
             &NestedGrids {
-                grids: &scene.on_grids().grids,
+                grids: &scene.grids(),
                 prolongation: scene.saddle().prolongation,
             },
             Law::SIGNORINI.with_loads(&loads),

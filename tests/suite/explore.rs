@@ -75,11 +75,11 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
     for (k, name) in ["problem1", "problem2"].into_iter().enumerate() {
         let text = fs::read_to_string(format!("{ROOT}/pipeline/scenes/{name}.toml")).unwrap();
         let scene = Scene::parse(name, &text).unwrap();
-        let cells: Vec<_> = scene.on_grids().grids.iter().map(|grid| grid.cells()).collect();
+        let cells: Vec<_> = scene.grids().iter().map(|grid| grid.cells()).collect();
         let grids = nested(&cells).unwrap();
         let loads: Vec<_> =
-            grids.iter().map(|&g| load(g, &scene.on_grids().f, scene.on_grids().load)).collect();
-        for (row, &r) in scene.saddle().r.iter().enumerate() {
+            grids.iter().map(|&g| load(g, &scene.source(), scene.load())).collect();
+        for (row, &r) in scene.r().iter().enumerate() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
             let (outcomes, _) = solve_nested(
                 &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },

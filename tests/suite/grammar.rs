@@ -55,7 +55,7 @@ fn by_program(text: &str) -> Result<Source, String> {
     };
     let scene = parsed.map_err(without_place)?;
     scene.check().map_err(|error| without_place(error.to_string()))?;
-    Ok(scene.on_grids().f.clone())
+    Ok(scene.source())
 }
 
 /// What the script makes of all texts; nothing without a browser and without node.

@@ -4,7 +4,6 @@ use crate::common::this_project as project;
 use signorini::replication::comparison::Row;
 use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
-use signorini::replication::stated::Place;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::load;
@@ -22,16 +21,14 @@ use signorini_mathematics::saddle::{
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let loads: Vec<_> = scene
-        .on_grids()
-        .grids
-        .iter()
-        .map(|&grid| load(grid, &scene.on_grids().f, scene.on_grids().load))
+        .grids().iter()
+        .map(|&grid| load(grid, &scene.source(), scene.load()))
         .collect();
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
             &NestedGrids {
-                grids: &scene.on_grids().grids,
+                grids: &scene.grids(),
                 prolongation: scene.saddle().prolongation,
             },
             Law::SIGNORINI.with_loads(&loads),
@@ -45,7 +42,7 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
             delta_a: outcomes.last().unwrap().end.change(),
         }
     };
-    scene.saddle().r.iter().map(row).collect()
+    scene.r().iter().map(row).collect()
 }
 
 fn exact_counts(paper: &Paper, scene: &Scene, rule: StopRule) -> usize {
@@ -67,14 +64,14 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
     const CAP: usize = 100_000;
     let project = project();
     for (name, rule, r) in ["problem1", "problem2"].into_iter().flat_map(|name| {
-        let r = &project.scene(name).unwrap().saddle().r;
+        let r = project.scene(name).unwrap().r();
         let of = move |rule| r.iter().map(move |&r| (name, rule, r));
         [StopRule::Signed, StopRule::Printed].into_iter().flat_map(of)
     }) {
         let scene = project.scene(name).unwrap();
-        let load = |&grid: &Grid| load(grid, &scene.on_grids().f, scene.on_grids().load);
-        let (grids, loads) =
-            (&scene.on_grids().grids, scene.on_grids().grids.iter().map(load).collect::<Vec<_>>());
+        let load = |&grid: &Grid| load(grid, &scene.source(), scene.load());
+        let grids = &scene.grids()[..];
+        let loads = grids.iter().map(load).collect::<Vec<_>>();
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
         let levels = NestedGrids { grids, prolongation: scene.saddle().prolongation };
         let problem = Law::SIGNORINI.with_loads(&loads);
@@ -115,12 +112,12 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
     for name in ["problem1", "problem2"] {
         let scene = project.scene(name).unwrap();
         let mut rows = Vec::new();
-        for &r in &scene.saddle().r {
-            let (grids, prolongation) = (&scene.on_grids().grids[..], Prolongation::Bilinear);
+        for &r in scene.r() {
+            let (grids, prolongation) = (&scene.grids()[..], Prolongation::Bilinear);
             let levels = NestedGrids { grids, prolongation };
             let (mut pair, mut counts, mut delta_a) =
-                (Pair::zero(scene.on_grids().grids[0]), vec![], 0.0);
-            for (k, &grid) in scene.on_grids().grids.iter().enumerate() {
+                (Pair::zero(scene.grids()[0]), vec![], 0.0);
+            for (k, &grid) in scene.grids().iter().enumerate() {
                 if k > 0 {
                     pair = levels.interpolated(k, &pair);
                 }
@@ -128,7 +125,7 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
                 let network = assemble(&mesh);
                 let f_at = |point: &[f64; 2]| {
                     let tie = Tie::LowerLeft;
-                    scene.on_grids().f.at([tie.step_off(point[0], 0), tie.step_off(point[1], 1)])
+                    scene.source().at([tie.step_off(point[0], 0), tie.step_off(point[1], 1)])
                 };
                 let nodal = mesh.points().iter().zip(network.masses());
                 let load: Vec<f64> = nodal.map(|(point, mass)| f_at(point) * mass).collect();
@@ -174,8 +171,7 @@ fn counts_hold_each_value_of_f_within_a_few_thousandths() {
         for value in thousandths.start() - 1..=thousandths.end() + 1 {
             let [odd, other] = if value_is_odd { [value, other] } else { [odd, value] };
             let f = format!("quadrant(ll)={odd}e-3; else={other}e-3");
-            let Place::Square(square) = &mut scene.problem.place else { unreachable!() };
-            square.f = f.parse().unwrap();
+            scene.statement.f.clone_from(&f);
             let all = exact_counts(&project.paper, &scene, StopRule::Signed) == 25;
             assert_eq!(all, thousandths.contains(&value), "{f}");
         }
@@ -199,7 +195,7 @@ impl<F: Fn(f64, f64) -> f64> Monitor for ErrorsOnGrids<'_, F> {
 fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
     let project = project();
     let scene = project.scene("full-contact").unwrap();
-    let exact = scene.on_grids().f.exact().unwrap();
+    let exact = scene.source().exact().unwrap();
     let mut errors = Vec::new();
     for n in [8, 16, 32] {
         let grid = Grid::new(n).unwrap();
@@ -208,7 +204,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
         let mut pair = Pair::zero(grid);
         let outcome = arrow_hurwicz(
             grid,
-            Law::SIGNORINI.with_load(&load(grid, &scene.on_grids().f, scene.on_grids().load)),
+            Law::SIGNORINI.with_load(&load(grid, &scene.source(), scene.load())),
             &params,
             &mut pair,
         );
@@ -227,10 +223,10 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     // What the tolerance of the paper costs: the error no longer follows the grid.
     let project = project();
     let scene = project.scene("full-contact").unwrap();
-    let exact = scene.on_grids().f.exact().unwrap();
+    let exact = scene.source().exact().unwrap();
     let grids = nested(&[4, 8, 16, 32, 64]).unwrap();
     let loads: Vec<_> =
-        grids.iter().map(|&grid| load(grid, &scene.on_grids().f, scene.on_grids().load)).collect();
+        grids.iter().map(|&grid| load(grid, &scene.source(), scene.load())).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
     let mut errors =
         ErrorsOnGrids { exact: |x, y| exact.at(x, y).value, grids: &grids, largest: Vec::new() };

@@ -114,13 +114,13 @@ fn wide(values: &[f32]) -> Vec<f64> {
 
 /// Returns the counts for one r on all grids of a scene. From grid to grid the pair is prolonged in double precision.
 fn counts(scene: &Scene, r: f64, limit: usize) -> Vec<Option<usize>> {
-    let (grids, mut counts) = (&scene.on_grids().grids[..], Vec::new());
+    let (grids, mut counts) = (&scene.grids()[..], Vec::new());
     let levels = NestedGrids { grids, prolongation: scene.saddle().prolongation };
     run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
         let grid = grids[k];
         let mut single = Single {
             rows: (0..grid.nodes()).map(|node| Row::of(grid, node)).collect(),
-            load: narrow(&load(grid, &scene.on_grids().f, scene.on_grids().load)),
+            load: narrow(&load(grid, &scene.source(), scene.load())),
             h: grid.h() as f32,
             r: r as f32,
             y: narrow(&pair.y),

@@ -197,7 +197,7 @@ pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
 pub(super) fn inputs(project: &Project, read: &InputFiles) -> Result<Vec<File>> {
     let mut files = Vec::new();
     for (path, file) in read {
-        let is_mesh = project.scenes.iter().any(|scene| scene.problem.files().contains_key(path))
+        let is_mesh = project.scenes.iter().any(|scene| scene.files.contains_key(path))
             || media_type(path) == MESH;
         let comment = match path.as_str() {
             PAPER => "the published tables",
@@ -247,7 +247,7 @@ pub(super) fn files(
         }
         let comment = match scene.first_rule() {
             Some(_) => format!("iteration counts and Delta a of scene `{name}`, rule by rule"),
-            None => format!("energy and bounds of scene `{name}` by {}", scene.solver),
+            None => format!("energy and bounds of scene `{name}` by {}", scene.statement.solver),
         };
         files.push(File::new(format!("tables/{}", tabulate::file(scene)), comment, bytes));
     }

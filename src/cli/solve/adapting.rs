@@ -1,10 +1,9 @@
 //! Adaptive refinement as `solve` shows it: a bar or lines while it runs, and its end.
 
 use crate::pipeline::{bar, talk};
-use crate::replication::accuracy::Accuracy;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::Bounds;
+use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh};
 use signorini_mathematics::problem::text::plain;
 

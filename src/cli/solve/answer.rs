@@ -5,11 +5,10 @@ use super::bound::{self, BoundaryWords};
 use super::clock::Part;
 use super::request::Request;
 use crate::cli::output::{in_columns, paragraph};
-use crate::replication::accuracy::Accuracy;
 use crate::table::Table;
 use serde::Serialize;
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::{Bounds, NoBound};
+use signorini_mathematics::bounds::{Accuracy, Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::kkt::Judgement;
@@ -129,7 +128,7 @@ impl Answer {
 
     /// Energy that answers, which has the accuracy of the energy that was asked for.
     fn energy(&self, request: &Request) -> f64 {
-        match (request.accuracy, &self.bounds) {
+        match (request.accuracy(), &self.bounds) {
             (Some(Accuracy::Energy(_)), Ok(bounds)) => bounds.nearest_energy(self.last().energy),
             _ => self.last().energy,
         }
@@ -137,7 +136,7 @@ impl Answer {
 
     /// Returns that energy and, if it is another, that of v.
     fn energy_in_words(&self, request: &Request) -> String {
-        let digits = match request.accuracy {
+        let digits = match request.accuracy() {
             Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
             _ => DIGITS,
         };
@@ -152,12 +151,12 @@ impl Answer {
     /// Name of the end on the finest grid.
     fn end(&self, request: &Request) -> &str {
         // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
-        if request.accuracy.is_some() { self.last().end.stop.name() } else { self.last().name() }
+        if request.accuracy().is_some() { self.last().end.stop.name() } else { self.last().name() }
     }
 
     pub(super) fn json(&self, request: &Request) -> Value {
         let (problem, levels) = (&request.problem, request.problem.levels());
-        let (last, ends, solver) = (self.last(), &self.run.ends, request.settings.solver);
+        let (last, ends, solver) = (self.last(), &self.run.ends, request.solver());
         let mut grids = Vec::new();
         for (level, outcome) in (self.run.first_level..).zip(ends) {
             grids.push(outcome_json(solver, level, outcome));
@@ -171,7 +170,7 @@ impl Answer {
             "scene": request.name,
             "f": levels.f(),
             "dimension": levels.dimension(),
-            "solver": request.settings.solver,
+            "solver": request.solver(),
             "settings": request.settings().into_iter().collect::<BTreeMap<_, _>>(),
             "not_as_in_scene": request.overridden,
             "h": request.width(),
@@ -229,11 +228,11 @@ impl Answer {
         if let Some(curve) = bounds.and_then(|bounds| bounds.curve) {
             json["bound"]["curve"] = curve.into();
         }
-        if let Some(Accuracy::Energy(_)) = request.accuracy {
+        if let Some(Accuracy::Energy(_)) = request.accuracy() {
             json["energy_of_linear_v"] = last.energy.into();
         }
         if let Some(meshes) = request.adapted {
-            json["adapted"] = meshes.json(request.accuracy.zip(bounds));
+            json["adapted"] = meshes.json(request.accuracy().zip(bounds));
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
             json["errors"] = json!(values);
@@ -284,7 +283,7 @@ impl Answer {
         let (problem, levels) = (&request.problem, request.problem.levels());
         let (last, law, integral) = (self.last(), problem.law(), levels.integrals().of_f);
         let mut text = self.energy_in_words(request);
-        if !last.verdict().is_failure() || request.accuracy.is_some() {
+        if !last.verdict().is_failure() || request.accuracy().is_some() {
             text += &bound::text(&self.bounds, problem, recover);
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
@@ -331,7 +330,7 @@ impl Answer {
 
     /// Returns how the answer was found: the solver with its settings, the levels, and the time.
     fn method(&self, request: &Request) -> String {
-        let mut settings = vec![format!("solver {}", request.settings.solver)];
+        let mut settings = vec![format!("solver {}", request.solver())];
         settings.extend(request.refined());
         for (name, value) in request.settings() {
             settings.push(match (value.as_str(), value.as_f64()) {
@@ -348,7 +347,7 @@ impl Answer {
         if let Some(meshes) = request.adapted {
             text += &meshes.text();
         }
-        let cost = match request.settings.solver {
+        let cost = match request.solver() {
             Solver::Multigrid => format!(" ({:.1} sweeps)", self.last().end.work_units),
             _ => String::new(),
         };
@@ -359,7 +358,7 @@ impl Answer {
     fn table(&self, request: &Request) -> String {
         let (ends, levels) = (&self.run.ends, request.problem.levels());
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
-        let nested = request.settings.solver.is_nested()
+        let nested = request.solver().is_nested()
             && ends.iter().any(|outcome| outcome.end.sweeps() > outcome.end.iterations);
         let first = if levels.cells(0).is_some() { "grid" } else { "mesh" };
         let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];

@@ -7,8 +7,8 @@ use super::bound::{self, BoundaryWords};
 use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
 use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
-use crate::replication::accuracy::Accuracy;
-use crate::replication::stated::refusal_of_curves;
+use crate::replication::mesh_files::refusal_of_curves;
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::end::{End, Outcome};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
@@ -41,7 +41,7 @@ impl Answer {
                 self.failure = Some(Warning::new(fact, request.after_limit()));
             }
             // A guaranteed bound has been reached; residuals of single nodes do not contradict it.
-            _ if request.accuracy.is_some() => (),
+            _ if request.accuracy().is_some() => (),
             Verdict::NotSolved(violation) => {
                 let fact =
                     format!("{name}: the solver stopped as asked on {grid}, but {violation}");
@@ -65,7 +65,7 @@ impl Answer {
         if self.failure.is_none() {
             self.warn_of_force(request);
         }
-        if let (Ok(bounds), None, None) = (&self.bounds, request.accuracy, &self.failure) {
+        if let (Ok(bounds), None, None) = (&self.bounds, request.accuracy(), &self.failure) {
             self.warnings.extend(bound::warnings(bounds, energy, request));
         }
     }
@@ -80,7 +80,7 @@ impl Answer {
                 ("the bound no longer falls", "ask for less, or write jumps of f as shapes")
             }
         };
-        let (asked, nodes) = (request.written.text(accuracy), self.run.y.len());
+        let (asked, nodes) = (request.voice.accuracy(accuracy), self.run.y.len());
         let reached = adapting::error(accuracy, accuracy.reached(bounds));
         let fact = format!(
             "{}: {asked} is not reached: {reached} with {nodes} nodes; {reason}",
@@ -103,7 +103,7 @@ impl Answer {
 
     fn warn_of_levels(&mut self, request: &Request) {
         let (count, coarsest) = (request.problem.levels().count(), self.run.ends[0].cells);
-        if request.settings.solver.is_nested()
+        if request.solver().is_nested()
             && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
         {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
@@ -132,7 +132,7 @@ impl Answer {
     /// Warns if the tolerance asked for was not reached.
     fn warn_of_tolerance(&mut self, request: &Request) {
         let Outcome { end: End { stop, .. }, kkt, .. } = *self.last();
-        if let Some(tolerance) = request.tolerance
+        if let Some(tolerance) = request.statement.tolerance
             && stop != Stop::Converged
         {
             self.warnings.push(Warning::fact(format!(
@@ -186,7 +186,7 @@ impl Answer {
         let problem = &request.problem;
         let (force, load) = (self.force, 0.0 - self.last().sum_load);
         let size = problem.levels().integrals().of_size.abs();
-        let accepted = request.accuracy.map_or(0.0, Accuracy::error) * size;
+        let accepted = request.accuracy().map_or(0.0, Accuracy::error) * size;
         let slack = slack(problem).max(accepted);
         // A fixed part of the boundary bears the rest.
         let balanced = problem.levels().has_fixed_part() || (force - load).abs() <= slack;

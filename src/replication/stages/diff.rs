@@ -31,7 +31,7 @@ pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task>
         .paper
         .published(number)
         .map_err(|e| Error::input(format!("scene `{}`: {e}; correct `paper_table`", scene.name)))?;
-    let grids = scene.on_grids().grids.len();
+    let grids = scene.grids().len();
     if let Some(other) = table.counts.iter().find(|counts| counts.len() != grids) {
         return Err(Error::input(format!(
             "scene `{}`: table {number} is on {} grids; let `grids` have as many, or leave out `paper_table`",

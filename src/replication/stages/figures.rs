@@ -12,6 +12,7 @@ use crate::figures::{
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
+use crate::replication::mesh_files;
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use serde::de::DeserializeOwned;
@@ -20,6 +21,7 @@ use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::spectral::{SpectralParams, spectral_under};
+use signorini_mathematics::statement::SaddleSettings;
 
 /// Kind of figure.
 pub(super) struct Kind {
@@ -94,7 +96,7 @@ struct SceneFigure {
 /// The task that draws the figure `name` of `scenes`.
 fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     let kind = kind.output;
-    let files: InputFiles = scenes.iter().flat_map(|scene| scene.problem.files()).collect();
+    let files: InputFiles = scenes.iter().flat_map(|scene| scene.files.clone()).collect();
     let needs = scenes.iter().flat_map(|scene| needs(kind, scene)).collect();
     let scenes = scenes.iter().map(|scene| shown(kind, scene)).collect();
     let figure = SceneFigure { kind, scenes };
@@ -114,14 +116,15 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
 /// alone read.
 fn shown(kind: Output, scene: &Scene) -> Scene {
     let mut shown = Scene { outputs: vec![kind], ..scene.clone() };
-    if let Some(settings) = &mut shown.settings {
-        *settings = settings.runs();
-        if kind != Output::History {
-            settings.r = vec![settings.draw_r];
-        }
-        if kind != Output::Contact {
-            settings.stop.truncate(1);
-        }
+    let Some(runs) = &mut shown.runs else { return shown };
+    let drawn = shown.statement.saddle.unwrap_or_default();
+    shown.statement.saddle =
+        Some(SaddleSettings { r: drawn.r, stop: drawn.stop, ..SaddleSettings::default() });
+    if kind != Output::History {
+        runs.r = vec![drawn.r];
+    }
+    if kind != Output::Contact {
+        runs.stop.truncate(1);
     }
     shown
 }
@@ -214,17 +217,23 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
 
 /// Draws f: on the square by the borders of its pieces, on a mesh by its means over the triangles.
 fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
-    let maps: Option<Vec<_>> =
-        scenes.iter().map(|scene| Some((&*scene.title, &scene.problem.square()?.f))).collect();
-    match (maps, scenes) {
-        (Some(maps), _) => Ok(maps_of_f(&maps)),
-        (None, [scene]) => {
-            let problem = scene.problem.problem(inputs.files)?;
+    let mut maps = Vec::new();
+    for scene in scenes.iter().filter(|scene| scene.statement.domain.is_square()) {
+        maps.push((&*scene.title, scene.source()));
+    }
+    match scenes {
+        _ if maps.len() == scenes.len() => {
+            let maps: Vec<_> = maps.iter().map(|(title, f)| (*title, f)).collect();
+            Ok(maps_of_f(&maps))
+        }
+        [scene] => {
+            let usual = scene.statement.on_usual_meshes();
+            let problem = mesh_files::problem(&usual, inputs.files)?;
             let map = problem.levels().map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
             let (drawing, f) = map.ok_or("a domain in space has no picture")?;
             Ok(mesh_map(&scene.title, &drawing.mesh, &f))
         }
-        (None, _) => Err("scenes on meshes have a picture each".into()),
+        _ => Err("scenes on meshes have a picture each".into()),
     }
 }
 
@@ -286,12 +295,12 @@ fn bounds(inputs: &Inputs, scenes: &[Scene]) -> Result<String, String> {
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
     let mut runs = Vec::new();
     let drawn = scene.drawn(scene.first_rule()).map(|drawn| drawn.r);
-    for (task, r) in solve::ids(scene, scene.first_rule()).zip(&scene.saddle().r) {
+    for (task, r) in solve::ids(scene, scene.first_rule()).zip(scene.r()) {
         let levels = from_json(inputs, &task, HISTORY)?;
         let is_drawn = drawn == Some(*r);
         runs.push(HistoryCurve { label: format!("r = {r}"), is_drawn, levels });
     }
-    Ok(HistoryPanel { title: &scene.title, grids: &scene.on_grids().grids, runs })
+    Ok(HistoryPanel { title: &scene.title, grids: scene.grids(), runs })
 }
 
 /// Draws, for each closed curve of the boundaries, the trace and the multiplier where each rule stops, and, of the
@@ -330,7 +339,7 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
 /// Returns the true solution of a scene on the square on the boundary of its finest grid, with zeros inside.
 fn true_trace(scene: &Scene) -> Result<Pair, String> {
     let grid = scene.finest();
-    let solution = spectral_under(scene.law(), &scene.on_grids().f, SpectralParams::default())
+    let solution = spectral_under(scene.law(), &scene.source(), SpectralParams::default())
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     let mut pair = Pair { y: vec![0.0; grid.nodes()], a: Vec::new() };
     for (node, [value, multiplier]) in grid.boundary().zip(solution.trace_on(grid)) {

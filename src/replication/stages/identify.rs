@@ -46,12 +46,12 @@ fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Tas
         )));
     };
     let variant = Variant {
-        load: scene.on_grids().load,
+        load: scene.load(),
         prolongation: scene.saddle().prolongation,
         ..Variant::default()
     };
     let asked = Asked {
-        f: scene.on_grids().f.clone(),
+        f: scene.source(),
         variant,
         target: project.paper.target(table)?,
         alternatives: record.alternatives(table).to_vec(),

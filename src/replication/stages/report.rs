@@ -28,7 +28,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
     let [first, second] = problems[..] else {
         return Some("they need two scenes, one with `paper_table = 1` and one with 2".into());
     };
-    if first.on_grids().grids != second.on_grids().grids {
+    if first.grids() != second.grids() {
         return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
     }
     if !project.files.contains_key(recorded::PATH) {
@@ -42,7 +42,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
         );
     }
     problems.iter().find_map(|scene| {
-        if scene.saddle().r != project.paper.r {
+        if scene.r() != project.paper.r {
             let (name, r) = (&scene.name, &project.paper.r);
             return Some(format!(
                 "they show scene `{name}` for the paper's r; let it have r = {r:?}"
@@ -55,7 +55,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
 
 /// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
 fn missing_setting(scene: &Scene) -> Option<String> {
-    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.saddle().stop.contains(rule)) {
+    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.stop().contains(rule)) {
         return Some(format!("\"{rule}\" to `stop`"));
     }
     let mut outputs = figures::KINDS

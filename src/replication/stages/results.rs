@@ -7,8 +7,8 @@ use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
-use crate::replication::saddle::RuleAndR;
-use crate::replication::scene::{Output, Scene};
+
+use crate::replication::scene::{Output, RuleAndR, Scene};
 use polars::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -73,12 +73,12 @@ impl Solves {
         let runs = scene.rules().into_iter().flat_map(|rule| scene.runs(rule));
         Self {
             name: scene.name.clone(),
-            solver: scene.solver,
+            solver: scene.statement.solver,
             paper_table: scene.paper_table,
-            grids: scene.paper_table.map(|_| scene.on_grids().grids.len()),
-            domain: scene.problem.domain().to_owned(),
-            f: scene.problem.f(),
-            law: scene.problem.law,
+            grids: scene.paper_table.map(|_| scene.grids().len()),
+            domain: scene.statement.domain.name.clone(),
+            f: scene.statement.f.clone(),
+            law: scene.statement.law,
             runs: runs.map(|run| SolveOfRun { task: solve::id_of(scene, run), run }).collect(),
         }
     }

@@ -3,6 +3,7 @@
 use super::solve;
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, Inputs};
+use crate::replication::mesh_files;
 use crate::replication::scene::{Output, Scene};
 use serde_json::{Value, json};
 use signorini_mathematics::levels::Problem;
@@ -27,8 +28,8 @@ impl Solutions {
     ) -> Result<Self, Failure> {
         let mut solutions = Self::default();
         for scene in problems {
-            let problem = scene.problem.problem(inputs.files)?;
-            let stop = format!("where the published rule stops, r = {}", scene.saddle().draw_r);
+            let problem = mesh_files::problem(&scene.statement, inputs.files)?;
+            let stop = format!("where the published rule stops, r = {}", scene.saddle().r);
             let pair = solve::pair(inputs, scene, scene.first_rule(), &problem)?;
             solutions.add(scene, &problem, State { ending: "-stop", words: &stop, pair: &pair });
             let pair = solve::solution(scene)?;

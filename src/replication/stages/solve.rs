@@ -6,54 +6,36 @@
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
-use crate::replication::accuracy::{Accuracy, Written};
-use crate::replication::saddle::RuleAndR;
-use crate::replication::scene::{Output, Scene};
-use crate::replication::stated::{OnSquare, StatedProblem};
+use crate::replication::accuracy::{adapted_scene, of_grid, on_bisected, reach};
+use crate::replication::fields::table::Voice;
+use crate::replication::mesh_files;
+use crate::replication::scene::{Output, RuleAndR, Scene};
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::bounds::{Bounds, NoBound};
+use signorini_mathematics::bounds::{Accuracy, Bounds, NoBound};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::levels::{AdaptedMesh, Problem, Reserve};
-use signorini_mathematics::multigrid::Goal;
 use signorini_mathematics::problem::text::{interval, plain};
-use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
+use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Plain, StopRule};
 use signorini_mathematics::solvers::{self, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
+use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Settings that determine the artifacts of a cell, besides the file of a mesh.
+/// What is asked of a cell, besides the file of a mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
-    #[serde(flatten)]
-    problem: StatedProblem,
-    solver: Solver,
-    /// Accuracy by which the grid is chosen, in place of that of the problem.
-    #[serde(flatten)]
-    accuracy: Option<Accuracy>,
-    /// Settings of a saddle-point method; none for other solvers.
-    #[serde(flatten)]
-    settings: Option<CellSettings>,
+    statement: Statement,
     /// True if the pair on the finest grid is drawn.
     keep_pair: bool,
     /// True if the history of residuals is drawn.
     keep_history: bool,
-}
-
-/// Settings of a saddle-point method in one cell.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct CellSettings {
-    prolongation: Prolongation,
-    r: f64,
-    stop: StopRule,
-    max_iterations: usize,
 }
 
 /// Contents of the artifact [`OUTCOMES`].
@@ -125,7 +107,7 @@ pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
     for run in scene.runs(rule) {
         let cell = cell(scene, run);
         if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
-            tasks.push(task(id_of(scene, run), cell));
+            tasks.push(task(id_of(scene, run), cell, scene.files.clone()));
         }
     }
     tasks
@@ -133,13 +115,12 @@ pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
 
 /// Solves a scene on the square on its finest grid by multigrid, with f integrated exactly; a is the flux.
 pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
-    let square = OnSquare {
-        load: LoadRule::Exact { diagonal: Diagonal::default() },
-        grids: vec![scene.finest()],
-        ..scene.on_grids().clone()
+    let statement = Statement {
+        load: Some(LoadRule::Exact { diagonal: Diagonal::default() }),
+        fineness: Fineness::Grids(vec![scene.finest().cells()]),
+        ..scene.statement.clone()
     };
-    let stated = StatedProblem::on_square(square, scene.problem.law);
-    let problem = stated.problem(&InputFiles::new())?;
+    let problem = mesh_files::problem(&statement, &InputFiles::new())?;
     let run = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
         .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     let a = run.judgement.multiplier(&run.y);
@@ -151,23 +132,14 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let drawn = cell(scene, scene.drawn(scene.first_rule()));
     let Solved { pairs, .. } = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
-    Ok(scene.on_grids().grids.iter().copied().zip(pairs).collect())
+    Ok(scene.grids().into_iter().zip(pairs).collect())
 }
 
 fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
     let rule = run.map(|run| run.rule);
     let is_first_rule = rule == scene.first_rule();
-    let settings = scene.settings.as_ref().zip(run);
     Cell {
-        problem: scene.problem.clone(),
-        solver: scene.solver,
-        accuracy: scene.accuracy,
-        settings: settings.map(|(settings, RuleAndR { rule, r })| CellSettings {
-            prolongation: settings.prolongation,
-            r,
-            stop: rule,
-            max_iterations: settings.max_iterations,
-        }),
+        statement: scene.of_run(run),
         keep_pair: run == scene.drawn(rule)
             && ((is_first_rule && (scene.wants(Output::Surface) || scene.wants(Output::Map)))
                 || scene.wants(Output::Contact)),
@@ -175,11 +147,11 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
     }
 }
 
-fn task(id: String, cell: Cell) -> Task {
+fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     Task::new(id, &cell, Vec::new(), |cell, inputs| {
         cell.artifacts(inputs.files, inputs.interrupted)
     })
-    .with_files(cell.problem.files())
+    .with_files(files)
 }
 
 /// Results of a cell.
@@ -199,27 +171,27 @@ struct Solved {
 impl Cell {
     /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
     fn run(&self, files: &InputFiles, interrupted: &AtomicBool) -> Result<Solved, Failure> {
-        match (self.solver, self.accuracy) {
+        match (self.statement.solver, self.statement.accuracy()) {
             (Solver::Spectral, _) => self.without_grid(),
-            (_, Some(accuracy)) if self.problem.square().is_some() => {
+            (_, Some(accuracy)) if self.statement.domain.is_square() => {
                 Ok(self.on_finer_grids(accuracy, interrupted)?)
             }
             (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files, interrupted)?),
-            (_, None) => Ok(self.on(&self.problem, files)?),
+            (_, None) => Ok(self.on(&self.statement, files)?),
         }
     }
 
     /// Solves the problem as it is stated.
-    fn on(&self, stated: &StatedProblem, files: &InputFiles) -> Read<Solved> {
-        let problem = stated.problem(files)?;
+    fn on(&self, statement: &Statement, files: &InputFiles) -> Read<Solved> {
+        let problem = mesh_files::problem(statement, files)?;
         let mut recorder = Recorder { keep_history: self.keep_history, ..Recorder::default() };
-        let run = solvers::solve_watched(&problem, &self.settings(), &mut recorder)
+        let run = solvers::solve_watched(&problem, &statement.settings(&problem), &mut recorder)
             .map_err(|e| Error::input(format!("{e}; choose another `solver`, or change f")))?;
         let Recorder { history, mut pairs, .. } = recorder;
         let mut outcomes =
-            Outcomes { schema: 1, r: self.settings.as_ref().map(|of| of.r), ..Outcomes::default() };
+            Outcomes { schema: 1, r: self.statement.saddle.map(|of| of.r), ..Outcomes::default() };
         let mut no_bound = None;
-        if self.settings.is_none() {
+        if self.statement.saddle.is_none() {
             let bounds = problem.bounds(&run.y);
             no_bound = bounds.as_ref().err().copied();
             outcomes.bounds.push(bounds.ok());
@@ -227,7 +199,7 @@ impl Cell {
             pairs.push(Pair { a: run.judgement.multiplier(&run.y), y: run.y });
         }
         outcomes.levels = run.ends;
-        if let Some(exact) = stated.known_solution() {
+        if let Some(exact) = statement.known_solution() {
             for (level, pair) in outcomes.levels.iter().zip(&pairs) {
                 let cells = level.cells.expect("known solutions are on the square");
                 let grid = Grid::new(cells).expect("a grid that was solved on");
@@ -240,14 +212,12 @@ impl Cell {
     /// Solves on one grid of the square after the other until an accuracy is reached.
     fn on_finer_grids(&self, accuracy: Accuracy, interrupted: &AtomicBool) -> Read<Solved> {
         let mut all = Solved::default();
-        accuracy.reach(Written::Key, |cells| {
+        reach(accuracy, Voice::Keys, |cells| {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Error::Interrupted);
             }
-            let mut stated = self.problem.clone();
-            stated.set_grid(Grid::new(cells).map_err(|e| Error::input(e.to_string()))?);
             let Solved { mut outcomes, pairs, no_bound, .. } =
-                self.on(&stated, &InputFiles::new())?;
+                self.on(&on_grid(&self.statement, cells), &InputFiles::new())?;
             let bounds = outcomes.bounds.last().cloned().flatten();
             let bounds = bounds.ok_or(no_bound.unwrap_or(NoBound::NotFinite));
             outcomes.levels.splice(0..0, std::mem::take(&mut all.outcomes.levels));
@@ -255,7 +225,7 @@ impl Cell {
             outcomes.bounds.splice(0..0, std::mem::take(&mut all.outcomes.bounds));
             let is_ended = outcomes.levels.last().is_some_and(|level| !is_at_rest(level));
             all = Solved { outcomes, pairs, ..Solved::default() };
-            if is_ended { Ok(None) } else { accuracy.of_grid(Written::Key, bounds).map(Some) }
+            if is_ended { Ok(None) } else { of_grid(accuracy, Voice::Keys, bounds).map(Some) }
         })?;
         Ok(all)
     }
@@ -272,7 +242,7 @@ impl Cell {
             bounds.push(mesh.bounds.clone().ok());
             unless(interrupted)
         };
-        let run = self.problem.adapted_scene(files, accuracy, &mut watch)?;
+        let run = adapted_scene(&self.statement, files, accuracy, &mut watch)?;
         // The first meshes have no solution where their polygon is too coarse.
         bounds.drain(..bounds.len() - run.outcomes().len());
         let (levels, reserve) = (run.outcomes().to_vec(), run.problem.reserves());
@@ -284,23 +254,16 @@ impl Cell {
 
     /// Finds the solution without a grid, and its values at the nodes of the finest grid if they are drawn.
     fn without_grid(&self) -> Result<Solved, Failure> {
-        let (f, finest) = self.problem.on_finest()?;
-        let found = true_solution(self.problem.law()?, f).map_err(|e| e.to_string())?;
+        let statement = &self.statement;
+        let f = statement.source()?;
+        let found = true_solution(statement.law()?, &f).map_err(|e| e.to_string())?;
         let TrueSolution { solution, steps } = found;
         let end = WithoutGrid { steps, energy: solution.energy };
         let outcomes = Outcomes { schema: 1, without_grid: Some(end), ..Outcomes::default() };
+        let finest = statement.grids()?;
+        let finest = finest[finest.len() - 1];
         let pair = self.keep_pair.then(|| solution.on_grid(finest));
         Ok(Solved { outcomes, pairs: pair.into_iter().collect(), ..Solved::default() })
-    }
-
-    /// Returns the settings of the solver.
-    fn settings(&self) -> Settings {
-        let usual = Settings::of(self.solver);
-        let goal = self.accuracy.map_or(Goal::RoundingFloor, Accuracy::goal);
-        let Some(settings) = &self.settings else { return Settings { goal, ..usual } };
-        let &CellSettings { prolongation, r, stop, max_iterations } = settings;
-        let params = Params { r, rule: stop, max_iterations, ..Params::default() };
-        Settings { params, prolongation, ..usual }
     }
 
     fn artifacts(
@@ -309,7 +272,7 @@ impl Cell {
         interrupted: &AtomicBool,
     ) -> Result<Artifacts, Failure> {
         let Solved { mut outcomes, pairs, history, marks, .. } = self.run(files, interrupted)?;
-        outcomes.asks_energy = matches!(self.accuracy, Some(Accuracy::Energy(_)));
+        outcomes.asks_energy = matches!(self.statement.accuracy(), Some(Accuracy::Energy(_)));
         let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair))?;
         artifacts.extend(marks.map(|marks| (MARKS.to_owned(), marks_bytes(&marks))));
         if self.keep_history {
@@ -415,7 +378,8 @@ impl Monitor for Recorder {
 /// True if the solver of a scene ended with a solution. A guaranteed bound that was asked for has been reached:
 /// residuals of single nodes do not contradict it.
 fn is_solved(scene: &Scene, level: &Outcome) -> bool {
-    is_at_rest(level) && (scene.accuracy.is_some() || level.name() == level.end.stop.name())
+    is_at_rest(level)
+        && (scene.statement.accuracy().is_some() || level.name() == level.end.stop.name())
 }
 
 /// Returns, in words, how the solver ended on the finest grid, with the r that is drawn, unless with a solution.
@@ -446,7 +410,7 @@ pub(super) fn state(
         return Ok(format!("where the rule {rule} stops, r = {r}"));
     }
     let outcomes = drawn_outcomes(inputs, scene, rule)?;
-    Ok(match (outcomes.no_solution(scene), scene.accuracy) {
+    Ok(match (outcomes.no_solution(scene), scene.statement.accuracy()) {
         (Some(end), _) => end,
         // The solver stops where its error is that of the grid.
         (None, Some(Accuracy::Error(wanted))) => {
@@ -490,7 +454,7 @@ pub(super) fn percent(part: f64) -> String {
 pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
     match scene.drawn(rule) {
         Some(RuleAndR { rule, r }) => format!("stop: {rule}, r = {r}"),
-        None => scene.solver.entry().in_words.to_owned(),
+        None => scene.statement.solver.entry().in_words.to_owned(),
     }
 }
 
@@ -542,17 +506,23 @@ pub(crate) fn without_solution(
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the
 /// grid or the adapted mesh that reached it.
 pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure> {
-    let mut stated = scene.problem.clone();
-    if scene.accuracy.is_some() {
+    let statement = &scene.statement;
+    if scene.statement.accuracy().is_some() {
         if let Ok(marks) = artifact(inputs, &id_of(scene, None), MARKS) {
-            return Ok(stated.on_bisected(inputs.files, &marks_of(marks)?)?);
+            return Ok(on_bisected(statement, inputs.files, &marks_of(marks)?)?);
         }
         let outcomes = drawn_outcomes(inputs, scene, None)?;
         let cells = outcomes.levels.last().and_then(|level| level.cells);
-        let grid = cells.map(Grid::new).transpose().map_err(|e| e.to_string())?;
-        grid.into_iter().for_each(|grid| stated.set_grid(grid));
+        if let Some(cells) = cells {
+            return Ok(mesh_files::problem(&on_grid(statement, cells), inputs.files)?);
+        }
     }
-    Ok(stated.problem(inputs.files)?)
+    Ok(mesh_files::problem(statement, inputs.files)?)
+}
+
+/// Returns a statement on one grid of the square with as many cells per side.
+fn on_grid(statement: &Statement, cells: usize) -> Statement {
+    Statement { fineness: Fineness::Grids(vec![cells]), ..statement.clone() }
 }
 
 /// Returns the bytes of the artifact [`MARKS`].
@@ -613,11 +583,10 @@ fn pair_bytes(pair: &Pair) -> Vec<u8> {
 /// that is drawn.
 pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, String> {
     let (grid, pair) = (scene.finest(), pair_on_grid(inputs, scene)?);
-    let square = scene.on_grids();
-    let load = load(grid, &square.f, square.load);
+    let load = load(grid, &scene.source(), scene.load());
     let network = Network::of_square(grid);
     let functional =
-        Plain { network: &network, law: scene.law(), load: &load, r: scene.saddle().draw_r };
+        Plain { network: &network, law: scene.law(), load: &load, r: scene.saddle().r };
     Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
 }
 
@@ -645,7 +614,9 @@ mod tests {
             program: &RunningProgram { digest: String::new(), commands: Vec::new },
         };
         // If it were solved again, the mesh would be that of the accuracy.
-        let closer = Scene { accuracy: Some(Accuracy::Error(0.02)), ..scene.clone() };
+        let fineness = Fineness::Within(Accuracy::Error(0.02));
+        let statement = Statement { fineness, ..scene.statement.clone() };
+        let closer = Scene { statement, ..scene.clone() };
         let [coarse, same] = [&scene, &closer].map(|scene| problem(&inputs, scene).unwrap());
         assert!(coarse.levels().count() > 3);
         assert_eq!(coarse.lengths(), same.lengths());

@@ -11,6 +11,8 @@ use crate::problem::source::{Source, Tie};
 use exact::exact;
 pub use exact::radon;
 use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
 
 /// Quadrature of the load vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,6 +60,105 @@ pub enum Diagonal {
 impl Default for LoadRule {
     fn default() -> Self {
         Self::Nodal { tie: Tie::default(), diagonal: Some(Diagonal::default()) }
+    }
+}
+
+impl LoadRule {
+    /// All rules, with the usual sides and diagonals.
+    pub const ALL: [Self; 4] = [
+        Self::Nodal { tie: Tie::LowerLeft, diagonal: Some(Diagonal::Rising) },
+        Self::Exact { diagonal: Diagonal::Rising },
+        Self::Bilinear {},
+        Self::LumpedAverage {},
+    ];
+
+    /// Name, without sides and diagonals.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nodal { .. } => "nodal",
+            Self::Exact { .. } => "exact",
+            Self::Bilinear {} => "bilinear",
+            Self::LumpedAverage {} => "lumped-average",
+        }
+    }
+
+    /// Description in the help.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Nodal { .. } => "f at the nodes; on a jump from the left and below",
+            Self::Exact { .. } => "Integrals of f times the hat functions",
+            Self::Bilinear {} => {
+                "Integrals of f times bilinear hat functions: bounds are closer than with exact"
+            }
+            Self::LumpedAverage {} => "Mean of f around each node",
+        }
+    }
+}
+
+/// Writes the name and, where they are not the usual ones, the side of a tie and the diagonal.
+impl fmt::Display for LoadRule {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())?;
+        if Self::ALL.contains(self) {
+            return Ok(());
+        }
+        match *self {
+            Self::Nodal { tie, diagonal } => {
+                let diagonal = diagonal.map_or(NO_DIAGONAL, Diagonal::name);
+                write!(out, ",{},{diagonal}", tie.name())
+            }
+            Self::Exact { diagonal } => write!(out, ",{}", diagonal.name()),
+            Self::Bilinear {} | Self::LumpedAverage {} => Ok(()),
+        }
+    }
+}
+
+/// Word for a nodal rule that cuts no squares.
+const NO_DIAGONAL: &str = "none";
+
+/// A text that is no rule.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is no load; write nodal, exact, bilinear or lumped-average, or with side and diagonal as \
+     nodal,upper-left,falling and exact,falling"
+)]
+pub struct NoLoadRule(String);
+
+impl FromStr for LoadRule {
+    type Err = NoLoadRule;
+
+    fn from_str(text: &str) -> Result<Self, NoLoadRule> {
+        let words: Vec<_> = text.split(',').map(str::trim).collect();
+        let usual = Self::ALL.into_iter().find(|rule| rule.name() == words[0]);
+        let rule = match (usual, &words[1..]) {
+            (Some(rule), []) => Some(rule),
+            (Some(Self::Nodal { .. }), &[tie, NO_DIAGONAL]) => {
+                Tie::named(tie).map(|tie| Self::Nodal { tie, diagonal: None })
+            }
+            (Some(Self::Nodal { .. }), &[tie, diagonal]) => Tie::named(tie)
+                .zip(Diagonal::named(diagonal))
+                .map(|(tie, diagonal)| Self::Nodal { tie, diagonal: Some(diagonal) }),
+            (Some(Self::Exact { .. }), &[diagonal]) => {
+                Diagonal::named(diagonal).map(|diagonal| Self::Exact { diagonal })
+            }
+            _ => None,
+        };
+        rule.ok_or_else(|| NoLoadRule(text.into()))
+    }
+}
+
+impl Diagonal {
+    /// Name in scenes and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rising => "rising",
+            Self::Falling => "falling",
+        }
+    }
+
+    /// Diagonal of this name.
+    fn named(name: &str) -> Option<Self> {
+        [Self::Rising, Self::Falling].into_iter().find(|one| one.name() == name)
     }
 }
 

@@ -17,6 +17,25 @@ pub enum Prolongation {
     FallingDiagonal,
 }
 
+impl Prolongation {
+    /// All rules.
+    pub const ALL: [Self; 3] = [Self::Bilinear, Self::RisingDiagonal, Self::FallingDiagonal];
+
+    /// Name in scenes and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bilinear => "bilinear",
+            Self::RisingDiagonal => "rising-diagonal",
+            Self::FallingDiagonal => "falling-diagonal",
+        }
+    }
+
+    /// Rule of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|rule| rule.name() == name)
+    }
+}
+
 /// A value at a node: a number, or one for each of several problems.
 pub trait Value: Copy + Default + Add<Output = Self> + Mul<f64, Output = Self> {}
 

@@ -42,6 +42,27 @@ pub enum Tie {
     UpperRight,
 }
 
+impl Tie {
+    /// All sides.
+    pub const ALL: [Self; 4] =
+        [Self::LowerLeft, Self::LowerRight, Self::UpperLeft, Self::UpperRight];
+
+    /// Name in scenes and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LowerLeft => "lower-left",
+            Self::LowerRight => "lower-right",
+            Self::UpperLeft => "upper-left",
+            Self::UpperRight => "upper-right",
+        }
+    }
+
+    /// Side of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|side| side.name() == name)
+    }
+}
+
 /// Distance by which a sample steps off a jump; any jump closer than this to a node counts as through it.
 pub(super) const STEP_OFF: f64 = 1e-9;
 

@@ -36,6 +36,11 @@ impl StopRule {
         }
     }
 
+    /// Rule of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|rule| rule.name() == name)
+    }
+
     /// Measure that a rule compares with the tolerance.
     pub(super) fn measure(self) -> GradientMeasure {
         match self {

@@ -12,13 +12,14 @@ pub use fineness::{Fineness, MOST_CELLS, USUAL_NODES, nodes_after};
 
 use crate::bounds::Accuracy;
 use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::LoadRule;
+use crate::discrete::load::{LoadRule, moved_on};
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{Problem, ProblemError, Watch};
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::error::SourceError;
+use crate::problem::exact::Exact;
 use crate::problem::law::{Law, LawError, LawParameter};
 use crate::problem::source::Source;
 use crate::saddle::{Params, StopRule};
@@ -93,6 +94,9 @@ impl From<LawError> for StatementError {
         Self::field("law", "", error)
     }
 }
+
+/// Part of the integral of |f| by which the nodal load may move jumps of f.
+const MOVED: f64 = 1e-3;
 
 impl Default for SaddleSettings {
     /// Settings of `solve`: r = 10, and the rule as printed.
@@ -202,6 +206,34 @@ impl Statement {
         };
         let times = self.refinements(mesh)?;
         Ok(Problem::on_mesh_watched((mesh, times), &self.f, law, watch)?)
+    }
+
+    /// The statement on the usual grids or meshes, where an accuracy is asked for.
+    pub fn on_usual_meshes(&self) -> Self {
+        let fineness = match self.fineness {
+            Fineness::Within(_) => Fineness::Usual,
+            _ => self.fineness.clone(),
+        };
+        Self { fineness, ..self.clone() }
+    }
+
+    /// Part of the integral of |f| by which a nodal load moves jumps of f, half a cell where grid lines lie on them;
+    /// none if it is too small to matter, and on meshes.
+    pub fn moved_jumps(&self) -> Option<f64> {
+        let (rule, f) = (self.load?, self.source().ok()?);
+        let finest = *self.grids().ok()?.last()?;
+        moved_on(finest, &f, rule).filter(|&moved| moved > MOVED)
+    }
+
+    /// Pieces of f that are certain to lie outside the domain, as far as that is known without the mesh.
+    pub fn outside(&self) -> Vec<String> {
+        let f = self.domain.is_square().then(|| self.source());
+        f.and_then(Result::ok).map(|f| f.outside()).unwrap_or_default()
+    }
+
+    /// Known solution on the square.
+    pub fn known_solution(&self) -> Option<Exact> {
+        self.domain.is_square().then(|| self.source())?.ok()?.exact()
     }
 
     /// Settings of the solver for a problem.

@@ -7,7 +7,7 @@ use crate::figures::{
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
-use crate::replication::scene::{Output, Scene};
+use crate::replication::scene::{Output, Runs, Scene};
 use crate::replication::stages::solve;
 use signorini_mathematics::experiments::adapted::AdaptedProblem;
 use signorini_mathematics::levels::Problem;
@@ -62,10 +62,8 @@ pub(super) fn iterates(scene: &Scene) -> Task {
     let title = format!("{}: where the paper stopped on each grid, and the solution", scene.title);
     // The method runs again, with all its settings.
     let mut scene = Scene { outputs: Vec::new(), ..scene.clone() };
-    if let Some(settings) = &mut scene.settings {
-        settings.r = vec![settings.draw_r];
-        settings.stop.truncate(1);
-    }
+    let drawn = scene.saddle();
+    scene.runs = Some(Runs { r: vec![drawn.r], stop: vec![drawn.stop] });
     let scenes = vec![scene];
     drawing("iterates", &Drawing { title, scenes }, Vec::new(), |it, inputs| {
         let scene = &it.scenes[0];
@@ -177,7 +175,7 @@ pub(super) fn gradients(scenes: &[&Scene]) -> Task {
             panels.push(GradientPanel {
                 title: &scene.title,
                 grid: scene.finest(),
-                tolerance: tolerance(scene.on_grids().grids.len()),
+                tolerance: tolerance(scene.grids().len()),
                 gradient: solve::gradient(inputs, scene)?,
             });
         }

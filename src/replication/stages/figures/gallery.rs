@@ -4,19 +4,18 @@ use super::{drawing, id, made};
 use crate::figures::SolutionMap;
 use crate::pipeline::error::Failure;
 use crate::pipeline::{InputFile, InputFiles, Inputs, Made, Task};
-use crate::replication::domain::DomainSettings;
+use crate::replication::mesh_files;
 use crate::replication::project::Project;
 use crate::replication::stages::artifact;
-use crate::replication::stated::{OnSquare, StatedProblem};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::law::{Law, LawParameter};
-use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{self, Run, Settings, Solver};
 use signorini_mathematics::spectral::{TrueSolution, true_solution};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// Problem of the gallery, with what `solve` is told of it.
 struct Shown {
@@ -173,35 +172,30 @@ impl Shown {
         lines.join(" \\\n")
     }
 
-    /// Problem as the command states it.
-    fn stated(&self) -> Result<StatedProblem, Failure> {
-        if let Some((name, refine)) = self.mesh {
-            let all = |wanted: &str| {
-                let parts = self.parts.iter().filter(|(option, _)| *option == wanted);
-                parts.map(|(_, part)| (*part).to_owned()).collect()
-            };
-            let mut domain = DomainSettings {
-                refine: Some(refine),
-                free: all("--free"),
-                fixed: all("--fixed"),
-                ..DomainSettings::named(name.trim_start_matches("pipeline/"))
-            };
-            for (part, numbers) in self.parts.iter().filter_map(|(_, value)| value.split_once('='))
-            {
-                let numbers = numbers.split(',').map(str::parse).collect::<Result<_, _>>();
-                domain.curve.insert(part.into(), numbers.map_err(|_| "a curve has numbers")?);
-            }
-            return Ok(StatedProblem::on_mesh(domain, self.f.into(), self.law));
-        }
-        let square = OnSquare {
-            f: self.f.parse::<Source>().map_err(|e| e.to_string())?,
-            load: OnSquare::LOAD,
-            grids: nested(self.grids).map_err(|e| e.to_string())?,
+    /// What the command asks.
+    fn stated(&self) -> Result<Statement, Failure> {
+        let all = |wanted: &str| {
+            let parts = self.parts.iter().filter(|(option, _)| *option == wanted);
+            parts.map(|(_, part)| (*part).to_owned()).collect()
         };
-        Ok(StatedProblem::on_square(square, self.law))
+        let name = self.mesh.map_or("square", |(name, _)| name);
+        let mut domain = Domain {
+            free: all("--free"),
+            fixed: all("--fixed"),
+            ..Domain::named(name.trim_start_matches("pipeline/"))
+        };
+        for (part, numbers) in self.parts.iter().filter_map(|(_, value)| value.split_once('=')) {
+            let numbers = numbers.split(',').map(str::parse).collect::<Result<_, _>>();
+            domain.curve.insert(part.into(), numbers.map_err(|_| "a curve has numbers")?);
+        }
+        let fineness = match self.mesh {
+            Some((_, times)) => Fineness::Refined(times),
+            None => Fineness::Grids(self.grids.to_vec()),
+        };
+        Ok(Statement { law: self.law, fineness, ..Statement::usual(domain, self.f) })
     }
 
-    fn solve(&self, stated: &StatedProblem, problem: &Problem) -> Result<SolvedPicture, Failure> {
+    fn solve(&self, stated: &Statement, problem: &Problem) -> Result<SolvedPicture, Failure> {
         if self.solver == Solver::Spectral {
             return self.solve_truly(stated, problem);
         }
@@ -215,13 +209,10 @@ impl Shown {
     }
 
     /// Solves on the square without a grid, and evaluates the solution at the nodes of the finest grid.
-    fn solve_truly(
-        &self,
-        stated: &StatedProblem,
-        problem: &Problem,
-    ) -> Result<SolvedPicture, Failure> {
-        let (f, finest) = stated.on_finest()?;
-        let found = true_solution(problem.law(), f).map_err(|e| format!("{}: {e}", self.name))?;
+    fn solve_truly(&self, stated: &Statement, problem: &Problem) -> Result<SolvedPicture, Failure> {
+        let (f, finest) = (stated.source()?, *self.grids.last().ok_or("no grid")?);
+        let finest = Grid::new(finest)?;
+        let found = true_solution(problem.law(), &f).map_err(|e| format!("{}: {e}", self.name))?;
         let TrueSolution { solution, .. } = found;
         let pair = solution.on_grid(finest);
         let held = held(problem, &pair);
@@ -279,11 +270,12 @@ fn draw(picture: &GalleryPicture, inputs: &Inputs) -> Made {
     let mut gallery = GALLERY.iter();
     let shown = gallery.find(|shown| shown.name == picture.name).ok_or("not in the gallery")?;
     let stated = shown.stated()?;
-    let problem = stated.problem(inputs.files)?;
+    let problem = mesh_files::problem(&stated, inputs.files)?;
     let SolvedPicture { pair, energy, error, held } = shown.solve(&stated, &problem)?;
     let on = (problem.levels(), problem.law());
     // As `solve` has it.
-    let title = stated.file_name().map_or_else(|| problem.levels().f(), str::to_owned);
+    let file = stated.domain.name.rsplit('/').next().filter(|_| stated.domain.is_file());
+    let title = file.map_or_else(|| problem.levels().f(), str::to_owned);
     let mut drawn = SolutionMap::of(title, on, &pair)?.picture();
     drawn.table = Some(format!("{}\n{energy},{error},{held}\n", COLUMNS.join(",")));
     made(inputs, &picture.title, drawn)

@@ -42,7 +42,7 @@ pub(super) fn context(
     }
     let text = inputs.file(IDENTIFIED)?.ok_or("no record of the search")?;
     let record: Record = from_record(IDENTIFIED, text)?;
-    let grids: Vec<usize> = problems[0].on_grids().grids.iter().map(|grid| grid.cells()).collect();
+    let grids: Vec<usize> = problems[0].statement.fineness.cells();
 
     let mut context = Context::new();
     context.insert("agreement", &results.agreement(&tables)?);
@@ -86,7 +86,9 @@ fn error(elements: &[Elements], scene: &Scene, number: u8) -> Option<f64> {
 
 /// Returns the fields of a scene, and `more`.
 fn extended(scene: &Scene, more: Value) -> BTreeMap<String, Value> {
-    let fields = [json!(scene), more].into_iter().filter_map(|value| value.as_object().cloned());
+    let drawn = json!({ "draw_r": scene.statement.saddle.map(|saddle| saddle.r) });
+    let fields =
+        [json!(scene), drawn, more].into_iter().filter_map(|value| value.as_object().cloned());
     fields.flatten().collect()
 }
 
@@ -99,7 +101,7 @@ fn problem(
 ) -> Result<BTreeMap<String, Value>, Failure> {
     let [signed, printed, dual] = RULES.map(|rule| outcomes(inputs, scene, rule, table));
     let (signed, printed, dual) = (signed?, printed?, dual?);
-    let bound = tolerance(scene.on_grids().grids.len());
+    let bound = tolerance(scene.grids().len());
     let mut finest = Vec::new();
     for ((signed, printed), dual) in signed.iter().zip(&printed).zip(&dual) {
         let last = [signed, printed, dual].map(|outcomes| outcomes.levels.last());
@@ -121,8 +123,8 @@ fn problem(
         from_json(inputs, &identify::id(scene), FINDINGS)?;
     let more = json!({
         "number": table.table,
-        "integral_f": integral(&scene.on_grids().f),
-        "values": values(&scene.on_grids().f),
+        "integral_f": integral(&scene.source()),
+        "values": values(&scene.source()),
         "misses": misses(inputs, scene, table)?,
         "boundary_nodes": stopped.a.len(),
         "stopped": shape(&stopped, scene),
@@ -198,7 +200,7 @@ fn values(f: &Source) -> Value {
 fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec<Value>, String> {
     let mut misses = Vec::new();
     for row in table.rows.iter().filter(|row| !row.delta_a_exact()) {
-        let id = solve::id(scene, scene.saddle().stop[0], row.r);
+        let id = solve::id(scene, scene.saddle().stop, row.r);
         let levels: Vec<Vec<Iteration>> = from_json(inputs, &id, HISTORY)?;
         let finest = levels.last().map_or(&[][..], |level| &level[level.len().saturating_sub(3)..]);
         let last =
@@ -217,7 +219,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let problem = solve::problem(inputs, scene)?;
     let (f, integral_f) = (problem.levels().f(), problem.levels().integrals().of_f);
-    let exact = scene.problem.known_solution();
+    let exact = scene.statement.known_solution();
     let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
     let more = json!({
         "text": std::str::from_utf8(text)?,

@@ -1,0 +1,139 @@
+//! Fields of a statement as users write them: options of `solve`, and keys of a scene.
+//!
+//! Central is [`Fields`], whose members are both at once: what stands above one is the help of the option, and an
+//! underscore of the key is a dash of the option. Which fields go with which solvers, domains and other fields is said
+//! in the table [`table::FIELDS`], by which [`read`] turns fields into a statement, and [`write`] statements into
+//! fields.
+
+pub(crate) mod keys;
+pub(crate) mod read;
+pub(crate) mod table;
+pub(crate) mod values;
+pub(crate) mod write;
+
+use crate::replication::scene::Output;
+use clap::{ArgAction, Args};
+use keys::{curves, name_or_table};
+use serde::Deserialize;
+use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::Solver;
+use values::{LoadParser, Suggested, prolongation_parser, solver_parser};
+
+/// Fields that are given.
+#[derive(Args, Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct Fields {
+    /// Title of a scene.
+    #[arg(skip)]
+    pub title: Option<String>,
+    /// Number of the published table with which a scene is compared.
+    #[arg(skip)]
+    pub paper_table: Option<u8>,
+    /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
+    #[arg(long)]
+    pub f: Option<String>,
+    #[command(flatten)]
+    #[serde(deserialize_with = "name_or_table")]
+    pub domain: DomainFields,
+    #[command(flatten)]
+    pub law: LawFields,
+    /// Width of the finest grid of the square or the cube, as 1/256 [default: the scene's, or 1/64; on the cube 1/16]
+    ///
+    /// 0.00390625, and 256 cells per side, are the same width.
+    #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
+    pub h: Option<String>,
+    /// Cells per side of the nested grids of the square, coarsest first, as 4,8,16 [default: the scene's, or all of h]
+    #[arg(long, value_name = "N,..", hide_short_help = true, value_delimiter = ',', num_args = 1,
+        action = ArgAction::Set)]
+    pub grids: Option<Vec<usize>>,
+    /// Solver [default: the scene's, or multigrid]
+    ///
+    /// With --r, --stop or --max-iterations the default is arrow-hurwicz, unless the scene's takes them.
+    #[arg(long, value_parser = solver_parser())]
+    pub solver: Option<Solver>,
+    /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]
+    #[arg(long, hide_short_help = true, value_parser = LoadParser)]
+    pub load: Option<LoadRule>,
+    /// Duality parameter [default: the scene's, or 10]
+    #[arg(long, allow_negative_numbers = true, num_args = 1, action = ArgAction::Set)]
+    pub r: Option<Vec<f64>>,
+    /// Stopping rule: signed (as in the tables), printed (as in (13)), signed-dual, printed-dual
+    /// [default: the scene's, or printed]
+    #[arg(long, value_name = "RULE", hide_short_help = true, hide_possible_values = true, num_args = 1,
+        action = ArgAction::Set, value_parser = Suggested(StopRule::ALL.map(StopRule::name).to_vec()))]
+    pub stop: Option<Vec<String>>,
+    /// r whose solution a scene draws.
+    #[arg(skip)]
+    pub draw_r: Option<f64>,
+    /// Cap on iterations per grid; for the Uzawa solvers, on sweeps [default: the scene's, or 1000000]
+    #[arg(long, value_name = "N", hide_short_help = true, value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_iterations: Option<u64>,
+    /// Value at the centre of a coarse cell on the next grid of the square [default: the scene's, or bilinear]
+    #[arg(long, value_name = "RULE", hide_short_help = true, value_parser = prolongation_parser())]
+    pub prolongation: Option<Prolongation>,
+    /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
+    #[arg(long, value_name = "RESIDUAL", hide_short_help = true, allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Guaranteed relative error in the energy norm; chooses the grid by itself, or refines the mesh where it is coarse
+    #[arg(long, value_name = "REL", allow_negative_numbers = true)]
+    pub accuracy: Option<f64>,
+    /// Guaranteed relative error of the energy; chooses the grid by itself, or refines the mesh where it is coarse
+    #[arg(long, value_name = "REL", hide_short_help = true, allow_negative_numbers = true)]
+    pub accuracy_energy: Option<f64>,
+    /// Outputs of a scene.
+    #[arg(skip)]
+    pub outputs: Option<Vec<Output>>,
+}
+
+/// Fields of the domain: in a scene its name alone, or a table of them.
+#[derive(Args, Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[serde(expecting = "a table such as { name = \"disc\", refine = 4 }")]
+pub(crate) struct DomainFields {
+    /// Domain: square, cube, disc, lshape, annulus, ball, or a Gmsh file [default: square]
+    ///
+    /// A file, of formats 2.0 to 4.1, holds triangles or tetrahedra; physical groups name regions, for
+    /// `region(name)=value` in --f, in quotes if the name has = or ;, and parts of the boundary. In space f is made of
+    /// box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and halfspace(a,b,c,d).
+    #[arg(id = "domain", long = "domain", value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
+        value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
+    pub name: Option<String>,
+    /// Number of refinements of the mesh [default: up to 20 000 nodes]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..=20))]
+    pub refine: Option<u8>,
+    /// Part of the mesh's boundary where dv/dn = 0; the rest is in contact
+    #[arg(long, value_name = "PART", hide_short_help = true)]
+    pub free: Vec<String>,
+    /// Part of the mesh's boundary where v = 0
+    #[arg(long, value_name = "PART", hide_short_help = true)]
+    pub fixed: Vec<String>,
+    /// Circle, sphere or cylinder on which a part of the boundary lies, e.g. hole=0,0,0.3
+    ///
+    /// Refinement puts new nodes there. A circle is x,y,radius; a sphere x,y,z,radius; a cylinder a point, a direction
+    /// and a radius.
+    #[arg(long, value_name = "PART=NUMBERS", hide_short_help = true)]
+    #[serde(deserialize_with = "curves")]
+    pub curve: Vec<String>,
+}
+
+/// Fields of the law on the boundary: in a scene a table with one of them.
+#[derive(Args, Clone, Copy, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[serde(expecting = "a table such as { friction = 0.3 } or { limit = 2.0 }")]
+pub(crate) struct LawFields {
+    /// Friction on the boundary: |dv/dn| is at most G, and v leaves zero only where it is G
+    #[arg(long, value_name = "G", conflicts_with = "scene", allow_negative_numbers = true)]
+    pub friction: Option<f64>,
+    /// Limited flow: the paper's law, but dv/dn is at most LIMIT, and v < 0 where it is LIMIT
+    #[arg(
+        long,
+        value_name = "LIMIT",
+        conflicts_with = "scene",
+        allow_negative_numbers = true,
+        hide_short_help = true
+    )]
+    pub limit: Option<f64>,
+}

@@ -1,0 +1,52 @@
+//! Fields that are tables in a scene.
+
+use super::DomainFields;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Reads a domain: a name or a file alone, or a table with more about it.
+pub(super) fn name_or_table<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<DomainFields, D::Error> {
+    deserializer.deserialize_any(NameOrTable)
+}
+
+struct NameOrTable;
+
+impl<'de> Visitor<'de> for NameOrTable {
+    type Value = DomainFields;
+
+    fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(
+            "a name such as \"disc\", a file such as \"gear.msh\", \
+             or a table such as { name = \"disc\", refine = 4 }",
+        )
+    }
+
+    fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<DomainFields, E> {
+        Ok(DomainFields { name: Some(name.into()), ..DomainFields::default() })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<DomainFields, A::Error> {
+        let fields = DomainFields::deserialize(MapAccessDeserializer::new(map))?;
+        if fields.name.is_none() {
+            return Err(serde::de::Error::missing_field("name"));
+        }
+        Ok(fields)
+    }
+}
+
+/// Reads the numbers of the curves of parts as options have them.
+pub(super) fn curves<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    let parts = BTreeMap::<String, Vec<f64>>::deserialize(deserializer)?;
+    Ok(parts.iter().map(|(part, numbers)| curve(part, numbers)).collect())
+}
+
+/// Returns a part with the numbers of its curve as an option has them.
+pub(super) fn curve(part: &str, numbers: &[f64]) -> String {
+    let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
+    format!("{part}={}", numbers.join(","))
+}

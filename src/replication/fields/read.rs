@@ -1,0 +1,284 @@
+//! The statement that fields make.
+
+use super::Fields;
+use super::table::{FIELDS, Reading, Refused, Voice};
+use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::statement::{Domain, Fineness, SaddleSettings, Statement};
+
+impl Fields {
+    /// Domain, f and law that are given, with all else as usual.
+    pub(crate) fn usual(&self, voice: Voice) -> Reading<Statement> {
+        let domain = self.domain(voice)?;
+        let f = self.f.as_deref().ok_or_else(|| Refused::new("f", "`f` is missing; add it"))?;
+        let f = match domain.is_square() {
+            true => {
+                let read = f.parse::<Source>();
+                read.map_err(|e| Refused::new("f", format!("{}: {e}", voice.name("f"))))?
+                    .to_string()
+            }
+            // Names of regions may have spaces.
+            false if f.contains('"') => f.trim().to_owned(),
+            false => f.split_whitespace().collect::<Vec<_>>().join(" "),
+        };
+        Ok(Statement { law: self.law(voice)?, ..Statement::usual(domain, f) })
+    }
+
+    /// The statement with what these fields change in it.
+    ///
+    /// # Errors
+    /// [`Refused`] if they do not go with it, or with each other, or have values that no statement has.
+    pub(crate) fn over(&self, base: Statement, voice: Voice) -> Reading<Statement> {
+        let solver = self.solver_over(&base, voice);
+        self.check(voice, &base.domain, solver)?;
+        if !solver.entry().on_meshes && !base.domain.is_square() {
+            let text = match voice {
+                Voice::Keys => format!(
+                    "solver = \"{solver}\" is for the square; choose another, or leave it out"
+                ),
+                _ => {
+                    format!("--solver {solver}: {} has every solver but this one", base.domain.name)
+                }
+            };
+            return Err(Refused::new("solver", text));
+        }
+        let fineness = self.fineness_over(&base, solver, voice)?;
+        let load = base.load.filter(|_| solver != Solver::Spectral);
+        // An accuracy concerns the solution for f, whatever load a scene takes; with the bilinear one bounds are
+        // closest.
+        let of_accuracy = self.accuracy().and(load.map(|_| Statement::LOAD));
+        let saddle = base.saddle.unwrap_or_default();
+        let saddle = solver.is_nested().then(|| self.saddle_over(saddle, voice)).transpose()?;
+        let tolerance = self.tolerance.or(base.tolerance.filter(|_| self.accuracy().is_none()));
+        positive("tolerance", tolerance, "1e-8", voice)?;
+        Ok(Statement {
+            fineness,
+            solver,
+            load: self.load.or(of_accuracy).or(load),
+            saddle,
+            tolerance: tolerance.filter(|_| solver == Solver::Multigrid),
+            ..base
+        })
+    }
+
+    fn domain(&self, voice: Voice) -> Reading<Domain> {
+        let of = &self.domain;
+        let mut domain = Domain {
+            free: of.free.clone(),
+            fixed: of.fixed.clone(),
+            ..of.name.as_ref().map_or_else(Domain::square, Domain::named)
+        };
+        for text in &of.curve {
+            let (part, numbers) = curve(text, voice)?;
+            if domain.curve.insert(part, numbers).is_some() {
+                let given = voice.with_value("curve", text);
+                let text = format!("{given}: the part has one already; name it once");
+                return Err(Refused::new("curve", text));
+            }
+        }
+        Ok(domain)
+    }
+
+    fn law(&self, voice: Voice) -> Reading<Option<LawParameter>> {
+        positive("friction", self.law.friction, "0.3", voice)?;
+        positive("limit", self.law.limit, "0.3", voice)?;
+        let limit = self.law.limit.map(LawParameter::Limit);
+        Ok(self.law.friction.map(LawParameter::Friction).or(limit))
+    }
+
+    /// Solver that is given, or else that of the statement; among options, that for an accuracy, or the paper's for
+    /// what only saddle-point methods take.
+    fn solver_over(&self, base: &Statement, voice: Voice) -> Solver {
+        let of_saddle = self.r.is_some() || self.stop.is_some() || self.max_iterations.is_some();
+        match self.solver {
+            Some(solver) => solver,
+            None if voice == Voice::Keys => base.solver,
+            None if self.accuracy().is_some() => Solver::Multigrid,
+            None if of_saddle && !base.solver.is_nested() => Solver::ArrowHurwicz,
+            None => base.solver,
+        }
+    }
+
+    fn fineness_over(&self, base: &Statement, solver: Solver, voice: Voice) -> Reading<Fineness> {
+        if let Some(accuracy) = self.accuracy() {
+            let wanted = accuracy.wanted();
+            if wanted > 0.0 && wanted < 1.0 {
+                return Ok(Fineness::Within(accuracy));
+            }
+            let (field, example) = match self.accuracy {
+                Some(_) => ("accuracy", "1e-3 for an error of 0.1 % in the energy norm"),
+                None => ("accuracy_energy", "1e-6 for six digits of the energy"),
+            };
+            let asked = voice.accuracy(accuracy);
+            return Err(Refused::new(
+                field,
+                format!("{asked}: must be between 0 and 1, e.g. {example}"),
+            ));
+        }
+        if let Some(cells) = &self.grids {
+            return Ok(Fineness::Grids(cells.clone()));
+        }
+        if let Some(h) = &self.h {
+            let finest = cells(h, voice)?;
+            return Ok(match (&base.fineness, base.domain.is_square()) {
+                (Fineness::Grids(_), true) => base.fineness.with_finest(finest),
+                _ => Fineness::Width(finest),
+            });
+        }
+        if let Some(times) = self.domain.refine {
+            return Ok(Fineness::Refined(times));
+        }
+        let keeps = solver == Solver::Multigrid && self.tolerance.is_none();
+        Ok(match base.fineness {
+            Fineness::Within(_) if !keeps => Fineness::Usual,
+            _ => base.fineness.clone(),
+        })
+    }
+
+    fn saddle_over(&self, base: SaddleSettings, voice: Voice) -> Reading<SaddleSettings> {
+        for &r in self.r.iter().flatten() {
+            check_r(r)?;
+        }
+        if self.max_iterations == Some(0) {
+            let text = format!("{} must be at least 1", voice.name("max_iterations"));
+            return Err(Refused::new("max_iterations", text));
+        }
+        let stop = self.stop_rules(voice)?;
+        Ok(SaddleSettings {
+            prolongation: self.prolongation.unwrap_or(base.prolongation),
+            r: self.draw_r.or(middle(self.r.as_deref())).unwrap_or(base.r),
+            stop: stop.and_then(|rules| rules.first().copied()).unwrap_or(base.stop),
+            max_iterations: self.max_iterations.map_or(base.max_iterations, |n| n as usize),
+        })
+    }
+
+    /// Stopping rules that are given.
+    pub(crate) fn stop_rules(&self, voice: Voice) -> Reading<Option<Vec<StopRule>>> {
+        let Some(names) = &self.stop else { return Ok(None) };
+        let rule = |name: &String| {
+            StopRule::named(name).ok_or_else(|| {
+                let all = StopRule::ALL.map(StopRule::name).join(", ");
+                let stop = voice.name("stop");
+                Refused::new("stop", format!("{stop}: no rule `{name}`; choose one of {all}"))
+            })
+        };
+        names.iter().map(rule).collect::<Result<_, _>>().map(Some)
+    }
+}
+
+/// The middle one of some numbers.
+fn middle(numbers: Option<&[f64]>) -> Option<f64> {
+    numbers.and_then(|numbers| numbers.get(numbers.len() / 2).copied())
+}
+
+/// Checks that r is a positive number that the name of a task can show without an exponent.
+fn check_r(r: f64) -> Reading<()> {
+    if (1e-12..=1e12).contains(&r) {
+        return Ok(());
+    }
+    let text = "must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6";
+    Err(Refused::new("r", format!("r = {r:?} {text}")))
+}
+
+/// Refuses a number that is not positive and finite.
+fn positive(field: &'static str, value: Option<f64>, example: &str, voice: Voice) -> Reading<()> {
+    match value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+        None => Ok(()),
+        Some(value) => {
+            let given = voice.with_value(field, &value.to_string());
+            let example = voice.with_value(field, example);
+            Err(Refused::new(field, format!("{given}: must be a positive number, e.g. {example}")))
+        }
+    }
+}
+
+/// Reads `PART=NUMBERS`: a part of the boundary, and the numbers of the curve on which it lies.
+fn curve(text: &str, voice: Voice) -> Reading<(String, Vec<f64>)> {
+    // A name may have the sign.
+    let read = text.rsplit_once('=').and_then(|(part, numbers)| {
+        let numbers = numbers.split(',').map(|number| number.trim().parse().ok());
+        Some((part.trim().to_owned(), numbers.collect::<Option<_>>()?))
+    });
+    read.ok_or_else(|| {
+        let given = voice.with_value("curve", text);
+        let remedy =
+            "write PART=NUMBERS, e.g. hole=0,0,0.3 for a circle of radius 0.3 around (0, 0)";
+        Refused::new("curve", format!("{given}: {remedy}"))
+    })
+}
+
+/// Reads the cells per side from `1/N`, `N`, or a decimal that is one over an integer.
+fn cells(h: &str, voice: Voice) -> Reading<usize> {
+    let whole = h.strip_prefix("1/").unwrap_or(h).parse().ok();
+    whole.or_else(|| cells_of_width(h.parse().ok()?)).filter(|n| *n > 0).ok_or_else(|| {
+        let given = voice.with_value("h", h);
+        Refused::new("h", format!("{given}: write the width as 1/N, such as 1/256, or as N"))
+    })
+}
+
+/// Returns one over the width if that is an integer.
+fn cells_of_width(width: f64) -> Option<usize> {
+    let n = (1.0 / width).round();
+    (width > 0.0 && n * width == 1.0).then_some(n as usize)
+}
+
+/// Returns, in words, what a statement has in place of that of a scene.
+pub(crate) fn overridden(of_scene: &Statement, asked: &Statement) -> Vec<String> {
+    let mut all = Vec::new();
+    for field in FIELDS.iter().filter(|field| !field.is_about_fineness()) {
+        if field.name == "load" {
+            all.extend(fineness_overridden(of_scene, asked));
+        }
+        let Some([new, old]) = field.differing([asked, of_scene]) else { continue };
+        all.push(format!("{} {new} instead of {old}", field.name.replace('_', "-")));
+    }
+    all
+}
+
+/// Returns, in words, the fineness of a statement in place of that of a scene.
+fn fineness_overridden(of_scene: &Statement, asked: &Statement) -> Option<String> {
+    let (old, new) = (&of_scene.fineness, &asked.fineness);
+    let key = |of: &Fineness| Voice::Keys.with_value(of.field(), &of.to_string());
+    match (old, new) {
+        _ if old == new => None,
+        (Fineness::Within(_), Fineness::Within(_)) => {
+            Some(format!("{} instead of {}", key(new), key(old)))
+        }
+        (Fineness::Within(_), _) | (Fineness::Refined(_), Fineness::Within(_)) => {
+            Some(format!("without {}", key(old)))
+        }
+        (_, Fineness::Refined(times)) => {
+            let old = match old {
+                Fineness::Refined(times) => times.to_string(),
+                _ => "the usual number".into(),
+            };
+            Some(format!("refine {times} instead of {old}"))
+        }
+        (_, Fineness::Within(_)) => None,
+        _ => {
+            let [new, old] = [new, old].map(|of| of.cells().last().copied());
+            let text = format!("finest grid 1/{} instead of 1/{}", new?, old?);
+            (new != old).then_some(text)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_are_read_and_refused() {
+        let cells = |h| cells(h, Voice::Options);
+        assert_eq!(cells("1/256").unwrap(), 256);
+        assert_eq!(cells("0.25").unwrap(), 4);
+        assert_eq!(cells("128").unwrap(), 128);
+        for wrong in
+            ["2/3", "0.3", "-0.25", "nan", "1/x", "x", "0", "1/0", "", "99999999999999999999"]
+        {
+            assert!(cells(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,442 @@
+//! The table of fields: names, values, and which solvers, domains and other fields they go with.
+
+use super::Fields;
+use super::keys::curve;
+use crate::pipeline::error::Error;
+use signorini_mathematics::bounds::Accuracy;
+use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::solvers::{SOLVERS, Solver};
+use signorini_mathematics::statement::{Domain, Fineness, SaddleSettings, Statement};
+use toml::Value;
+
+/// Field of a statement.
+pub(crate) struct Field {
+    /// Name as a key; an option has dashes in place of underscores.
+    pub(crate) name: &'static str,
+    /// Table of a scene in which the key stands; none at the top.
+    pub(super) table: Option<&'static str>,
+    /// Solvers that take it.
+    solvers: fn(Solver) -> bool,
+    /// Domains that have it.
+    domains: Domains,
+    /// Field that says the same: of all that do, one is given.
+    says: Option<&'static str>,
+    /// True if an option may differ from a scene.
+    overrides: bool,
+    /// True if it is among the fields.
+    given: fn(&Fields) -> bool,
+    /// Value in a statement; none where it has none.
+    pub(super) value: fn(&Statement) -> Option<Value>,
+}
+
+/// Domains that have a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Domains {
+    All,
+    Square,
+    SquareAndCube,
+    Meshes,
+}
+
+/// Way in which fields are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Voice {
+    /// As options of `solve`.
+    Options,
+    /// As options of `solve` beside the name of a scene.
+    OverScene,
+    /// As keys of a scene.
+    Keys,
+}
+
+/// What several fields say.
+const HOW_FINE: Option<&str> = Some("how fine");
+const LAW: Option<&str> = Some("which law holds");
+
+/// Field for all solvers on all domains, which an option may change.
+const ANY: Field = Field {
+    name: "",
+    table: None,
+    solvers: |_| true,
+    domains: Domains::All,
+    says: None,
+    overrides: true,
+    given: |_| false,
+    value: |_| None,
+};
+
+/// Fields, in the order in which they are written.
+pub(crate) const FIELDS: [Field; 19] = [
+    Field {
+        name: "f",
+        overrides: false,
+        given: |of| of.f.is_some(),
+        value: |of| Some(of.f.clone().into()),
+        ..ANY
+    },
+    Field {
+        name: "domain",
+        overrides: false,
+        given: |of| of.domain.name.is_some(),
+        value: |of| Some(of.domain.name.clone().into()),
+        ..ANY
+    },
+    Field {
+        name: "free",
+        given: |of| !of.domain.free.is_empty(),
+        value: |of| texts(&of.domain.free),
+        ..PART
+    },
+    Field {
+        name: "fixed",
+        given: |of| !of.domain.fixed.is_empty(),
+        value: |of| texts(&of.domain.fixed),
+        ..PART
+    },
+    Field {
+        name: "curve",
+        given: |of| !of.domain.curve.is_empty(),
+        value: |of| curves(&of.domain),
+        ..PART
+    },
+    Field {
+        name: "friction",
+        given: |of| of.law.friction.is_some(),
+        value: |of| match of.law {
+            Some(LawParameter::Friction(g)) => Some(g.into()),
+            _ => None,
+        },
+        ..OF_LAW
+    },
+    Field {
+        name: "limit",
+        given: |of| of.law.limit.is_some(),
+        value: |of| match of.law {
+            Some(LawParameter::Limit(limit)) => Some(limit.into()),
+            _ => None,
+        },
+        ..OF_LAW
+    },
+    Field {
+        name: "solver",
+        given: |of| of.solver.is_some(),
+        value: |of| Some(of.solver.to_string().into()),
+        ..ANY
+    },
+    Field {
+        name: "accuracy",
+        solvers: |solver| solver == Solver::Multigrid,
+        given: |of| of.accuracy.is_some(),
+        value: |of| match of.fineness {
+            Fineness::Within(Accuracy::Error(wanted)) => Some(wanted.into()),
+            _ => None,
+        },
+        ..FINENESS
+    },
+    Field {
+        name: "accuracy_energy",
+        solvers: |solver| solver == Solver::Multigrid,
+        given: |of| of.accuracy_energy.is_some(),
+        value: |of| match of.fineness {
+            Fineness::Within(Accuracy::Energy(wanted)) => Some(wanted.into()),
+            _ => None,
+        },
+        ..FINENESS
+    },
+    Field {
+        name: "grids",
+        domains: Domains::Square,
+        given: |of| of.grids.is_some(),
+        value: |of| match &of.fineness {
+            Fineness::Grids(cells) => {
+                Some(Value::Array(cells.iter().map(|&n| Value::Integer(n as i64)).collect()))
+            }
+            _ => None,
+        },
+        ..FINENESS
+    },
+    Field {
+        name: "h",
+        domains: Domains::SquareAndCube,
+        given: |of| of.h.is_some(),
+        value: |of| match of.fineness {
+            Fineness::Width(cells) => Some(format!("1/{cells}").into()),
+            _ => None,
+        },
+        ..FINENESS
+    },
+    Field {
+        name: "refine",
+        table: Some("domain"),
+        domains: Domains::Meshes,
+        given: |of| of.domain.refine.is_some(),
+        value: |of| match of.fineness {
+            Fineness::Refined(times) => Some(i64::from(times).into()),
+            _ => None,
+        },
+        ..FINENESS
+    },
+    Field {
+        name: "load",
+        solvers: |solver| solver != Solver::Spectral,
+        domains: Domains::Square,
+        given: |of| of.load.is_some(),
+        value: |of| Some(Value::try_from(of.load?).expect("a rule is a table")),
+        ..ANY
+    },
+    Field {
+        name: "r",
+        given: |of| of.r.is_some(),
+        value: |of| Some(vec![of.saddle?.r].into()),
+        ..OF_SADDLE
+    },
+    Field {
+        name: "stop",
+        given: |of| of.stop.is_some(),
+        value: |of| Some(vec![of.saddle?.stop.name()].into()),
+        ..OF_SADDLE
+    },
+    Field {
+        name: "max_iterations",
+        given: |of| of.max_iterations.is_some(),
+        value: |of| Some((of.saddle?.max_iterations as i64).into()),
+        ..OF_SADDLE
+    },
+    Field {
+        name: "prolongation",
+        domains: Domains::Square,
+        given: |of| of.prolongation.is_some(),
+        value: |of| Some(of.saddle.filter(|_| of.domain.is_square())?.prolongation.name().into()),
+        ..OF_SADDLE
+    },
+    Field {
+        name: "tolerance",
+        solvers: |solver| solver == Solver::Multigrid,
+        given: |of| of.tolerance.is_some(),
+        value: |of| of.tolerance.map(Value::from),
+        ..ANY
+    },
+];
+
+/// Field about parts of the boundary of a mesh.
+const PART: Field =
+    Field { table: Some("domain"), domains: Domains::Meshes, overrides: false, ..ANY };
+/// Field of the law.
+const OF_LAW: Field = Field { table: Some("law"), says: LAW, overrides: false, ..ANY };
+/// Field that says how fine grids or meshes are.
+const FINENESS: Field = Field { says: HOW_FINE, ..ANY };
+/// Field of the saddle-point methods.
+const OF_SADDLE: Field = Field { solvers: Solver::is_nested, ..ANY };
+
+/// Texts, if there are any.
+fn texts(texts: &[String]) -> Option<Value> {
+    (!texts.is_empty()).then(|| texts.to_vec().into())
+}
+
+/// Curves of parts, as a table.
+fn curves(domain: &Domain) -> Option<Value> {
+    let table = domain.curve.iter();
+    let table = table.map(|(part, numbers)| (part.clone(), numbers.clone().into()));
+    (!domain.curve.is_empty()).then(|| Value::Table(table.collect()))
+}
+
+impl Field {
+    /// Value in a statement that a scene or a command has to name; none if it is the usual one.
+    pub(super) fn named(&self, statement: &Statement) -> Option<Value> {
+        let usual = Statement::usual(Domain::square(), "");
+        let saddle = statement.saddle.map(|_| SaddleSettings::default());
+        let usual = (self.value)(&Statement { saddle, ..usual });
+        (self.value)(statement).filter(|value| Some(value) != usual.as_ref())
+    }
+
+    /// Values as options have them, one for each time that the option is given.
+    pub(super) fn options(&self, statement: &Statement, value: Value) -> Vec<String> {
+        match (value, statement.load) {
+            (Value::Table(_), Some(rule)) if self.name == "load" => vec![rule.to_string()],
+            (Value::Table(_), _) => {
+                let curves = statement.domain.curve.iter();
+                curves.map(|(part, numbers)| curve(part, numbers)).collect()
+            }
+            (Value::Array(values), _) if values.iter().any(Value::is_str) => {
+                values.iter().map(text).collect()
+            }
+            (Value::Array(values), _) => {
+                vec![values.iter().map(text).collect::<Vec<_>>().join(",")]
+            }
+            (value, _) => vec![text(&value)],
+        }
+    }
+
+    /// True if it says how fine grids or meshes are.
+    pub(super) fn is_about_fineness(&self) -> bool {
+        self.says == HOW_FINE
+    }
+
+    /// Values in two statements, as options have them, if both have one and they differ.
+    pub(super) fn differing(&self, statements: [&Statement; 2]) -> Option<[String; 2]> {
+        let [one, other] = statements.map(|of| Some(self.options(of, (self.value)(of)?)));
+        let (one, other) = (one?.join(" "), other?.join(" "));
+        (one != other).then_some([one, other])
+    }
+
+    /// Name as an option, with its dashes.
+    pub(super) fn option(&self) -> String {
+        format!("--{}", self.name.replace('_', "-"))
+    }
+}
+
+/// Returns a single value as an option has it.
+fn text(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Float(number) => number.to_string(),
+        value => value.to_string(),
+    }
+}
+
+impl Voice {
+    /// Name of a field.
+    pub(crate) fn name(self, field: &str) -> String {
+        match self {
+            Self::Keys => format!("`{field}`"),
+            Self::Options | Self::OverScene => format!("--{}", field.replace('_', "-")),
+        }
+    }
+
+    /// Field with its value.
+    pub(crate) fn with_value(self, field: &str, value: &str) -> String {
+        match self {
+            Self::Keys => format!("{field} = {value}"),
+            Self::Options | Self::OverScene => format!("{} {value}", self.name(field)),
+        }
+    }
+
+    /// An accuracy, as the user wrote it.
+    pub(crate) fn accuracy(self, accuracy: Accuracy) -> String {
+        let field = match accuracy {
+            Accuracy::Error(_) => "accuracy",
+            Accuracy::Energy(_) => "accuracy_energy",
+        };
+        self.with_value(field, &format!("{:?}", accuracy.wanted()))
+    }
+}
+
+/// Result of reading fields.
+pub(crate) type Reading<T> = Result<T, Refused>;
+
+/// Refusal of a field.
+#[derive(Debug)]
+pub(crate) struct Refused {
+    /// Name of the field.
+    pub(crate) field: &'static str,
+    /// Sentence, with the remedy.
+    pub(crate) text: String,
+}
+
+impl Refused {
+    pub(crate) fn new(field: &'static str, text: impl Into<String>) -> Self {
+        Self { field, text: text.into() }
+    }
+}
+
+impl From<Refused> for Error {
+    fn from(refused: Refused) -> Self {
+        Self::input(refused.text)
+    }
+}
+
+impl Fields {
+    /// Refuses fields that do not go with a solver, a domain, each other or a scene.
+    pub(super) fn check(&self, voice: Voice, domain: &Domain, solver: Solver) -> Reading<()> {
+        for (place, field) in FIELDS.iter().enumerate().filter(|(_, field)| (field.given)(self)) {
+            if voice == Voice::OverScene && !field.overrides {
+                let text =
+                    "does not go with the domain of a scene; leave it out, or change the scene";
+                return Err(field.refused(voice, text));
+            }
+            field.check_domain(voice, domain)?;
+            field.check_solver(voice, solver)?;
+            let before = FIELDS[..place].iter().filter(|other| (other.given)(self));
+            let twice =
+                before.into_iter().find(|other| other.says.is_some() && other.says == field.says);
+            if let (Some(other), Some(what)) = (twice, field.says) {
+                let text = format!(
+                    "and {} both say {what}; leave one of them out",
+                    voice.name(other.name)
+                );
+                return Err(field.refused(voice, &text));
+            }
+        }
+        if let (Some(_), Some(accuracy)) = (self.tolerance, self.accuracy()) {
+            let text = format!(
+                "{} and {} both say where multigrid stops; leave one of them out",
+                voice.name("tolerance"),
+                voice.accuracy(accuracy)
+            );
+            return Err(Refused::new("tolerance", text));
+        }
+        Ok(())
+    }
+
+    /// Accuracy among the fields.
+    pub(crate) fn accuracy(&self) -> Option<Accuracy> {
+        self.accuracy.map(Accuracy::Error).or(self.accuracy_energy.map(Accuracy::Energy))
+    }
+}
+
+impl Field {
+    fn refused(&self, voice: Voice, text: &str) -> Refused {
+        Refused::new(self.name, format!("{} {text}", voice.name(self.name)))
+    }
+
+    /// Refuses the field on a domain that does not have it.
+    fn check_domain(&self, voice: Voice, domain: &Domain) -> Reading<()> {
+        let text = match (self.domains, voice) {
+            (Domains::Square, _) if domain.is_square() => return Ok(()),
+            (Domains::SquareAndCube, _) if domain.is_square() || domain.is_cube() => return Ok(()),
+            (Domains::Meshes, _) if !domain.is_square() => return Ok(()),
+            (Domains::All, _) => return Ok(()),
+            (Domains::Square | Domains::SquareAndCube, Voice::OverScene) => {
+                "does not go with the domain of a scene; leave it out, or change the scene".into()
+            }
+            (Domains::Square, Voice::Options) => {
+                "is for the square; leave it out, or leave out --domain".into()
+            }
+            (Domains::Square, Voice::Keys) => {
+                "is for the square; leave it out beside `domain`, whose meshes are its refinements"
+                    .into()
+            }
+            (Domains::SquareAndCube, _) => {
+                let refine = voice.with_value("refine", "K");
+                format!("is for the square and the cube; refine {} with {refine}", domain.name)
+            }
+            (Domains::Meshes, Voice::Keys) => {
+                "is for meshes; the square has `grids`, and is in contact everywhere".into()
+            }
+            (Domains::Meshes, _) => {
+                "is about a mesh; add --domain NAME or --domain FILE, or leave it out".to_owned()
+            }
+        };
+        Err(self.refused(voice, &text))
+    }
+
+    /// Refuses the field with a solver that does not take it.
+    fn check_solver(&self, voice: Voice, solver: Solver) -> Reading<()> {
+        if (self.solvers)(solver) {
+            return Ok(());
+        }
+        let all = SOLVERS.iter().map(|entry| entry.solver);
+        let takers: Vec<_> = all.filter(|&taker| (self.solvers)(taker)).collect();
+        let names = takers.iter().map(Solver::to_string).collect::<Vec<_>>().join(", ");
+        let (name, first) = (self.name, takers[0]);
+        Err(self.refused(voice, &match voice {
+            Voice::Keys if takers.iter().all(|taker| taker.is_nested()) => format!(
+                "is for the saddle-point methods, not for {solver}; add solver = \"{first}\", or leave `{name}` out"
+            ),
+            Voice::Keys => {
+                format!("is for {names}, not for {solver}; change `solver`, or leave `{name}` out")
+            }
+            _ => format!("is for --solver {names}, not {solver}; leave it out, or change --solver"),
+        }))
+    }
+}

@@ -1,0 +1,112 @@
+//! Meshes of scenes: files of the project, and what is checked of them before a scene is run.
+
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::files::is_plain;
+use crate::pipeline::names::found;
+use crate::pipeline::{InputFile, InputFiles};
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::statement::{
+    Domain, Statement, StatementError, USUAL_NODES, nodes_after,
+};
+use std::path::Path;
+
+/// Folder of the project from which scenes name their meshes.
+pub(crate) const FOLDER: &str = "pipeline";
+/// Most nodes of a mesh of a scene; the method of the paper takes days on it.
+const MOST_NODES: f64 = 1e7;
+
+/// Findings of the check of a mesh.
+pub(crate) struct MeshFacts {
+    /// Number of dimensions.
+    pub dimension: u8,
+    /// Number of nodes of the finest level, about.
+    pub nodes: f64,
+    /// Facts on the mesh that a user has to know, in a line each.
+    pub notes: Vec<String>,
+}
+
+/// Returns the path of the mesh of a domain in the project, if it is a file.
+fn path_of(domain: &Domain) -> Option<String> {
+    domain.is_file().then(|| format!("{FOLDER}/{}", domain.name))
+}
+
+/// Finds the mesh of a domain in the project in `root`, among the `known` files or else on the disk, and does not read
+/// it: other scenes with this mesh share what is read.
+pub(crate) fn find_mesh(
+    domain: &Domain,
+    root: &Path,
+    known: &mut InputFiles,
+) -> Result<InputFiles> {
+    let Some(path) = path_of(domain) else { return Ok(InputFiles::new()) };
+    if !is_plain(&path) {
+        return Err(Error::input(format!(
+            "{path}: name a file below {FOLDER}/ by its shortest path, as domain = \"meshes/gear.msh\""
+        )));
+    }
+    let file = match known.get(&path) {
+        Some(file) => file.clone(),
+        None => InputFile::if_there(&found(&root.join(&path)))?.ok_or_else(|| {
+            let names = AnyMesh::built_in_names().join(", ");
+            Error::input(format!(
+                "there is no {path}; put the mesh there, or name one of the domains {names}"
+            ))
+        })?,
+    };
+    known.insert(path.clone(), file.clone());
+    Ok(InputFiles::from([(path, file)]))
+}
+
+/// Returns the coarsest mesh of a statement of a scene, read from these files; none on the square.
+pub(crate) fn mesh(statement: &Statement, files: &InputFiles) -> Result<Option<AnyMesh>> {
+    let file = path_of(&statement.domain).and_then(|path| files.get(&path));
+    statement.mesh(file.map(InputFile::bytes).transpose()?).map_err(|e| of_keys(&e))
+}
+
+/// Returns the problem of a statement of a scene, whose mesh is read from these files.
+pub(crate) fn problem(statement: &Statement, files: &InputFiles) -> Result<Problem> {
+    let mesh = mesh(statement, files)?;
+    statement.problem(mesh.as_ref(), &|_| ()).map_err(|e| of_keys(&e))
+}
+
+/// Returns the error of a statement in the words of a scene.
+fn of_keys(error: &StatementError) -> Error {
+    Error::input(error.to_string())
+}
+
+/// Checks f on the square, and elsewhere the mesh, its parts and, on meshes of the usual size, f. Takes time.
+pub(crate) fn check(statement: &Statement, files: &InputFiles) -> Result<Option<MeshFacts>> {
+    let Some(coarsest) = mesh(statement, files)? else {
+        // A known solution is proof enough.
+        let is_known = statement.source().is_ok_and(|f| f.exact().is_some());
+        if !is_known || statement.law.is_some() {
+            problem(statement, files)?;
+        }
+        return Ok(None);
+    };
+    // Where an accuracy is asked for, the usual mesh shows whether there is a solution.
+    let usual = statement.on_usual_meshes();
+    let times = usual.refinements(&coarsest).map_err(|e| of_keys(&e))?;
+    let nodes = nodes_after(&coarsest, times);
+    if nodes > MOST_NODES {
+        return Err(Error::input(format!(
+            "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
+        )));
+    }
+    let (dimension, mut notes) = (coarsest.dimension(), coarsest.notes());
+    if nodes <= USUAL_NODES {
+        let problem = usual.problem(Some(&coarsest), &|_| ()).map_err(|e| of_keys(&e))?;
+        notes.extend(refusal_of_curves(&problem));
+    }
+    Ok(Some(MeshFacts { dimension, nodes, notes }))
+}
+
+/// Returns a line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has
+/// one.
+pub(crate) fn refusal_of_curves(problem: &Problem) -> Option<String> {
+    let polygon = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
+    let reason = problem.refusal_of_curves()?;
+    Some(format!(
+        "the {polygon} of the mesh has a solution, the domain with its curves has none: {reason}"
+    ))
+}
