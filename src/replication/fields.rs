@@ -8,6 +8,8 @@
 pub(crate) mod keys;
 pub(crate) mod read;
 pub(crate) mod table;
+#[cfg(test)]
+mod tests;
 pub(crate) mod values;
 pub(crate) mod write;
 

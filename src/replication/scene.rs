@@ -469,10 +469,7 @@ mod tests {
         assert!(own.runs.is_none());
         let method = Scene::parse("s", &format!("{GOOD}solver = \"uzawa\"\n")).unwrap();
         assert_eq!(method.load(), own.load());
-        assert_eq!(
-            (method.r(), method.stop()),
-            (&[10.0][..], &[StopRule::Printed][..])
-        );
+        assert_eq!((method.r(), method.stop()), (&[10.0][..], &[StopRule::Printed][..]));
     }
 
     #[test]
@@ -537,7 +534,10 @@ mod tests {
             ("accuracy = 0.01\naccuracy_energy = 0.01", "leave one of them out"),
             ("accuracy = 0.01\ngrids = [4]", "both say how fine"),
             ("accuracy = 0.01\nsolver = \"uzawa\"", "`accuracy` is for multigrid, not for uzawa"),
-            ("accuracy = 0.01\npaper_table = 1", "`accuracy` is for multigrid, not for arrow-hurwicz"),
+            (
+                "accuracy = 0.01\npaper_table = 1",
+                "`accuracy` is for multigrid, not for arrow-hurwicz",
+            ),
             ("accuracy = 2", "accuracy = 2.0: must be between 0 and 1"),
             ("accuracy_energy = 0", "accuracy_energy = 0.0: must be between 0 and 1"),
             ("solver = \"spectral\"\ndomain = \"disc\"", "is for the square; choose another"),
@@ -579,6 +579,9 @@ mod tests {
         assert!(error(&other_grids).contains("let `grids` begin with 4"));
         assert!(error(&GOOD.replace("\"t\"", "\"t\\nu\"")).contains("a single line"));
         assert!(error(&GOOD.replace("\"t\"", "\"t\\uFFFE\"")).contains("U+FFFE"));
-        assert!(error(&format!("{GOOD}stop = [\"never\"]\n")).contains("no rule `never`; choose one of signed"));
+        assert!(
+            error(&format!("{method}stop = [\"never\"]\n"))
+                .contains("no rule `never`; choose one of signed")
+        );
     }
 }

@@ -47,23 +47,17 @@ fn the_lanes_count_what_the_solver_counts() {
     let project = project();
     let scene = project.scene("problem2").unwrap();
     let loads: Vec<_> = scene
-        .grids().iter()
+        .grids()
+        .iter()
         .map(|&grid| {
-            signorini_mathematics::discrete::load::load(
-                grid,
-                &scene.source(),
-                scene.load(),
-            )
+            signorini_mathematics::discrete::load::load(grid, &scene.source(), scene.load())
         })
         .collect();
     for table in &measured().problems[1].tables {
         let line = table.lines.iter().find(|line| line.r == 10.0).unwrap();
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids {
-                grids: &scene.grids(),
-                prolongation: scene.saddle().prolongation,
-            },
+            &NestedGrids { grids: &scene.grids(), prolongation: scene.saddle().prolongation },
             Law::SIGNORINI.with_loads(&loads),
             &params,
             &mut (),

@@ -471,7 +471,7 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
         (
             "r = [10, 1]",
             "r = [10]\naccuracy = 0.1",
-            "is reached by multigrid, not by arrow-hurwicz",
+            "is for multigrid, not for arrow-hurwicz",
         ),
         ("name = \"disc\"", "name = \"ball\"", "cannot read `rect("),
     ] {

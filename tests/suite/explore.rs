@@ -77,8 +77,7 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
         let scene = Scene::parse(name, &text).unwrap();
         let cells: Vec<_> = scene.grids().iter().map(|grid| grid.cells()).collect();
         let grids = nested(&cells).unwrap();
-        let loads: Vec<_> =
-            grids.iter().map(|&g| load(g, &scene.source(), scene.load())).collect();
+        let loads: Vec<_> = grids.iter().map(|&g| load(g, &scene.source(), scene.load())).collect();
         for (row, &r) in scene.r().iter().enumerate() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
             let (outcomes, _) = solve_nested(

@@ -66,6 +66,7 @@ mod shells;
 mod single_precision;
 mod solvers;
 mod spectral;
+mod statements;
 mod stress;
 mod stretched;
 mod terminal;

@@ -20,17 +20,12 @@ use signorini_mathematics::saddle::{
 };
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
-    let loads: Vec<_> = scene
-        .grids().iter()
-        .map(|&grid| load(grid, &scene.source(), scene.load()))
-        .collect();
+    let loads: Vec<_> =
+        scene.grids().iter().map(|&grid| load(grid, &scene.source(), scene.load())).collect();
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids {
-                grids: &scene.grids(),
-                prolongation: scene.saddle().prolongation,
-            },
+            &NestedGrids { grids: &scene.grids(), prolongation: scene.saddle().prolongation },
             Law::SIGNORINI.with_loads(&loads),
             &params,
             &mut (),
@@ -115,8 +110,7 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
         for &r in scene.r() {
             let (grids, prolongation) = (&scene.grids()[..], Prolongation::Bilinear);
             let levels = NestedGrids { grids, prolongation };
-            let (mut pair, mut counts, mut delta_a) =
-                (Pair::zero(scene.grids()[0]), vec![], 0.0);
+            let (mut pair, mut counts, mut delta_a) = (Pair::zero(scene.grids()[0]), vec![], 0.0);
             for (k, &grid) in scene.grids().iter().enumerate() {
                 if k > 0 {
                     pair = levels.interpolated(k, &pair);

@@ -16,7 +16,8 @@ impl Fields {
         let f = match domain.is_square() {
             true => {
                 let read = f.parse::<Source>();
-                read.map_err(|e| Refused::new("f", format!("{}: {e}", voice.name("f"))))?
+                let place = if voice == Voice::Keys { "" } else { "--f: " };
+                read.map_err(|e| Refused::new("f", format!("{place}{e}")))?
                     .to_string()
             }
             // Names of regions may have spaces.

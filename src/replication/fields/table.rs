@@ -367,6 +367,9 @@ impl Fields {
                 return Err(field.refused(voice, &text));
             }
         }
+        if self.draw_r.is_some() {
+            Field { name: "draw_r", ..OF_SADDLE }.check_solver(voice, solver)?;
+        }
         if let (Some(_), Some(accuracy)) = (self.tolerance, self.accuracy()) {
             let text = format!(
                 "{} and {} both say where multigrid stops; leave one of them out",

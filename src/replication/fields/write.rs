@@ -34,6 +34,38 @@ pub(crate) fn command(scene: &Scene) -> Vec<String> {
     ["signorini".to_owned(), "solve".to_owned()].into_iter().chain(words).collect()
 }
 
+/// Returns a command as lines for a shell: `first`, then the words, broken between them or, where one is too long, behind
+/// the semicolons of f, which may stand at the end of a line.
+pub(crate) fn lines(first: &str, words: &[String], width: usize) -> String {
+    let mut lines = vec![first.to_owned()];
+    for word in words {
+        let mut parts = word.split_inclusive("; ").map(str::trim_end);
+        let is_long = INDENT.len() + word.len() + BREAK.len() > width;
+        let whole = if is_long { parts.next().unwrap_or_default() } else { word.as_str() };
+        let last = lines.len() - 1;
+        if lines[last].len() + whole.len() + BREAK.len() < width {
+            lines[last] += &format!(" {whole}");
+        } else {
+            lines[last] += BREAK;
+            lines.push(format!("{INDENT}{whole}"));
+        }
+        for part in parts.filter(|_| is_long) {
+            let last = lines.len() - 1;
+            if lines[last].len() + part.len() + BREAK.len() < width {
+                lines[last] += &format!(" {part}");
+            } else {
+                lines.push(format!("{INDENT}{part}"));
+            }
+        }
+    }
+    lines.join("\n")
+}
+
+/// Beginning of a line that goes on with a command.
+const INDENT: &str = "    ";
+/// End of a line whose command goes on in the next.
+const BREAK: &str = " \\";
+
 /// Returns the text of a scene with a title, a statement and outputs.
 pub(crate) fn scene(title: &str, statement: &Statement, outputs: &[Output]) -> String {
     let mut text = format!("title = {}\n", Value::from(title));

@@ -1,7 +1,6 @@
 //! The `figures` stage: one SVG per task; the paper's problems share theirs, other scenes have their own.
 
 mod book;
-pub(super) mod gallery;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
@@ -81,7 +80,6 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
         tasks.extend([book::stops(&shared), book::gradients(&shared)]);
         tasks.extend(shared.last().map(|scene| book::iterates(scene)));
         tasks.extend(book::drawings());
-        tasks.extend(gallery::tasks(project));
     }
     tasks
 }

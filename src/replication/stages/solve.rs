@@ -71,6 +71,8 @@ pub(super) struct WithoutGrid {
     pub(super) steps: usize,
     /// Energy of the solution.
     pub(super) energy: f64,
+    /// Difference of the energies at two resolutions, over the energy.
+    pub(super) resolution: Option<f64>,
 }
 
 /// Artifact with an [`Outcomes`].
@@ -185,7 +187,7 @@ impl Cell {
     fn on(&self, statement: &Statement, files: &InputFiles) -> Read<Solved> {
         let problem = mesh_files::problem(statement, files)?;
         let mut recorder = Recorder { keep_history: self.keep_history, ..Recorder::default() };
-        let run = solvers::solve_watched(&problem, &statement.settings(&problem), &mut recorder)
+        let run = solvers::solve_watched(&problem, &self.statement.settings(&problem), &mut recorder)
             .map_err(|e| Error::input(format!("{e}; choose another `solver`, or change f")))?;
         let Recorder { history, mut pairs, .. } = recorder;
         let mut outcomes =
@@ -258,7 +260,8 @@ impl Cell {
         let f = statement.source()?;
         let found = true_solution(statement.law()?, &f).map_err(|e| e.to_string())?;
         let TrueSolution { solution, steps } = found;
-        let end = WithoutGrid { steps, energy: solution.energy };
+        let end =
+            WithoutGrid { steps, energy: solution.energy, resolution: solution.checks.resolution };
         let outcomes = Outcomes { schema: 1, without_grid: Some(end), ..Outcomes::default() };
         let finest = statement.grids()?;
         let finest = finest[finest.len() - 1];

@@ -118,7 +118,7 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
     let head = ["grid", "iterations", "stop", "energy"];
     let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative", "kkt_relative"];
     let mut table = Table::new(head.into_iter().chain(bounds).map(str::to_owned), &[]);
-    if let Some(WithoutGrid { steps, energy }) = outcomes.without_grid {
+    if let Some(WithoutGrid { steps, energy, .. }) = outcomes.without_grid {
         let row = [String::new(), steps.to_string(), outcomes.end().into(), decimal(energy)];
         table.rows.push(row.into_iter().chain(bounds.map(|_| String::new())).collect());
     }

@@ -5,11 +5,11 @@ use super::times::times;
 use crate::pipeline::Inputs;
 use crate::pipeline::error::{Failure, from_record};
 use crate::replication::comparison::TableComparison;
+use crate::replication::fields::write;
 use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, TRUTH};
-use crate::replication::scene::Scene;
+use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::diff::{self, DIFF};
-use crate::replication::stages::figures::gallery;
 use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
@@ -20,6 +20,7 @@ use signorini_mathematics::discrete::load::integral;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::truth::{Elements, Truth};
 use signorini_mathematics::identify::Findings;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Iteration, Pair, StopRule, tolerance};
@@ -67,7 +68,6 @@ pub(super) fn context(
     let text = inputs.file(TRUTH)?.ok_or("no true solutions")?;
     context.insert("digits", &compared(&mut references, text)?);
     context.insert("references", &references);
-    context.insert("gallery", &gallery::shown(inputs)?);
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs)?);
     let timings = bench::times(inputs)?;
@@ -221,8 +221,17 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let (f, integral_f) = (problem.levels().f(), problem.levels().integrals().of_f);
     let exact = scene.statement.known_solution();
     let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
+    let held = scene
+        .wants(Output::Map)
+        .then(|| solve::pair(inputs, scene, rule, &problem).map(|pair| held(&problem, &pair)));
     let more = json!({
         "text": std::str::from_utf8(text)?,
+        "command": write::lines("cargo run --release --", &picture_command(scene), COMMAND_WIDTH),
+        "is_papers_law": scene.statement.law.is_none(),
+        // Share of the boundary under the law on which v is held at zero, of a scene with a map.
+        "held": held.transpose()?,
+        // Difference of the energies of a true solution at two resolutions, over the energy.
+        "resolution": outcomes.without_grid.and_then(|end| end.resolution).map(f64::abs),
         "f": f,
         "integral_f": integral_f,
         // The exact solution in LaTeX, if it is known.
@@ -244,6 +253,28 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "nodal_error": outcomes.errors.last(),
     });
     Ok(extended(scene, more))
+}
+
+/// Most columns of a command on a page.
+const COMMAND_WIDTH: usize = 86;
+
+/// Returns the words of the command that solves a scene and draws its map.
+fn picture_command(scene: &Scene) -> Vec<String> {
+    let mut words = write::command(scene);
+    words.remove(0);
+    words.extend(["--map".to_owned(), format!("--out target/{}.svg", scene.name)]);
+    words
+}
+
+/// Returns the share of the boundary under the law on which v is held at zero.
+fn held(problem: &Problem, pair: &Pair) -> f64 {
+    let (levels, mut held, mut all) = (problem.levels(), 0.0, 0.0);
+    let states = levels.in_contact(problem.law(), pair);
+    for (node, is_held) in levels.contact().iter().zip(states) {
+        all += node.measure;
+        held += if is_held { node.measure } else { 0.0 };
+    }
+    held / all
 }
 
 /// Returns all figures by their names: the file in the book's folder `figures`, and the path in the book of its data,

@@ -1,0 +1,181 @@
+//! Statements go through both voices and come back as they were.
+
+use super::Fields;
+use super::table::{FIELDS, Voice};
+use super::write::{options, scene};
+use crate::replication::scene::{Output, Scene};
+use clap::Parser;
+use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_oneof, proptest};
+use signorini_mathematics::bounds::Accuracy;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::problem::source::Tie;
+use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::{SOLVERS, Solver};
+use signorini_mathematics::statement::{Domain, Fineness, SaddleSettings, Statement};
+use std::collections::BTreeMap;
+
+/// The options of `solve` that are fields, and the scene that some of them exclude.
+#[derive(Parser)]
+struct Options {
+    scene: Option<String>,
+    #[command(flatten)]
+    fields: Fields,
+}
+
+/// A positive number of any size.
+fn positive() -> impl Strategy<Value = f64> {
+    (-9.0..9.0f64).prop_map(libm::exp10)
+}
+
+/// Names of parts of a boundary, with what shells and TOML give a meaning.
+fn parts() -> impl Strategy<Value = Vec<String>> {
+    proptest::collection::vec("[a-zA-Z0-9_.é'\"$#\\\\ =-]{0,7}[a-zé]", 0..3)
+}
+
+fn domain() -> impl Strategy<Value = Domain> {
+    let name = prop_oneof![
+        Just("square"),
+        Just("cube"),
+        Just("disc"),
+        Just("ball"),
+        Just("meshes/a gear.msh")
+    ];
+    let numbers = proptest::collection::vec(-2.0..2.0f64, 1..7);
+    let curve = proptest::collection::btree_map("[a-z=.é][a-z=. é]{0,4}[a-z]", numbers, 0..3);
+    (name, parts(), parts(), curve).prop_map(|(name, free, fixed, curve)| match name {
+        "square" => Domain::square(),
+        name => Domain { free, fixed, curve, ..Domain::named(name) },
+    })
+}
+
+fn law() -> impl Strategy<Value = Option<LawParameter>> {
+    prop_oneof![
+        Just(None),
+        positive().prop_map(|g| Some(LawParameter::Friction(g))),
+        positive().prop_map(|limit| Some(LawParameter::Limit(limit)))
+    ]
+}
+
+fn load() -> impl Strategy<Value = LoadRule> {
+    let diagonal = || prop_oneof![Just(Diagonal::Rising), Just(Diagonal::Falling)];
+    let tie = (0..4usize).prop_map(|k| Tie::ALL[k]);
+    prop_oneof![
+        Just(LoadRule::Bilinear {}),
+        Just(LoadRule::LumpedAverage {}),
+        diagonal().prop_map(|diagonal| LoadRule::Exact { diagonal }),
+        (tie, proptest::option::of(diagonal()))
+            .prop_map(|(tie, diagonal)| LoadRule::Nodal { tie, diagonal })
+    ]
+}
+
+fn saddle() -> impl Strategy<Value = SaddleSettings> {
+    (0..3usize, positive(), 0..4usize, 1..10_000_000usize).prop_map(|(rule, r, stop, limit)| {
+        let (prolongation, stop) = (Prolongation::ALL[rule], StopRule::ALL[stop]);
+        SaddleSettings { prolongation, r, stop, max_iterations: limit }
+    })
+}
+
+fn fineness() -> impl Strategy<Value = Fineness> {
+    let grids = (2..9usize, 1..5usize)
+        .prop_map(|(first, count)| Fineness::Grids((0..count).map(|k| first << k).collect()));
+    let accuracy = || (1e-9..1.0f64).prop_filter("below one", |wanted| *wanted < 1.0);
+    prop_oneof![
+        Just(Fineness::Usual),
+        grids,
+        (1..300usize).prop_map(Fineness::Width),
+        (0..20u8).prop_map(Fineness::Refined),
+        accuracy().prop_map(|wanted| Fineness::Within(Accuracy::Error(wanted))),
+        accuracy().prop_map(|wanted| Fineness::Within(Accuracy::Energy(wanted)))
+    ]
+}
+
+/// Texts of f on the square, in the form in which it is kept, and elsewhere.
+fn f() -> impl Strategy<Value = [String; 2]> {
+    let text = ["else=-1", "disc(0.1,0,0.2)=3; else=-0.7", "formula(3*x*y - 1.1)"];
+    let region = ["region(\"a  b; c\")=-1", "halfplane(1,0,0)=2; else=-3"];
+    (0..3usize, 0..2usize).prop_map(move |(k, l)| {
+        let on_square: signorini_mathematics::problem::source::Source = text[k].parse().unwrap();
+        [on_square.to_string(), region[l].to_owned()]
+    })
+}
+
+/// Statements whose fields go with each other.
+fn statement() -> impl Strategy<Value = Statement> {
+    let solver = (0..SOLVERS.len()).prop_map(|k| SOLVERS[k].solver);
+    let of_solver = (solver, saddle(), proptest::option::of(positive()));
+    (domain(), f(), law(), load(), fineness(), of_solver).prop_map(
+        |(domain, [on_square, elsewhere], law, load, fineness, (solver, saddle, tolerance))| {
+            let (is_square, is_cube) = (domain.is_square(), domain.is_cube());
+            let solver = if solver.entry().on_meshes || is_square { solver } else { Solver::Uzawa };
+            let fits = match fineness {
+                Fineness::Usual => true,
+                Fineness::Grids(_) => is_square,
+                Fineness::Width(_) => is_square || is_cube,
+                Fineness::Refined(_) => !is_square,
+                Fineness::Within(_) => solver == Solver::Multigrid,
+            };
+            let fineness = if fits { fineness } else { Fineness::Usual };
+            let is_within = matches!(fineness, Fineness::Within(_));
+            let prolongation =
+                if is_square { saddle.prolongation } else { Prolongation::default() };
+            Statement {
+                f: if is_square { on_square } else { elsewhere },
+                load: (is_square && solver != Solver::Spectral).then_some(load),
+                saddle: solver.is_nested().then_some(SaddleSettings { prolongation, ..saddle }),
+                tolerance: tolerance.filter(|_| solver == Solver::Multigrid && !is_within),
+                domain,
+                law,
+                fineness,
+                solver,
+            }
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
+
+    #[test]
+    fn a_statement_is_the_same_in_options_and_in_a_scene(stated in statement(), title in any::<bool>()) {
+        let words = [vec!["solve".to_owned()], options(&stated)].concat();
+        let parsed = Options::try_parse_from(&words).unwrap_or_else(|e| panic!("{words:?}: {e}"));
+        assert!(parsed.scene.is_none());
+        let usual = parsed.fields.usual(Voice::Options).unwrap();
+        let by_options = parsed.fields.over(usual, Voice::Options).unwrap();
+        assert_eq!(by_options, stated, "{words:?}");
+        let title = if title { "A \"title\" \\ é" } else { "t" };
+        let text = scene(title, &by_options, &[Output::Table]);
+        // What a scene asks of its grids and its r is checked when it is read.
+        let read: Fields = toml::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        let usual = read.usual(Voice::Keys).unwrap();
+        let by_keys = read.over(usual, Voice::Keys).unwrap_or_else(|e| panic!("{text}: {}", e.text));
+        assert_eq!(by_keys, stated, "{text}");
+        if let Ok(scene) = Scene::parse("s", &text) {
+            assert_eq!(scene.statement, stated, "{text}");
+            assert_eq!(scene.title, title);
+        }
+        // So do the parameters of a task.
+        let json = serde_json::to_string(&stated).unwrap();
+        assert_eq!(serde_json::from_str::<Statement>(&json).unwrap(), stated, "{json}");
+    }
+}
+
+#[test]
+fn each_field_is_an_option_and_a_key() {
+    let command = <Options as clap::CommandFactory>::command();
+    let mut options: Vec<_> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
+    options.retain(|option| *option != "help");
+    let names = FIELDS.iter().map(|field| field.name);
+    let mut of_table: Vec<_> = names.clone().map(|name| name.replace('_', "-")).collect();
+    options.sort_unstable();
+    of_table.sort_unstable();
+    assert_eq!(options, of_table);
+    let unknown = toml::from_str::<Fields>("nothing = 1").unwrap_err().to_string();
+    let tables: BTreeMap<_, _> = FIELDS.iter().map(|field| (field.name, field.table)).collect();
+    for (name, table) in tables {
+        let key = table.unwrap_or(name);
+        assert!(unknown.contains(&format!("`{key}`")), "{key}: {unknown}");
+    }
+}
