@@ -662,15 +662,16 @@ fn load_rule(args: &SolveArgs) -> Option<LoadRule> {
 /// Refuses an option that has no use with the solver.
 fn check_solver_options(args: &SolveArgs, solver: Solver) -> Result<()> {
     const MULTIGRID: &[Solver] = &[Solver::Multigrid];
+    let (nested, on_grids) = (Solver::nested(), Solver::on_grids());
     let options: [(_, _, &[Solver]); 8] = [
-        ("--r", args.r.is_some(), Solver::NESTED),
-        ("--stop", args.stop.is_some(), Solver::NESTED),
-        ("--max-iterations", args.max_iterations.is_some(), Solver::NESTED),
+        ("--r", args.r.is_some(), &nested),
+        ("--stop", args.stop.is_some(), &nested),
+        ("--max-iterations", args.max_iterations.is_some(), &nested),
         ("--tolerance", args.tolerance.is_some(), MULTIGRID),
         ("--accuracy", args.accuracy.is_some(), MULTIGRID),
         ("--accuracy-energy", args.accuracy_energy.is_some(), MULTIGRID),
-        ("--load", args.load.is_some(), &Solver::ON_GRIDS),
-        ("--recover", args.recover, &Solver::ON_GRIDS),
+        ("--load", args.load.is_some(), &on_grids),
+        ("--recover", args.recover, &on_grids),
     ];
     check_options("--solver", solver, &options)?;
     let of_the_file =

@@ -25,6 +25,11 @@ pub struct End {
 }
 
 impl End {
+    /// End of a solver without levels that has reached its goal after so many iterations.
+    pub(crate) fn converged(iterations: usize) -> Self {
+        Self { iterations, work_units: 0.0, stop: Stop::Converged, delta_a: None }
+    }
+
     /// Number of Gauss-Seidel sweeps of a method that consists of them.
     pub fn sweeps(&self) -> usize {
         self.work_units as usize

@@ -1,7 +1,8 @@
 //! A problem: what is solved.
 
 use super::{
-    Lattices, Levels, NodalVectors, ProblemError, Step, Triangulations, Watch, check_missed,
+    Discrete, Lattices, Levels, NodalVectors, ProblemError, Step, Triangulations, Watch,
+    check_missed,
 };
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
@@ -150,7 +151,10 @@ impl Problem {
 
     /// Grids and f on the square; none on a mesh.
     pub fn lattices(&self) -> Option<&Lattices> {
-        self.levels.lattices()
+        match self.levels.discrete() {
+            Discrete::Lattices(lattices) => Some(lattices),
+            Discrete::Networks(_) => None,
+        }
     }
 
     /// Lengths of the nodal vector and the boundary vector of a pair of the finest level.
@@ -169,7 +173,10 @@ impl Problem {
 
     /// Nested networks of a mesh; none on the square, whose grids have no matrix in memory.
     pub fn networks(&self) -> Option<&[NestedNetwork]> {
-        self.levels.networks()
+        match self.levels.discrete() {
+            Discrete::Lattices(_) => None,
+            Discrete::Networks(networks) => Some(networks),
+        }
     }
 
     /// Judges a nodal vector of the finest level, apart from the solvers.

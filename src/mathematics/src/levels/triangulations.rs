@@ -1,16 +1,13 @@
 //! A mesh with its refinements as the levels of a problem.
 
 use super::{
-    ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError, SaddleRun,
-    Solved, Step, Watch,
+    ClosedCurve, Discrete, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError,
+    Step, Watch,
 };
 use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::end::Outcome;
 use crate::discrete::kkt::{DiscreteDomain, Judgement, has_solution, judge};
-use crate::discrete::law_and_load::LawAndLoads;
-use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
@@ -18,14 +15,11 @@ use crate::mesh::{
     NestedMeshes, PlaneMesh, Sides, boundary_curves, curve_gains, mesh_arcs, mesh_errors,
     mesh_load, nested_meshes,
 };
-use crate::multigrid::MultigridParams;
-use crate::multigrid::active_set::active_set_on;
-use crate::multilevel::solve_nested_networks;
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::Shape;
 use crate::problem::unsolvable::Component;
-use crate::saddle::{Pair, solve_nested};
+use crate::saddle::Pair;
 use std::any::Any;
 use std::borrow::Cow;
 
@@ -302,18 +296,6 @@ where
         Ok(Some((drawing, f)))
     }
 
-    fn multigrid(&self, law: Law, params: &MultigridParams) -> Solved {
-        solve_nested_networks(&self.nested.networks, law.with_load(self.finest_load()), params)
-    }
-
-    fn active_set(&self, law: Law) -> Solved {
-        active_set_on(self.network(), law, self.finest_load())
-    }
-
-    fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair) {
-        solve_nested(&self.nested.networks[..], loads, run.params, run.monitor)
-    }
-
     fn drawing(&self, most_cells: usize) -> Option<Drawing> {
         let mesh = plane(&self.nested.meshes[self.drawn(most_cells)])?.clone();
         // The first nodes of a refined mesh are those of the coarser ones.
@@ -363,7 +345,7 @@ where
         self.fields(pair, [&[]; 2]).npy()
     }
 
-    fn networks(&self) -> Option<&[NestedNetwork]> {
-        Some(&self.nested.networks)
+    fn discrete(&self) -> Discrete<'_> {
+        Discrete::Networks(&self.nested.networks)
     }
 }
