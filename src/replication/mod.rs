@@ -2,7 +2,6 @@
 //!
 //! Central are `stages::plan`, which turns scenes into tasks, and `Paper::compare`, which compares the tables.
 
-pub mod accuracy;
 pub mod comparison;
 pub mod domain;
 pub(crate) mod identified;
@@ -13,3 +12,4 @@ pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;
 pub mod stated;
+pub(crate) mod written;

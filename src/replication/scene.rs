@@ -3,11 +3,12 @@
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Failure, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
-use crate::replication::accuracy::{Accuracy, FIRST, MAX_CELLS, Written};
 use crate::replication::domain::{DomainSettings, first_given, name_or_table};
 use crate::replication::saddle::{RuleAndR, SaddleKeys, SaddleSettings, repeated};
 use crate::replication::stated::{CheckedMesh, OnSquare, StatedProblem, grids};
+use crate::replication::written::Written;
 use serde::{Deserialize, Deserializer, Serialize};
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
@@ -16,7 +17,8 @@ use signorini_mathematics::identify::COARSEST;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
-use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::solvers::{MOST_CELLS, Solver};
+use signorini_mathematics::statement::Fineness;
 use std::fmt;
 use std::path::Path;
 
@@ -178,7 +180,7 @@ impl<F> SceneFile<F> {
                 Solver::Multigrid
             )));
         }
-        asked.check(Written::Key)?;
+        Written::Key.check(asked)?;
         Ok(Some(asked))
     }
 
@@ -238,7 +240,7 @@ impl Scene {
                 None => OnSquare::LOAD,
             }),
             grids: match file.accuracy(solver)? {
-                Some(_) => nested(&[FIRST]).expect("one grid"),
+                Some(accuracy) => nested(&Fineness::Within(accuracy).cells()).expect("one grid"),
                 None => file.grids.clone().unwrap_or_else(OnSquare::usual_grids),
             },
         };
@@ -370,9 +372,9 @@ impl Scene {
         if let Err(e) = self.solver.check_cells(finest) {
             return Err(format!("`grids`: {e}").into());
         }
-        if finest > MAX_CELLS {
+        if finest > MOST_CELLS {
             return Err(format!(
-                "grid 1/{finest} needs more memory than is sensible; 1/{MAX_CELLS} is the finest"
+                "grid 1/{finest} needs more memory than is sensible; 1/{MOST_CELLS} is the finest"
             )
             .into());
         }

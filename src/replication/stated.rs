@@ -4,21 +4,18 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::is_plain;
 use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles};
-use crate::replication::accuracy::{Accuracy, Written};
 use crate::replication::domain::{DomainSettings, nodes_after};
-use crate::timing::machine;
 use serde::{Deserialize, Deserializer, Serialize};
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::grid::{Grid, nested};
-use signorini_mathematics::discrete::load::{LoadRule, moved_on};
-use signorini_mathematics::levels::{
-    AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption, Problem, ProblemError, Watch,
-};
+use signorini_mathematics::discrete::load::{LoadRule, moved_jumps};
+use signorini_mathematics::levels::{Problem, Watch};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::Solver;
-use std::ops::ControlFlow;
+use signorini_mathematics::statement::{Domain, Fineness, SaddleSettings, Statement};
 use std::path::Path;
 
 /// Problem as a scene or the options of `solve` state it.
@@ -93,14 +90,10 @@ pub(super) fn grids<'de, D: Deserializer<'de>>(
 
 /// Cells per side of the grids of `solve` and of a scene, unless others are named: those of the paper.
 const USUAL_CELLS: [usize; 5] = [4, 8, 16, 32, 64];
-/// Part of the integral of |f| by which the nodal load may move jumps of f.
-const MOVED: f64 = 1e-3;
 /// Number of nodes up to which f is checked on the mesh of a scene before its tasks run.
 const CHECKED_NODES: f64 = super::domain::USUAL_NODES;
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
 const MOST_NODES: f64 = 1e7;
-/// Memory per node of the finest of adapted meshes, with all coarser ones: measured, rounded up.
-const BYTES_PER_NODE: u64 = 900;
 /// Folder of the project from which scenes name their meshes.
 const FOLDER: &str = "pipeline";
 
@@ -149,88 +142,32 @@ impl StatedProblem {
             .map_err(|e| Error::input(e.to_string()))
     }
 
-    /// Refines a mesh where the error is large until it is as small as asked; `watch` is shown each mesh, and `ended`
-    /// told each step.
-    ///
-    /// # Errors
-    /// [`Error::Input`] in space, on the square, and if there is no problem or no bound; [`Error::Interrupted`] if
-    /// `watch` does not let it go on.
-    pub(crate) fn adapted(
+    /// Returns the statement of this problem, solved by this solver with these settings of a saddle-point method, if it
+    /// is one; an accuracy takes the place of the levels.
+    pub(crate) fn statement(
         &self,
-        coarsest: &AnyMesh,
-        asked: (Accuracy, Written),
-        watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
-        ended: Watch<'_>,
-    ) -> Result<AdaptedRun> {
-        let run = self.adaption(coarsest, asked)?.run_while(watch, ended);
-        let run = run.map_err(|e| match (e, &self.place) {
-            (ProblemError::Mesh(e), Place::Mesh(place)) => {
-                Error::input(format!("{}: {e}", place.domain.name))
+        solver: Solver,
+        accuracy: Option<Accuracy>,
+        saddle: Option<SaddleSettings>,
+    ) -> Statement {
+        let (domain, load, fineness) = match &self.place {
+            Place::Square(square) => {
+                let cells = square.grids.iter().map(|grid| grid.cells()).collect();
+                (Domain::square(), Some(square.load), Fineness::Grids(cells))
             }
-            (e, _) => Error::input(format!("{}: {e}", asked.1.text(asked.0))),
-        })?;
-        run.ok_or(Error::Interrupted)
-    }
-
-    /// Returns the problem to be solved on adapted meshes.
-    fn adaption<'a>(
-        &'a self,
-        coarsest: &'a AnyMesh,
-        (accuracy, written): (Accuracy, Written),
-    ) -> Result<Adaption<'a>> {
-        accuracy.check(written)?;
-        let asked = written.text(accuracy);
-        let (Place::Mesh(OnMesh { f, .. }), AnyMesh::Plane(coarsest)) = (&self.place, coarsest)
-        else {
-            return Err(Error::input(format!(
-                "{asked}: meshes are adapted in the plane alone; in space, choose how fine by the number of refinements"
-            )));
+            Place::Mesh(OnMesh { domain: settings, .. }) => {
+                let DomainSettings { name, free, fixed, curve, .. } = settings.clone();
+                let fineness = match (settings.cells, settings.refine) {
+                    (Some(coarsest), Some(times)) => Fineness::Width(coarsest << times),
+                    (_, Some(times)) => Fineness::Refined(times),
+                    (_, None) => Fineness::Usual,
+                };
+                (Domain { name, free, fixed, curve }, None, fineness)
+            }
         };
-        let memory = machine::available_memory().unwrap_or(u64::MAX);
-        let most_nodes = usize::try_from(memory / BYTES_PER_NODE).unwrap_or(usize::MAX);
-        let goal = accuracy.goal_on_meshes();
-        let bisections = Adaption::BISECTIONS;
-        Ok(Adaption { coarsest, f, law: self.law()?, goal, most_nodes, bisections })
-    }
-
-    /// As [`StatedProblem::adapted`], for a scene, whose mesh is read from these files. The end is that of the goal.
-    ///
-    /// # Errors
-    /// [`Error::Input`] also if the accuracy is not reached; [`Error::Interrupted`] if `watch` does not let it go on.
-    pub(crate) fn adapted_scene(
-        &self,
-        files: &InputFiles,
-        accuracy: Accuracy,
-        watch: &mut dyn FnMut(&AdaptedMesh) -> ControlFlow<()>,
-    ) -> Result<AdaptedRun> {
-        let Place::Mesh(place) = &self.place else {
-            return Err(Error::input("the square has grids in place of meshes"));
-        };
-        let (coarsest, asked) = (place.coarsest(files)?, Written::Key.text(accuracy));
-        let run = self.adapted(&coarsest, (accuracy, Written::Key), watch, &|_| ())?;
-        match run.end {
-            AdaptedEnd::Goal => Ok(run),
-            _ if !accuracy.reached(&run.bounds).is_finite() => Err(Error::input(format!(
-                "{asked}: the error is bounded on no mesh by less than the solution, as where v = 0; leave it out"
-            ))),
-            AdaptedEnd::Nodes | AdaptedEnd::NoLongerFalls => Err(Error::input(format!(
-                "{asked}: {:.1e} is reached with {} nodes, and no more; ask for less",
-                accuracy.reached(&run.bounds),
-                run.y.len()
-            ))),
-        }
-    }
-
-    /// Returns the problem on the meshes of [`StatedProblem::adapted_scene`], from the cells that were marked there.
-    pub(crate) fn on_bisected(&self, files: &InputFiles, marks: &[Vec<u32>]) -> Result<Problem> {
-        let Place::Mesh(place) = &self.place else {
-            return Err(Error::input("the square has grids in place of meshes"));
-        };
-        let AnyMesh::Plane(coarsest) = place.coarsest(files)? else {
-            return Err(Error::input("meshes are adapted in the plane alone"));
-        };
-        let problem = Problem::on_bisected(&coarsest, marks, &place.f, self.law()?);
-        problem.map_err(|e| Error::input(e.to_string()))
+        let fineness = accuracy.map_or(fineness, Fineness::Within);
+        let (f, law) = (self.f(), self.law);
+        Statement { domain, f, law, load, fineness, solver, saddle, tolerance: None }
     }
 
     /// Checks f on the square, and elsewhere the mesh, its parts and, on meshes of the usual size, f. Takes time.
@@ -264,7 +201,7 @@ impl StatedProblem {
     /// none if it is too small to matter.
     pub(crate) fn moved_jumps(&self) -> Option<f64> {
         let square = self.square()?;
-        moved_on(square.finest(), &square.f, square.load).filter(|&moved| moved > MOVED)
+        moved_jumps(square.finest(), &square.f, square.load)
     }
 
     /// Known solution of a problem on the square.
@@ -287,33 +224,6 @@ impl StatedProblem {
             Place::Square(_) => Ok(()),
             Place::Mesh(place) => place.find_mesh(root, known),
         }
-    }
-
-    /// Puts a problem on the square on one grid.
-    pub(crate) fn set_grid(&mut self, grid: Grid) {
-        if let Place::Square(square) = &mut self.place {
-            square.grids = vec![grid];
-        }
-    }
-
-    /// Cells along each side of the coarsest mesh of the cube, if that is the domain and they were given.
-    pub(crate) fn cells_of_coarsest_cube(&self) -> Option<usize> {
-        match &self.place {
-            Place::Square(_) => None,
-            Place::Mesh(place) => place.domain.cells,
-        }
-    }
-
-    /// Returns how fine a mesh is after so many refinements; none on the square.
-    pub(crate) fn refined(&self, times: usize) -> Option<String> {
-        if let Some(coarsest) = self.cells_of_coarsest_cube() {
-            return Some(format!("h 1/{}", coarsest << times));
-        }
-        self.square().is_none().then(|| match times {
-            0 => "not refined".into(),
-            1 => "refined once".into(),
-            _ => format!("refined {times} times"),
-        })
     }
 
     /// Pieces of f that are certain to lie outside the domain, as far as that is known without the mesh.

@@ -1,37 +1,37 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
-use super::adapting::AdaptedMeshes;
 use super::advice::{Remedy, Warning};
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
-use super::{SolveArgs, cells, rule_name};
+use super::{SolveArgs, cells, rule_name, truth};
 use crate::cli::current_folder;
 use crate::cli::output::{OutputFile, check_options, warn_of_outside};
 use crate::cli::shown::signed;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
-use crate::replication::accuracy::{Accuracy, MAX_CELLS, Written};
-use crate::replication::domain::{DomainSettings, nodes_after};
+use crate::replication::domain::DomainSettings;
 use crate::replication::project::Project;
-use crate::replication::saddle::{SaddleSettings, positive_r};
+use crate::replication::saddle::{self, positive_r};
 use crate::replication::scene::Scene;
 use crate::replication::stated::{OnMesh, OnSquare, Place, StatedProblem};
+use crate::replication::written::{Written, option, too_large};
 use crate::timing::machine;
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::Bounds;
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::levels::{AdaptedMesh, Lattices, Levels, Problem, Watch};
+use signorini_mathematics::levels::{Levels, Problem, Watch};
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::multigrid::{Goal, InputError};
-use signorini_mathematics::problem::unsolvable::Unsolvable;
+use signorini_mathematics::multigrid::InputError;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
-use signorini_mathematics::solvers::{self, Refusal, Run, Settings, Solver};
+use signorini_mathematics::solvers::{
+    Files, Memory, Reached, Refusal, SizeRefusal, Solved, Solver, TooLarge, Watcher,
+};
+use signorini_mathematics::statement::{Fineness, SaddleSettings, Statement};
 use std::io::ErrorKind;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Data that determine an answer.
@@ -44,33 +44,20 @@ pub(super) struct Request {
     title: String,
     /// Kind of a picture.
     view: PictureKind,
-    /// Quadrature of the load vector; none on meshes, which have one alone.
-    load: Option<LoadRule>,
     /// Remedies in the words of the options that the domain has.
     pub remedies: Remedies,
-    /// Problem as it was stated.
-    stated: StatedProblem,
-    /// Coarsest mesh; none on the square.
-    coarsest: Option<AnyMesh>,
-    /// Problem with its levels.
-    pub problem: Problem,
-    pub settings: Settings,
-    /// Tolerance of multigrid, relative to the load; `None` for the rounding floor.
-    pub tolerance: Option<f64>,
-    /// Guaranteed bound of the error, by which the grids are chosen.
-    pub accuracy: Option<Accuracy>,
+    /// What is asked.
+    pub statement: Statement,
     /// Way in which the accuracy is written.
     pub written: Written,
-    /// End of adaptive refinement, where the mesh was refined so.
-    pub adapted: Option<AdaptedMeshes>,
     /// True for a scene of a published table.
     is_papers: bool,
     /// Options that differ from the scene, in words.
     pub overridden: Vec<String>,
     /// Warnings of f that are printed already.
     pub warnings: Vec<String>,
-    /// Memory per node for writing the solution, besides that of the solver.
-    bytes_to_write: u64,
+    /// Memory that is left, and the files for which some of it is needed.
+    memory: Memory,
     /// Clock since the options are read.
     pub clock: Clock,
 }
@@ -114,8 +101,8 @@ impl Remedies {
 }
 
 impl Request {
-    /// Reads and checks the arguments.
-    pub(super) fn read(args: &SolveArgs) -> Result<Self> {
+    /// Reads and checks the arguments; returns the problem as well, for an accuracy the one with which it begins.
+    pub(super) fn read(args: &SolveArgs) -> Result<(Self, Problem)> {
         let clock = Clock::start();
         let scene = args.scene.as_deref().map(scene).transpose()?;
         let scene = scene.as_ref();
@@ -130,17 +117,26 @@ impl Request {
             None => of_options(args)?,
         };
         check_solver_options(args, solver)?;
-        // Measured: a file's fields, and the recovered solution on four times as many nodes.
-        let bytes_to_write = if args.recover { 176 } else { 24 * u64::from(args.out.is_some()) };
-        let memory = Memory { solver, bytes_to_write, accuracy, written: written(args) };
-        let (domain, load, (problem, coarsest), remedies) = match &stated.place {
+        let files = match (args.recover, args.out.is_some()) {
+            (true, _) => Files::Recovered,
+            (false, true) => Files::Solution,
+            (false, false) => Files::None,
+        };
+        let memory = Memory { left: machine::available_memory().unwrap_or(u64::MAX), files };
+        let (domain, problem, remedies) = match &stated.place {
             Place::Square(square) => {
                 check_domain_options(args, None)?;
-                memory.check(square.finest().cells())?;
+                let cells = square.finest().cells();
+                let asked = match accuracy {
+                    Some(accuracy) => format!("{}: grid 1/{cells}", written(args).text(accuracy)),
+                    None => format!("--h 1/{cells}"),
+                };
+                let too_large = |e| Error::input(too_large(&asked, &e));
+                memory.check_grid(solver, cells).map_err(too_large)?;
                 clock.ended(Part::Setup);
                 let problem = stated.problem(&InputFiles::new())?;
                 clock.ended(Part::Load);
-                ("square", Some(square.load), (problem, None), Remedies::ON_THE_SQUARE)
+                ("square", problem, Remedies::ON_THE_SQUARE)
             }
             Place::Mesh(place) => {
                 check_domain_options(args, Some(place))?;
@@ -149,11 +145,11 @@ impl Request {
                 if let Some(asked) = &asked {
                     place.domain.check_adapted(asked, "--")?;
                 }
-                let wanted = Wanted { solver, asked, is_written: args.out.is_some() };
-                let (problem, coarsest) =
+                let wanted = Wanted { solver, asked, memory };
+                let problem =
                     on_mesh(name, (&stated, place), &wanted, &|step| clock.ended_step(step))?;
                 let domain = stated.file_name().unwrap_or(&place.domain.name);
-                (domain, None, (problem, Some(coarsest)), Remedies::ON_MESHES)
+                (domain, problem, Remedies::ON_MESHES)
             }
         };
         let name = args.scene.as_deref().unwrap_or(domain).to_owned();
@@ -162,53 +158,60 @@ impl Request {
             (None, Some(file)) => file.to_owned(),
             (None, None) => problem.levels().f(),
         };
-        // Meshes have no choice of load vectors.
-        let usual = if load.is_some() { PictureKind::Surface } else { PictureKind::Map };
+        let usual = if stated.square().is_some() { PictureKind::Surface } else { PictureKind::Map };
         let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
         let settings = scene.and_then(|scene| scene.settings.as_ref());
-        let settings = Settings {
-            params: params(args, settings, &mut overridden)?,
-            prolongation: settings.map(|settings| settings.prolongation).unwrap_or_default(),
-            ..Settings::of(solver)
+        let Params { r, rule: stop, max_iterations, .. } = params(args, settings, &mut overridden)?;
+        let prolongation = settings.map(|settings| settings.prolongation).unwrap_or_default();
+        let saddle = SaddleSettings { prolongation, r, stop, max_iterations };
+        let statement = Statement {
+            tolerance: args.tolerance()?,
+            ..stated.statement(solver, accuracy, solver.is_nested().then_some(saddle))
         };
-        Ok(Self {
+        let request = Self {
             name,
             scene: args.scene.clone(),
             title,
             view: args.view().unwrap_or(usual),
-            load,
             remedies,
-            stated,
-            coarsest,
-            problem,
-            settings,
-            tolerance: args.tolerance()?,
-            accuracy,
+            statement,
             written: written(args),
-            adapted: None,
             is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
             warnings,
-            bytes_to_write,
+            memory,
             clock,
-        })
+        };
+        Ok((request, problem))
     }
 
-    /// Solves, without an answer in words.
-    pub(super) fn run(&self) -> Result<Run> {
-        let goal = match (self.accuracy, self.tolerance) {
-            (Some(accuracy), _) => accuracy.goal(),
-            (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(self.problem.load())),
-            (None, None) => Goal::RoundingFloor,
-        };
-        let settings = Settings { goal, ..self.settings };
-        let run = solvers::solve(&self.problem, &settings).map_err(|e| self.refused(&e))?;
-        let last = run.last();
-        if last.end.stop != Stop::Diverged {
-            return Ok(run);
+    /// Solves, without an answer in words; for an accuracy the watcher is shown each grid or mesh.
+    pub(super) fn solved(&self, problem: Problem, watcher: &mut dyn Watcher) -> Result<Solved> {
+        let Self { statement, written, .. } = self;
+        if let Some(accuracy) = statement.accuracy() {
+            written.check(accuracy)?;
         }
-        let (name, solver) = (&self.name, settings.solver);
-        let grid = self.problem.levels().name(run.first_level + run.ends.len() - 1);
+        let steps = |step| self.clock.ended_step(step);
+        let solved = statement.solve(problem, self.memory, watcher, &steps);
+        let solved = solved.map_err(|e| self.refused(&e))?;
+        self.check_diverged(&solved)?;
+        match (statement.accuracy(), &solved.reached) {
+            (Some(accuracy), Some(Reached { end, marks: None, .. })) => {
+                written.check_end(accuracy, *end)?;
+            }
+            _ => {}
+        }
+        Ok(solved)
+    }
+
+    /// Refuses values that are not finite.
+    fn check_diverged(&self, solved: &Solved) -> Result<()> {
+        let (name, solver) = (&self.name, self.statement.solver);
+        let Some(last) = solved.ends().last().filter(|last| last.end.stop == Stop::Diverged) else {
+            return Ok(());
+        };
+        let first = solved.run().map_or(0, |run| run.first_level);
+        let grid = solved.problem.levels().name(first + solved.ends().len() - 1);
         Err(Error::Stage(vec![match solver.is_nested() {
             true => format!(
                 "{name}: {solver} diverged on {grid} after {} iterations; choose a smaller r or scale f down",
@@ -218,98 +221,60 @@ impl Request {
         }]))
     }
 
-    /// Refines the mesh where the error is large until it is as small as asked; returns the run with its bounds.
-    /// `watch` is shown each mesh.
-    pub(super) fn adapt(
-        &mut self,
-        accuracy: Accuracy,
-        watch: &mut dyn FnMut(&AdaptedMesh),
-    ) -> Result<(Run, Bounds)> {
-        let asked = (accuracy, self.written);
-        let Some(coarsest) = &self.coarsest else {
-            return Err(Error::input("the square has grids in place of meshes"));
-        };
-        let clock = &self.clock;
-        let ended = |step| clock.ended_step(step);
-        let mut watch = |mesh: &AdaptedMesh| {
-            watch(mesh);
-            ControlFlow::Continue(())
-        };
-        let adapted = self.stated.adapted(coarsest, asked, &mut watch, &ended)?;
-        let ends = adapted.outcomes().to_vec();
-        let (y, judgement) = (adapted.y, adapted.judgement);
-        let meshes = AdaptedMeshes { count: adapted.meshes, nodes: y.len(), end: adapted.end };
-        (self.problem, self.adapted) = (adapted.problem, Some(meshes));
-        let first_level = meshes.count - ends.len();
-        Ok((Run { y, ends, first_level, judgement }, adapted.bounds))
-    }
-
-    /// Puts the problem on the square on one grid with as many cells per side.
-    pub(super) fn set_grid(&mut self, cells: usize) -> Result<()> {
-        let (solver, accuracy, written) = (self.settings.solver, self.accuracy, self.written);
-        Memory { solver, bytes_to_write: self.bytes_to_write, accuracy, written }.check(cells)?;
-        self.stated.set_grid(grid(cells)?);
-        self.problem = self.stated.problem(&InputFiles::new())?;
-        Ok(())
-    }
-
     /// Writes a file with a solution on the finest of these levels.
     pub(super) fn write(
         &self,
         (file, format): &(OutputFile, Format),
-        levels: &dyn Levels,
+        (levels, law): (&dyn Levels, Law),
         pair: &Pair,
     ) -> Result<()> {
         let Self { name, title, view, .. } = self;
-        let law = self.problem.law();
         let solution = Solution { levels, name, title, view: *view, law, pair };
         let written = solution.file(*format).and_then(|bytes| file.write(&bytes));
         self.clock.ended(Part::Files);
         written
     }
 
-    /// Grids and f on the square; refuses meshes, for an option that only the square has.
-    pub(super) fn lattices(&self, option: &str) -> Result<&Lattices> {
-        let on_mesh = || Error::input(format!("{option} is for the square; leave it out"));
-        self.problem.lattices().ok_or_else(on_mesh)
-    }
-
-    /// Part of the integral of |f| by which the load moves jumps of f; none for a published table, whose load is the
-    /// paper's.
-    pub(super) fn moved_jumps(&self) -> Option<f64> {
-        if self.is_papers { None } else { self.stated.moved_jumps() }
+    /// Part of the integral of |f| by which the load of a problem moves jumps of f; none for a published table, whose
+    /// load is the paper's.
+    pub(super) fn moved_jumps(&self, problem: &Problem) -> Option<f64> {
+        if self.is_papers { None } else { problem.moved_jumps() }
     }
 
     /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
-    pub(super) fn width(&self) -> f64 {
-        let coarsest = self.stated.cells_of_coarsest_cube();
-        let width = |cells: usize| 1.0 / (cells << self.problem.finest()) as f64;
-        coarsest.map_or(self.problem.levels().width(), width)
+    pub(super) fn width(&self, problem: &Problem) -> f64 {
+        match self.statement.fineness {
+            Fineness::Width(cells) => 1.0 / cells as f64,
+            _ => problem.levels().width(),
+        }
     }
 
-    /// Returns, on a mesh, how fine it is.
-    pub(super) fn refined(&self) -> Option<String> {
-        if let Some(meshes) = self.adapted {
-            return Some(format!("{} adapted meshes", meshes.count));
+    /// Returns, on a mesh, how fine it is after so many refinements.
+    pub(super) fn refined(&self, times: usize) -> Option<String> {
+        if let Fineness::Width(cells) = self.statement.fineness {
+            return Some(format!("h 1/{cells}"));
         }
-        self.stated.refined(self.problem.finest())
+        (!self.statement.domain.is_square()).then(|| match times {
+            0 => "not refined".into(),
+            1 => "refined once".into(),
+            _ => format!("refined {times} times"),
+        })
     }
 
     /// Returns advice for a smaller residual; each option in it goes with those that are given.
     pub(super) fn closer(&self) -> Remedy {
         const MULTIGRID: &str = "--solver multigrid";
-        match (self.settings.solver, self.settings.params.rule) {
-            (Solver::Multigrid, _) if self.accuracy.is_some() => {
+        let Statement { solver, saddle, tolerance, .. } = self.statement;
+        match (solver, saddle.map(|settings| settings.stop)) {
+            (Solver::Multigrid, _) if self.statement.accuracy().is_some() => {
                 Remedy::new("ask for a smaller accuracy", "")
             }
-            (Solver::Multigrid, _) if self.tolerance.is_some() => {
+            (Solver::Multigrid, _) if tolerance.is_some() => {
                 Remedy::new("ask for a smaller --tolerance", "")
             }
             (Solver::Multigrid, _) => Remedy::new("use --solver active-set", "--solver active-set"),
-            (solver, StopRule::PrintedDual) if solver.is_nested() => {
-                Remedy::new("use --solver multigrid", MULTIGRID)
-            }
-            (solver, _) if solver.is_nested() => {
+            (_, Some(StopRule::PrintedDual)) => Remedy::new("use --solver multigrid", MULTIGRID),
+            (_, Some(_)) => {
                 Remedy::new("use --stop printed-dual, or --solver multigrid", MULTIGRID)
             }
             _ => Remedy::new("use --solver multigrid", MULTIGRID),
@@ -318,7 +283,7 @@ impl Request {
 
     /// Returns advice after a limit on iterations.
     pub(super) fn after_limit(&self) -> Remedy {
-        if self.settings.solver.is_nested() {
+        if self.statement.solver.is_nested() {
             let words = "raise --max-iterations, or use --solver multigrid";
             return Remedy::new(words, "--solver multigrid");
         }
@@ -326,100 +291,54 @@ impl Request {
     }
 
     /// Returns the settings, by name, on which the answer depends besides f, the solver and the levels.
-    pub(super) fn settings(&self) -> Vec<(&'static str, Value)> {
+    pub(super) fn settings(&self, law: Law) -> Vec<(&'static str, Value)> {
+        let Statement { load, saddle, tolerance, .. } = self.statement;
         let mut settings = Vec::new();
-        let law = self.problem.law();
         if !law.is_signorini() {
             settings.push(("law", law.to_string().into()));
         }
-        settings.extend(self.load.map(|rule| ("load", rule_name(&rule).into())));
-        if self.settings.solver.is_nested() {
-            let Params { r, rule, max_iterations, .. } = self.settings.params;
+        settings.extend(load.map(|rule| ("load", rule_name(&rule).into())));
+        if let Some(SaddleSettings { prolongation, r, stop, max_iterations }) = saddle {
             settings.push(("r", r.into()));
-            settings.push(("stop", rule.name().into()));
+            settings.push(("stop", stop.name().into()));
             settings.push(("max_iterations", max_iterations.into()));
-            let prolongation = json!(self.settings.prolongation);
-            settings.extend(self.load.map(|_| ("prolongation", prolongation)));
+            settings.extend(load.map(|_| ("prolongation", json!(prolongation))));
         }
-        settings.extend(self.tolerance.map(|tolerance| ("tolerance", tolerance.into())));
-        settings.extend(self.accuracy.map(|of| (of.option(), of.wanted().into())));
+        settings.extend(tolerance.map(|tolerance| ("tolerance", tolerance.into())));
+        let accuracy = self.statement.accuracy();
+        settings.extend(accuracy.map(|of| (option(of), of.wanted().into())));
         settings
     }
 
-    /// Returns the message that no nodal vector solves the discrete problem for a load vector with this sum.
-    pub(super) fn without_solution(&self, sum_load: f64) -> Warning {
+    /// Returns the message that no nodal vector solves the discrete problem on the level with this name, for a load
+    /// vector with this sum.
+    pub(super) fn without_solution(&self, level: &str, sum_load: f64) -> Warning {
         let [papers, others] = self.remedies.unbalanced;
-        let remedy = if self.problem.law().is_signorini() { papers } else { others };
-        let (name, grid) = (&self.name, self.problem.levels().name(self.problem.finest()));
-        let sum_load = signed(sum_load, 4);
+        let remedy = if self.statement.law.is_none() { papers } else { others };
+        let (name, sum_load) = (&self.name, signed(sum_load, 4));
         let fact = format!(
-            "{name}: the load vector sums to {sum_load} on {grid}, where the discrete problem has no solution"
+            "{name}: the load vector sums to {sum_load} on {level}, where the discrete problem has no solution"
         );
         Warning::new(fact, Remedy::new(remedy, ""))
     }
 
     fn refused(&self, refusal: &Refusal) -> Error {
+        if let Some(error) = self.written.refused(&self.statement, refusal) {
+            return error;
+        }
         let place = self.scene.as_deref().unwrap_or("--f");
         match refusal {
             // The integral of f has been judged before.
-            Refusal::Input(InputError::Unsolvable(
-                Unsolvable::NotCoercive { integral: sum, .. }
-                | Unsolvable::Unbalanced { integral: sum, .. },
-            )) => Error::Stage(vec![self.without_solution(*sum).sentence()]),
+            Refusal::Unbalanced { level, sum_load, .. } => {
+                Error::Stage(vec![self.without_solution(level, *sum_load).sentence()])
+            }
             Refusal::Input(e @ InputError::GridSize { .. }) => Error::input(format!("--h: {e}")),
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }
-            Refusal::Input(_) | Refusal::Problem(_) | Refusal::Spectral(_) => {
-                Error::input(format!("{place}: {refusal}; check f"))
-            }
+            Refusal::Spectral(e) => truth::failed(&self.name, e),
+            _ => Error::input(format!("{place}: {refusal}; check f")),
         }
-    }
-}
-
-/// Memory that a solver takes on the square.
-struct Memory {
-    solver: Solver,
-    /// Memory per node for writing the solution, besides that of the solver.
-    bytes_to_write: u64,
-    accuracy: Option<Accuracy>,
-    written: Written,
-}
-
-impl Memory {
-    /// Refuses a grid on which the solver would take too much memory.
-    fn check(&self, finest: usize) -> Result<()> {
-        let solver = self.solver;
-        let most = solver.entry().most_on_square.unwrap_or(MAX_CELLS);
-        let asked = match self.accuracy {
-            Some(accuracy) => format!("{}: grid 1/{finest}", self.written.text(accuracy)),
-            None => format!("--h 1/{finest}"),
-        };
-        if finest > most {
-            return Err(Error::input(format!(
-                "{asked} needs too much memory; 1/{most} is the finest for {solver}"
-            )));
-        }
-        let left = machine::available_memory().unwrap_or(u64::MAX);
-        if self.bytes(finest) <= left {
-            return Ok(());
-        }
-        let mut fits = finest / 2;
-        while fits >= 4 && self.bytes(fits) > left {
-            fits /= 2;
-        }
-        Err(Error::input(format!(
-            "{asked} takes about {} MB of memory, where {} MB are left; 1/{fits} would fit",
-            self.bytes(finest) / 1_000_000,
-            left / 1_000_000,
-        )))
-    }
-
-    /// Memory for solving on a grid and writing the solution.
-    fn bytes(&self, n: usize) -> u64 {
-        let n = n as u64;
-        let per_node = (self.solver.entry().bytes_per_node)(n) + self.bytes_to_write;
-        (n + 1).pow(2) * per_node
     }
 }
 
@@ -508,18 +427,17 @@ struct Wanted {
     solver: Solver,
     /// Accuracy, as the user wrote it.
     asked: Option<String>,
-    /// True if the solution is written to a file.
-    is_written: bool,
+    memory: Memory,
 }
 
-/// Returns the problem on a mesh that is read from its file, if it is not built in, and that mesh.
+/// Returns the problem on a mesh that is read from its file, if it is not built in.
 /// An accuracy begins with that mesh. `watch` is told when the mesh is made, and when f is integrated on it.
 fn on_mesh(
     name: &str,
     (stated, place): (&StatedProblem, &OnMesh),
-    Wanted { solver, asked, is_written }: &Wanted,
+    Wanted { solver, asked, memory }: &Wanted,
     watch: Watch<'_>,
-) -> Result<(Problem, AnyMesh)> {
+) -> Result<Problem> {
     if !solver.entry().on_meshes {
         return Err(Error::input(format!(
             "--solver {solver}: {name} has every solver but this one"
@@ -552,72 +470,37 @@ fn on_mesh(
         let refine = if coarsest.is_curved() { place.domain.refine } else { Some(0) };
         let domain = DomainSettings { refine, ..place.domain.clone() };
         let problem = stated.on_coarsest(&OnMesh { domain, ..place.clone() }, &coarsest, watch);
-        return Ok((problem.map_err(in_domain)?, coarsest));
+        return problem.map_err(in_domain);
     }
-    check_size(&coarsest, place, *solver, *is_written)?;
-    let problem = stated.on_coarsest(place, &coarsest, watch).map_err(in_domain)?;
-    Ok((problem, coarsest))
-}
-
-/// Memory on meshes in bytes per node, of file, mesh, network, solver and bounds: measured, rounded up.
-struct MeshMemory {
-    /// For each node of the finest mesh.
-    finest: f64,
-    /// For each node of the coarsest mesh besides, below which there are levels of aggregates.
-    coarsest: f64,
-    /// For each node of the finest mesh besides, if the solution is written.
-    written: f64,
-}
-
-impl MeshMemory {
-    const IN_PLANE: Self = Self { finest: 480.0, coarsest: 320.0, written: 240.0 };
-    const IN_SPACE: Self = Self { finest: 950.0, coarsest: 1000.0, written: 520.0 };
-
-    /// Bytes for a mesh that is refined so often.
-    fn bytes(&self, mesh: &AnyMesh, times: usize, is_written: bool) -> f64 {
-        let written = if is_written { self.written } else { 0.0 };
-        (self.finest + written) * nodes_after(mesh, times) + self.coarsest * mesh.nodes() as f64
-    }
+    check_size(&coarsest, place, *solver, *memory)?;
+    stated.on_coarsest(place, &coarsest, watch).map_err(in_domain)
 }
 
 /// Refuses refinements that take more memory than there is, or more nodes than the solver can do with.
-fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver, is_written: bool) -> Result<()> {
-    let is_plane = mesh.dimension() == 2;
-    let memory = if is_plane { MeshMemory::IN_PLANE } else { MeshMemory::IN_SPACE };
-    let bytes = |times| memory.bytes(mesh, times, is_written);
-    let left = machine::available_memory().unwrap_or(u64::MAX) as f64;
-    let most = solver.entry().most_nodes[usize::from(mesh.dimension() - 2)];
-    let most = most.map_or(f64::INFINITY, |most| most as f64);
-    let fits = |times: &usize| {
-        let nodes = nodes_after(mesh, *times);
-        nodes <= most && bytes(*times) <= left
-    };
+fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver, memory: Memory) -> Result<()> {
     let times = place.domain.refinements(mesh);
-    if fits(&times) {
+    let Err(TooLarge { reason, fits, .. }) = memory.check_mesh(solver, mesh, times) else {
         return Ok(());
-    }
+    };
     // The option by which the levels of the domain are chosen.
     let option = |times: usize| match place.domain.cells {
         Some(cells) => format!("--h 1/{}", cells << times),
         None => format!("--refine {times}"),
     };
-    let nodes = nodes_after(mesh, times);
-    let reason = match nodes > most {
-        true => format!("makes about {nodes:.0} nodes, where {solver} can do with {most}"),
-        false => format!(
-            "takes about {:.0} MB of memory, where {:.0} MB are left",
-            bytes(times) / 1e6,
-            left / 1e6
-        ),
+    let text = match reason {
+        SizeRefusal::TooManyNodes { nodes, most, .. } => {
+            format!("makes about {nodes:.0} nodes, where {solver} can do with {most}")
+        }
+        ref reason => reason.to_string(),
     };
-    let remedy = match (0..times).rev().find(fits) {
-        Some(times) => format!("{} would fit", option(times)),
-        None if nodes <= most => "begin with a coarser mesh and --refine".into(),
-        None => "choose another solver, or begin with a coarser mesh".into(),
+    let remedy = match (fits, &reason) {
+        (Some(times), _) => format!("{} would fit", option(times)),
+        (None, SizeRefusal::Memory { .. }) => "begin with a coarser mesh and --refine".into(),
+        (None, _) => "choose another solver, or begin with a coarser mesh".into(),
     };
     // A mesh that is not refined is the file's own.
     let asked = if times == 0 { place.domain.name.clone() } else { option(times) };
-    Err(Error::input(format!("{asked} {reason}; {remedy}")))
+    Err(Error::input(format!("{asked} {text}; {remedy}")))
 }
 
 /// Returns the cells per side of the coarsest mesh of the cube, and the number of refinements to as many as are asked
@@ -762,7 +645,7 @@ fn written(args: &SolveArgs) -> Written {
 
 fn params(
     args: &SolveArgs,
-    scene: Option<&SaddleSettings>,
+    scene: Option<&saddle::SaddleSettings>,
     overridden: &mut Vec<String>,
 ) -> Result<Params> {
     let r = choose("r", args.r, scene.map(|s| s.draw_r), f64::to_string, overridden);
@@ -773,8 +656,8 @@ fn params(
     let limit = choose("max-iterations", given, of_scene, usize::to_string, overridden);
     let defaults = Params::default();
     Ok(Params {
-        r: positive_r(r.unwrap_or(SaddleSettings::R))?,
-        rule: rule.unwrap_or(SaddleSettings::RULE),
+        r: positive_r(r.unwrap_or(saddle::SaddleSettings::R))?,
+        rule: rule.unwrap_or(saddle::SaddleSettings::RULE),
         max_iterations: limit.unwrap_or(defaults.max_iterations),
         ..defaults
     })
@@ -822,11 +705,6 @@ fn hierarchy(finest: usize, coarsest: Option<usize>) -> Result<Vec<Grid>> {
         sizes.insert(0, sizes[0] / 2);
     }
     nested(&sizes).map_err(|e| Error::input(e.to_string()))
-}
-
-/// Returns the grid with as many cells per side.
-fn grid(cells: usize) -> Result<Grid> {
-    Grid::new(cells).map_err(|e| Error::input(e.to_string()))
 }
 
 #[cfg(test)]

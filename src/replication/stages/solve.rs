@@ -5,55 +5,36 @@
 
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
-use crate::replication::accuracy::{Accuracy, Written};
+use crate::pipeline::{Artifacts, InputFile, InputFiles, Inputs, Task};
 use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
-use crate::replication::stated::{OnSquare, StatedProblem};
+use crate::replication::written::Written;
+use crate::timing::machine;
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::bounds::{Bounds, NoBound};
+use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
-use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::levels::{AdaptedMesh, Problem, Reserve};
-use signorini_mathematics::multigrid::Goal;
+use signorini_mathematics::levels::{Problem, Reserve};
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::text::{interval, plain};
-use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Params, Plain, StopRule};
-use signorini_mathematics::solvers::{self, Settings, Solver};
-use signorini_mathematics::spectral::{TrueSolution, true_solution};
+use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Plain, StopRule};
+use signorini_mathematics::solvers::{Files, Memory, ReachEnd, Solved, Solver, Tried, Watcher};
+use signorini_mathematics::statement::{Fineness, SaddleSettings, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Settings that determine the artifacts of a cell, besides the file of a mesh.
+/// What is asked in one cell, and which artifacts it has, besides the file of a mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
-    #[serde(flatten)]
-    problem: StatedProblem,
-    solver: Solver,
-    /// Accuracy by which the grid is chosen, in place of that of the problem.
-    #[serde(flatten)]
-    accuracy: Option<Accuracy>,
-    /// Settings of a saddle-point method; none for other solvers.
-    #[serde(flatten)]
-    settings: Option<CellSettings>,
+    statement: Statement,
     /// True if the pair on the finest grid is drawn.
     keep_pair: bool,
     /// True if the history of residuals is drawn.
     keep_history: bool,
-}
-
-/// Settings of a saddle-point method in one cell.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct CellSettings {
-    prolongation: Prolongation,
-    r: f64,
-    stop: StopRule,
-    max_iterations: usize,
 }
 
 /// Contents of the artifact [`OUTCOMES`].
@@ -125,7 +106,7 @@ pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
     for run in scene.runs(rule) {
         let cell = cell(scene, run);
         if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
-            tasks.push(task(id_of(scene, run), cell));
+            tasks.push(task(id_of(scene, run), cell, scene.problem.files()));
         }
     }
     tasks
@@ -133,24 +114,20 @@ pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
 
 /// Solves a scene on the square on its finest grid by multigrid, with f integrated exactly; a is the flux.
 pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
-    let square = OnSquare {
-        load: LoadRule::Exact { diagonal: Diagonal::default() },
-        grids: vec![scene.finest()],
-        ..scene.on_grids().clone()
+    let statement = Statement {
+        load: Some(LoadRule::Exact { diagonal: Diagonal::default() }),
+        fineness: Fineness::Grids(vec![scene.finest().cells()]),
+        ..scene.problem.statement(Solver::Multigrid, None, None)
     };
-    let stated = StatedProblem::on_square(square, scene.problem.law);
-    let problem = stated.problem(&InputFiles::new())?;
-    let run = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
-        .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let a = run.judgement.multiplier(&run.y);
-    Ok(Pair { y: run.y, a })
+    let solved = statement.solved(None).map_err(|e| format!("scene `{}`: {e}", scene.name))?;
+    Ok(solved.pair())
 }
 
 /// Runs the first rule with the drawn r on a scene on the square. Returns each grid with the pair where the rule stops
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let drawn = cell(scene, scene.drawn(scene.first_rule()));
-    let Solved { pairs, .. } = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
+    let (_, Recorder { pairs, .. }) = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
     Ok(scene.on_grids().grids.iter().copied().zip(pairs).collect())
 }
 
@@ -158,16 +135,14 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
     let rule = run.map(|run| run.rule);
     let is_first_rule = rule == scene.first_rule();
     let settings = scene.settings.as_ref().zip(run);
+    let saddle = settings.map(|(settings, RuleAndR { rule, r })| SaddleSettings {
+        prolongation: settings.prolongation,
+        r,
+        stop: rule,
+        max_iterations: settings.max_iterations,
+    });
     Cell {
-        problem: scene.problem.clone(),
-        solver: scene.solver,
-        accuracy: scene.accuracy,
-        settings: settings.map(|(settings, RuleAndR { rule, r })| CellSettings {
-            prolongation: settings.prolongation,
-            r,
-            stop: rule,
-            max_iterations: settings.max_iterations,
-        }),
+        statement: scene.problem.statement(scene.solver, scene.accuracy, saddle),
         keep_pair: run == scene.drawn(rule)
             && ((is_first_rule && (scene.wants(Output::Surface) || scene.wants(Output::Map)))
                 || scene.wants(Output::Contact)),
@@ -175,132 +150,58 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
     }
 }
 
-fn task(id: String, cell: Cell) -> Task {
+fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     Task::new(id, &cell, Vec::new(), |cell, inputs| {
         cell.artifacts(inputs.files, inputs.interrupted)
     })
-    .with_files(cell.problem.files())
-}
-
-/// Results of a cell.
-#[derive(Default)]
-struct Solved {
-    outcomes: Outcomes,
-    /// Pairs on the levels where the solver ended, the finest last.
-    pairs: Vec<Pair>,
-    /// Every iteration of a saddle-point method, per level, if it is kept.
-    history: Vec<Vec<Iteration>>,
-    /// Reason for which there are no bounds on the finest level.
-    no_bound: Option<NoBound>,
-    /// Cells that were marked for each bisection of adapted meshes.
-    marks: Option<Vec<Vec<u32>>>,
+    .with_files(files)
 }
 
 impl Cell {
     /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
-    fn run(&self, files: &InputFiles, interrupted: &AtomicBool) -> Result<Solved, Failure> {
-        match (self.solver, self.accuracy) {
-            (Solver::Spectral, _) => self.without_grid(),
-            (_, Some(accuracy)) if self.problem.square().is_some() => {
-                Ok(self.on_finer_grids(accuracy, interrupted)?)
-            }
-            (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files, interrupted)?),
-            (_, None) => Ok(self.on(&self.problem, files)?),
-        }
-    }
-
-    /// Solves the problem as it is stated.
-    fn on(&self, stated: &StatedProblem, files: &InputFiles) -> Read<Solved> {
-        let problem = stated.problem(files)?;
-        let mut recorder = Recorder { keep_history: self.keep_history, ..Recorder::default() };
-        let run = solvers::solve_watched(&problem, &self.settings(), &mut recorder)
-            .map_err(|e| Error::input(format!("{e}; choose another `solver`, or change f")))?;
-        let Recorder { history, mut pairs, .. } = recorder;
-        let mut outcomes =
-            Outcomes { schema: 1, r: self.settings.as_ref().map(|of| of.r), ..Outcomes::default() };
-        let mut no_bound = None;
-        if self.settings.is_none() {
-            let bounds = problem.bounds(&run.y);
-            no_bound = bounds.as_ref().err().copied();
-            outcomes.bounds.push(bounds.ok());
-            outcomes.reserve = problem.reserves();
-            pairs.push(Pair { a: run.judgement.multiplier(&run.y), y: run.y });
-        }
-        outcomes.levels = run.ends;
-        if let Some(exact) = stated.known_solution() {
-            for (level, pair) in outcomes.levels.iter().zip(&pairs) {
-                let cells = level.cells.expect("known solutions are on the square");
-                let grid = Grid::new(cells).expect("a grid that was solved on");
-                outcomes.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
-            }
-        }
-        Ok(Solved { outcomes, pairs, history, no_bound, marks: None })
-    }
-
-    /// Solves on one grid of the square after the other until an accuracy is reached.
-    fn on_finer_grids(&self, accuracy: Accuracy, interrupted: &AtomicBool) -> Read<Solved> {
-        let mut all = Solved::default();
-        accuracy.reach(Written::Key, |cells| {
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
-            let mut stated = self.problem.clone();
-            stated.set_grid(Grid::new(cells).map_err(|e| Error::input(e.to_string()))?);
-            let Solved { mut outcomes, pairs, no_bound, .. } =
-                self.on(&stated, &InputFiles::new())?;
-            let bounds = outcomes.bounds.last().cloned().flatten();
-            let bounds = bounds.ok_or(no_bound.unwrap_or(NoBound::NotFinite));
-            outcomes.levels.splice(0..0, std::mem::take(&mut all.outcomes.levels));
-            outcomes.errors.splice(0..0, std::mem::take(&mut all.outcomes.errors));
-            outcomes.bounds.splice(0..0, std::mem::take(&mut all.outcomes.bounds));
-            let is_ended = outcomes.levels.last().is_some_and(|level| !is_at_rest(level));
-            all = Solved { outcomes, pairs, ..Solved::default() };
-            if is_ended { Ok(None) } else { accuracy.of_grid(Written::Key, bounds).map(Some) }
-        })?;
-        Ok(all)
-    }
-
-    /// Solves on one adapted mesh after the other until an accuracy is reached.
-    fn on_adapted_meshes(
+    fn run<'a>(
         &self,
-        accuracy: Accuracy,
         files: &InputFiles,
-        interrupted: &AtomicBool,
-    ) -> Read<Solved> {
-        let mut bounds = Vec::new();
-        let mut watch = |mesh: &AdaptedMesh| {
-            bounds.push(mesh.bounds.clone().ok());
-            unless(interrupted)
+        interrupted: &'a AtomicBool,
+    ) -> Read<(Solved, Recorder<'a>)> {
+        let (history, pairs) = (Vec::new(), Vec::new());
+        let mut recorder =
+            Recorder { keep_history: self.keep_history, history, pairs, interrupted };
+        let problem = problem_of(&self.statement, mesh(&self.statement, files)?.as_ref())?;
+        let left = machine::available_memory().unwrap_or(u64::MAX);
+        let memory = Memory { left, files: Files::None };
+        let solved = self.statement.solve(problem, memory, &mut recorder, &|_| ());
+        let solved = solved.map_err(|e| {
+            let of_accuracy = Written::Key.refused(&self.statement, &e);
+            let text = format!("{e}; choose another `solver`, or change f");
+            of_accuracy.unwrap_or_else(|| Error::input(text))
+        })?;
+        self.check_accuracy(&solved)?;
+        Ok((solved, recorder))
+    }
+
+    /// Refuses an accuracy that was not reached.
+    fn check_accuracy(&self, solved: &Solved) -> Read<()> {
+        let (Some(accuracy), Some(reached)) = (self.statement.accuracy(), &solved.reached) else {
+            return Ok(());
         };
-        let run = self.problem.adapted_scene(files, accuracy, &mut watch)?;
-        // The first meshes have no solution where their polygon is too coarse.
-        bounds.drain(..bounds.len() - run.outcomes().len());
-        let (levels, reserve) = (run.outcomes().to_vec(), run.problem.reserves());
-        let outcomes = Outcomes { schema: 1, levels, bounds, reserve, ..Outcomes::default() };
-        let pair = Pair { a: run.judgement.multiplier(&run.y), y: run.y };
-        let marks = Some(run.marks);
-        Ok(Solved { outcomes, pairs: vec![pair], marks, ..Solved::default() })
-    }
-
-    /// Finds the solution without a grid, and its values at the nodes of the finest grid if they are drawn.
-    fn without_grid(&self) -> Result<Solved, Failure> {
-        let (f, finest) = self.problem.on_finest()?;
-        let found = true_solution(self.problem.law()?, f).map_err(|e| e.to_string())?;
-        let TrueSolution { solution, steps } = found;
-        let end = WithoutGrid { steps, energy: solution.energy };
-        let outcomes = Outcomes { schema: 1, without_grid: Some(end), ..Outcomes::default() };
-        let pair = self.keep_pair.then(|| solution.on_grid(finest));
-        Ok(Solved { outcomes, pairs: pair.into_iter().collect(), ..Solved::default() })
-    }
-
-    /// Returns the settings of the solver.
-    fn settings(&self) -> Settings {
-        let usual = Settings::of(self.solver);
-        let goal = self.accuracy.map_or(Goal::RoundingFloor, Accuracy::goal);
-        let Some(settings) = &self.settings else { return Settings { goal, ..usual } };
-        let &CellSettings { prolongation, r, stop, max_iterations } = settings;
-        let params = Params { r, rule: stop, max_iterations, ..Params::default() };
-        Settings { params, prolongation, ..usual }
+        if self.statement.domain.is_square() {
+            return Written::Key.check_end(accuracy, reached.end);
+        }
+        let (ReachEnd::Finest { best, .. } | ReachEnd::Rounding { least: best }) = reached.end
+        else {
+            return Ok(());
+        };
+        let asked = Written::Key.text(accuracy);
+        Err(Error::input(match best.is_finite() {
+            false => format!(
+                "{asked}: the error is bounded on no mesh by less than the solution, as where v = 0; leave it out"
+            ),
+            true => format!(
+                "{asked}: {best:.1e} is reached with {} nodes, and no more; ask for less",
+                solved.problem.lengths()[0]
+            ),
+        }))
     }
 
     fn artifacts(
@@ -308,28 +209,52 @@ impl Cell {
         files: &InputFiles,
         interrupted: &AtomicBool,
     ) -> Result<Artifacts, Failure> {
-        let Solved { mut outcomes, pairs, history, marks, .. } = self.run(files, interrupted)?;
-        outcomes.asks_energy = matches!(self.accuracy, Some(Accuracy::Energy(_)));
+        let (solved, Recorder { mut pairs, history, .. }) = self.run(files, interrupted)?;
+        // A saddle-point method has a multiplier of its own.
+        if self.keep_pair && pairs.is_empty() {
+            pairs.push(solved.pair());
+        }
+        let outcomes = self.outcomes(&solved);
         let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair))?;
-        artifacts.extend(marks.map(|marks| (MARKS.to_owned(), marks_bytes(&marks))));
+        if let Some(marks) = solved.reached.and_then(|reached| reached.marks) {
+            artifacts.insert(MARKS.into(), marks_bytes(&marks));
+        }
         if self.keep_history {
             artifacts.insert(HISTORY.into(), to_json(&history));
         }
         Ok(artifacts)
     }
-}
 
-/// Goes on unless the run is to end.
-fn unless(interrupted: &AtomicBool) -> ControlFlow<()> {
-    match interrupted.load(Ordering::Relaxed) {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
+    /// Returns what is kept of a solution.
+    fn outcomes(&self, solved: &Solved) -> Outcomes {
+        let mut outcomes = Outcomes {
+            schema: 1,
+            r: self.statement.saddle.map(|settings| settings.r),
+            levels: solved.ends().to_vec(),
+            errors: solved.run().map(|run| run.errors.clone()).unwrap_or_default(),
+            asks_energy: matches!(self.statement.accuracy(), Some(Accuracy::Energy(_))),
+            without_grid: solved
+                .truth()
+                .map(|found| WithoutGrid { steps: found.steps, energy: found.solution.energy }),
+            ..Outcomes::default()
+        };
+        if outcomes.r.is_none() && outcomes.without_grid.is_none() {
+            outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
+            outcomes.reserve = solved.problem.reserves();
+        }
+        outcomes
     }
 }
 
-/// True if a solver ended neither at its limit nor without finite values.
-fn is_at_rest(level: &Outcome) -> bool {
-    matches!(level.end.stop, Stop::Converged | Stop::RoundingFloor)
+/// Returns the mesh of a statement, from the one file that it has, unless the domain is built in; none on the square.
+fn mesh(statement: &Statement, files: &InputFiles) -> Read<Option<AnyMesh>> {
+    let file = files.values().next().map(InputFile::bytes).transpose()?;
+    statement.mesh(file).map_err(|e| Error::input(e.to_string()))
+}
+
+/// Returns the problem of a statement on its mesh.
+fn problem_of(statement: &Statement, mesh: Option<&AnyMesh>) -> Read<Problem> {
+    statement.problem(mesh, &|_| ()).map_err(|e| Error::input(e.to_string()))
 }
 
 impl Outcomes {
@@ -384,20 +309,29 @@ impl Outcomes {
 
     /// Returns, in words, how the solver of a scene ended on the finest level, unless with a solution.
     fn no_solution(&self, scene: &Scene) -> Option<String> {
-        let solved = self.levels.last().is_none_or(|last| is_solved(scene, last));
-        (!solved).then(|| self.end().replace('-', " "))
+        let judged = self.levels.last()?.judged(scene.accuracy.is_some());
+        judged.is_failure().then(|| self.end().replace('-', " "))
     }
 }
 
-/// Monitor that records the last pair on each level and, if asked, all iterations.
-#[derive(Default)]
-struct Recorder {
+/// Monitor that records the last pair of a saddle-point method on each level and, if asked, all iterations.
+struct Recorder<'a> {
     keep_history: bool,
     history: Vec<Vec<Iteration>>,
     pairs: Vec<Pair>,
+    interrupted: &'a AtomicBool,
 }
 
-impl Monitor for Recorder {
+impl Watcher for Recorder<'_> {
+    fn tried(&mut self, _: Tried<'_>) -> ControlFlow<()> {
+        match self.interrupted.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+impl Monitor for Recorder<'_> {
     fn wants_iterations(&self) -> bool {
         self.keep_history
     }
@@ -410,12 +344,6 @@ impl Monitor for Recorder {
     fn level(&mut self, _: usize, pair: &Pair) {
         self.pairs.push(pair.clone());
     }
-}
-
-/// True if the solver of a scene ended with a solution. A guaranteed bound that was asked for has been reached:
-/// residuals of single nodes do not contradict it.
-fn is_solved(scene: &Scene, level: &Outcome) -> bool {
-    is_at_rest(level) && (scene.accuracy.is_some() || level.name() == level.end.stop.name())
 }
 
 /// Returns, in words, how the solver ended on the finest grid, with the r that is drawn, unless with a solution.
@@ -542,17 +470,19 @@ pub(crate) fn without_solution(
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the
 /// grid or the adapted mesh that reached it.
 pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure> {
-    let mut stated = scene.problem.clone();
+    let mut statement = scene.problem.statement(scene.solver, scene.accuracy, None);
+    let mesh = mesh(&statement, inputs.files)?;
     if scene.accuracy.is_some() {
-        if let Ok(marks) = artifact(inputs, &id_of(scene, None), MARKS) {
-            return Ok(stated.on_bisected(inputs.files, &marks_of(marks)?)?);
+        let task = id_of(scene, None);
+        if let (Some(mesh), Ok(marks)) = (&mesh, artifact(inputs, &task, MARKS)) {
+            let problem = statement.problem_on_bisected(mesh, &marks_of(marks)?);
+            return Ok(problem.map_err(|e| e.to_string())?);
         }
         let outcomes = drawn_outcomes(inputs, scene, None)?;
         let cells = outcomes.levels.last().and_then(|level| level.cells);
-        let grid = cells.map(Grid::new).transpose().map_err(|e| e.to_string())?;
-        grid.into_iter().for_each(|grid| stated.set_grid(grid));
+        statement.fineness = Fineness::Grids(cells.into_iter().collect());
     }
-    Ok(stated.problem(inputs.files)?)
+    Ok(problem_of(&statement, mesh.as_ref())?)
 }
 
 /// Returns the bytes of the artifact [`MARKS`].

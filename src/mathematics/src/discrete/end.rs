@@ -109,6 +109,17 @@ impl Outcome {
         Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
     }
 
+    /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. A guaranteed bound that
+    /// was asked for, if it is one that `is_bounded`, has been reached; residuals of single nodes do not contradict it.
+    pub fn judged(&self, is_bounded: bool) -> Verdict {
+        match (self.verdict(), self.end.stop) {
+            (Verdict::NoSolution, _) => Verdict::NoSolution,
+            (_, stop @ (Stop::IterationLimit | Stop::Diverged)) => Verdict::CutOff(stop),
+            _ if is_bounded => Verdict::Solved,
+            (verdict, Stop::Converged | Stop::RoundingFloor) => verdict,
+        }
+    }
+
     /// Name of the end: the verdict if the vector is no solution, else the reason of the solver.
     pub fn name(&self) -> &'static str {
         self.verdict().end(self.end.stop)

@@ -8,7 +8,7 @@ use crate::discrete::kkt::{Judgement, has_solution, judge};
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
 use crate::discrete::norms::{errors, multiplier_error};
 use crate::formats::Fields;
-use crate::mesh::{AnyMesh, Condition, lattice_mesh, mesh_load, uniform_square};
+use crate::mesh::{AnyMesh, Condition, PlaneMesh, lattice_mesh, mesh_load, uniform_square};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::source::Source;
@@ -186,6 +186,10 @@ impl Levels for Lattices {
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
         bounds(self.finest(), &self.f, law, y)
+    }
+
+    fn coarsest(&self) -> Option<&PlaneMesh> {
+        None
     }
 
     fn mesh(&self) -> AnyMesh {

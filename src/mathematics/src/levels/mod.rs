@@ -5,19 +5,19 @@
 //! square, without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has
 //! asks [`Levels::discrete`].
 
-mod adapted;
+mod bisected;
 mod error;
 mod lattices;
 mod problem;
 mod steps;
 mod triangulations;
 
-pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption};
 pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
 pub use steps::{Step, Watch};
 pub use triangulations::Triangulations;
+pub(crate) use triangulations::read;
 
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
@@ -123,6 +123,9 @@ pub trait Levels: Send + Sync {
     /// [`NoBound`].
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound>;
 
+    /// Coarsest mesh of a domain in the plane, from which meshes may be adapted; none on the square, and in space.
+    fn coarsest(&self) -> Option<&PlaneMesh>;
+
     /// Copy of the mesh of the finest level.
     fn mesh(&self) -> AnyMesh;
 
@@ -170,7 +173,7 @@ const MISSED: f64 = 0.1;
 ///
 /// # Errors
 /// [`NoBound::Missed`].
-fn check_missed(missed: Option<f64>) -> Result<(), NoBound> {
+pub(crate) fn check_missed(missed: Option<f64>) -> Result<(), NoBound> {
     match missed.filter(|missed| *missed > MISSED) {
         Some(part) => Err(NoBound::Missed { part }),
         None => Ok(()),
@@ -224,7 +227,7 @@ pub struct Integrals {
 }
 
 /// Bound of the rounding error of the integral of f, over the integral of |f|.
-const ROUNDING: f64 = 1e-12;
+pub(crate) const ROUNDING: f64 = 1e-12;
 
 impl Integrals {
     /// Bound of the rounding error of the integral of f, and of each sum that balances it.

@@ -58,7 +58,7 @@ where
     }
 
     /// Levels on nested meshes, with f and what it is on the finest.
-    pub(super) fn of(nested: NestedMeshes<D, V>, f: MeshSource<D>, load: MeshLoad) -> Self {
+    pub(crate) fn of(nested: NestedMeshes<D, V>, f: MeshSource<D>, load: MeshLoad) -> Self {
         let integrals = Integrals {
             of_f: load.integral,
             of_size: load.size,
@@ -69,7 +69,7 @@ where
     }
 
     /// Levels with the guaranteed error in each cell of the finest mesh.
-    pub(super) fn with_errors(self, errors: Vec<f64>) -> Self {
+    pub(crate) fn with_errors(self, errors: Vec<f64>) -> Self {
         Self { errors: Some(errors), ..self }
     }
 
@@ -138,7 +138,7 @@ fn arc_lengths(mesh: &PlaneMesh, nodes: &[usize]) -> Vec<f64> {
 }
 
 /// Reads f on a mesh.
-pub(super) fn read<const D: usize, const V: usize>(
+pub(crate) fn read<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
 ) -> Result<MeshSource<D>, MeshSourceError> {
@@ -280,6 +280,10 @@ where
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
         bounds_on_mesh(self.finest(), self.network(), &self.load, law, y)
+    }
+
+    fn coarsest(&self) -> Option<&PlaneMesh> {
+        plane(&self.nested.meshes[0])
     }
 
     fn mesh(&self) -> AnyMesh {

@@ -2,19 +2,27 @@
 //!
 //! A new solver is a room of its own, and an entry of [`SOLVERS`] with a function that hands it a problem.
 
+mod adapted;
+mod grids;
+mod reach;
 mod run;
 mod size;
+mod solved;
 mod table;
 
-pub use run::Found;
-pub use size::SizeRefusal;
+pub use adapted::Adaption;
+pub(crate) use grids::Grids;
+pub(crate) use reach::reach;
+pub use reach::{ReachEnd, Reached, Tried, Watcher};
+pub use run::{Found, Run};
+pub use size::{Files, MOST_CELLS, Memory, SizeRefusal, TooLarge};
+pub use solved::{Solved, recovered};
 pub use table::{SOLVERS, Solver, SolverEntry};
 
-use crate::discrete::end::Outcome;
-use crate::discrete::kkt::Judgement;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{Problem, ProblemError};
 use crate::multigrid::{Goal, InputError};
+use crate::problem::unsolvable::Unsolvable;
 use crate::saddle::{Monitor, Params};
 use crate::spectral::SpectralError;
 
@@ -39,40 +47,49 @@ impl Settings {
     }
 }
 
-/// Run of a solver.
-pub struct Run {
-    /// Nodal vector of the finest level.
-    pub y: Vec<f64>,
-    /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
-    pub ends: Vec<Outcome>,
-    /// Number of the level of the first end, of adapted meshes its position among them; the others follow.
-    pub first_level: usize,
-    /// Judgement of the vector.
-    pub judgement: Judgement,
-}
-
-impl Run {
-    /// End on the finest level.
-    pub fn last(&self) -> &Outcome {
-        &self.ends[self.ends.len() - 1]
-    }
-}
-
 /// Reason for which a solver refuses a problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
     /// Wrong input.
     #[error(transparent)]
-    Input(#[from] InputError),
+    Input(InputError),
+    /// No flux can balance the load vector of a level, although one can balance f.
+    #[error("{reason}")]
+    Unbalanced {
+        /// Name of the level.
+        level: String,
+        /// Sum of the load vector.
+        sum_load: f64,
+        /// Reason.
+        reason: Unsolvable,
+    },
     /// f is not finite at a point of a coarser level.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// The domain does not have the solver.
     #[error("{0} is for the square alone")]
     NotOnMeshes(Solver),
+    /// Meshes are adapted in the plane alone.
+    #[error("meshes are adapted in the plane alone")]
+    NotInPlane,
+    /// The next grid on the way to an accuracy is too large.
+    #[error(transparent)]
+    Size(#[from] TooLarge),
+    /// Whoever watches has broken off.
+    #[error("interrupted")]
+    Interrupted,
     /// f is not constant on pieces, or no solution was found that stands its checks.
     #[error(transparent)]
     Spectral(#[from] SpectralError),
+}
+
+impl Refusal {
+    /// Refusal of the discrete problem on the finest level.
+    fn on_finest(problem: &Problem, error: InputError) -> Self {
+        let InputError::Unsolvable(reason) = error else { return Self::Input(error) };
+        let Some(sum_load) = reason.integral() else { return Self::Input(error) };
+        Self::Unbalanced { level: problem.levels().name(problem.finest()), sum_load, reason }
+    }
 }
 
 /// Solves a problem.
@@ -92,5 +109,17 @@ pub fn solve_watched(
     settings: &Settings,
     monitor: &mut dyn Monitor,
 ) -> Result<Run, Refusal> {
-    Ok((settings.solver.entry().run)(problem, settings, monitor)?.run(problem))
+    Ok(find(problem, settings, monitor)?.on_levels(problem))
+}
+
+/// As [`solve_watched`], but a true solution is not evaluated on the levels.
+///
+/// # Errors
+/// As [`solve`].
+pub(crate) fn find(
+    problem: &Problem,
+    settings: &Settings,
+    monitor: &mut dyn Monitor,
+) -> Result<Found, Refusal> {
+    (settings.solver.entry().run)(problem, settings, monitor)
 }

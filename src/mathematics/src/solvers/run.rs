@@ -1,15 +1,37 @@
 //! One function per kind of solver that hands it a problem, on the square or on a mesh.
 
-use super::{Refusal, Run, Settings, Solver};
+use super::{Refusal, Settings, Solver};
 use crate::discrete::end::{End, Outcome};
+use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, NodalVectors, Problem};
 use crate::multigrid::active_set::{active_set as solve_lattice, active_set_on};
-use crate::multigrid::{InputError, MultigridParams, solve_square};
+use crate::multigrid::{MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
-use crate::saddle::{Monitor, NestedGrids, Params, solve_nested};
+use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
 use crate::spectral::{TrueSolution, true_solution};
 use std::borrow::Cow;
+
+/// Run of a solver on levels.
+pub struct Run {
+    /// Nodal vector of the finest level.
+    pub y: Vec<f64>,
+    /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
+    pub ends: Vec<Outcome>,
+    /// Greatest nodal error on each of these levels; empty if the solution is not known.
+    pub errors: Vec<f64>,
+    /// Number of the level of the first end, of adapted meshes its position among them; the others follow.
+    pub first_level: usize,
+    /// Judgement of the vector.
+    pub judgement: Judgement,
+}
+
+impl Run {
+    /// End on the finest level.
+    pub fn last(&self) -> &Outcome {
+        &self.ends[self.ends.len() - 1]
+    }
+}
 
 /// What a solver found.
 pub enum Found {
@@ -21,16 +43,20 @@ pub enum Found {
 
 impl Found {
     /// Run whose vector is that on the finest level; of a true solution, its values at the nodes.
-    pub(super) fn run(self, problem: &Problem) -> Run {
-        match (self, problem.lattices()) {
-            (Self::Vector(run), _) => run,
-            (Self::Truth(found), lattices) => {
-                let lattices = lattices.expect("true solutions are on the square");
-                let y = found.solution.on_grid(lattices.finest()).y;
-                judged(problem, y, End::converged(found.steps))
+    pub(super) fn on_levels(self, problem: &Problem) -> Run {
+        match self {
+            Self::Vector(run) => run,
+            Self::Truth(found) => {
+                judged(problem, values(&found, problem).y, End::converged(found.steps))
             }
         }
     }
+}
+
+/// Values of a true solution at the nodes of the finest grid, and the multiplier at its boundary nodes.
+pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
+    let lattices = problem.lattices().expect("true solutions are on the square");
+    found.solution.on_grid(lattices.finest())
 }
 
 /// Judges a vector of the finest level.
@@ -39,7 +65,8 @@ fn judged(problem: &Problem, y: Vec<f64>, end: End) -> Run {
     let judgement = problem.judge(&y);
     let has_solution = levels.is_solvable(level, problem.law(), load);
     let end = Outcome::new(end, &judgement, levels.cells(level), load, has_solution);
-    Run { y, ends: vec![end], first_level: level, judgement }
+    let errors = problem.greatest_error(level, &y).into_iter().collect();
+    Run { y, ends: vec![end], errors, first_level: level, judgement }
 }
 
 /// Solves on the finest level by multigrid, until a goal is reached: on the square by that of optimal cost, on meshes
@@ -51,20 +78,19 @@ pub(super) fn multigrid(
 ) -> Result<Found, Refusal> {
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
     let (levels, loaded) = (problem.levels(), problem.law().with_load(problem.load()));
-    let (y, end) = match levels.discrete() {
+    let solved = match levels.discrete() {
         Discrete::Lattices(lattices) => {
-            solve_square(lattices.finest().cells(), loaded, None, &params)?
+            solve_square(lattices.finest().cells(), loaded, None, &params)
         }
-        Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params)?,
+        Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
     };
+    let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
     // Some meshes are stretched too much: factors solve those that are small enough.
     let nodes = levels.nodes(problem.finest()) as f64;
-    let can_factor = Solver::ActiveSet.check_nodes(levels.dimension(), nodes).is_ok();
-    let (y, end) = match end.stop {
-        Stop::IterationLimit if can_factor => contact_set(problem)?,
-        _ => (y, end),
-    };
-    Ok(Found::Vector(judged(problem, y, end)))
+    match Solver::ActiveSet.check_nodes(levels.dimension(), nodes) {
+        Ok(()) if end.stop == Stop::IterationLimit => contact_set(problem),
+        _ => Ok(Found::Vector(judged(problem, y, end))),
+    }
 }
 
 /// Solves on the finest level by the primal-dual active set, until the contact set is at rest.
@@ -73,18 +99,19 @@ pub(super) fn active_set(
     _: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<Found, Refusal> {
-    let (y, end) = contact_set(problem)?;
-    Ok(Found::Vector(judged(problem, y, end)))
+    contact_set(problem)
 }
 
-fn contact_set(problem: &Problem) -> Result<(Vec<f64>, End), InputError> {
+fn contact_set(problem: &Problem) -> Result<Found, Refusal> {
     let (law, load) = (problem.law(), problem.load());
-    match problem.levels().discrete() {
+    let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
         Discrete::Networks(networks) => {
             active_set_on(&networks[problem.finest()].network, law, load)
         }
-    }
+    };
+    let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
+    Ok(Found::Vector(judged(problem, y, end)))
 }
 
 /// Runs a saddle-point method over all levels, until its stopping rule is met.
@@ -97,6 +124,7 @@ pub(super) fn saddle(
     let loaded = problem.law().with_loads(&loads);
     let method = settings.solver.entry().method.expect("a saddle-point method");
     let params = &Params { method, ..settings.params };
+    let monitor = &mut Measuring { problem, monitor, errors: Vec::new() };
     let (ends, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             let prolongation = settings.prolongation;
@@ -107,7 +135,35 @@ pub(super) fn saddle(
     };
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
-    Ok(Found::Vector(Run { y, ends, first_level: 0, judgement }))
+    Ok(Found::Vector(Run {
+        y,
+        ends,
+        errors: std::mem::take(&mut monitor.errors),
+        first_level: 0,
+        judgement,
+    }))
+}
+
+/// Monitor that measures the error on each level.
+struct Measuring<'a> {
+    problem: &'a Problem,
+    monitor: &'a mut dyn Monitor,
+    errors: Vec<f64>,
+}
+
+impl Monitor for Measuring<'_> {
+    fn wants_iterations(&self) -> bool {
+        self.monitor.wants_iterations()
+    }
+
+    fn iteration(&mut self, level: usize, iteration: &Iteration) {
+        self.monitor.iteration(level, iteration);
+    }
+
+    fn level(&mut self, level: usize, pair: &Pair) {
+        self.errors.extend(self.problem.greatest_error(level - 1, &pair.y));
+        self.monitor.level(level, pair);
+    }
 }
 
 /// Finds the true solution on the square, without a level.
