@@ -198,7 +198,7 @@ fn summary(timings: &Timings) -> String {
 /// a grid.
 fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec<&'a SolverTime>> {
     let mut by_grid = Vec::new();
-    for solver in Solver::ON_GRIDS {
+    for solver in Solver::on_grids() {
         let lines = timings.solver.iter();
         by_grid.push(to_discretisation(
             lines.filter(|line| line.solver == solver && line.problem == problem),

@@ -11,26 +11,19 @@ mod files;
 mod judging;
 mod request;
 mod save;
-mod spectral;
+mod truth;
 
 use super::name_parser;
 use super::output::{OutputFile, check_options, say_json, tell};
 use crate::pipeline::error::{Error, Result};
-use crate::replication::accuracy::{of_grid, reach};
 use crate::replication::fields::Fields;
 use adapting::ShownMeshes;
 use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
-use clock::Part;
 use files::{Format, PictureKind};
 use request::Request;
-use serde_json::Value;
-use signorini_mathematics::bounds::{Accuracy, recovery};
-use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::transfer::prolong_boundary;
-use signorini_mathematics::levels::Lattices;
-use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::levels::Levels;
+use signorini_mathematics::solvers::{Solver, recovered};
 use signorini_mathematics::statement::Statement;
 use std::path::PathBuf;
 
@@ -80,13 +73,13 @@ pub(super) struct SolveArgs {
 impl SolveArgs {
     /// Returns the file to write and its format; if only a format was given, the file in the current folder is named
     /// after the problem.
-    fn file(&self, request: &Request) -> Result<Option<(OutputFile, Format)>> {
+    fn file(&self, request: &Request, levels: &dyn Levels) -> Result<Option<(OutputFile, Format)>> {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
         let named = out.to_str().filter(|ending| Format::from_str(ending, false).is_ok());
         let name = request.scene.as_deref().unwrap_or("solution");
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        format.check(request.problem.levels())?;
+        format.check(levels)?;
         if self.view().is_some() && format != Format::Svg {
             let option = match (self.map, self.surface) {
                 (true, _) => "--map",
@@ -117,7 +110,7 @@ impl SolveArgs {
             ("--recover", self.recover),
             ("--h", self.fields.h.is_some() && *solver == Solver::Spectral),
         ];
-        check_options("--solver", *solver, &[("--recover", self.recover, &Solver::ON_GRIDS)])?;
+        check_options("--solver", *solver, &[("--recover", self.recover, &Solver::on_grids())])?;
         if self.recover && !domain.is_square() {
             return Err(Error::input(
                 "--recover is for the square; leave it out, or solve on the square",
@@ -130,99 +123,46 @@ impl SolveArgs {
             ))),
         }
     }
-
-    /// Prints an answer, then tells of the file that was written with it; the answer is not lost with the file.
-    fn show(
-        &self,
-        json: impl FnOnce() -> Value,
-        text: impl FnOnce() -> String,
-        (file, written): (Option<(OutputFile, Format)>, Result<()>),
-    ) -> Result<u8> {
-        if self.json { say_json(&json()) } else { tell(&text()) }?;
-        written?;
-        match file.filter(|_| !self.json) {
-            Some((file, _)) => tell(&format!("wrote {}\n", file.path().display())),
-            None => Ok(0),
-        }
-    }
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
-    let mut request = Request::read(args)?;
-    let file = args.file(&request)?;
+    let (request, problem) = Request::read(args)?;
+    let file = args.file(&request, problem.levels())?;
     if let Some(name) = &args.save {
-        save::save(name, &request)?;
+        save::save(name, &request, problem.levels().dimension())?;
     }
-    if request.solver() == Solver::Spectral {
-        let answer = spectral::answer(&request)?;
-        let written = file.as_ref().map_or(Ok(()), |file| answer.write(&request, file));
-        let (json, text) = (|| answer.json(&request), || answer.text(&request));
-        return args.show(json, text, (file, written));
+    let mut shown = ShownMeshes::new(&request.statement, args.verbose);
+    let solved = request.solved(problem, &mut shown);
+    shown.end();
+    let answer = Answer::new(&request, solved?);
+    let written = file.as_ref().map_or(Ok(()), |file| write(args, (&request, &answer), file));
+    // The answer is not lost with the file.
+    if args.json {
+        say_json(&answer.json(&request))
+    } else {
+        tell(&answer.text(&request, args.recover))
+    }?;
+    written?;
+    if let Some((file, _)) = file.filter(|_| !args.json) {
+        tell(&format!("wrote {}\n", file.path().display()))?;
     }
-    let answer = match request.accuracy() {
-        Some(accuracy) if request.problem.lattices().is_none() => {
-            adapted_answer(&mut request, accuracy, args.verbose)?
-        }
-        Some(accuracy) => answer_to(&mut request, accuracy)?,
-        None => answer(&request)?,
-    };
-    let pair = &answer.pair;
-    let written = file.as_ref().map_or(Ok(()), |file| match args.recover {
-        true => recovered(&request, pair)
-            .and_then(|(lattices, pair)| request.write(file, &lattices, &pair)),
-        false => request.write(file, request.problem.levels(), pair),
-    });
-    let (json, text) = (|| answer.json(&request), || answer.text(&request, args.recover));
-    args.show(json, text, (file, written))?;
     let refusal = answer.refusal().map(|failure| Error::Stage(vec![failure.sentence()]));
     refusal.map_or(Ok(0), Err)
 }
 
-/// Solves and judges.
-fn answer(request: &Request) -> Result<Answer> {
-    // The load vector is made when it is first read.
-    request.problem.load();
-    request.clock.ended(Part::Load);
-    let run = request.run()?;
-    request.clock.ended(Part::Solver);
-    let bounds = request.problem.bounds(&run.y);
-    Ok(Answer::new(request, run, bounds))
-}
-
-/// Solves on adapted meshes until the guaranteed bound is small enough, and judges.
-fn adapted_answer(request: &mut Request, accuracy: Accuracy, verbose: bool) -> Result<Answer> {
-    let mut shown = ShownMeshes::new(accuracy, verbose);
-    let found = request.adapt(accuracy, &mut |mesh| shown.show(mesh));
-    shown.end();
-    let (run, bounds) = found?;
-    let mut answer = Answer::new(request, run, Ok(bounds));
-    answer.judge_end(request, accuracy);
-    Ok(answer)
-}
-
-/// Solves on one grid of the square after the other until the guaranteed bound is small enough.
-fn answer_to(request: &mut Request, accuracy: Accuracy) -> Result<Answer> {
-    let (mut last, mut ends, voice) = (None, Vec::new(), request.voice);
-    reach(accuracy, voice, |cells| {
-        request.set_grid(cells)?;
-        let mut answer = answer(request)?;
-        ends.append(&mut answer.run.ends);
-        let bounds = of_grid(accuracy, voice, answer.bounds.clone())?;
-        let bounds = answer.failure.is_none().then_some(bounds);
-        last = Some(answer);
-        Ok(bounds)
-    })?;
-    let mut answer = last.expect("at least one grid is tried");
-    answer.run.ends = ends;
-    Ok(answer)
-}
-
-/// Returns the recovered solution, on the grid of half the width.
-fn recovered(request: &Request, pair: &Pair) -> Result<(Lattices, Pair)> {
-    let (lattices, law) = (request.lattices("--recover")?, request.problem.law());
-    let (y, _) = recovery(lattices.finest(), lattices.source(), law, &pair.y)
+/// Writes the file with an answer, or with its recovered solution.
+fn write(
+    args: &SolveArgs,
+    (request, answer): (&Request, &Answer),
+    file: &(OutputFile, Format),
+) -> Result<()> {
+    let (problem, pair) = (&answer.solved.problem, answer.pair());
+    if !args.recover {
+        return request.write(file, (problem.levels(), problem.law()), &pair);
+    }
+    let recovered = recovered(problem, &pair)
         .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
-    let grid = Grid::new(2 * lattices.finest().cells()).map_err(|e| Error::input(e.to_string()))?;
-    let finer = Lattices::new(vec![grid], lattices.source().clone(), lattices.rule());
-    Ok((finer, Pair { y, a: prolong_boundary(&pair.a) }))
+    let (finer, pair) =
+        recovered.ok_or_else(|| Error::input("--recover is for the square; leave it out"))?;
+    request.write(file, (&finer, problem.law()), &pair)
 }

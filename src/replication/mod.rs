@@ -2,7 +2,6 @@
 //!
 //! Central are `stages::plan`, which turns scenes into tasks, and `Paper::compare`, which compares the tables.
 
-pub mod accuracy;
 pub mod comparison;
 pub(crate) mod fields;
 pub(crate) mod identified;
@@ -12,3 +11,4 @@ pub mod project;
 pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;
+pub(crate) mod written;

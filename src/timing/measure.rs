@@ -21,12 +21,11 @@ use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::known::KnownSolution;
 use signorini_mathematics::experiments::problems::{CONTACT, PAPER};
 use signorini_mathematics::experiments::work::{OnGrid, R};
-use signorini_mathematics::levels::{Lattices, Levels, SaddleRun};
 use signorini_mathematics::multigrid::{Multigrid, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{Pair, Params, StopRule};
+use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve_nested};
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::spectral::{self, spectral};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -84,7 +83,7 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings, 
     }
     let mut solver = Vec::new();
     for case in cases(plan)? {
-        for one in Solver::ON_GRIDS.into_iter().filter(|&one| plan.has(one)) {
+        for one in Solver::on_grids().into_iter().filter(|&one| plan.has(one)) {
             solver.extend(reached(one, &case, plan, &mut say)?);
         }
         if let Some(f) = case.paper.filter(|_| plan.has(Solver::ArrowHurwicz)) {
@@ -242,14 +241,9 @@ fn published(case: &TimedProblem, f: &str, plan: &TimingPlan) -> Result<SolverTi
     let cells: Vec<usize> = (2..=finest).map(|level| 1 << level).collect();
     let grids = nested(&cells).map_err(|e| e.to_string())?;
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::default())).collect();
-    let lattices = Lattices::new(grids, f, LoadRule::default());
     let params = &Params { r: R, rule: StopRule::Signed, ..Params::default() };
-    // Compiled with the mathematics, as for the program.
-    let solve = || {
-        let prolongation = Prolongation::default();
-        let run = SaddleRun { params, prolongation, monitor: &mut () };
-        lattices.saddle(Law::SIGNORINI.with_loads(&loads), run).1
-    };
+    let nested = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
+    let solve = || solve_nested(&nested, Law::SIGNORINI.with_loads(&loads), params, &mut ()).1;
     let Pair { y, .. } = solve();
     let MedianTime { seconds, spread } = time(plan.repeats, || {
         solve();

@@ -109,10 +109,12 @@ fn each_run_that_is_timed_reaches_its_goal() {
         assert!(line.kkt <= residual, "{line:?}");
     }
     let problems: BTreeSet<_> = timings.solver.iter().map(|line| &line.problem).collect();
-    for (problem, solver) in problems.iter().flat_map(|p| Solver::ON_GRIDS.map(|s| (*p, s))) {
+    for (problem, solver) in
+        problems.iter().flat_map(|p| Solver::on_grids().into_iter().map(|s| (*p, s)))
+    {
         let lines = timings.solver.iter().filter(|line| line.solver == solver && line.cells == 16);
         let lines: Vec<_> = lines.filter(|line| line.problem == *problem).collect();
-        let goals = if Solver::NESTED.contains(&solver) { 5 } else { 1 };
+        let goals = if solver.is_nested() { 5 } else { 1 };
         assert!(lines.len() >= goals, "{lines:?}");
         let least =
             lines.iter().map(|line| line.error / line.discretisation).fold(f64::INFINITY, f64::min);

@@ -468,11 +468,7 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
             "`r` is for the saddle-point methods, not for multigrid",
         ),
         ("arrow-hurwicz", "spectral", "`r` is for the saddle-point methods, not for spectral"),
-        (
-            "r = [10, 1]",
-            "r = [10]\naccuracy = 0.1",
-            "is for multigrid, not for arrow-hurwicz",
-        ),
+        ("r = [10, 1]", "r = [10]\naccuracy = 0.1", "is for multigrid, not for arrow-hurwicz"),
         ("name = \"disc\"", "name = \"ball\"", "cannot read `rect("),
     ] {
         assert!(DISC.contains(from), "{from}");

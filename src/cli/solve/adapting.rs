@@ -1,16 +1,20 @@
-//! Adaptive refinement as `solve` shows it: a bar or lines while it runs, and its end.
+//! The way to an accuracy on adapted meshes as `solve` shows it: a bar or lines while it runs, and its end.
 
 use crate::pipeline::{bar, talk};
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::{Accuracy, Bounds};
-use signorini_mathematics::levels::{AdaptedEnd, AdaptedMesh};
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::saddle::Monitor;
+use signorini_mathematics::solvers::{ReachEnd, Reached, Tried, Watcher};
+use signorini_mathematics::statement::Statement;
+use std::ops::ControlFlow;
 
 /// Meshes while they are made.
 pub(super) struct ShownMeshes {
     bar: Option<ProgressBar>,
-    accuracy: Accuracy,
+    /// Accuracy that is asked for on meshes; none if nothing is to be shown.
+    accuracy: Option<Accuracy>,
     verbose: bool,
     /// Number of meshes so far.
     meshes: usize,
@@ -21,9 +25,22 @@ pub(super) struct ShownMeshes {
 /// Steps of the bar, which shows the digits of the error.
 const STEPS: f64 = 1000.0;
 
+impl Monitor for ShownMeshes {}
+
+/// A signal ends the program at once.
+impl Watcher for ShownMeshes {
+    fn tried(&mut self, tried: Tried<'_>) -> ControlFlow<()> {
+        if let Some(accuracy) = self.accuracy {
+            self.show(accuracy, tried);
+        }
+        ControlFlow::Continue(())
+    }
+}
+
 impl ShownMeshes {
-    pub(super) fn new(accuracy: Accuracy, verbose: bool) -> Self {
-        let bar = bar("[{bar:30}] {elapsed}  {wide_msg}");
+    pub(super) fn new(statement: &Statement, verbose: bool) -> Self {
+        let accuracy = statement.accuracy().filter(|_| !statement.domain.is_square());
+        let bar = accuracy.and_then(|_| bar("[{bar:30}] {elapsed}  {wide_msg}"));
         if let Some(bar) = &bar {
             bar.set_length(STEPS as u64);
         }
@@ -31,20 +48,19 @@ impl ShownMeshes {
     }
 
     /// Shows a mesh.
-    pub(super) fn show(&mut self, mesh: &AdaptedMesh) {
+    fn show(&mut self, accuracy: Accuracy, Tried { nodes, bounds }: Tried<'_>) {
         self.meshes += 1;
-        let bound = mesh.bounds.as_ref().map(|bounds| self.accuracy.reached(bounds));
+        let bound = bounds.as_ref().map(|bounds| accuracy.reached(bounds));
         let reached = bound.as_ref().ok().copied().filter(|reached| reached.is_finite());
         let error = match (reached, bound) {
-            (Some(reached), _) => error(self.accuracy, reached),
+            (Some(reached), _) => error(accuracy, reached),
             (None, Ok(_)) => "error not below the solution".into(),
             (None, Err(reason)) => format!("no bound: {reason}"),
         };
-        let line = format!("mesh {}: {} nodes, {error}", self.meshes, mesh.nodes);
+        let line = format!("mesh {}: {nodes} nodes, {error}", self.meshes);
         if let (Some(bar), Some(reached)) = (&self.bar, reached) {
             self.first = if self.first.is_finite() { self.first } else { reached };
-            let done =
-                libm::log(self.first / reached) / libm::log(self.first / self.accuracy.wanted());
+            let done = libm::log(self.first / reached) / libm::log(self.first / accuracy.wanted());
             bar.set_position((STEPS * done.clamp(0.0, 1.0)) as u64);
             bar.set_message(line.clone());
         }
@@ -72,44 +88,22 @@ pub(super) fn error(accuracy: Accuracy, reached: f64) -> String {
     }
 }
 
-/// Reason for the end, as JSON has it.
-fn name(end: AdaptedEnd) -> &'static str {
-    match end {
-        AdaptedEnd::Goal => "goal",
-        AdaptedEnd::Nodes => "memory",
-        AdaptedEnd::NoLongerFalls => "no longer falls",
-    }
+/// End on adapted meshes, the last with so many nodes, as JSON.
+pub(super) fn json(way: &Reached, nodes: usize, reached: Option<f64>) -> Value {
+    let end = match way.end {
+        ReachEnd::Goal | ReachEnd::NoSolution => "goal",
+        ReachEnd::Finest { .. } => "memory",
+        ReachEnd::Rounding { .. } => "no longer falls",
+    };
+    json!({ "meshes": way.tried, "nodes": nodes, "reached": reached, "end": end })
 }
 
-/// End of adaptive refinement.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct AdaptedMeshes {
-    /// Number of meshes on which a solution was sought, with those that are too coarse for one.
-    pub count: usize,
-    /// Number of nodes of the last.
-    pub nodes: usize,
-    /// Reason for the end.
-    pub end: AdaptedEnd,
-}
-
-impl AdaptedMeshes {
-    /// Returns the end with the bound that was reached.
-    pub(super) fn json(self, reached: Option<(Accuracy, &Bounds)>) -> Value {
-        json!({
-            "meshes": self.count,
-            "nodes": self.nodes,
-            "reached": reached.map(|(accuracy, bounds)| accuracy.reached(bounds)),
-            "end": name(self.end),
-        })
-    }
-
-    /// Returns the end in words.
-    pub(super) fn text(self) -> String {
-        let reason = match self.end {
-            AdaptedEnd::Goal => "the error is as small as asked",
-            AdaptedEnd::Nodes => "a finer mesh takes more memory than is left",
-            AdaptedEnd::NoLongerFalls => "the bound of the error no longer falls",
-        };
-        format!("{} meshes, the last of {} nodes: {reason}\n", self.count, self.nodes)
-    }
+/// End on adapted meshes, the last with so many nodes, in words.
+pub(super) fn text(way: &Reached, nodes: usize) -> String {
+    let reason = match way.end {
+        ReachEnd::Goal | ReachEnd::NoSolution => "the error is as small as asked",
+        ReachEnd::Finest { .. } => "a finer mesh takes more memory than is left",
+        ReachEnd::Rounding { .. } => "the bound of the error no longer falls",
+    };
+    format!("{} meshes, the last of {nodes} nodes: {reason}\n", way.tried)
 }

@@ -4,6 +4,7 @@ use super::advice::{self, Warning, combined, remedies};
 use super::bound::{self, BoundaryWords};
 use super::clock::Part;
 use super::request::Request;
+use super::{adapting, truth};
 use crate::cli::output::{in_columns, paragraph};
 use crate::table::Table;
 use serde::Serialize;
@@ -12,12 +13,11 @@ use signorini_mathematics::bounds::{Accuracy, Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::kkt::Judgement;
-use signorini_mathematics::discrete::norms::Errors;
 use signorini_mathematics::levels::KnownErrors;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{Run, Solver};
+use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
 use std::collections::BTreeMap;
 
 /// Digits of an energy, unless more are asked for.
@@ -35,6 +35,30 @@ struct States {
 impl States {
     fn all(self) -> usize {
         self.sticks + self.slips_up + self.slips_down
+    }
+
+    /// Returns the numbers of a judgement under a law, and the total force.
+    fn of(judgement: &Judgement, law: Law) -> (Self, f64) {
+        let Judgement { contact, flux, states: of_nodes, .. } = judgement;
+        let mut force = 0.0;
+        let mut states = Self { sticks: 0, slips_up: 0, slips_down: 0 };
+        for ((state, contact), flux) in of_nodes.iter().zip(contact).zip(flux) {
+            match state {
+                BoundaryState::Sticks => {
+                    states.sticks += 1;
+                    force += flux;
+                }
+                BoundaryState::SlipsUp => {
+                    states.slips_up += 1;
+                    force += contact.measure * law.lo();
+                }
+                BoundaryState::SlipsDown => {
+                    states.slips_down += 1;
+                    force += contact.measure * law.hi();
+                }
+            }
+        }
+        (states, force)
     }
 
     /// Returns the numbers in words.
@@ -60,19 +84,16 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 pub(super) struct Answer {
-    pub run: Run,
-    /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.
-    pub pair: Pair,
-    /// Numbers of boundary nodes by their states.
-    states: States,
-    /// Arcs in contact, with ends estimated within the cell; `None` in space.
+    /// What was found.
+    pub solved: Solved,
+    /// Numbers of boundary nodes by their states; none without a grid.
+    states: Option<States>,
+    /// Arcs in contact, with ends estimated within the cell unless the solution is the true one; `None` in space.
     contact: Option<Vec<ContactArc>>,
     /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
     pub force: f64,
     /// Errors, if the solution is known.
     errors: Option<KnownErrors>,
-    /// Guaranteed bounds, or the reason for their absence.
-    pub bounds: Result<Bounds, NoBound>,
     pub warnings: Vec<Warning>,
     /// Reason why the answer is no solution.
     pub failure: Option<Warning>,
@@ -81,66 +102,62 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    pub(super) fn new(request: &Request, run: Run, bounds: Result<Bounds, NoBound>) -> Self {
-        let (problem, law) = (&request.problem, request.problem.law());
-        let (y, judgement) = (&run.y, &run.judgement);
-        let Judgement { contact, flux, states: of_nodes, .. } = judgement;
-        let mut force = 0.0;
-        let mut states = States { sticks: 0, slips_up: 0, slips_down: 0 };
-        for ((state, contact), flux) in of_nodes.iter().zip(contact).zip(flux) {
-            match state {
-                BoundaryState::Sticks => {
-                    states.sticks += 1;
-                    force += flux;
-                }
-                BoundaryState::SlipsUp => {
-                    states.slips_up += 1;
-                    force += contact.measure * law.lo();
-                }
-                BoundaryState::SlipsDown => {
-                    states.slips_down += 1;
-                    force += contact.measure * law.hi();
-                }
-            }
+    pub(super) fn new(request: &Request, solved: Solved) -> Self {
+        let (levels, law) = (solved.problem.levels(), solved.problem.law());
+        let (mut states, mut contact, mut force, mut errors) = (None, None, 0.0, None);
+        if let Some(Run { y, judgement, .. }) = solved.run() {
+            let counted = States::of(judgement, law);
+            (states, force) = (Some(counted.0), counted.1);
+            contact = levels.arcs(y, judgement);
+            errors = levels.errors(y, solved.problem.load()).filter(|_| law.is_signorini());
+        } else if let Some(found) = solved.truth() {
+            contact = Some(found.solution.contact.clone());
+            force = truth::force(&found.solution, law);
         }
-        let levels = problem.levels();
-        let mut answer = Self {
-            states,
-            contact: levels.arcs(y, judgement),
-            force,
-            errors: levels.errors(y, problem.load()).filter(|_| law.is_signorini()),
-            bounds,
-            pair: Pair { y: y.clone(), a: judgement.multiplier(y) },
-            run,
-            warnings: Vec::new(),
-            failure: None,
-            shortfall: None,
-        };
-        answer.judge(request);
-        request.clock.ended(Part::Bounds);
+        let (warnings, failure, shortfall) = (Vec::new(), None, None);
+        let mut answer =
+            Self { solved, states, contact, force, errors, warnings, failure, shortfall };
+        if answer.bounds().is_some() {
+            answer.judge(request);
+            request.clock.ended(Part::Bounds);
+        }
         answer
     }
 
-    /// End on the finest level.
-    pub(super) fn last(&self) -> &Outcome {
-        self.run.last()
+    /// Guaranteed bounds on the finest level, or the reason for their absence; none of a true solution.
+    pub(super) fn bounds(&self) -> Option<&Result<Bounds, NoBound>> {
+        self.solved.bounds().last()
+    }
+
+    /// Way to the accuracy on adapted meshes, if that is how it was found.
+    fn adapted(&self) -> Option<&Reached> {
+        self.solved.reached.as_ref().filter(|reached| reached.marks.is_some())
+    }
+
+    /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
+    pub(super) fn pair(&self) -> Pair {
+        match self.solved.truth() {
+            None => self.solved.pair(),
+            Some(_) => truth::shown(self.solved.problem.lengths(), || self.solved.pair()),
+        }
     }
 
     /// Energy that answers, which has the accuracy of the energy that was asked for.
     fn energy(&self, request: &Request) -> f64 {
-        match (request.accuracy(), &self.bounds) {
-            (Some(Accuracy::Energy(_)), Ok(bounds)) => bounds.nearest_energy(self.last().energy),
-            _ => self.last().energy,
+        let of_v = self.solved.energy();
+        match (request.statement.accuracy(), self.bounds()) {
+            (Some(Accuracy::Energy(_)), Some(Ok(bounds))) => bounds.nearest_energy(of_v),
+            _ => of_v,
         }
     }
 
     /// Returns that energy and, if it is another, that of v.
     fn energy_in_words(&self, request: &Request) -> String {
-        let digits = match request.accuracy() {
+        let digits = match request.statement.accuracy() {
             Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
             _ => DIGITS,
         };
-        let (energy, of_v) = (self.energy(request), self.last().energy);
+        let (energy, of_v) = (self.energy(request), self.solved.energy());
         let mut text = format!("energy {}\n", plain(energy, digits));
         if energy != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
@@ -148,54 +165,80 @@ impl Answer {
         text
     }
 
-    /// Name of the end on the finest grid.
-    fn end(&self, request: &Request) -> &str {
-        // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
-        if request.accuracy().is_some() { self.last().end.stop.name() } else { self.last().name() }
-    }
-
     pub(super) fn json(&self, request: &Request) -> Value {
-        let (problem, levels) = (&request.problem, request.problem.levels());
-        let (last, ends, solver) = (self.last(), &self.run.ends, request.solver());
-        let mut grids = Vec::new();
-        for (level, outcome) in (self.run.first_level..).zip(ends) {
-            grids.push(outcome_json(solver, level, outcome));
-        }
-        let (kkt, bounds) = (last.kkt, self.bounds.as_ref().ok());
-        let integral = levels.integrals().of_f;
-        let [v_least, v_greatest] = last.range;
+        let (problem, solver) = (&self.solved.problem, request.statement.solver);
+        let (levels, law) = (problem.levels(), problem.law());
         let warnings = self.warnings.iter().map(|warning| warning.fact.clone());
         let mut json = json!({
             "schema": 1,
             "scene": request.name,
             "f": levels.f(),
             "dimension": levels.dimension(),
-            "solver": request.solver(),
-            "settings": request.settings().into_iter().collect::<BTreeMap<_, _>>(),
-            "not_as_in_scene": request.overridden,
-            "h": request.width(),
-            "unknowns": self.pair.y.len(),
-            "iterations": last.end.iterations,
-            "iterations_per_grid": ends.iter().map(|end| end.end.iterations).collect::<Vec<_>>(),
-            "stop": self.end(request),
-            "grids": grids,
+            "solver": solver,
             "energy": self.energy(request),
+            "integral_f": levels.integrals().of_f,
+            "contact": self.contact,
+            "force": self.force,
+            "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
+            "failure": self.refusal().map(|failure| &failure.fact),
+            "remedy": self.remedy(),
+            "seconds": request.clock.json(),
+        });
+        if !law.is_signorini() {
+            json["law"] = law_json(law);
+        }
+        let more = match self.solved.truth() {
+            Some(found) => truth::json(found),
+            None => self.json_on_levels(request).unwrap_or_default(),
+        };
+        if let (Value::Object(json), Value::Object(mut more)) = (&mut json, more) {
+            json.append(&mut more);
+        }
+        json
+    }
+
+    /// Returns what only an answer on levels has.
+    fn json_on_levels(&self, request: &Request) -> Option<Value> {
+        let (problem, solver) = (&self.solved.problem, request.statement.solver);
+        let (run, states) = (self.solved.run()?, self.states?);
+        let (last, kkt) = (run.last(), run.last().kkt);
+        let bounds = self.bounds()?;
+        let [v_least, v_greatest] = last.range;
+        // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
+        let accuracy = request.statement.accuracy();
+        let stop = if accuracy.is_some() { last.end.stop.name() } else { last.name() };
+        let mut grids = Vec::new();
+        for (level, outcome) in (run.first_level..).zip(&run.ends) {
+            grids.push(outcome_json(solver, level, outcome));
+        }
+        let settings = request.settings(problem.law());
+        let mut json = json!({
+            "settings": settings.into_iter().collect::<BTreeMap<_, _>>(),
+            "not_as_in_scene": request.overridden,
+            "h": request.width(problem),
+            "unknowns": run.y.len(),
+            "iterations": last.end.iterations,
+            "iterations_per_grid": run.ends.iter().map(|end| end.end.iterations).collect::<Vec<_>>(),
+            "stop": stop,
+            "grids": grids,
             "v_least": v_least,
             "v_greatest": v_greatest,
-            "integral_f": integral,
             "sum_load": last.sum_load,
             "kkt": {
                 "stationarity": kkt.stationarity,
                 "min_y": kkt.min_y,
                 "min_lambda": kkt.min_lambda,
-                "complementarity": self.run.judgement.work,
+                "complementarity": run.judgement.work,
                 "max_min": kkt.complementarity,
                 "natural": kkt.natural,
                 "relative": kkt.relative,
             },
-            "contact_nodes": { "nodes": self.states.sticks, "boundary_nodes": self.states.all() },
-            "bound": bounds.map(|bounds| {
-                json!({
+            "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
+            "bound": null,
+        });
+        match bounds {
+            Ok(bounds) => {
+                json["bound"] = json!({
                     "energy": bounds.energy,
                     "error": bounds.error,
                     "recovered": bounds.recovered,
@@ -204,35 +247,30 @@ impl Answer {
                         "error": bounds.relative(),
                     },
                     "reserve": problem.reserves(),
-                })
-            }),
-            "contact": self.contact,
-            "force": self.force,
-            "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
-            "failure": self.refusal().map(|failure| &failure.fact),
-            "remedy": self.remedy(),
-            "seconds": request.clock.json(),
-        });
+                });
+                if let Some(curve) = bounds.curve {
+                    json["bound"]["curve"] = curve.into();
+                }
+            }
+            Err(reason) => json["bound_reason"] = reason.to_string().into(),
+        }
         if !problem.law().is_signorini() {
-            json["law"] = law_json(problem.law());
-            json["states"] = json!(self.states);
+            json["states"] = json!(states);
         }
         if solver.is_nested() {
             json["sweeps"] = last.end.sweeps().into();
             json["sweeps_per_grid"] =
-                ends.iter().map(|outcome| outcome.end.sweeps()).collect::<Vec<_>>().into();
+                run.ends.iter().map(|outcome| outcome.end.sweeps()).collect::<Vec<_>>().into();
         }
         if solver == Solver::Multigrid {
             json["work_units"] = last.end.work_units.into();
         }
-        if let Some(curve) = bounds.and_then(|bounds| bounds.curve) {
-            json["bound"]["curve"] = curve.into();
-        }
-        if let Some(Accuracy::Energy(_)) = request.accuracy() {
+        if let Some(Accuracy::Energy(_)) = accuracy {
             json["energy_of_linear_v"] = last.energy.into();
         }
-        if let Some(meshes) = request.adapted {
-            json["adapted"] = meshes.json(request.accuracy().zip(bounds));
+        if let (Some(way), Some(accuracy)) = (self.adapted(), accuracy) {
+            let reached = bounds.as_ref().ok().map(|bounds| accuracy.reached(bounds));
+            json["adapted"] = adapting::json(way, run.y.len(), reached);
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
             json["errors"] = json!(values);
@@ -240,14 +278,11 @@ impl Answer {
                 json["errors"]["multiplier_l2"] = multiplier_l2.into();
             }
         }
-        if let Err(reason) = &self.bounds {
-            json["bound_reason"] = reason.to_string().into();
-        }
         if self.contact.is_none() {
             json["contact_reason"] =
                 "the contact set in space is part of a surface, without arcs".into();
         }
-        json
+        Some(json)
     }
 
     /// Reason why the answer is not what was asked for.
@@ -266,29 +301,39 @@ impl Answer {
 
     /// Returns the answer, then how it was found; with `recover`, the recovered solution is part of the answer.
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
-        let levels = request.problem.levels();
+        let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, levels.f());
         let integral = plain(levels.integrals().of_f, 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
         }
-        text += &self.solution(request, recover);
-        text += &self.method(request);
+        match (self.solved.truth(), self.solved.run()) {
+            (Some(found), _) => {
+                text += &truth::text(found, &self.solved.problem, self.force);
+                text += &request.clock.text("setup", &format!(" ({} Newton steps)", found.steps));
+            }
+            (None, Some(run)) => {
+                text += &self.solution(request, run, recover);
+                text += &self.method(request, run);
+            }
+            (None, None) => {}
+        }
         text + &advice::lines(&self.warnings, self.failure.is_some())
     }
 
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
-    fn solution(&self, request: &Request, recover: bool) -> String {
-        let (problem, levels) = (&request.problem, request.problem.levels());
-        let (last, law, integral) = (self.last(), problem.law(), levels.integrals().of_f);
+    fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
+        let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
+        let (last, law, integral) = (run.last(), problem.law(), levels.integrals().of_f);
         let mut text = self.energy_in_words(request);
-        if !last.verdict().is_failure() || request.accuracy().is_some() {
-            text += &bound::text(&self.bounds, problem, recover);
+        if let Some(bounds) = self.bounds()
+            && (!last.verdict().is_failure() || request.statement.accuracy().is_some())
+        {
+            text += &bound::text(bounds, problem, recover);
         }
         if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
-            let Errors { l2, h1, max, .. } = values;
-            let [l2, h1, max] = [*l2, *h1, *max].map(|error| plain(error, 3));
+            let [l2, h1, max] = [values.l2, values.h1, values.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
             if let Some(multiplier_l2) = multiplier_l2 {
                 text += &format!("; multiplier L2 {}", plain(*multiplier_l2, 3));
@@ -298,8 +343,8 @@ impl Answer {
         let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.contact.as_deref().unwrap_or_default();
-        text += &self.states.text(law);
-        let parts = levels.parts_in_contact(&self.run.judgement);
+        text += &self.states.map(|states| states.text(law)).unwrap_or_default();
+        let parts = levels.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");
         }
@@ -321,7 +366,7 @@ impl Answer {
         if levels.has_fixed_part() {
             text += "fixed parts carry the difference\n";
         }
-        if self.load_misses(request) {
+        if self.load_misses(last) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");
         }
@@ -329,10 +374,14 @@ impl Answer {
     }
 
     /// Returns how the answer was found: the solver with its settings, the levels, and the time.
-    fn method(&self, request: &Request) -> String {
-        let mut settings = vec![format!("solver {}", request.solver())];
-        settings.extend(request.refined());
-        for (name, value) in request.settings() {
+    fn method(&self, request: &Request, run: &Run) -> String {
+        let (problem, solver) = (&self.solved.problem, request.statement.solver);
+        let mut settings = vec![format!("solver {solver}")];
+        settings.extend(match self.adapted() {
+            Some(way) => Some(format!("{} adapted meshes", way.tried)),
+            None => request.refined(problem.finest()),
+        });
+        for (name, value) in request.settings(problem.law()) {
             settings.push(match (value.as_str(), value.as_f64()) {
                 (Some(text), _) => format!("{name} {text}"),
                 (None, Some(number)) => format!("{name} {}", Written(number)),
@@ -343,22 +392,20 @@ impl Answer {
         if !request.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
-        text += &self.table(request);
-        if let Some(meshes) = request.adapted {
-            text += &meshes.text();
-        }
-        let cost = match request.solver() {
-            Solver::Multigrid => format!(" ({:.1} sweeps)", self.last().end.work_units),
+        text += &self.table(request, run);
+        text += &self.adapted().map(|way| adapting::text(way, run.y.len())).unwrap_or_default();
+        let cost = match solver {
+            Solver::Multigrid => format!(" ({:.1} sweeps)", run.last().end.work_units),
             _ => String::new(),
         };
-        let setup = if request.problem.levels().cells(0).is_some() { "setup" } else { "mesh" };
+        let setup = if problem.levels().cells(0).is_some() { "setup" } else { "mesh" };
         text + &request.clock.text(setup, &cost)
     }
 
-    fn table(&self, request: &Request) -> String {
-        let (ends, levels) = (&self.run.ends, request.problem.levels());
+    fn table(&self, request: &Request, Run { ends, .. }: &Run) -> String {
+        let levels = self.solved.problem.levels();
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
-        let nested = request.solver().is_nested()
+        let nested = request.statement.solver.is_nested()
             && ends.iter().any(|outcome| outcome.end.sweeps() > outcome.end.iterations);
         let first = if levels.cells(0).is_some() { "grid" } else { "mesh" };
         let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];
@@ -370,7 +417,7 @@ impl Answer {
             let mut row = vec![
                 outcome.label(),
                 outcome.end.iterations.to_string(),
-                match request.adapted {
+                match self.adapted() {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },

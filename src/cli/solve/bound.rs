@@ -62,7 +62,7 @@ pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<Wa
             true => format!("{:.0} % of the solution", 100.0 * relative),
             false => "as large as the solution".into(),
         };
-        let remedy = match request.solver() {
+        let remedy = match request.statement.solver {
             Solver::Multigrid => Remedy::new("refine the grid", ""),
             _ => Remedy::new("refine the grid, or try --solver multigrid", "--solver multigrid"),
         };

@@ -8,13 +8,14 @@ use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
 use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
 use crate::replication::mesh_files::refusal_of_curves;
-use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::discrete::end::{End, Outcome};
+use signorini_mathematics::bounds::{Accuracy, Bounds};
+use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
-use signorini_mathematics::levels::{AdaptedEnd, Problem};
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::tolerance;
+use signorini_mathematics::solvers::ReachEnd;
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;
@@ -29,71 +30,79 @@ const MISSED: f64 = 1e-3;
 impl Answer {
     /// Decides whether the answer is a solution, and collects the warnings.
     pub(super) fn judge(&mut self, request: &Request) {
-        let (name, levels) = (&request.name, request.problem.levels());
-        let grid = levels.name(request.problem.finest());
-        let last = self.last();
-        let (stop, relative, energy) = (last.end.stop, last.kkt.relative, last.energy);
-        let mut unsolved = None;
-        match last.verdict() {
+        let (name, problem) = (&request.name, &self.solved.problem);
+        let accuracy = request.statement.accuracy();
+        let grid = problem.levels().name(problem.finest());
+        let Some(&last) = self.solved.ends().last() else { return };
+        let (relative, mut unsolved) = (last.kkt.relative, None);
+        let mut warnings = Vec::new();
+        match last.judged(accuracy.is_some()) {
             Verdict::NoSolution => self.failure = Some(self.without_solution(request)),
-            _ if stop == Stop::IterationLimit => {
+            Verdict::CutOff(stop) => {
                 let fact = format!("{name}: stopped at the {stop} on {grid}");
                 self.failure = Some(Warning::new(fact, request.after_limit()));
             }
-            // A guaranteed bound has been reached; residuals of single nodes do not contradict it.
-            _ if request.accuracy().is_some() => (),
             Verdict::NotSolved(violation) => {
                 let fact =
                     format!("{name}: the solver stopped as asked on {grid}, but {violation}");
                 unsolved = Some(fact);
             }
-            Verdict::Rough => self.warnings.push(Warning::new(
+            Verdict::Rough => warnings.push(Warning::new(
                 format!("the KKT residual on {grid} is {relative:.2} of the load"),
                 request.closer(),
             )),
             Verdict::Solved => (),
         }
-        self.warnings.extend(levels.notes().into_iter().map(Warning::fact));
-        self.warnings.extend(refusal_of_curves(&request.problem).map(Warning::fact));
-        self.warn_of_levels(request);
-        self.warn_of_tolerance(request);
-        self.warn_of_load(request);
+        warnings.extend(problem.levels().notes().into_iter().map(Warning::fact));
+        warnings.extend(refusal_of_curves(problem).map(Warning::fact));
+        self.warnings = warnings;
+        self.warn_of_levels(request, &last);
+        self.warn_of_tolerance(request, &last);
+        self.warn_of_load(request, &last);
         if let Some(fact) = unsolved {
             let remedies = [vec![request.closer()], remedies(&self.warnings)].concat();
             self.failure = Some(Warning { fact, remedies });
         }
         if self.failure.is_none() {
-            self.warn_of_force(request);
+            self.warn_of_force(request, &last);
         }
-        if let (Ok(bounds), None, None) = (&self.bounds, request.accuracy(), &self.failure) {
-            self.warnings.extend(bound::warnings(bounds, energy, request));
+        match (self.bounds(), accuracy, &self.failure) {
+            (Some(Ok(bounds)), None, None) => {
+                self.warnings.extend(bound::warnings(bounds, last.energy, request));
+            }
+            (Some(Ok(bounds)), Some(accuracy), None) => {
+                self.shortfall = self.shortfall(request, accuracy, bounds);
+            }
+            _ => {}
         }
     }
 
-    /// Decides whether the solution is as accurate as asked.
-    pub(super) fn judge_end(&mut self, request: &Request, accuracy: Accuracy) {
-        let Ok(bounds) = &self.bounds else { return };
-        let (reason, remedy) = match request.adapted.map(|meshes| meshes.end) {
-            None | Some(AdaptedEnd::Goal) => return,
-            Some(AdaptedEnd::Nodes) => ("memory has no room for more nodes", "ask for less"),
-            Some(AdaptedEnd::NoLongerFalls) => {
+    /// Returns the reason why the solution on adapted meshes is not as accurate as asked, if it is not.
+    fn shortfall(&self, request: &Request, accuracy: Accuracy, bounds: &Bounds) -> Option<Warning> {
+        let (reason, remedy) = match self.solved.reached.as_ref()?.end {
+            ReachEnd::Goal | ReachEnd::NoSolution => return None,
+            ReachEnd::Finest { .. } => ("memory has no room for more nodes", "ask for less"),
+            ReachEnd::Rounding { .. } => {
                 ("the bound no longer falls", "ask for less, or write jumps of f as shapes")
             }
         };
-        let (asked, nodes) = (request.voice.accuracy(accuracy), self.run.y.len());
+        let [nodes, _] = self.solved.problem.lengths();
+        let asked = request.voice.accuracy(accuracy);
         let reached = adapting::error(accuracy, accuracy.reached(bounds));
         let fact = format!(
             "{}: {asked} is not reached: {reached} with {nodes} nodes; {reason}",
             request.name
         );
-        self.shortfall = Some(Warning::new(fact, Remedy::new(remedy, "")));
+        Some(Warning::new(fact, Remedy::new(remedy, "")))
     }
 
     /// Returns the message that the discrete problem on the finest level, or on all levels, has no solution.
     fn without_solution(&self, request: &Request) -> Warning {
-        let ends = &self.run.ends;
+        let (ends, problem) = (self.solved.ends(), &self.solved.problem);
         let on_all = ends.iter().all(|end| end.verdict() == Verdict::NoSolution);
-        let Warning { fact, remedies } = request.without_solution(self.last().sum_load);
+        let level = problem.levels().name(problem.finest());
+        let Warning { fact, remedies } =
+            request.without_solution(&level, ends[ends.len() - 1].sum_load);
         let fact = match ends.len() {
             2.. if on_all => fact.replacen(" on grid ", " (as on all coarser grids) on grid ", 1),
             _ => fact,
@@ -101,9 +110,10 @@ impl Answer {
         Warning { fact, remedies }
     }
 
-    fn warn_of_levels(&mut self, request: &Request) {
-        let (count, coarsest) = (request.problem.levels().count(), self.run.ends[0].cells);
-        if request.solver().is_nested()
+    fn warn_of_levels(&mut self, request: &Request, last: &Outcome) {
+        let (problem, ends) = (&self.solved.problem, self.solved.ends());
+        let (count, coarsest) = (problem.levels().count(), ends[0].cells);
+        if request.statement.solver.is_nested()
             && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
         {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
@@ -113,51 +123,50 @@ impl Answer {
             );
             self.warnings.push(Warning::new(fact, COARSER_GRIDS));
         }
-        let coarse = &self.run.ends[..self.run.ends.len() - 1];
+        let coarse = &ends[..ends.len() - 1];
         let without = |end: &Outcome| end.verdict() == Verdict::NoSolution;
-        if !without(self.last())
-            && let Some(grids) = named(&request.problem, coarse, without)
+        if !without(last)
+            && let Some(grids) = named(problem, coarse, without)
         {
             self.warnings.push(Warning::fact(format!(
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             )));
         }
         let cut_off = |end: &Outcome| end.end.stop != Stop::Converged;
-        if let Some(grids) = named(&request.problem, coarse, cut_off) {
+        if let Some(grids) = named(problem, coarse, cut_off) {
             let fact = format!("the stopping rule was not met on {grids}");
             self.warnings.push(Warning::fact(fact));
         }
     }
 
     /// Warns if the tolerance asked for was not reached.
-    fn warn_of_tolerance(&mut self, request: &Request) {
-        let Outcome { end: End { stop, .. }, kkt, .. } = *self.last();
+    fn warn_of_tolerance(&mut self, request: &Request, last: &Outcome) {
+        let stop = last.end.stop;
         if let Some(tolerance) = request.statement.tolerance
             && stop != Stop::Converged
         {
             self.warnings.push(Warning::fact(format!(
                 "--tolerance {} was not reached: the KKT residual is {} of the load at the {stop}",
                 Written(tolerance),
-                plain(kkt.relative, 3)
+                plain(last.kkt.relative, 3)
             )));
         }
     }
 
     /// True if the sum of the load vector misses the integral of f by more than the grid explains.
-    pub(super) fn load_misses(&self, request: &Request) -> bool {
-        let integral = request.problem.levels().integrals().of_f;
-        let difference = (self.last().sum_load - integral).abs();
-        load_slack(&request.problem).is_some_and(|slack| difference > slack)
+    pub(super) fn load_misses(&self, last: &Outcome) -> bool {
+        let problem = &self.solved.problem;
+        let difference = (last.sum_load - problem.levels().integrals().of_f).abs();
+        load_slack(problem).is_some_and(|slack| difference > slack)
     }
 
     /// Warns if the load vector belongs to another f.
-    fn warn_of_load(&mut self, request: &Request) {
-        let levels = request.problem.levels();
-        let grid = levels.name(request.problem.finest());
-        if self.load_misses(request) {
+    fn warn_of_load(&mut self, request: &Request, last: &Outcome) {
+        let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
+        let grid = levels.name(problem.finest());
+        if self.load_misses(last) {
             let integrals = levels.integrals();
-            let [integral, sum_load] =
-                [integrals.of_f, self.last().sum_load].map(|sum| signed(sum, 4));
+            let [integral, sum_load] = [integrals.of_f, last.sum_load].map(|sum| signed(sum, 4));
             let (reason, remedy) = if integrals.by_quadrature {
                 ("its points miss some of f", Remedy::new("choose a smaller --h", ""))
             } else {
@@ -173,7 +182,7 @@ impl Answer {
                 format!("the quadrature of f on {grid} misses {missed} of the integral of |f|"),
                 request.remedies.quadrature,
             ));
-        } else if let Some(moved) = request.moved_jumps() {
+        } else if let Some(moved) = request.moved_jumps(problem) {
             self.warnings.push(Warning::new(moved_jumps(moved), BILINEAR_LOAD));
         }
     }
@@ -182,11 +191,11 @@ impl Answer {
     /// to rounding.
     ///
     /// A difference counts where it exceeds the error of the grid and the error that the user accepts.
-    fn warn_of_force(&mut self, request: &Request) {
-        let problem = &request.problem;
-        let (force, load) = (self.force, 0.0 - self.last().sum_load);
+    fn warn_of_force(&mut self, request: &Request, last: &Outcome) {
+        let problem = &self.solved.problem;
+        let (force, load) = (self.force, 0.0 - last.sum_load);
         let size = problem.levels().integrals().of_size.abs();
-        let accepted = request.accuracy().map_or(0.0, Accuracy::error) * size;
+        let accepted = request.statement.accuracy().map_or(0.0, Accuracy::error) * size;
         let slack = slack(problem).max(accepted);
         // A fixed part of the boundary bears the rest.
         let balanced = problem.levels().has_fixed_part() || (force - load).abs() <= slack;

@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Writes the scene with this name, if there is none yet.
-pub(super) fn save(name: &str, request: &Request) -> Result<()> {
+pub(super) fn save(name: &str, request: &Request, dimension: u8) -> Result<()> {
     let option = format!("--save {name}");
     let in_option = |e: Error| Error::input(format!("{option}: {e}"));
     refuse_forbidden_name("scene", name)?;
@@ -34,8 +34,8 @@ pub(super) fn save(name: &str, request: &Request) -> Result<()> {
     if statement.domain.is_file() && request.scene.is_none() {
         statement.domain.name = in_project(&root, &statement.domain.name)?;
     }
-    let is_plane = request.problem.levels().dimension() == 2;
-    let outputs: &[_] = if is_plane { &[Output::Table, Output::Map] } else { &[Output::Table] };
+    let outputs: &[_] =
+        if dimension == 2 { &[Output::Table, Output::Map] } else { &[Output::Table] };
     let text = write::scene(&request.title, &statement, outputs);
     Scene::parse(name, &text).map_err(in_option)?;
     write_atomically(&path, text.as_bytes())?;

@@ -17,8 +17,7 @@ impl Fields {
             true => {
                 let read = f.parse::<Source>();
                 let place = if voice == Voice::Keys { "" } else { "--f: " };
-                read.map_err(|e| Refused::new("f", format!("{place}{e}")))?
-                    .to_string()
+                read.map_err(|e| Refused::new("f", format!("{place}{e}")))?.to_string()
             }
             // Names of regions may have spaces.
             false if f.contains('"') => f.trim().to_owned(),

@@ -136,7 +136,7 @@ fn race_of(timings: &Timings, problem: &str) -> Chart {
     let lines = timings.solver.iter().filter(|line| line.problem == problem);
     let (published, others): (Vec<&SolverTime>, Vec<&SolverTime>) =
         lines.partition(|line| line.goal == PUBLISHED);
-    for solver in Solver::ON_GRIDS.into_iter().rev() {
+    for solver in Solver::on_grids().into_iter().rev() {
         let points = others.iter().filter(|line| line.solver == solver);
         let points = points.map(|line| (line.seconds, line.error)).collect();
         curves.push(Curve::new(Marked, solver.entry().in_words, front(points)));

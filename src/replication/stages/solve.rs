@@ -6,29 +6,28 @@
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
-use crate::replication::accuracy::{adapted_scene, of_grid, on_bisected, reach};
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
 use crate::replication::scene::{Output, RuleAndR, Scene};
+use crate::timing::machine;
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::bounds::{Accuracy, Bounds, NoBound};
+use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
-use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::levels::{AdaptedMesh, Problem, Reserve};
+use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Plain, StopRule};
-use signorini_mathematics::solvers::{self, Settings, Solver};
-use signorini_mathematics::spectral::{TrueSolution, true_solution};
+use signorini_mathematics::solvers::{Files, Memory, ReachEnd, Solved, Solver, Tried, Watcher};
+use signorini_mathematics::spectral::TrueSolution;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What is asked of a cell, besides the file of a mesh.
+/// What is asked in one cell, and which artifacts it has, besides the file of a mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
     statement: Statement,
@@ -73,6 +72,13 @@ pub(super) struct WithoutGrid {
     pub(super) energy: f64,
     /// Difference of the energies at two resolutions, over the energy.
     pub(super) resolution: Option<f64>,
+}
+
+impl WithoutGrid {
+    fn of(found: &TrueSolution) -> Self {
+        let (steps, energy) = (found.steps, found.solution.energy);
+        Self { steps, energy, resolution: found.solution.checks.resolution }
+    }
 }
 
 /// Artifact with an [`Outcomes`].
@@ -120,20 +126,19 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
     let statement = Statement {
         load: Some(LoadRule::Exact { diagonal: Diagonal::default() }),
         fineness: Fineness::Grids(vec![scene.finest().cells()]),
+        solver: Solver::Multigrid,
+        saddle: None,
         ..scene.statement.clone()
     };
-    let problem = mesh_files::problem(&statement, &InputFiles::new())?;
-    let run = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
-        .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let a = run.judgement.multiplier(&run.y);
-    Ok(Pair { y: run.y, a })
+    let solved = statement.solved(None).map_err(|e| format!("scene `{}`: {e}", scene.name))?;
+    Ok(solved.pair())
 }
 
 /// Runs the first rule with the drawn r on a scene on the square. Returns each grid with the pair where the rule stops
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let drawn = cell(scene, scene.drawn(scene.first_rule()));
-    let Solved { pairs, .. } = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
+    let (_, Recorder { pairs, .. }) = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
     Ok(scene.grids().into_iter().zip(pairs).collect())
 }
 
@@ -156,117 +161,51 @@ fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     .with_files(files)
 }
 
-/// Results of a cell.
-#[derive(Default)]
-struct Solved {
-    outcomes: Outcomes,
-    /// Pairs on the levels where the solver ended, the finest last.
-    pairs: Vec<Pair>,
-    /// Every iteration of a saddle-point method, per level, if it is kept.
-    history: Vec<Vec<Iteration>>,
-    /// Reason for which there are no bounds on the finest level.
-    no_bound: Option<NoBound>,
-    /// Cells that were marked for each bisection of adapted meshes.
-    marks: Option<Vec<Vec<u32>>>,
-}
-
 impl Cell {
     /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
-    fn run(&self, files: &InputFiles, interrupted: &AtomicBool) -> Result<Solved, Failure> {
-        match (self.statement.solver, self.statement.accuracy()) {
-            (Solver::Spectral, _) => self.without_grid(),
-            (_, Some(accuracy)) if self.statement.domain.is_square() => {
-                Ok(self.on_finer_grids(accuracy, interrupted)?)
-            }
-            (_, Some(accuracy)) => Ok(self.on_adapted_meshes(accuracy, files, interrupted)?),
-            (_, None) => Ok(self.on(&self.statement, files)?),
-        }
-    }
-
-    /// Solves the problem as it is stated.
-    fn on(&self, statement: &Statement, files: &InputFiles) -> Read<Solved> {
-        let problem = mesh_files::problem(statement, files)?;
-        let mut recorder = Recorder { keep_history: self.keep_history, ..Recorder::default() };
-        let run = solvers::solve_watched(&problem, &self.statement.settings(&problem), &mut recorder)
-            .map_err(|e| Error::input(format!("{e}; choose another `solver`, or change f")))?;
-        let Recorder { history, mut pairs, .. } = recorder;
-        let mut outcomes =
-            Outcomes { schema: 1, r: self.statement.saddle.map(|of| of.r), ..Outcomes::default() };
-        let mut no_bound = None;
-        if self.statement.saddle.is_none() {
-            let bounds = problem.bounds(&run.y);
-            no_bound = bounds.as_ref().err().copied();
-            outcomes.bounds.push(bounds.ok());
-            outcomes.reserve = problem.reserves();
-            pairs.push(Pair { a: run.judgement.multiplier(&run.y), y: run.y });
-        }
-        outcomes.levels = run.ends;
-        if let Some(exact) = statement.known_solution() {
-            for (level, pair) in outcomes.levels.iter().zip(&pairs) {
-                let cells = level.cells.expect("known solutions are on the square");
-                let grid = Grid::new(cells).expect("a grid that was solved on");
-                outcomes.errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
-            }
-        }
-        Ok(Solved { outcomes, pairs, history, no_bound, marks: None })
-    }
-
-    /// Solves on one grid of the square after the other until an accuracy is reached.
-    fn on_finer_grids(&self, accuracy: Accuracy, interrupted: &AtomicBool) -> Read<Solved> {
-        let mut all = Solved::default();
-        reach(accuracy, Voice::Keys, |cells| {
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
-            let Solved { mut outcomes, pairs, no_bound, .. } =
-                self.on(&on_grid(&self.statement, cells), &InputFiles::new())?;
-            let bounds = outcomes.bounds.last().cloned().flatten();
-            let bounds = bounds.ok_or(no_bound.unwrap_or(NoBound::NotFinite));
-            outcomes.levels.splice(0..0, std::mem::take(&mut all.outcomes.levels));
-            outcomes.errors.splice(0..0, std::mem::take(&mut all.outcomes.errors));
-            outcomes.bounds.splice(0..0, std::mem::take(&mut all.outcomes.bounds));
-            let is_ended = outcomes.levels.last().is_some_and(|level| !is_at_rest(level));
-            all = Solved { outcomes, pairs, ..Solved::default() };
-            if is_ended { Ok(None) } else { of_grid(accuracy, Voice::Keys, bounds).map(Some) }
-        })?;
-        Ok(all)
-    }
-
-    /// Solves on one adapted mesh after the other until an accuracy is reached.
-    fn on_adapted_meshes(
+    fn run<'a>(
         &self,
-        accuracy: Accuracy,
         files: &InputFiles,
-        interrupted: &AtomicBool,
-    ) -> Read<Solved> {
-        let mut bounds = Vec::new();
-        let mut watch = |mesh: &AdaptedMesh| {
-            bounds.push(mesh.bounds.clone().ok());
-            unless(interrupted)
-        };
-        let run = adapted_scene(&self.statement, files, accuracy, &mut watch)?;
-        // The first meshes have no solution where their polygon is too coarse.
-        bounds.drain(..bounds.len() - run.outcomes().len());
-        let (levels, reserve) = (run.outcomes().to_vec(), run.problem.reserves());
-        let outcomes = Outcomes { schema: 1, levels, bounds, reserve, ..Outcomes::default() };
-        let pair = Pair { a: run.judgement.multiplier(&run.y), y: run.y };
-        let marks = Some(run.marks);
-        Ok(Solved { outcomes, pairs: vec![pair], marks, ..Solved::default() })
+        interrupted: &'a AtomicBool,
+    ) -> Read<(Solved, Recorder<'a>)> {
+        let (history, pairs) = (Vec::new(), Vec::new());
+        let mut recorder =
+            Recorder { keep_history: self.keep_history, history, pairs, interrupted };
+        let problem = mesh_files::problem(&self.statement, files)?;
+        let left = machine::available_memory().unwrap_or(u64::MAX);
+        let memory = Memory { left, files: Files::None };
+        let solved = self.statement.solve(problem, memory, &mut recorder, &|_| ());
+        let solved = solved.map_err(|e| {
+            let of_accuracy = Voice::Keys.refused(&self.statement, &e);
+            let text = format!("{e}; choose another `solver`, or change f");
+            of_accuracy.unwrap_or_else(|| Error::input(text))
+        })?;
+        self.check_accuracy(&solved)?;
+        Ok((solved, recorder))
     }
 
-    /// Finds the solution without a grid, and its values at the nodes of the finest grid if they are drawn.
-    fn without_grid(&self) -> Result<Solved, Failure> {
-        let statement = &self.statement;
-        let f = statement.source()?;
-        let found = true_solution(statement.law()?, &f).map_err(|e| e.to_string())?;
-        let TrueSolution { solution, steps } = found;
-        let end =
-            WithoutGrid { steps, energy: solution.energy, resolution: solution.checks.resolution };
-        let outcomes = Outcomes { schema: 1, without_grid: Some(end), ..Outcomes::default() };
-        let finest = statement.grids()?;
-        let finest = finest[finest.len() - 1];
-        let pair = self.keep_pair.then(|| solution.on_grid(finest));
-        Ok(Solved { outcomes, pairs: pair.into_iter().collect(), ..Solved::default() })
+    /// Refuses an accuracy that was not reached.
+    fn check_accuracy(&self, solved: &Solved) -> Read<()> {
+        let (Some(accuracy), Some(reached)) = (self.statement.accuracy(), &solved.reached) else {
+            return Ok(());
+        };
+        if self.statement.domain.is_square() {
+            return Voice::Keys.check_end(accuracy, reached.end);
+        }
+        let (ReachEnd::Finest { best, .. } | ReachEnd::Rounding { least: best }) = reached.end
+        else {
+            return Ok(());
+        };
+        let asked = Voice::Keys.accuracy(accuracy);
+        Err(Error::input(match best.is_finite() {
+            false => format!(
+                "{asked}: the error is bounded on no mesh by less than the solution, as where v = 0; leave it out"
+            ),
+            true => format!(
+                "{asked}: {best:.1e} is reached with {} nodes, and no more; ask for less",
+                solved.problem.lengths()[0]
+            ),
+        }))
     }
 
     fn artifacts(
@@ -274,28 +213,39 @@ impl Cell {
         files: &InputFiles,
         interrupted: &AtomicBool,
     ) -> Result<Artifacts, Failure> {
-        let Solved { mut outcomes, pairs, history, marks, .. } = self.run(files, interrupted)?;
-        outcomes.asks_energy = matches!(self.statement.accuracy(), Some(Accuracy::Energy(_)));
+        let (solved, Recorder { mut pairs, history, .. }) = self.run(files, interrupted)?;
+        // A saddle-point method has a multiplier of its own.
+        if self.keep_pair && pairs.is_empty() {
+            pairs.push(solved.pair());
+        }
+        let outcomes = self.outcomes(&solved);
         let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair))?;
-        artifacts.extend(marks.map(|marks| (MARKS.to_owned(), marks_bytes(&marks))));
+        if let Some(marks) = solved.reached.and_then(|reached| reached.marks) {
+            artifacts.insert(MARKS.into(), marks_bytes(&marks));
+        }
         if self.keep_history {
             artifacts.insert(HISTORY.into(), to_json(&history));
         }
         Ok(artifacts)
     }
-}
 
-/// Goes on unless the run is to end.
-fn unless(interrupted: &AtomicBool) -> ControlFlow<()> {
-    match interrupted.load(Ordering::Relaxed) {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
+    /// Returns what is kept of a solution.
+    fn outcomes(&self, solved: &Solved) -> Outcomes {
+        let mut outcomes = Outcomes {
+            schema: 1,
+            r: self.statement.saddle.map(|settings| settings.r),
+            levels: solved.ends().to_vec(),
+            errors: solved.run().map(|run| run.errors.clone()).unwrap_or_default(),
+            asks_energy: matches!(self.statement.accuracy(), Some(Accuracy::Energy(_))),
+            without_grid: solved.truth().map(WithoutGrid::of),
+            ..Outcomes::default()
+        };
+        if outcomes.r.is_none() && outcomes.without_grid.is_none() {
+            outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
+            outcomes.reserve = solved.problem.reserves();
+        }
+        outcomes
     }
-}
-
-/// True if a solver ended neither at its limit nor without finite values.
-fn is_at_rest(level: &Outcome) -> bool {
-    matches!(level.end.stop, Stop::Converged | Stop::RoundingFloor)
 }
 
 impl Outcomes {
@@ -350,20 +300,29 @@ impl Outcomes {
 
     /// Returns, in words, how the solver of a scene ended on the finest level, unless with a solution.
     fn no_solution(&self, scene: &Scene) -> Option<String> {
-        let solved = self.levels.last().is_none_or(|last| is_solved(scene, last));
-        (!solved).then(|| self.end().replace('-', " "))
+        let judged = self.levels.last()?.judged(scene.statement.accuracy().is_some());
+        judged.is_failure().then(|| self.end().replace('-', " "))
     }
 }
 
-/// Monitor that records the last pair on each level and, if asked, all iterations.
-#[derive(Default)]
-struct Recorder {
+/// Monitor that records the last pair of a saddle-point method on each level and, if asked, all iterations.
+struct Recorder<'a> {
     keep_history: bool,
     history: Vec<Vec<Iteration>>,
     pairs: Vec<Pair>,
+    interrupted: &'a AtomicBool,
 }
 
-impl Monitor for Recorder {
+impl Watcher for Recorder<'_> {
+    fn tried(&mut self, _: Tried<'_>) -> ControlFlow<()> {
+        match self.interrupted.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+impl Monitor for Recorder<'_> {
     fn wants_iterations(&self) -> bool {
         self.keep_history
     }
@@ -376,13 +335,6 @@ impl Monitor for Recorder {
     fn level(&mut self, _: usize, pair: &Pair) {
         self.pairs.push(pair.clone());
     }
-}
-
-/// True if the solver of a scene ended with a solution. A guaranteed bound that was asked for has been reached:
-/// residuals of single nodes do not contradict it.
-fn is_solved(scene: &Scene, level: &Outcome) -> bool {
-    is_at_rest(level)
-        && (scene.statement.accuracy().is_some() || level.name() == level.end.stop.name())
 }
 
 /// Returns, in words, how the solver ended on the finest grid, with the r that is drawn, unless with a solution.
@@ -509,23 +461,19 @@ pub(crate) fn without_solution(
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the
 /// grid or the adapted mesh that reached it.
 pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure> {
-    let statement = &scene.statement;
-    if scene.statement.accuracy().is_some() {
-        if let Ok(marks) = artifact(inputs, &id_of(scene, None), MARKS) {
-            return Ok(on_bisected(statement, inputs.files, &marks_of(marks)?)?);
+    let mut statement = scene.statement.clone();
+    if statement.accuracy().is_some() {
+        let mesh = mesh_files::mesh(&statement, inputs.files)?;
+        let task = id_of(scene, None);
+        if let (Some(mesh), Ok(marks)) = (&mesh, artifact(inputs, &task, MARKS)) {
+            let problem = statement.problem_on_bisected(mesh, &marks_of(marks)?);
+            return Ok(problem.map_err(|e| e.to_string())?);
         }
         let outcomes = drawn_outcomes(inputs, scene, None)?;
         let cells = outcomes.levels.last().and_then(|level| level.cells);
-        if let Some(cells) = cells {
-            return Ok(mesh_files::problem(&on_grid(statement, cells), inputs.files)?);
-        }
+        statement.fineness = Fineness::Grids(cells.into_iter().collect());
     }
-    Ok(mesh_files::problem(statement, inputs.files)?)
-}
-
-/// Returns a statement on one grid of the square with as many cells per side.
-fn on_grid(statement: &Statement, cells: usize) -> Statement {
-    Statement { fineness: Fineness::Grids(vec![cells]), ..statement.clone() }
+    Ok(mesh_files::problem(&statement, inputs.files)?)
 }
 
 /// Returns the bytes of the artifact [`MARKS`].

@@ -5,7 +5,7 @@ use super::{LONGEST, TimingPlan};
 use crate::timing::recorded::{AdaptedTime, nodes};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::experiments::adapted::{AdaptedProblem, Way};
-use signorini_mathematics::levels::Adaption;
+use signorini_mathematics::solvers::Adaption;
 
 /// Guaranteed errors, over the norm of the solution, to which adaptive refinement goes.
 const GOALS: [f64; 3] = [0.03, 0.01, 0.003];

@@ -3,13 +3,13 @@
 use crate::timing::recorded::Goal;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::experiments::saddle::{CheckInterval, loose_uzawa, sweeps_until};
+use signorini_mathematics::experiments::saddle::{CheckInterval, sweeps_until};
 use signorini_mathematics::experiments::work::{OnGrid, R};
 use signorini_mathematics::multigrid::active_set::{MOST_CELLS, active_set};
 use signorini_mathematics::multigrid::{MultigridParams, solve_square};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
-use signorini_mathematics::solvers::{Solver, SolverRun};
+use signorini_mathematics::solvers::Solver;
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -28,14 +28,14 @@ pub(super) enum TimedGoal {
 
 /// Returns the goals of a solver on grids.
 pub(super) fn goals(solver: Solver) -> Vec<TimedGoal> {
-    match solver.entry().run {
-        SolverRun::Nested { weight } => {
-            let method = weight.map_or(Method::ArrowHurwicz, loose_uzawa);
+    match (solver.entry().method, solver) {
+        (Some(method), _) => {
+            let method = method.loose();
             TARGETS.map(|target| TimedGoal::Saddle(method, target)).into()
         }
-        SolverRun::ActiveSet => vec![TimedGoal::ActiveSet],
-        SolverRun::Multigrid => Goal::ALL.map(TimedGoal::Multigrid).into(),
-        SolverRun::Spectral => Vec::new(),
+        (None, Solver::ActiveSet) => vec![TimedGoal::ActiveSet],
+        (None, Solver::Multigrid) => Goal::ALL.map(TimedGoal::Multigrid).into(),
+        (None, _) => Vec::new(),
     }
 }
 

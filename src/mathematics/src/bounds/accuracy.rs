@@ -50,4 +50,12 @@ impl Accuracy {
             Self::Energy(wanted) => wanted.sqrt(),
         }
     }
+
+    /// Order of the bound on the square: the power of the width of the grid that is proportional to it.
+    pub(crate) fn order(self) -> f64 {
+        match self {
+            Self::Error(_) => 1.0,
+            Self::Energy(_) => 3.0,
+        }
+    }
 }

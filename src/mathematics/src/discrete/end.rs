@@ -25,6 +25,11 @@ pub struct End {
 }
 
 impl End {
+    /// End of a solver without levels that has reached its goal after so many iterations.
+    pub(crate) fn converged(iterations: usize) -> Self {
+        Self { iterations, work_units: 0.0, stop: Stop::Converged, delta_a: None }
+    }
+
     /// Number of Gauss-Seidel sweeps of a method that consists of them.
     pub fn sweeps(&self) -> usize {
         self.work_units as usize
@@ -102,6 +107,17 @@ impl Outcome {
     /// Verdict on the vector where the iteration ended.
     pub fn verdict(&self) -> Verdict {
         Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
+    }
+
+    /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. A guaranteed bound that
+    /// was asked for, if it is one that `is_bounded`, has been reached; residuals of single nodes do not contradict it.
+    pub fn judged(&self, is_bounded: bool) -> Verdict {
+        match (self.verdict(), self.end.stop) {
+            (Verdict::NoSolution, _) => Verdict::NoSolution,
+            (_, stop @ (Stop::IterationLimit | Stop::Diverged)) => Verdict::CutOff(stop),
+            _ if is_bounded => Verdict::Solved,
+            (verdict, Stop::Converged | Stop::RoundingFloor) => verdict,
+        }
     }
 
     /// Name of the end: the verdict if the vector is no solution, else the reason of the solver.

@@ -209,7 +209,7 @@ pub fn missed_on(f: &Source, n: usize) -> Option<f64> {
 
 /// Returns the part of the integral of |f| by which the nodal rule moves the jumps of f on this grid, half a cell where
 /// nodes lie on them; none for other rules, which move none, and for a smooth f.
-pub fn moved_on(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
+fn moved_on(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
     let LoadRule::Nodal { diagonal, .. } = rule else { return None };
     if f.is_smooth() {
         return None;
@@ -218,6 +218,14 @@ pub fn moved_on(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
     let [lower, upper] = [Tie::LowerLeft, Tie::UpperRight].map(|tie| nodal(grid, f, tie, diagonal));
     let moved: f64 = lower.iter().zip(&upper).map(|(a, b)| (a - b).abs()).sum();
     Some(0.5 * moved / integral(&f.absolute()))
+}
+
+/// Part of the integral of |f| by which the nodal load may move jumps of f.
+const MOVED: f64 = 1e-3;
+
+/// As [`moved_on`], none also if it is too small to matter.
+pub fn moved_jumps(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
+    moved_on(grid, f, rule).filter(|&moved| moved > MOVED)
 }
 
 /// Fills a nodal vector in blocks of rows, which are worked on in parallel; `fill` gets the number of the

@@ -22,6 +22,8 @@ pub enum Verdict {
     NoSolution,
     /// The conditions of the solution are violated.
     NotSolved(Violation),
+    /// The solver was cut off by its limit, or its values are not finite.
+    CutOff(Stop),
     /// A solution with a relative KKT residual of more than a tenth.
     Rough,
     /// A solution.
@@ -66,7 +68,7 @@ impl Verdict {
 
     /// True if the vector is no solution.
     pub fn is_failure(self) -> bool {
-        matches!(self, Self::NoSolution | Self::NotSolved(_))
+        matches!(self, Self::NoSolution | Self::NotSolved(_) | Self::CutOff(_))
     }
 
     /// Name of the end of a solve whose solver reports the reason `stop`: `no-solution` or `not-solved` takes its

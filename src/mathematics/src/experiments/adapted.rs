@@ -15,7 +15,7 @@ use crate::discrete::end::End;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::stop::Stop;
-use crate::levels::{AdaptedRun, Adaption, Problem};
+use crate::levels::Problem;
 use crate::machine::threads::{join, map};
 use crate::mesh::{
     AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
@@ -27,7 +27,7 @@ use crate::saddle::batch::{LANES, LaneEngine};
 use crate::saddle::{
     Goals, Method, Pair, Plain, RunStart, RunState, SaddleDomain, run, run_nested,
 };
-use crate::solvers::{Settings, Solver, solve};
+use crate::solvers::{Adaption, Settings, Solver, solve};
 use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 
@@ -165,11 +165,11 @@ impl AdaptedProblem {
             most_nodes,
             bisections,
         };
-        let mut bounds = Vec::new();
-        let run = adaption.run(&mut |mesh| bounds.push(mesh.bounds.clone()));
-        let AdaptedRun { problem, y, .. } = run.map_err(|e| e.to_string())?;
-        let bounds: Result<Vec<_>, _> = bounds.into_iter().collect();
-        Ok(BoundedRun { problem, y, bounds: bounds.map_err(|e| e.to_string())? })
+        let solved = adaption.run(&mut (), &|_| ()).map_err(|e| e.to_string())?;
+        let bounds: Result<Vec<_>, _> = solved.bounds().iter().cloned().collect();
+        let bounds = bounds.map_err(|e| e.to_string())?;
+        let y = solved.pair().y;
+        Ok(BoundedRun { problem: solved.problem, y, bounds })
     }
 
     /// Solves on the mesh after so many uniform refinements, with bounds on this mesh alone.

@@ -1,25 +1,19 @@
 //! The paper's grids of the square, matrix-free, as the levels of a problem.
 
-use super::{
-    ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, SaddleRun, Solved,
-};
+use super::{ClosedCurve, Discrete, Drawing, Integrals, KnownErrors, Levels, NodalVectors};
 use crate::bounds::{Bounds, NoBound, bounds};
 use crate::discrete::contact::{ContactArc, arcs};
-use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, has_solution, judge};
-use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
 use crate::discrete::norms::{errors, multiplier_error};
 use crate::formats::Fields;
-use crate::mesh::{AnyMesh, Condition, lattice_mesh, mesh_load, uniform_square};
-use crate::multigrid::active_set::active_set;
-use crate::multigrid::{MultigridParams, solve_square};
+use crate::mesh::{AnyMesh, Condition, PlaneMesh, lattice_mesh, mesh_load, uniform_square};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Component;
-use crate::saddle::{NestedGrids, Pair, solve_nested};
+use crate::saddle::Pair;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -194,6 +188,10 @@ impl Levels for Lattices {
         bounds(self.finest(), &self.f, law, y)
     }
 
+    fn coarsest(&self) -> Option<&PlaneMesh> {
+        None
+    }
+
     fn mesh(&self) -> AnyMesh {
         uniform_square(self.finest()).into()
     }
@@ -202,20 +200,6 @@ impl Levels for Lattices {
         let Some(drawing) = self.drawing(most_cells) else { return Ok(None) };
         let f = mesh_load(&drawing.mesh, &self.f)?.cells.mean;
         Ok(Some((drawing, f)))
-    }
-
-    fn multigrid(&self, law: Law, params: &MultigridParams) -> Solved {
-        solve_square(self.finest().cells(), law.with_load(self.finest_load()), None, params)
-    }
-
-    fn active_set(&self, law: Law) -> Solved {
-        active_set(self.finest().cells(), law, self.finest_load())
-    }
-
-    fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair) {
-        let SaddleRun { params, prolongation, monitor } = run;
-        let nested = NestedGrids { grids: &self.grids, prolongation };
-        solve_nested(&nested, loads, params, monitor)
     }
 
     fn drawing(&self, most_cells: usize) -> Option<Drawing> {
@@ -260,8 +244,8 @@ impl Levels for Lattices {
         Fields::new(self.finest(), &self.f, pair).npy()
     }
 
-    fn lattices(&self) -> Option<&Lattices> {
-        Some(self)
+    fn discrete(&self) -> Discrete<'_> {
+        Discrete::Lattices(self)
     }
 }
 

@@ -3,36 +3,32 @@
 //! Central is [`Problem`], which is checked once, when it is made. What solvers, judges, bounds, pictures and files
 //! need of a grid or a mesh is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the
 //! square, without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has
-//! asks [`Levels::lattices`].
+//! asks [`Levels::discrete`].
 
-mod adapted;
+mod bisected;
 mod error;
 mod lattices;
 mod problem;
 mod steps;
 mod triangulations;
 
-pub use adapted::{AdaptedEnd, AdaptedMesh, AdaptedRun, Adaption};
 pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
 pub use steps::{Step, Watch};
 pub use triangulations::Triangulations;
+pub(crate) use triangulations::read;
 
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
-use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::Errors;
-use crate::discrete::transfer::Prolongation;
 use crate::mesh::{AnyMesh, Condition, PlaneMesh};
-use crate::multigrid::{InputError, MultigridParams};
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::unsolvable::Component;
-use crate::saddle::{Monitor, Pair, Params};
+use crate::saddle::Pair;
 use std::borrow::Cow;
 
 /// Nested discrete problems of one domain and one f. Levels are numbered from 0 on, coarsest first.
@@ -127,6 +123,9 @@ pub trait Levels: Send + Sync {
     /// [`NoBound`].
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound>;
 
+    /// Coarsest mesh of a domain in the plane, from which meshes may be adapted; none on the square, and in space.
+    fn coarsest(&self) -> Option<&PlaneMesh>;
+
     /// Copy of the mesh of the finest level.
     fn mesh(&self) -> AnyMesh;
 
@@ -136,21 +135,6 @@ pub trait Levels: Send + Sync {
     /// # Errors
     /// [`SourceError::NoValue`] if f is not finite at a point of a mesh coarser than the finest.
     fn map_of_f(&self, most_cells: usize) -> Result<Option<(Drawing, Vec<f64>)>, SourceError>;
-
-    /// Solves on the finest level by multigrid: on the square that of optimal cost, on meshes the multilevel method.
-    ///
-    /// # Errors
-    /// [`InputError`].
-    fn multigrid(&self, law: Law, params: &MultigridParams) -> Solved;
-
-    /// Solves on the finest level by the primal-dual active set.
-    ///
-    /// # Errors
-    /// [`InputError`].
-    fn active_set(&self, law: Law) -> Solved;
-
-    /// Runs a saddle-point method over all levels, with the load vector of each.
-    fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair);
 
     /// Picture of a domain in the plane, with so many cells across at most; none in space.
     fn drawing(&self, most_cells: usize) -> Option<Drawing>;
@@ -170,15 +154,16 @@ pub trait Levels: Send + Sync {
     /// Nodal values of the finest level in NPY format.
     fn npy(&self, pair: &Pair) -> Vec<u8>;
 
-    /// Grids of the square, for what no mesh has: the spectral solver, the recovery.
-    fn lattices(&self) -> Option<&Lattices> {
-        None
-    }
+    /// Discrete problems, for what is faster on the square, and what only the square or only meshes have.
+    fn discrete(&self) -> Discrete<'_>;
+}
 
-    /// Nested networks of a mesh, for renumberings and the like.
-    fn networks(&self) -> Option<&[NestedNetwork]> {
-        None
-    }
+/// Discrete problems of all levels, as solvers take them.
+pub enum Discrete<'a> {
+    /// Grids of the square, without a matrix in memory.
+    Lattices(&'a Lattices),
+    /// Networks of a mesh and its refinements, coarsest first.
+    Networks(&'a [NestedNetwork]),
 }
 
 /// Part of the integral of |f| from which on bounds are those of another f, if the points miss it.
@@ -188,24 +173,11 @@ const MISSED: f64 = 0.1;
 ///
 /// # Errors
 /// [`NoBound::Missed`].
-fn check_missed(missed: Option<f64>) -> Result<(), NoBound> {
+pub(crate) fn check_missed(missed: Option<f64>) -> Result<(), NoBound> {
     match missed.filter(|missed| *missed > MISSED) {
         Some(part) => Err(NoBound::Missed { part }),
         None => Ok(()),
     }
-}
-
-/// Nodal vector of the finest level, and the end of the solver there.
-pub type Solved = Result<(Vec<f64>, End), InputError>;
-
-/// Run of a saddle-point method.
-pub struct SaddleRun<'a> {
-    /// Method and parameters, but the tolerance, which follows from the level.
-    pub params: &'a Params,
-    /// Interpolation of pairs to the next grid of the square.
-    pub prolongation: Prolongation,
-    /// Observer.
-    pub monitor: &'a mut dyn Monitor,
 }
 
 /// Mesh of a picture, which may be coarser than the finest one.
@@ -255,7 +227,7 @@ pub struct Integrals {
 }
 
 /// Bound of the rounding error of the integral of f, over the integral of |f|.
-const ROUNDING: f64 = 1e-12;
+pub(crate) const ROUNDING: f64 = 1e-12;
 
 impl Integrals {
     /// Bound of the rounding error of the integral of f, and of each sum that balances it.

@@ -1,13 +1,15 @@
 //! A problem: what is solved.
 
 use super::{
-    Lattices, Levels, NodalVectors, ProblemError, Step, Triangulations, Watch, check_missed,
+    Discrete, Lattices, Levels, NodalVectors, ProblemError, Step, Triangulations, Watch,
+    check_missed,
 };
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
-use crate::discrete::load::LoadRule;
+use crate::discrete::load::{LoadRule, moved_jumps};
 use crate::discrete::nested::NestedNetwork;
+use crate::discrete::norms::max_error;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -109,7 +111,7 @@ impl Problem {
     }
 
     /// As [`Problem::new`], of a flux that is known to balance f.
-    pub(super) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
+    pub(crate) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
         Self { levels: Box::new(levels), law, is_curved }
     }
 
@@ -150,7 +152,10 @@ impl Problem {
 
     /// Grids and f on the square; none on a mesh.
     pub fn lattices(&self) -> Option<&Lattices> {
-        self.levels.lattices()
+        match self.levels.discrete() {
+            Discrete::Lattices(lattices) => Some(lattices),
+            Discrete::Networks(_) => None,
+        }
     }
 
     /// Lengths of the nodal vector and the boundary vector of a pair of the finest level.
@@ -169,7 +174,10 @@ impl Problem {
 
     /// Nested networks of a mesh; none on the square, whose grids have no matrix in memory.
     pub fn networks(&self) -> Option<&[NestedNetwork]> {
-        self.levels.networks()
+        match self.levels.discrete() {
+            Discrete::Lattices(_) => None,
+            Discrete::Networks(networks) => Some(networks),
+        }
     }
 
     /// Judges a nodal vector of the finest level, apart from the solvers.
@@ -180,6 +188,27 @@ impl Problem {
     /// Judges a nodal vector of a level with this load vector.
     pub fn judge_on(&self, level: usize, vectors: NodalVectors<'_>) -> Judgement {
         self.levels.judge(level, self.law, vectors)
+    }
+
+    /// Greatest error of a nodal vector of a level at its nodes; none if the solution is not known, and on meshes.
+    pub(crate) fn greatest_error(&self, level: usize, y: &[f64]) -> Option<f64> {
+        let lattices = self.lattices()?;
+        let exact = lattices.source().exact()?;
+        Some(max_error(lattices.grids()[level], y, |x, y| exact.at(x, y).value))
+    }
+
+    /// Problem with the same f and law on one grid of the square with so many cells per side; none on a mesh.
+    pub(crate) fn on_grid(&self, cells: usize) -> Option<Result<Self, ProblemError>> {
+        let (lattices, grid) = (self.lattices()?, Grid::new(cells).ok()?);
+        let (f, rule) = (lattices.source().clone(), lattices.rule());
+        Some(Self::on_square(vec![grid], f, rule, self.law))
+    }
+
+    /// Part of the integral of |f| by which the load vector of the square moves jumps of f, as [`moved_jumps`] has it;
+    /// none on meshes, whose load moves none.
+    pub fn moved_jumps(&self) -> Option<f64> {
+        let lattices = self.lattices()?;
+        moved_jumps(lattices.finest(), lattices.source(), lattices.rule())
     }
 
     /// Guaranteed bounds for a nodal vector of the finest level, but for what [`Problem::reserves`] lists.

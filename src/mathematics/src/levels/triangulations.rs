@@ -1,16 +1,13 @@
 //! A mesh with its refinements as the levels of a problem.
 
 use super::{
-    ClosedCurve, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError, SaddleRun,
-    Solved, Step, Watch,
+    ClosedCurve, Discrete, Drawing, Integrals, KnownErrors, Levels, NodalVectors, ProblemError,
+    Step, Watch,
 };
 use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
-use crate::discrete::end::Outcome;
 use crate::discrete::kkt::{DiscreteDomain, Judgement, has_solution, judge};
-use crate::discrete::law_and_load::LawAndLoads;
-use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::formats::MeshFields;
 use crate::mesh::{
@@ -18,14 +15,11 @@ use crate::mesh::{
     NestedMeshes, PlaneMesh, Sides, boundary_curves, curve_gains, mesh_arcs, mesh_errors,
     mesh_load, nested_meshes,
 };
-use crate::multigrid::MultigridParams;
-use crate::multigrid::active_set::active_set_on;
-use crate::multilevel::solve_nested_networks;
 use crate::problem::error::SourceError;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::shape::Shape;
 use crate::problem::unsolvable::Component;
-use crate::saddle::{Pair, solve_nested};
+use crate::saddle::Pair;
 use std::any::Any;
 use std::borrow::Cow;
 
@@ -64,7 +58,7 @@ where
     }
 
     /// Levels on nested meshes, with f and what it is on the finest.
-    pub(super) fn of(nested: NestedMeshes<D, V>, f: MeshSource<D>, load: MeshLoad) -> Self {
+    pub(crate) fn of(nested: NestedMeshes<D, V>, f: MeshSource<D>, load: MeshLoad) -> Self {
         let integrals = Integrals {
             of_f: load.integral,
             of_size: load.size,
@@ -75,7 +69,7 @@ where
     }
 
     /// Levels with the guaranteed error in each cell of the finest mesh.
-    pub(super) fn with_errors(self, errors: Vec<f64>) -> Self {
+    pub(crate) fn with_errors(self, errors: Vec<f64>) -> Self {
         Self { errors: Some(errors), ..self }
     }
 
@@ -144,7 +138,7 @@ fn arc_lengths(mesh: &PlaneMesh, nodes: &[usize]) -> Vec<f64> {
 }
 
 /// Reads f on a mesh.
-pub(super) fn read<const D: usize, const V: usize>(
+pub(crate) fn read<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
 ) -> Result<MeshSource<D>, MeshSourceError> {
@@ -288,6 +282,10 @@ where
         bounds_on_mesh(self.finest(), self.network(), &self.load, law, y)
     }
 
+    fn coarsest(&self) -> Option<&PlaneMesh> {
+        plane(&self.nested.meshes[0])
+    }
+
     fn mesh(&self) -> AnyMesh {
         self.finest().clone().into()
     }
@@ -300,18 +298,6 @@ where
             false => mesh_load(&self.nested.meshes[drawn], &self.f)?.cells.mean,
         };
         Ok(Some((drawing, f)))
-    }
-
-    fn multigrid(&self, law: Law, params: &MultigridParams) -> Solved {
-        solve_nested_networks(&self.nested.networks, law.with_load(self.finest_load()), params)
-    }
-
-    fn active_set(&self, law: Law) -> Solved {
-        active_set_on(self.network(), law, self.finest_load())
-    }
-
-    fn saddle(&self, loads: LawAndLoads<'_>, run: SaddleRun<'_>) -> (Vec<Outcome>, Pair) {
-        solve_nested(&self.nested.networks[..], loads, run.params, run.monitor)
     }
 
     fn drawing(&self, most_cells: usize) -> Option<Drawing> {
@@ -363,7 +349,7 @@ where
         self.fields(pair, [&[]; 2]).npy()
     }
 
-    fn networks(&self) -> Option<&[NestedNetwork]> {
-        Some(&self.nested.networks)
+    fn discrete(&self) -> Discrete<'_> {
+        Discrete::Networks(&self.nested.networks)
     }
 }

@@ -144,6 +144,15 @@ impl AnyMesh {
         }
     }
 
+    /// Number of nodes after some refinements, about: each multiplies the number of cells, and in the end of nodes, by 4
+    /// or 8.
+    pub fn nodes_after(&self, times: usize) -> f64 {
+        let factor = if self.dimension() == 2 { 4f64 } else { 8.0 };
+        let nodes_per_cell = if self.dimension() == 2 { 0.5 } else { 1.0 / 6.0 };
+        let cells = self.cells() as f64 * factor.powi(times as i32);
+        (nodes_per_cell * cells).max(self.nodes() as f64)
+    }
+
     /// True if refinement puts new nodes on a curve, so that the domain changes with the mesh.
     pub fn is_curved(&self) -> bool {
         match self {

@@ -51,6 +51,18 @@ pub enum Unsolvable {
     },
 }
 
+impl Unsolvable {
+    /// Integral that cannot be balanced; none if none can.
+    pub fn integral(&self) -> Option<f64> {
+        match *self {
+            Self::NotCoercive { integral, .. } | Self::Unbalanced { integral, .. } => {
+                Some(integral)
+            }
+            Self::Insulated { .. } => None,
+        }
+    }
+}
+
 /// Words for the component of the domain.
 fn over(component: Option<usize>) -> String {
     component.map_or_else(String::new, |number| format!(" over component {number} of the domain"))

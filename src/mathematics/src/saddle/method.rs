@@ -65,6 +65,14 @@ impl Method {
         }
     }
 
+    /// The method whose minimisations become as exact as the gradient (8) gets small.
+    pub fn loose(self) -> Self {
+        match self {
+            Self::ArrowHurwicz => self,
+            Self::Uzawa { weight, inner, .. } => Self::Uzawa { weight, inner, loose: true },
+        }
+    }
+
     /// The method whose minimisations are as exact as is of use, where the rounding errors of the inner gradient are as
     /// large as `floor`: loose, if the bound that was asked for is out of reach.
     pub(super) fn above(self, floor: f64) -> Self {

@@ -6,8 +6,6 @@ use crate::mesh::AnyMesh;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Largest number of cells per side of the square; two nodal vectors of that grid take about 1 GB.
-pub const MOST_CELLS: usize = 8192;
 /// Number of nodes up to which a mesh is refined if nobody says how often.
 pub const USUAL_NODES: f64 = 20_000.0;
 /// Cells per side of the first grid of the square that is tried for an accuracy.
@@ -82,14 +80,17 @@ impl Fineness {
         Self::Grids(halved(finest, if halves { coarsest } else { COARSEST_CELLS }))
     }
 
-    /// Number of refinements of the coarsest mesh; none where an accuracy is asked for.
+    /// Number of refinements of the coarsest mesh; where an accuracy is asked for, the usual number on a curved domain,
+    /// whose coarsest polygon may have no solution, and else none.
     pub(super) fn refinements(&self, mesh: &AnyMesh) -> Result<usize, StatementError> {
         let fits = |times: &usize| nodes_after(mesh, *times) <= USUAL_NODES;
         Ok(match self {
             Self::Refined(times) => usize::from(*times),
             Self::Width(cells) => of_cube(*cells)?[1],
-            Self::Usual | Self::Grids(_) => (1..=MOST_TIMES).take_while(fits).count(),
-            Self::Within(_) => 0,
+            Self::Within(_) if !mesh.is_curved() => 0,
+            Self::Usual | Self::Grids(_) | Self::Within(_) => {
+                (1..=MOST_TIMES).take_while(fits).count()
+            }
         })
     }
 }
@@ -122,13 +123,9 @@ pub(super) fn of_cube(cells: usize) -> Result<[usize; 2], StatementError> {
     Err(StatementError::field("h", format!("1/{cells}"), reason))
 }
 
-/// Number of nodes after some refinements, about: each multiplies the number of cells, and in the end of nodes, by 4 or
-/// 8.
+/// Number of nodes after some refinements, as [`AnyMesh::nodes_after`] has it.
 pub fn nodes_after(mesh: &AnyMesh, times: usize) -> f64 {
-    let factor = if mesh.dimension() == 2 { 4f64 } else { 8.0 };
-    let nodes_per_cell = if mesh.dimension() == 2 { 0.5 } else { 1.0 / 6.0 };
-    let cells = mesh.cells() as f64 * factor.powi(times as i32);
-    (nodes_per_cell * cells).max(mesh.nodes() as f64)
+    mesh.nodes_after(times)
 }
 
 #[cfg(test)]

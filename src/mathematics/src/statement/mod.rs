@@ -7,15 +7,17 @@
 mod domain;
 mod fineness;
 
+pub use crate::solvers::MOST_CELLS;
 pub use domain::Domain;
-pub use fineness::{Fineness, MOST_CELLS, USUAL_NODES, nodes_after};
+use fineness::FIRST_CELLS;
+pub use fineness::{Fineness, USUAL_NODES, nodes_after};
 
 use crate::bounds::Accuracy;
 use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::{LoadRule, moved_on};
+use crate::discrete::load::{LoadRule, moved_jumps};
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::Prolongation;
-use crate::levels::{Problem, ProblemError, Watch};
+use crate::levels::{Problem, ProblemError, Step, Watch};
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::error::SourceError;
@@ -23,7 +25,9 @@ use crate::problem::exact::Exact;
 use crate::problem::law::{Law, LawError, LawParameter};
 use crate::problem::source::Source;
 use crate::saddle::{Params, StopRule};
-use crate::solvers::{Settings, Solver};
+use crate::solvers::{
+    Adaption, Files, Grids, Memory, Refusal, Settings, Solved, Solver, Watcher, find, reach,
+};
 use serde::{Deserialize, Serialize};
 
 /// What is asked: the same in a scene, in options, in experiments and in the parameters of a task.
@@ -80,6 +84,9 @@ pub enum StatementError {
     /// There is no problem.
     #[error(transparent)]
     Problem(#[from] ProblemError),
+    /// A solver refuses the problem.
+    #[error(transparent)]
+    Solver(#[from] Refusal),
 }
 
 impl StatementError {
@@ -94,9 +101,6 @@ impl From<LawError> for StatementError {
         Self::field("law", "", error)
     }
 }
-
-/// Part of the integral of |f| by which the nodal load may move jumps of f.
-const MOVED: f64 = 1e-3;
 
 impl Default for SaddleSettings {
     /// Settings of `solve`: r = 10, and the rule as printed.
@@ -180,7 +184,8 @@ impl Statement {
         self.domain.mesh(file, cells).map(Some)
     }
 
-    /// Number of refinements of the coarsest mesh; none where an accuracy is asked for.
+    /// Number of refinements of the coarsest mesh; where an accuracy is asked for, those on which is seen whether there
+    /// is a solution.
     ///
     /// # Errors
     /// [`StatementError::Field`] if the cube has no cells of this width.
@@ -189,7 +194,8 @@ impl Statement {
     }
 
     /// Problem on the square or on a mesh that [`Statement::mesh`] has made; where an accuracy is asked for, on the
-    /// first grid or mesh. `watch` is told when meshes are made, and when f is integrated on them.
+    /// first grid or, on a mesh, where is seen whether there is a solution. `watch` is told when meshes are made, and when
+    /// f is integrated on them.
     ///
     /// # Errors
     /// [`StatementError`].
@@ -222,7 +228,7 @@ impl Statement {
     pub fn moved_jumps(&self) -> Option<f64> {
         let (rule, f) = (self.load?, self.source().ok()?);
         let finest = *self.grids().ok()?.last()?;
-        moved_on(finest, &f, rule).filter(|&moved| moved > MOVED)
+        moved_jumps(finest, &f, rule)
     }
 
     /// Pieces of f that are certain to lie outside the domain, as far as that is known without the mesh.
@@ -234,6 +240,31 @@ impl Statement {
     /// Known solution on the square.
     pub fn known_solution(&self) -> Option<Exact> {
         self.domain.is_square().then(|| self.source())?.ok()?.exact()
+    }
+
+    /// Problem on the meshes of a way to the accuracy that is asked for, which began with this mesh and marked these
+    /// cells for its bisections, one list for each.
+    ///
+    /// # Errors
+    /// [`StatementError`], also in space.
+    pub fn problem_on_bisected(
+        &self,
+        mesh: &AnyMesh,
+        marks: &[Vec<u32>],
+    ) -> Result<Problem, StatementError> {
+        let AnyMesh::Plane(mesh) = mesh else { return Err(Refusal::NotInPlane.into()) };
+        Ok(Problem::on_bisected(mesh, marks, &self.f, self.law()?)?)
+    }
+
+    /// Solves what is stated, with all memory that it takes; the mesh is read from the contents of the Gmsh file unless
+    /// the domain is built in.
+    ///
+    /// # Errors
+    /// [`StatementError`].
+    pub fn solved(&self, file: Option<&[u8]>) -> Result<Solved, StatementError> {
+        let problem = self.problem(self.mesh(file)?.as_ref(), &|_| ())?;
+        let memory = Memory { left: u64::MAX, files: Files::None };
+        Ok(self.solve(problem, memory, &mut (), &|_| ())?)
     }
 
     /// Settings of the solver for a problem.
@@ -249,5 +280,41 @@ impl Statement {
             self.saddle.unwrap_or_default();
         let params = Params { r, rule: stop, max_iterations, ..usual.params };
         Settings { params, prolongation, goal, ..usual }
+    }
+
+    /// Solves the problem that [`Statement::problem`] has made, where an accuracy is asked for on one grid or mesh after
+    /// the other. `steps` is told each step.
+    ///
+    /// # Errors
+    /// [`Refusal`].
+    pub fn solve(
+        &self,
+        problem: Problem,
+        memory: Memory,
+        watcher: &mut dyn Watcher,
+        steps: Watch<'_>,
+    ) -> Result<Solved, Refusal> {
+        let settings = self.settings(&problem);
+        let Some(goal) = self.accuracy() else {
+            // The load vector is made when it is first read.
+            if self.solver.entry().is_discrete {
+                problem.load();
+                steps(Step::Load);
+            }
+            let found = find(&problem, &settings, watcher)?;
+            steps(Step::Solver);
+            return Ok(Solved::new(problem, found));
+        };
+        // Whatever the grids of the problem, the way begins with the first.
+        if let Some(first) = problem.on_grid(FIRST_CELLS) {
+            let first = first.map_err(Refusal::from)?;
+            return reach(Grids::new(first, settings, goal, memory, steps), goal, watcher);
+        }
+        let (f, law) = (&problem.levels().f(), problem.law());
+        let coarsest = &problem.levels().coarsest().ok_or(Refusal::NotInPlane)?.clone();
+        // The adapted meshes take its place.
+        drop(problem);
+        let (most_nodes, bisections) = (memory.adapted_nodes(), Adaption::BISECTIONS);
+        Adaption { coarsest, f, law, goal, most_nodes, bisections }.run(watcher, steps)
     }
 }

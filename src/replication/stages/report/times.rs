@@ -114,17 +114,18 @@ fn fit(timings: &Timings, goal: Goal, threads: usize) -> Option<Fit> {
 
 /// Compares the times of all solvers to the discretisation error of one problem, grid by grid.
 fn comparison(problem: &str, lines: &[SolverTime]) -> Value {
-    let times = Solver::ON_GRIDS.map(|solver| {
+    let (solvers, mut times) = (Solver::on_grids(), Vec::new());
+    for &solver in &solvers {
         let mine = lines.iter().filter(|line| line.solver == solver && line.problem == problem);
-        to_discretisation(mine)
-    });
+        times.push(to_discretisation(mine));
+    }
     let grids: BTreeSet<_> = times.iter().flat_map(BTreeMap::keys).collect();
     let mut rows = Vec::new();
     for cells in grids {
-        let seconds = times.each_ref().map(|by_grid| by_grid.get(cells).map(|run| run.seconds));
-        rows.push(json!({ "cells": cells, "seconds": seconds }));
+        let seconds = times.iter().map(|by_grid| by_grid.get(cells).map(|run| run.seconds));
+        rows.push(json!({ "cells": cells, "seconds": seconds.collect::<Vec<_>>() }));
     }
-    json!({ "problem": problem, "solvers": Solver::ON_GRIDS, "rows": rows })
+    json!({ "problem": problem, "solvers": solvers, "rows": rows })
 }
 
 /// Returns the largest distance of the quartiles of a recorded time, over its median.

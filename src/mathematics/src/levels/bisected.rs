@@ -1,8 +1,8 @@
 //! Meshes of a run of adaptive refinement, made anew without a solution.
 
-use super::read;
+use super::triangulations::read;
+use super::{Problem, ProblemError, Triangulations};
 use crate::discrete::nested::NestedNetwork;
-use crate::levels::{Problem, ProblemError, Triangulations};
 use crate::mesh::{
     NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect, label_longest_edges, mesh_load,
 };

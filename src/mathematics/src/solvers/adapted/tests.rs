@@ -1,8 +1,13 @@
 //! True energies that every bracket of every mesh must hold, and what the meshes gain.
 
 use super::*;
+use crate::bounds::{Bounds, NoBound};
+use crate::levels::Problem;
 use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Names, Part, lattice_mesh};
 use crate::problem::law::Law;
+use crate::saddle::Monitor;
+use crate::solvers::reach::{ReachEnd, Refining, Tried};
+use std::ops::ControlFlow;
 
 /// Problem with its true energy.
 struct KnownEnergy {
@@ -13,6 +18,25 @@ struct KnownEnergy {
     energy: f64,
     /// Last digit of the energy.
     digit: f64,
+}
+
+/// Meshes of a run.
+#[derive(Default)]
+struct Meshes(Vec<Mesh>);
+
+/// Mesh of a run.
+struct Mesh {
+    nodes: usize,
+    bounds: Result<Bounds, NoBound>,
+}
+
+impl Monitor for Meshes {}
+
+impl Watcher for Meshes {
+    fn tried(&mut self, Tried { nodes, bounds }: Tried<'_>) -> ControlFlow<()> {
+        self.0.push(Mesh { nodes, bounds: bounds.clone() });
+        ControlFlow::Continue(())
+    }
 }
 
 /// Unit square of eight cells, with these conditions where a point of the boundary satisfies them.
@@ -131,6 +155,13 @@ fn known() -> Vec<KnownEnergy> {
 }
 
 impl KnownEnergy {
+    /// Runs to a goal; returns the meshes as well.
+    fn run(&self, goal: Accuracy) -> (Solved, Vec<Mesh>) {
+        let mut meshes = Meshes::default();
+        let solved = self.adaption(goal).run(&mut meshes, &|_| ()).unwrap();
+        (solved, meshes.0)
+    }
+
     fn adaption(&self, goal: Accuracy) -> Adaption<'_> {
         Adaption {
             coarsest: &self.mesh,
@@ -146,14 +177,13 @@ impl KnownEnergy {
 #[test]
 fn every_bracket_of_every_mesh_holds_the_true_energy() {
     for problem in known() {
-        let mut meshes: Vec<AdaptedMesh> = Vec::new();
-        let run = problem.adaption(Accuracy::Error(0.03));
-        let run = run.run(&mut |mesh| meshes.push(mesh.clone())).unwrap();
+        let (run, meshes) = problem.run(Accuracy::Error(0.03));
         let (name, energy) = (problem.name, problem.energy);
-        assert_eq!(run.end, AdaptedEnd::Goal, "{name}");
-        assert!(run.bounds.relative() <= 0.03);
-        assert_eq!(run.meshes, meshes.len());
-        assert!(run.problem.levels().count() > run.meshes);
+        let (reached, bounds) = (run.reached.as_ref().unwrap(), last(&run));
+        assert_eq!(reached.end, ReachEnd::Goal, "{name}");
+        assert!(bounds.relative() <= 0.03);
+        assert_eq!([run.ends().len(), reached.tried], [meshes.len(); 2]);
+        assert!(run.problem.levels().count() > meshes.len());
         for mesh in &meshes {
             let nodes = mesh.nodes;
             let bounds = mesh.bounds.as_ref().map_err(|reason| format!("{name} {nodes}: {reason}"));
@@ -168,12 +198,17 @@ fn every_bracket_of_every_mesh_holds_the_true_energy() {
                 assert!(effectivity > 1.0 && effectivity < 1.4, "{name} {nodes}: {effectivity}");
             }
         }
-        let [least, most] = run.bounds.error;
-        let error = root(2.0 * (run.bounds.energy[1] - energy));
+        let [least, most] = bounds.error;
+        let error = root(2.0 * (bounds.energy[1] - energy));
         assert!(0.4 * most < least && least < error + 1e-9, "{name}: {least} {error} {most}");
         // The bounds of the problem on its levels are those of the run.
-        assert_eq!(run.problem.bounds(&run.y).unwrap().energy, run.bounds.energy);
+        assert_eq!(run.problem.bounds(&run.pair().y).unwrap().energy, bounds.energy);
     }
+}
+
+/// Bounds on the last mesh.
+fn last(run: &Solved) -> &Bounds {
+    run.bounds().last().unwrap().as_ref().unwrap()
 }
 
 fn root(square: f64) -> f64 {
@@ -192,12 +227,11 @@ fn slope(points: &[[f64; 2]]) -> f64 {
 #[test]
 fn errors_fall_like_the_inverse_root_of_the_number_of_nodes() {
     for problem in &known() {
+        let (_, meshes) = problem.run(Accuracy::Error(0.01));
         let mut points: Vec<[f64; 2]> = Vec::new();
-        let mut watch = |mesh: &AdaptedMesh| {
-            let error = mesh.bounds.as_ref().unwrap().error[1];
-            points.push([mesh.nodes as f64, error].map(libm::log));
-        };
-        problem.adaption(Accuracy::Error(0.01)).run(&mut watch).unwrap();
+        for Mesh { nodes, bounds } in meshes {
+            points.push([nodes as f64, bounds.unwrap().error[1]].map(libm::log));
+        }
         let last = points[points.len() - 1][0];
         points.retain(|[nodes, _]| *nodes > last - libm::log(30.0));
         let order = -slope(&points);
@@ -208,11 +242,9 @@ fn errors_fall_like_the_inverse_root_of_the_number_of_nodes() {
 #[test]
 fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
     let problem = known().into_iter().find(|problem| problem.name == "tiny source").unwrap();
-    let mut meshes: Vec<AdaptedMesh> = Vec::new();
-    let adaption = problem.adaption(Accuracy::Error(0.2));
-    adaption.run(&mut |mesh| meshes.push(mesh.clone())).unwrap();
+    let (_, meshes) = problem.run(Accuracy::Error(0.2));
     // An error of several solutions; the first mesh knows the load, and of the solution next to nothing.
-    let tells = |mesh: &AdaptedMesh| mesh.bounds.as_ref().unwrap().relative() < 5.0;
+    let tells = |mesh: &Mesh| mesh.bounds.as_ref().unwrap().relative() < 5.0;
     assert!(!tells(&meshes[1]), "the source is too small for the first meshes");
     for pair in meshes.windows(2).filter(|pair| !tells(&pair[0])) {
         assert!(pair[1].nodes > 2 * pair[0].nodes, "{} {}", pair[0].nodes, pair[1].nodes);
@@ -223,14 +255,14 @@ fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
 fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
     let adaption = problem.adaption(Accuracy::Error(0.1));
-    let f = read(&problem.mesh, problem.f).unwrap();
-    let mut meshes = Meshes::new(&adaption, f, &|_| ()).unwrap();
+    let mut meshes = super::Meshes::new(&adaption, &|_| ()).unwrap();
     for _ in 0..6 {
-        let found = meshes.solved().unwrap().unwrap();
+        meshes.solve(&mut ()).unwrap().unwrap();
+        let found = meshes.found.as_ref().unwrap();
         let sum: f64 = found.squares.iter().sum();
         let whole = found.bounds.error[1] * found.bounds.error[1];
         assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} {whole}");
-        assert!(meshes.refine(Some(&found)).unwrap());
+        assert_eq!(meshes.refine().unwrap(), None);
     }
 }
 
@@ -239,9 +271,8 @@ fn threads_make_the_same_meshes_to_the_bit() {
     let problem = &known()[0];
     let found = [1, 16].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let run = pool.install(|| problem.adaption(Accuracy::Error(0.015)).run(&mut |_| ()));
-        let run = run.unwrap();
-        (run.problem.levels().mesh(), run.y.iter().map(|y| y.to_bits()).collect::<Vec<_>>())
+        let (run, _) = pool.install(|| problem.run(Accuracy::Error(0.015)));
+        (run.problem.levels().mesh(), run.pair().y.iter().map(|y| y.to_bits()).collect::<Vec<_>>())
     });
     assert!(found[0] == found[1]);
 }
@@ -249,11 +280,12 @@ fn threads_make_the_same_meshes_to_the_bit() {
 #[test]
 fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
     for problem in [&known()[0], &known()[1]] {
-        let run = problem.adaption(Accuracy::Error(0.05)).run(&mut |_| ()).unwrap();
-        let anew = Problem::on_bisected(&problem.mesh, &run.marks, problem.f, problem.law).unwrap();
-        assert!(run.marks.len() > 4 && anew.levels().count() == run.problem.levels().count());
+        let (run, _) = problem.run(Accuracy::Error(0.05));
+        let marks = run.reached.as_ref().and_then(|reached| reached.marks.as_ref()).unwrap();
+        let anew = Problem::on_bisected(&problem.mesh, marks, problem.f, problem.law).unwrap();
+        assert!(marks.len() > 4 && anew.levels().count() == run.problem.levels().count());
         assert!(anew.levels().mesh() == run.problem.levels().mesh());
-        assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.y.len(); 2]);
+        assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.pair().y.len(); 2]);
         assert!(anew.load() == run.problem.load() && anew.lengths() == run.problem.lengths());
     }
 }
@@ -262,17 +294,19 @@ fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
 fn a_run_ends_with_a_number_whatever_happens() {
     let problem = &known()[0];
     let few = Adaption { most_nodes: 300, ..problem.adaption(Accuracy::Error(1e-3)) };
-    let run = few.run(&mut |_| ()).unwrap();
-    assert_eq!(run.end, AdaptedEnd::Nodes);
-    assert!(run.y.len() <= 300 && run.bounds.relative() < 0.3);
+    let run = few.run(&mut (), &|_| ()).unwrap();
+    let nodes = run.pair().y.len();
+    let end = ReachEnd::Finest { needed: None, best: last(&run).relative() };
+    assert_eq!(run.reached.as_ref().unwrap().end, end);
+    assert!(nodes <= 300 && last(&run).relative() < 0.3);
     // There are more levels than meshes that are shown.
     let name = run.problem.levels().name(run.problem.finest());
-    assert_eq!(name, format!("the mesh of {} nodes", run.y.len()));
+    assert_eq!(name, format!("the mesh of {nodes} nodes"));
     let huge = Adaption { f: "else=-1e200", ..problem.adaption(Accuracy::Error(0.1)) };
-    assert!(huge.run(&mut |_| ()).is_err());
-    let energy = problem.adaption(Accuracy::Energy(0.01)).run(&mut |_| ()).unwrap();
-    assert_eq!(energy.end, AdaptedEnd::Goal);
-    assert!(energy.bounds.relative_energy() <= 0.01);
+    assert!(huge.run(&mut (), &|_| ()).is_err());
+    let (energy, _) = problem.run(Accuracy::Energy(0.01));
+    assert_eq!(energy.reached.as_ref().unwrap().end, ReachEnd::Goal);
+    assert!(last(&energy).relative_energy() <= 0.01);
 }
 
 #[test]
@@ -286,11 +320,11 @@ fn circles_are_refined_for_what_the_bound_does_not_feel() {
         most_nodes: 1 << 20,
         bisections: Adaption::BISECTIONS,
     };
-    let run = adaption.run(&mut |_| ()).unwrap();
+    let run = adaption.run(&mut (), &|_| ()).unwrap();
     // v = (|x|^2 - 1) / 4 is not allowed to be negative on the boundary: it is zero there.
     let energy = -std::f64::consts::PI / 16.0;
-    let [low, high] = run.bounds.energy;
-    let beside = run.bounds.curve.unwrap();
+    let [low, high] = last(&run).energy;
+    let beside = last(&run).curve.unwrap();
     assert!(beside > 0.0 && beside < 0.5 * (high - low), "{beside} {low} {high}");
     assert!(low - beside < energy && energy < high + beside, "{low} {high} {energy}");
 }

@@ -1,7 +1,7 @@
 //! Meshes of a run of adaptive refinement, each with its discrete problem, and the solution on the finest.
 
+use super::Adaption;
 use super::marking::{expected_squares, largest_parts};
-use super::{AdaptedEnd, AdaptedRun, Adaption};
 use crate::bounds::triangulation::{BoundedProblem, LocalBounds, curve_shares};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::components::components;
@@ -9,7 +9,9 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::stop::Stop;
-use crate::levels::{Problem, ProblemError, ROUNDING, Step, Triangulations, Watch, check_missed};
+use crate::levels::{
+    Problem, ProblemError, ROUNDING, Step, Triangulations, Watch, check_missed, read,
+};
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
@@ -18,6 +20,11 @@ use crate::mesh::{
 use crate::multigrid::{InputError, MultigridParams};
 use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
 use crate::problem::unsolvable::{Component, Unsolvable};
+use crate::saddle::Monitor;
+use crate::solvers::Refusal;
+use crate::solvers::reach::{ReachEnd, Reached, Refining};
+use crate::solvers::run::Run;
+use crate::solvers::solved::Solved;
 use std::borrow::Cow;
 
 /// Steps on each mesh but the first.
@@ -64,8 +71,10 @@ pub(super) struct Meshes<'a> {
     /// Judgement of the vector.
     judgement: Option<Judgement>,
     outcomes: Vec<Outcome>,
-    /// Number of meshes on which a solution was sought.
-    sought: usize,
+    /// Guaranteed bounds on each mesh with a solution.
+    bounds: Vec<Result<Bounds, NoBound>>,
+    /// Guaranteed bounds on the finest mesh with the parts of the cells, or the reason for which there are none.
+    pub(super) found: Result<LocalBounds, NoBound>,
     /// Number of nodes and guaranteed error of each mesh so far that has one.
     errors: Vec<[f64; 2]>,
     /// Part of the square of the error that the cells had that were marked last.
@@ -76,11 +85,8 @@ pub(super) struct Meshes<'a> {
 
 impl<'a> Meshes<'a> {
     /// The first mesh.
-    pub(super) fn new(
-        adaption: &'a Adaption<'a>,
-        f: MeshSource<2>,
-        ended: Watch<'a>,
-    ) -> Result<Self, ProblemError> {
+    pub(super) fn new(adaption: &'a Adaption<'a>, ended: Watch<'a>) -> Result<Self, ProblemError> {
+        let f = read(adaption.coarsest, adaption.f)?;
         let mut mesh = adaption.coarsest.clone();
         label_longest_edges(&mut mesh);
         let sides = Sides::new(&mesh);
@@ -102,7 +108,8 @@ impl<'a> Meshes<'a> {
             y: None,
             judgement: None,
             outcomes: Vec::new(),
-            sought: 0,
+            bounds: Vec::new(),
+            found: Err(NoBound::NotFinite),
             errors: Vec::new(),
             marked: MARKED,
             gain: GAIN,
@@ -113,14 +120,8 @@ impl<'a> Meshes<'a> {
         &self.all[self.all.len() - 1]
     }
 
-    /// Number of nodes of the finest mesh.
-    pub(super) fn nodes(&self) -> usize {
-        self.finest().points().len()
-    }
-
     /// Solves on the finest mesh; returns the bounds, or the reason for which there are none.
-    pub(super) fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
-        self.sought += 1;
+    fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
         let network = &self.networks[self.networks.len() - 1].network;
         let found = components(network, &self.component_of, &self.load.load);
         let rounding = ROUNDING * self.load.size;
@@ -128,14 +129,16 @@ impl<'a> Meshes<'a> {
             return if self.is_coarse() { Ok(Err(reason.into())) } else { Err(reason.into()) };
         }
         let has_solution = self.check(&found, 0.0).is_ok();
-        let mut bounds = self.improve(STEPS, has_solution)?;
+        let bounds = self.improve(STEPS, has_solution)?;
         self.note(&bounds);
-        if self.has_stalled() {
-            self.errors.pop();
-            self.outcomes.pop();
-            bounds = self.improve(MOST_STEPS, has_solution)?;
-            self.note(&bounds);
+        if !self.has_stalled() {
+            return Ok(bounds);
         }
+        self.errors.pop();
+        self.outcomes.pop();
+        self.bounds.pop();
+        let bounds = self.improve(MOST_STEPS, has_solution)?;
+        self.note(&bounds);
         Ok(bounds)
     }
 
@@ -147,11 +150,6 @@ impl<'a> Meshes<'a> {
     fn is_coarse(&self) -> bool {
         let is_curved = self.finest().parts().iter().any(|part| part.curve.is_some());
         is_curved && self.nodes() <= COARSE
-    }
-
-    /// True if a finer mesh has no bound either, for a reason why this one has none.
-    pub(super) fn is_hopeless(&self, reason: &NoBound) -> bool {
-        *reason == NoBound::NotFinite || self.nodes() > MOST_WITHOUT_BOUND
     }
 
     /// Solves, or improves the interpolated solution by some steps; returns the bounds.
@@ -187,6 +185,7 @@ impl<'a> Meshes<'a> {
         });
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
+        self.bounds.push(without_parts(&bounds));
         (self.ended)(Step::Bounds);
         (self.y, self.judgement) = (Some(y), Some(judgement));
         Ok(bounds)
@@ -200,7 +199,7 @@ impl<'a> Meshes<'a> {
     }
 
     /// True if the error has hardly fallen while the number of nodes has doubled, twice.
-    pub(super) fn has_stalled(&self) -> bool {
+    fn has_stalled(&self) -> bool {
         let Some(&[nodes, error]) = self.errors.last() else { return false };
         [0.5, 0.25].into_iter().all(|part| {
             let mut before = self.errors.iter().rev();
@@ -210,7 +209,7 @@ impl<'a> Meshes<'a> {
 
     /// Adds the next meshes, on the last of which a solution is sought; false if there is none that is allowed. Without
     /// bounds all cells are bisected.
-    pub(super) fn refine(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
+    fn add_meshes(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
         let bisected = self.bisected(bounds)?;
         (self.ended)(Step::Mesh);
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
@@ -306,28 +305,70 @@ impl<'a> Meshes<'a> {
         }
         squares
     }
+}
 
-    /// Problem on the meshes, with the solution.
-    pub(super) fn finished(self, end: AdaptedEnd, found: LocalBounds) -> AdaptedRun {
+impl Refining for Meshes<'_> {
+    fn nodes(&self) -> usize {
+        self.finest().points().len()
+    }
+
+    fn solve(&mut self, _: &mut dyn Monitor) -> Result<Result<Bounds, NoBound>, Refusal> {
+        self.found = self.solved()?;
+        Ok(without_parts(&self.found))
+    }
+
+    /// Whether the bound is small enough is asked of all solutions.
+    fn has_failed(&self) -> bool {
+        false
+    }
+
+    fn is_hopeless(&self, reason: &NoBound) -> bool {
+        *reason == NoBound::NotFinite || self.nodes() > MOST_WITHOUT_BOUND
+    }
+
+    fn refine(&mut self) -> Result<Option<ReachEnd>, Refusal> {
+        let found = std::mem::replace(&mut self.found, Err(NoBound::NotFinite));
+        let reached = found.as_ref().map(|found| self.adaption.goal.reached(&found.bounds));
+        let best = reached.unwrap_or(f64::INFINITY);
+        let end = if reached.is_ok() && self.has_stalled() {
+            Some(ReachEnd::Rounding { least: best })
+        } else if self.add_meshes(found.as_ref().ok())? {
+            None
+        } else {
+            Some(ReachEnd::Finest { needed: None, best })
+        };
+        self.found = found;
+        Ok(end)
+    }
+
+    fn finished(mut self, reached: Reached) -> Result<Solved, Refusal> {
+        let found = self.found.map_err(ProblemError::from)?;
+        self.bounds.pop();
         let law = self.adaption.law;
         let y = self.y.expect("a vector with bounds");
         let network = &self.networks[self.networks.len() - 1].network;
         let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load);
         let errors = found.errors();
-        let bounds = BoundedProblem { mesh, sides, network, f, law }.with_lower(found.bounds, &y);
+        let bounded = BoundedProblem { mesh, sides, network, f, law };
+        self.bounds.push(Ok(bounded.with_lower(found.bounds, &y)));
         (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
         let levels = Triangulations::of(nested, self.f, self.load).with_errors(errors);
-        AdaptedRun {
-            problem: Problem::checked(levels, law, is_curved),
+        let run = Run {
             y,
+            first_level: reached.tried - self.outcomes.len(),
+            ends: self.outcomes,
+            errors: Vec::new(),
             judgement: self.judgement.expect("a vector with bounds"),
-            bounds,
-            outcomes: self.outcomes,
-            end,
-            meshes: self.sought,
-            marks: self.marks,
-        }
+        };
+        let problem = Problem::checked(levels, law, is_curved);
+        let reached = Reached { marks: Some(self.marks), ..reached };
+        Ok(Solved::with_bounds(problem, run, self.bounds, reached))
     }
+}
+
+/// The bounds without the parts of the cells.
+fn without_parts(found: &Result<LocalBounds, NoBound>) -> Result<Bounds, NoBound> {
+    found.as_ref().map(|found| found.bounds.clone()).map_err(|reason| *reason)
 }

@@ -1,0 +1,125 @@
+//! Solvers in one table: names, domains, memory, and the function that runs each on a [`Problem`].
+//!
+//! A new solver is a room of its own, and an entry of [`SOLVERS`] with a function that hands it a problem.
+
+mod adapted;
+mod grids;
+mod reach;
+mod run;
+mod size;
+mod solved;
+mod table;
+
+pub use adapted::Adaption;
+pub(crate) use grids::Grids;
+pub(crate) use reach::reach;
+pub use reach::{ReachEnd, Reached, Tried, Watcher};
+pub use run::{Found, Run};
+pub use size::{Files, MOST_CELLS, Memory, SizeRefusal, TooLarge};
+pub use solved::{Solved, recovered};
+pub use table::{SOLVERS, Solver, SolverEntry};
+
+use crate::discrete::transfer::Prolongation;
+use crate::levels::{Problem, ProblemError};
+use crate::multigrid::{Goal, InputError};
+use crate::problem::unsolvable::Unsolvable;
+use crate::saddle::{Monitor, Params};
+use crate::spectral::SpectralError;
+
+/// Settings of a run; what is solved is in the [`Problem`].
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Solver.
+    pub solver: Solver,
+    /// Parameters of the saddle-point methods, but method and tolerance, which follow from the solver and the level.
+    pub params: Params,
+    /// Interpolation of pairs to the next grid of the square.
+    pub prolongation: Prolongation,
+    /// Goal of multigrid.
+    pub goal: Goal,
+}
+
+impl Settings {
+    /// Settings of a solver with all else as usual.
+    pub fn of(solver: Solver) -> Self {
+        let (params, prolongation) = (Params::default(), Prolongation::default());
+        Self { solver, params, prolongation, goal: Goal::RoundingFloor }
+    }
+}
+
+/// Reason for which a solver refuses a problem.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// Wrong input.
+    #[error(transparent)]
+    Input(InputError),
+    /// No flux can balance the load vector of a level, although one can balance f.
+    #[error("{reason}")]
+    Unbalanced {
+        /// Name of the level.
+        level: String,
+        /// Sum of the load vector.
+        sum_load: f64,
+        /// Reason.
+        reason: Unsolvable,
+    },
+    /// f is not finite at a point of a coarser level.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The domain does not have the solver.
+    #[error("{0} is for the square alone")]
+    NotOnMeshes(Solver),
+    /// Meshes are adapted in the plane alone.
+    #[error("meshes are adapted in the plane alone")]
+    NotInPlane,
+    /// The next grid on the way to an accuracy is too large.
+    #[error(transparent)]
+    Size(#[from] TooLarge),
+    /// Whoever watches has broken off.
+    #[error("interrupted")]
+    Interrupted,
+    /// f is not constant on pieces, or no solution was found that stands its checks.
+    #[error(transparent)]
+    Spectral(#[from] SpectralError),
+}
+
+impl Refusal {
+    /// Refusal of the discrete problem on the finest level.
+    fn on_finest(problem: &Problem, error: InputError) -> Self {
+        let InputError::Unsolvable(reason) = error else { return Self::Input(error) };
+        let Some(sum_load) = reason.integral() else { return Self::Input(error) };
+        Self::Unbalanced { level: problem.levels().name(problem.finest()), sum_load, reason }
+    }
+}
+
+/// Solves a problem.
+///
+/// # Errors
+/// [`Refusal`]. A limit that was reached, and values that are not finite, are ends of a run.
+pub fn solve(problem: &Problem, settings: &Settings) -> Result<Run, Refusal> {
+    solve_watched(problem, settings, &mut ())
+}
+
+/// Solves a problem; a saddle-point method shows its iterations, and its pair on each level, to the monitor.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_watched(
+    problem: &Problem,
+    settings: &Settings,
+    monitor: &mut dyn Monitor,
+) -> Result<Run, Refusal> {
+    Ok(find(problem, settings, monitor)?.on_levels(problem))
+}
+
+/// As [`solve_watched`], but a true solution is not evaluated on the levels.
+///
+/// # Errors
+/// As [`solve`].
+pub(crate) fn find(
+    problem: &Problem,
+    settings: &Settings,
+    monitor: &mut dyn Monitor,
+) -> Result<Found, Refusal> {
+    (settings.solver.entry().run)(problem, settings, monitor)
+}

@@ -1,0 +1,114 @@
+//! The loop to an accuracy: on one grid or mesh after the other, each finer than the one before, until the guaranteed
+//! bound is small enough.
+
+use super::Refusal;
+use super::solved::Solved;
+use crate::bounds::{Accuracy, Bounds, NoBound};
+use crate::levels::ProblemError;
+use crate::saddle::Monitor;
+use std::ops::ControlFlow;
+
+/// Reason for which grids or meshes become no finer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReachEnd {
+    /// The bound is small enough.
+    Goal,
+    /// No finer grid or mesh is allowed.
+    Finest {
+        /// Cells per side of the grid that the accuracy takes, about; none for meshes.
+        needed: Option<f64>,
+        /// Bound on the finest grid that is allowed, about; for meshes, on the last one.
+        best: f64,
+    },
+    /// Rounding errors: the bound no longer falls.
+    Rounding {
+        /// Least bound so far.
+        least: f64,
+    },
+    /// The solver found no solution.
+    NoSolution,
+}
+
+/// Way to an accuracy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reached {
+    /// Reason for which there is no finer grid or mesh.
+    pub end: ReachEnd,
+    /// Number of grids or meshes on which a solution was sought, with those that are too coarse for one.
+    pub tried: usize,
+    /// Cells that were marked for each bisection of adapted meshes, from which [`Problem::on_bisected`] makes them
+    /// anew; none on the square.
+    ///
+    /// [`Problem::on_bisected`]: crate::levels::Problem::on_bisected
+    pub marks: Option<Vec<Vec<u32>>>,
+}
+
+/// Grid or mesh on which a solution was sought, for those who watch.
+#[derive(Clone, Copy, Debug)]
+pub struct Tried<'a> {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Guaranteed bounds there, or the reason for which there are none.
+    pub bounds: &'a Result<Bounds, NoBound>,
+}
+
+/// Observer of a solve; every method has a default that does nothing.
+pub trait Watcher: Monitor {
+    /// Called on the way to an accuracy after each grid or mesh; the way ends there if it breaks off.
+    fn tried(&mut self, _tried: Tried<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// The observer that does nothing.
+impl Watcher for () {}
+
+/// Grid or mesh that becomes finer.
+pub(crate) trait Refining {
+    /// Number of nodes.
+    fn nodes(&self) -> usize;
+
+    /// Solves, and bounds the error.
+    fn solve(&mut self, monitor: &mut dyn Monitor) -> Result<Result<Bounds, NoBound>, Refusal>;
+
+    /// True if the solver found no solution, so that no finer grid or mesh is to be tried.
+    fn has_failed(&self) -> bool;
+
+    /// True if a finer grid or mesh has no bound either, for a reason why this one has none.
+    fn is_hopeless(&self, reason: &NoBound) -> bool;
+
+    /// Becomes finer, as fine as the bounds so far say; returns the reason if that is not of use, or not allowed.
+    fn refine(&mut self) -> Result<Option<ReachEnd>, Refusal>;
+
+    /// Solution on the last grid or mesh.
+    fn finished(self, reached: Reached) -> Result<Solved, Refusal>;
+}
+
+/// Solves on one grid or mesh after the other until the accuracy is reached.
+///
+/// # Errors
+/// [`Refusal`] if there is no solution, or no bound; [`Refusal::Interrupted`] if the watcher breaks off.
+pub(crate) fn reach<R: Refining>(
+    mut finest: R,
+    accuracy: Accuracy,
+    watcher: &mut dyn Watcher,
+) -> Result<Solved, Refusal> {
+    for tried in 1.. {
+        let bounds = finest.solve(watcher)?;
+        if watcher.tried(Tried { nodes: finest.nodes(), bounds: &bounds }).is_break() {
+            return Err(Refusal::Interrupted);
+        }
+        let end = match &bounds {
+            _ if finest.has_failed() => Some(ReachEnd::NoSolution),
+            Ok(bounds) if accuracy.reached(bounds) <= accuracy.wanted() => Some(ReachEnd::Goal),
+            Err(reason) if finest.is_hopeless(reason) => {
+                return Err(ProblemError::from(*reason).into());
+            }
+            _ => finest.refine()?,
+        };
+        if let Some(end) = end {
+            return finest.finished(Reached { end, tried, marks: None });
+        }
+    }
+    unreachable!("grids and meshes end");
+}

@@ -1,0 +1,177 @@
+//! One function per kind of solver that hands it a problem, on the square or on a mesh.
+
+use super::{Refusal, Settings, Solver};
+use crate::discrete::end::{End, Outcome};
+use crate::discrete::kkt::Judgement;
+use crate::discrete::stop::Stop;
+use crate::levels::{Discrete, NodalVectors, Problem};
+use crate::multigrid::active_set::{active_set as solve_lattice, active_set_on};
+use crate::multigrid::{MultigridParams, solve_square};
+use crate::multilevel::solve_nested_networks;
+use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
+use crate::spectral::{TrueSolution, true_solution};
+use std::borrow::Cow;
+
+/// Run of a solver on levels.
+pub struct Run {
+    /// Nodal vector of the finest level.
+    pub y: Vec<f64>,
+    /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
+    pub ends: Vec<Outcome>,
+    /// Greatest nodal error on each of these levels; empty if the solution is not known.
+    pub errors: Vec<f64>,
+    /// Number of the level of the first end, of adapted meshes its position among them; the others follow.
+    pub first_level: usize,
+    /// Judgement of the vector.
+    pub judgement: Judgement,
+}
+
+impl Run {
+    /// End on the finest level.
+    pub fn last(&self) -> &Outcome {
+        &self.ends[self.ends.len() - 1]
+    }
+}
+
+/// What a solver found.
+pub enum Found {
+    /// Nodal vector of the finest level.
+    Vector(Run),
+    /// The true solution, without a level.
+    Truth(TrueSolution),
+}
+
+impl Found {
+    /// Run whose vector is that on the finest level; of a true solution, its values at the nodes.
+    pub(super) fn on_levels(self, problem: &Problem) -> Run {
+        match self {
+            Self::Vector(run) => run,
+            Self::Truth(found) => {
+                judged(problem, values(&found, problem).y, End::converged(found.steps))
+            }
+        }
+    }
+}
+
+/// Values of a true solution at the nodes of the finest grid, and the multiplier at its boundary nodes.
+pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
+    let lattices = problem.lattices().expect("true solutions are on the square");
+    found.solution.on_grid(lattices.finest())
+}
+
+/// Judges a vector of the finest level.
+fn judged(problem: &Problem, y: Vec<f64>, end: End) -> Run {
+    let (levels, load, level) = (problem.levels(), problem.load(), problem.finest());
+    let judgement = problem.judge(&y);
+    let has_solution = levels.is_solvable(level, problem.law(), load);
+    let end = Outcome::new(end, &judgement, levels.cells(level), load, has_solution);
+    let errors = problem.greatest_error(level, &y).into_iter().collect();
+    Run { y, ends: vec![end], errors, first_level: level, judgement }
+}
+
+/// Solves on the finest level by multigrid, until a goal is reached: on the square by that of optimal cost, on meshes
+/// by the multilevel method.
+pub(super) fn multigrid(
+    problem: &Problem,
+    settings: &Settings,
+    _: &mut dyn Monitor,
+) -> Result<Found, Refusal> {
+    let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
+    let (levels, loaded) = (problem.levels(), problem.law().with_load(problem.load()));
+    let solved = match levels.discrete() {
+        Discrete::Lattices(lattices) => {
+            solve_square(lattices.finest().cells(), loaded, None, &params)
+        }
+        Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
+    };
+    let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
+    // Some meshes are stretched too much: factors solve those that are small enough.
+    let nodes = levels.nodes(problem.finest()) as f64;
+    match Solver::ActiveSet.check_nodes(levels.dimension(), nodes) {
+        Ok(()) if end.stop == Stop::IterationLimit => contact_set(problem),
+        _ => Ok(Found::Vector(judged(problem, y, end))),
+    }
+}
+
+/// Solves on the finest level by the primal-dual active set, until the contact set is at rest.
+pub(super) fn active_set(
+    problem: &Problem,
+    _: &Settings,
+    _: &mut dyn Monitor,
+) -> Result<Found, Refusal> {
+    contact_set(problem)
+}
+
+fn contact_set(problem: &Problem) -> Result<Found, Refusal> {
+    let (law, load) = (problem.law(), problem.load());
+    let solved = match problem.levels().discrete() {
+        Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
+        Discrete::Networks(networks) => {
+            active_set_on(&networks[problem.finest()].network, law, load)
+        }
+    };
+    let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
+    Ok(Found::Vector(judged(problem, y, end)))
+}
+
+/// Runs a saddle-point method over all levels, until its stopping rule is met.
+pub(super) fn saddle(
+    problem: &Problem,
+    settings: &Settings,
+    monitor: &mut dyn Monitor,
+) -> Result<Found, Refusal> {
+    let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
+    let loaded = problem.law().with_loads(&loads);
+    let method = settings.solver.entry().method.expect("a saddle-point method");
+    let params = &Params { method, ..settings.params };
+    let monitor = &mut Measuring { problem, monitor, errors: Vec::new() };
+    let (ends, pair) = match problem.levels().discrete() {
+        Discrete::Lattices(lattices) => {
+            let prolongation = settings.prolongation;
+            let nested = NestedGrids { grids: lattices.grids(), prolongation };
+            solve_nested(&nested, loaded, params, monitor)
+        }
+        Discrete::Networks(networks) => solve_nested(networks, loaded, params, monitor),
+    };
+    let (level, y) = (ends.len() - 1, pair.y);
+    let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
+    Ok(Found::Vector(Run {
+        y,
+        ends,
+        errors: std::mem::take(&mut monitor.errors),
+        first_level: 0,
+        judgement,
+    }))
+}
+
+/// Monitor that measures the error on each level.
+struct Measuring<'a> {
+    problem: &'a Problem,
+    monitor: &'a mut dyn Monitor,
+    errors: Vec<f64>,
+}
+
+impl Monitor for Measuring<'_> {
+    fn wants_iterations(&self) -> bool {
+        self.monitor.wants_iterations()
+    }
+
+    fn iteration(&mut self, level: usize, iteration: &Iteration) {
+        self.monitor.iteration(level, iteration);
+    }
+
+    fn level(&mut self, level: usize, pair: &Pair) {
+        self.errors.extend(self.problem.greatest_error(level - 1, &pair.y));
+        self.monitor.level(level, pair);
+    }
+}
+
+/// Finds the true solution on the square, without a level.
+pub(super) fn truth(
+    problem: &Problem,
+    settings: &Settings,
+    _: &mut dyn Monitor,
+) -> Result<Found, Refusal> {
+    let lattices = problem.lattices().ok_or(Refusal::NotOnMeshes(settings.solver))?;
+    Ok(Found::Truth(true_solution(problem.law(), lattices.source())?))
+}

@@ -1,0 +1,179 @@
+//! Sizes of grids and meshes: what a solver can do with, and the memory that it takes.
+
+use super::Solver;
+use crate::mesh::AnyMesh;
+use crate::multigrid::{InputError, check_size};
+
+/// Largest number of cells per side of the square; two nodal vectors of that grid take about 1 GB.
+pub const MOST_CELLS: usize = 8192;
+/// Bytes per node of the finest of adapted meshes, with all coarser ones: measured, rounded up.
+const ADAPTED: u64 = 900;
+
+/// Reason for which a solver does not run on a grid or mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SizeRefusal {
+    /// Finer than the table of solvers allows.
+    #[error("grid 1/{cells} is too fine for {solver}; 1/{most} is the finest")]
+    TooFine {
+        /// Solver.
+        solver: Solver,
+        /// Cells per side.
+        cells: usize,
+        /// Most cells per side.
+        most: usize,
+    },
+    /// More nodes than the table of solvers allows.
+    #[error("about {nodes:.0} nodes are too many for {solver}; {most} are the most")]
+    TooManyNodes {
+        /// Solver.
+        solver: Solver,
+        /// Number of nodes, about.
+        nodes: f64,
+        /// Most nodes.
+        most: usize,
+    },
+    /// More memory than is left.
+    #[error("takes about {megabytes:.0} MB of memory, where {left:.0} MB are left")]
+    Memory {
+        /// Memory that it takes, in MB.
+        megabytes: f64,
+        /// Memory that is left, in MB.
+        left: f64,
+    },
+    /// The domain does not have the solver.
+    #[error("{0} is for the square alone")]
+    NotOnMeshes(Solver),
+    /// A number of cells that cannot be halved to a coarse grid.
+    #[error(transparent)]
+    Cells(#[from] InputError),
+}
+
+impl Solver {
+    /// Refuses a grid of the square with so many cells per side that the solver cannot do with.
+    ///
+    /// # Errors
+    /// [`SizeRefusal`].
+    pub fn check_cells(self, cells: usize) -> Result<(), SizeRefusal> {
+        if let Some(most) = self.entry().most_on_square.filter(|&most| cells > most) {
+            return Err(SizeRefusal::TooFine { solver: self, cells, most });
+        }
+        if self == Self::Multigrid {
+            check_size(cells)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a mesh in `dimension` dimensions with about so many nodes that the solver cannot do with.
+    ///
+    /// # Errors
+    /// [`SizeRefusal`].
+    pub fn check_nodes(self, dimension: u8, nodes: f64) -> Result<(), SizeRefusal> {
+        let entry = self.entry();
+        if !entry.on_meshes {
+            return Err(SizeRefusal::NotOnMeshes(self));
+        }
+        match entry.most_nodes[usize::from(dimension - 2)].filter(|&most| nodes > most as f64) {
+            Some(most) => Err(SizeRefusal::TooManyNodes { solver: self, nodes, most }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Files with a solution that are written besides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Files {
+    /// None.
+    None,
+    /// The solution.
+    Solution,
+    /// The recovered solution, on four times as many nodes.
+    Recovered,
+}
+
+/// Memory that is left, and the files for which some of it is needed.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory {
+    /// Bytes that are left.
+    pub left: u64,
+    /// Files.
+    pub files: Files,
+}
+
+/// Grid or mesh that is too large, with what would fit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct TooLarge {
+    /// Cells per side of the grid, or number of refinements of the mesh.
+    pub finest: usize,
+    /// Reason.
+    pub reason: SizeRefusal,
+    /// Cells per side or number of refinements that would fit; none if the coarsest mesh is too large.
+    pub fits: Option<usize>,
+}
+
+impl Memory {
+    /// Refuses a grid of the square with so many cells per side that is too large for a solver, or for the memory.
+    ///
+    /// # Errors
+    /// [`TooLarge`].
+    pub fn check_grid(self, solver: Solver, cells: usize) -> Result<(), TooLarge> {
+        let most = solver.entry().most_on_square.unwrap_or(MOST_CELLS);
+        let bytes = |cells: usize| self.of_grid(solver, cells);
+        let mut fits = cells / 2;
+        while fits >= 4 && bytes(fits) > self.left {
+            fits /= 2;
+        }
+        let reason = match cells {
+            _ if cells > most => SizeRefusal::TooFine { solver, cells, most },
+            _ if bytes(cells) > self.left => {
+                let [megabytes, left] =
+                    [bytes(cells), self.left].map(|all| (all / 1_000_000) as f64);
+                SizeRefusal::Memory { megabytes, left }
+            }
+            _ => return Ok(()),
+        };
+        Err(TooLarge { finest: cells, reason, fits: Some(fits) })
+    }
+
+    /// Refuses a mesh that is refined so often that it is too large for a solver, or for the memory.
+    ///
+    /// # Errors
+    /// [`TooLarge`].
+    pub fn check_mesh(self, solver: Solver, mesh: &AnyMesh, times: usize) -> Result<(), TooLarge> {
+        let check = |times: usize| {
+            solver.check_nodes(mesh.dimension(), mesh.nodes_after(times))?;
+            let [megabytes, left] =
+                [self.of_mesh(mesh, times), self.left as f64].map(|all| all / 1e6);
+            if megabytes <= left { Ok(()) } else { Err(SizeRefusal::Memory { megabytes, left }) }
+        };
+        let fits = || (0..times).rev().find(|&times| check(times).is_ok());
+        check(times).map_err(|reason| TooLarge { finest: times, reason, fits: fits() })
+    }
+
+    /// Most nodes of an adapted mesh.
+    pub(crate) fn adapted_nodes(self) -> usize {
+        usize::try_from(self.left / ADAPTED).unwrap_or(usize::MAX)
+    }
+
+    /// Bytes for solving on a grid, and for the files.
+    fn of_grid(self, solver: Solver, cells: usize) -> u64 {
+        let n = cells as u64;
+        let files = match self.files {
+            Files::None => 0,
+            Files::Solution => 24,
+            Files::Recovered => 176,
+        };
+        (n + 1).pow(2) * ((solver.entry().bytes_per_node)(n) + files)
+    }
+
+    /// Bytes for mesh, networks, solver, bounds and files on a mesh that is refined so often: measured, rounded up.
+    fn of_mesh(self, mesh: &AnyMesh, times: usize) -> f64 {
+        // Below the coarsest mesh there are levels of aggregates.
+        let [finest, coarsest, files] = match mesh.dimension() {
+            2 => [480.0, 320.0, 240.0],
+            _ => [950.0, 1000.0, 520.0],
+        };
+        let files = if self.files == Files::None { 0.0 } else { files };
+        (finest + files) * mesh.nodes_after(times) + coarsest * mesh.nodes() as f64
+    }
+}

@@ -1,0 +1,102 @@
+//! What was found, whatever solved it and on whatever domain.
+
+use super::reach::Reached;
+use super::run::{Found, Run, values};
+use crate::bounds::{Bounds, NoBound, recovery};
+use crate::discrete::end::Outcome;
+use crate::discrete::grid::Grid;
+use crate::discrete::transfer::prolong_boundary;
+use crate::levels::{Lattices, Problem};
+use crate::saddle::Pair;
+use crate::spectral::TrueSolution;
+use std::sync::OnceLock;
+
+/// Solution of a problem.
+pub struct Solved {
+    /// Problem, on the levels on which it was solved.
+    pub problem: Problem,
+    /// What the solver found.
+    found: Found,
+    /// Guaranteed bounds on the last levels, coarsest first; one by one for an accuracy, else for the finest alone,
+    /// once they are needed.
+    bounds: OnceLock<Vec<Result<Bounds, NoBound>>>,
+    /// Way to an accuracy; none if none was asked for.
+    pub reached: Option<Reached>,
+}
+
+impl Solved {
+    /// Solution of a problem on its levels.
+    pub(crate) fn new(problem: Problem, found: Found) -> Self {
+        Self { problem, found, bounds: OnceLock::new(), reached: None }
+    }
+
+    /// Solution with an accuracy, and the bounds on the last levels.
+    pub(super) fn with_bounds(
+        problem: Problem,
+        run: Run,
+        bounds: Vec<Result<Bounds, NoBound>>,
+        reached: Reached,
+    ) -> Self {
+        Self { problem, found: Found::Vector(run), bounds: bounds.into(), reached: Some(reached) }
+    }
+
+    /// Run of a solver on levels; none of a true solution.
+    pub fn run(&self) -> Option<&Run> {
+        match &self.found {
+            Found::Vector(run) => Some(run),
+            Found::Truth(_) => None,
+        }
+    }
+
+    /// True solution; none if it was sought on levels.
+    pub fn truth(&self) -> Option<&TrueSolution> {
+        match &self.found {
+            Found::Vector(_) => None,
+            Found::Truth(found) => Some(found),
+        }
+    }
+
+    /// End on each level on which the solver ended, coarsest first; none of a true solution.
+    pub fn ends(&self) -> &[Outcome] {
+        self.run().map_or(&[], |run| &run.ends)
+    }
+
+    /// Guaranteed bounds on the last levels, the finest last: on all for an accuracy, else on the finest alone; none of
+    /// a true solution.
+    pub fn bounds(&self) -> &[Result<Bounds, NoBound>] {
+        self.bounds
+            .get_or_init(|| self.run().map(|run| self.problem.bounds(&run.y)).into_iter().collect())
+    }
+
+    /// Energy: that of v or, where the energy itself was asked for, of the true solution.
+    pub fn energy(&self) -> f64 {
+        match &self.found {
+            Found::Vector(run) => run.last().energy,
+            Found::Truth(found) => found.solution.energy,
+        }
+    }
+
+    /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.
+    pub fn pair(&self) -> Pair {
+        match &self.found {
+            Found::Vector(Run { y, judgement, .. }) => {
+                Pair { a: judgement.multiplier(y), y: y.clone() }
+            }
+            Found::Truth(found) => values(found, &self.problem),
+        }
+    }
+}
+
+/// Recovered solution of a pair on the square, piecewise quadratic: its values on the grid of half the width, as the
+/// finest of these levels; none on a mesh.
+///
+/// # Errors
+/// [`NoBound`] if there is none.
+pub fn recovered(problem: &Problem, pair: &Pair) -> Result<Option<(Lattices, Pair)>, NoBound> {
+    let Some(lattices) = problem.lattices() else { return Ok(None) };
+    let (grid, f) = (lattices.finest(), lattices.source());
+    let (y, _) = recovery(grid, f, problem.law(), &pair.y)?;
+    let Ok(finer) = Grid::new(2 * grid.cells()) else { return Ok(None) };
+    let finer = Lattices::new(vec![finer], f.clone(), lattices.rule());
+    Ok(Some((finer, Pair { y, a: prolong_boundary(&pair.a) })))
+}
