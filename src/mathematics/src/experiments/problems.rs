@@ -191,8 +191,8 @@ fn jumps(x: f64, y: f64) -> f64 {
 }
 
 /// Loads of the paper's problems, given by name with f in the notation of scenes. The first with f averaged on the
-/// axes: with the published tie rule its load has a positive sum, and there is nothing to solve. (Averaged, the sums are
-/// nearly zero: hard, but solvable.)
+/// axes: with the published tie rule its load has a positive sum, and there is nothing to solve. (Averaged, the sums
+/// are nearly zero: hard, but solvable.)
 ///
 /// # Errors
 /// A sentence if f cannot be read.
