@@ -86,17 +86,32 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
     println!("{{\"ns\": {ns}, \"whole_ns\": {}, \"kkt\": {kkt:e}}}", whole_ns.0);
 }
 
+/// Names and f of the paper's problems, from their scenes.
+fn paper_problems() -> Vec<(String, String)> {
+    let scenes = [
+        ("problem 1", include_str!("../pipeline/scenes/problem1.toml")),
+        ("problem 2", include_str!("../pipeline/scenes/problem2.toml")),
+    ];
+    let named = scenes.map(|(name, text)| {
+        let f = text.lines().find_map(|line| line.strip_prefix("f = \"")?.strip_suffix('"'));
+        (name.to_owned(), f.expect("a scene with an f").to_owned())
+    });
+    named.into()
+}
+
 fn all_problems(sizes: &[usize], repeats: usize) {
     println!("{} thread(s), median of {repeats} runs", rayon::current_num_threads());
     println!("work units, cycles, ns per unknown for three goals:");
     println!("{:>6} {:14} {:>6} {:?}", "1/h", "problem", "bytes", GOALS);
     println!("per work unit to the discretisation error, over a plain sweep: the last column");
+    let paper = paper_problems();
     for &n in sizes {
         let grid = Grid::new(n).expect("fine enough");
         let mut workspace = Multigrid::square(n).expect("a power of two times 1, 3, 5 or 7");
         let exact = Exact::ALL
             .map(|exact| (exact.name(), load(grid, &Source::from(exact), LoadRule::default())));
-        let others = problems::paper_loads(n).into_iter().chain(problems::stress_loads(n));
+        let paper = problems::paper_loads(n, &paper).expect("a valid f");
+        let others = paper.into_iter().chain(problems::stress_loads(n));
         let plain = plain_ns(n, &exact[0].1, repeats);
         println!("{n:6} plain red-black sweep: {plain:.3} ns per unknown, one thread");
         for (name, load) in exact.into_iter().chain(others) {

@@ -6,11 +6,14 @@ use super::output::{OutputFile, in_columns, say, say_json, talk};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::fields::values::solver_parser;
-use crate::replication::project::Project;
+use crate::replication::project::{Project, refuse_broken};
+use crate::replication::scene::Scene;
+use crate::replication::scenes::named_f;
 use crate::table::Table;
-use crate::timing::measure::{TIMED, TimingPlan, measure};
+use crate::timing::measure::{TimingPlan, measure, threads};
 use crate::timing::recorded::{self, OwnMesh, Peer, SolverTime, Timings, to_discretisation};
 use clap::Args;
+use signorini_mathematics::experiments::timed::TimedPlan;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::sync::atomic::Ordering;
 
@@ -39,6 +42,12 @@ pub(super) struct BenchArgs {
 /// Finest grid of a run: 2 GB for the load vector and multigrid.
 const FINEST: usize = 8192;
 
+/// Scenes of the paper's problems, for a project without, by name.
+const PAPER: [(&str, &str); 2] = [
+    ("problem1", include_str!("../../pipeline/scenes/problem1.toml")),
+    ("problem2", include_str!("../../pipeline/scenes/problem2.toml")),
+];
+
 pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     let repeats = args.repeats.unwrap_or(if args.quick { 3 } else { 9 });
     let finest = args.finest.unwrap_or(if args.quick { 128 } else { 4096 });
@@ -56,16 +65,12 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
     }
     // However it is interrupted, the times measured until then are printed.
     let _at_work = at_work();
-    let plan = TimingPlan {
-        repeats,
-        quick: args.quick,
-        solvers,
-        finest,
-        interrupted: interrupted().flag(),
-    };
+    let (problems, threads) = (paper_problems()?, threads());
+    let timed = TimedPlan { solvers, finest, quick: args.quick, threads, problems };
+    let plan = TimingPlan { timed, repeats, interrupted: interrupted().flag() };
     // Before the measurement, because an error after it would waste minutes.
     let record = args.record.then(RecordFile::open).transpose()?;
-    let mut timings = measure(&plan, talk).map_err(|e| Error::Stage(vec![e]))?;
+    let mut timings = measure(&plan, talk)?;
     if let Some(record) = &record {
         timings.peer.clone_from(&record.peers);
         timings.own_mesh.clone_from(&record.own_meshes);
@@ -81,6 +86,28 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
         talk(&format!("wrote {}; `signorini` now builds the book with it", recorded::PATH));
     }
     Ok(0)
+}
+
+/// Returns names and f of the paper's problems, by the scenes of the project; of those that it lacks, or without a
+/// project, by the scenes that the program contains.
+fn paper_problems() -> Result<Vec<(String, String)>> {
+    let mut own = Vec::new();
+    if let Ok(root) = Project::find(&current_folder()?) {
+        let folder = Project::read_scenes(&root)?;
+        refuse_broken(&folder.broken)?;
+        own = folder.scenes;
+    }
+    for (name, text) in PAPER {
+        own.push(Scene::parse(name, text)?);
+    }
+    // Of each problem the first.
+    let mut scenes: Vec<Scene> = Vec::new();
+    for scene in own {
+        if scenes.iter().all(|other| other.paper_table != scene.paper_table) {
+            scenes.push(scene);
+        }
+    }
+    Ok(named_f(&scenes))
 }
 
 /// Record of times to be replaced.
@@ -114,7 +141,7 @@ fn text(timings: &Timings) -> String {
     text += "noise: distance of the quartiles of a time over its median\n";
     text += &format!("memory, one thread: in-place update {bandwidth:.1} GB/s\n");
     if !timings.multigrid.is_empty() {
-        text += &format!("\nmultigrid, {}\n{}", TIMED.name(), multigrid(timings));
+        text += &format!("\nmultigrid, {}\n{}", TimedPlan::SCALED.name(), multigrid(timings));
     }
     if !timings.solver.is_empty() {
         text += &solvers(timings);

@@ -6,7 +6,7 @@ use crate::pipeline::names::{clash, composed, is_left_behind, refuse_forbidden_n
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::paper::{PAPER, Paper};
 use crate::replication::scene::Scene;
-use crate::replication::scenes::{SCENES, SceneFolder, find};
+use crate::replication::scenes::{SCENES, SceneFolder, find, problems};
 use crate::report::{self, TEMPLATE};
 use crate::timing::recorded::{self, Timings};
 use serde_json::Value;
@@ -200,9 +200,7 @@ impl Project {
 
     /// Returns the scenes of the paper's problems 1 and 2, if they exist; the chapters are about them.
     pub(crate) fn problems(&self) -> Vec<&Scene> {
-        let mut problems: Vec<_> = self.scenes.iter().filter(|scene| scene.is_problem()).collect();
-        problems.sort_by_key(|scene| scene.paper_table);
-        problems
+        problems(&self.scenes)
     }
 
     /// Returns the scene with this name.

@@ -27,6 +27,19 @@ pub(crate) struct SceneFolder {
     known_as: BTreeMap<String, String>,
 }
 
+/// Returns the scenes of the paper's problems 1 and 2 among others.
+pub(crate) fn problems(scenes: &[Scene]) -> Vec<&Scene> {
+    let mut problems: Vec<_> = scenes.iter().filter(|scene| scene.is_problem()).collect();
+    problems.sort_by_key(|scene| scene.paper_table);
+    problems
+}
+
+/// Returns f of the paper's problems in the notation of scenes, each with the name of the problem.
+pub(crate) fn named_f(scenes: &[Scene]) -> Vec<(String, String)> {
+    let problems = problems(scenes).into_iter().filter_map(Scene::table_problem);
+    problems.map(|problem| (format!("problem {}", problem.number), problem.f)).collect()
+}
+
 impl SceneFolder {
     /// Reads every `pipeline/scenes/*.toml` with a `wanted` name.
     ///

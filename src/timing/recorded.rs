@@ -3,8 +3,9 @@
 use crate::pipeline::error::{Error, Result, from_record};
 use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::experiments::adapted::Way;
+pub use signorini_mathematics::experiments::timed::MultigridGoal as Goal;
+use signorini_mathematics::experiments::timed::TimedPlan;
 use signorini_mathematics::experiments::work::REACHED;
-use signorini_mathematics::multigrid;
 use signorini_mathematics::solvers::Solver;
 use std::collections::BTreeMap;
 
@@ -107,37 +108,6 @@ pub fn nodes(cells: usize) -> usize {
 /// Returns the nanoseconds per node of a run of `seconds` on the grid with this number of cells per side.
 pub fn ns_per_node(cells: usize, seconds: f64) -> f64 {
     1e9 * seconds / nodes(cells) as f64
-}
-
-/// Goals of multigrid that are timed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Goal {
-    /// An algebraic error of at most a tenth of the discretisation error in the energy norm.
-    Discretisation,
-    /// The smallest residual in double precision.
-    Floor,
-}
-
-impl Goal {
-    /// Both goals, that of a larger residual first.
-    pub const ALL: [Self; 2] = [Self::Discretisation, Self::Floor];
-
-    /// Returns the name in words.
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Self::Discretisation => "discretisation error",
-            Self::Floor => "rounding floor",
-        }
-    }
-
-    /// Returns the goal in the form that multigrid takes.
-    pub fn asked(self) -> multigrid::Goal {
-        match self {
-            Self::Discretisation => multigrid::Goal::DiscretisationError,
-            Self::Floor => multigrid::Goal::RoundingFloor,
-        }
-    }
 }
 
 /// One solver on one problem, grid and goal.
@@ -257,7 +227,7 @@ pub struct AdaptedTime {
 }
 
 /// Goal of a run under the stopping rule of the published tables.
-pub const PUBLISHED: &str = "published stop";
+pub const PUBLISHED: &str = TimedPlan::PUBLISHED;
 
 /// Returns, per grid, the fastest run whose error came down to that of the discretisation.
 pub fn to_discretisation<'a>(

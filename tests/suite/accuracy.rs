@@ -1,6 +1,6 @@
 //! The accuracy experiment, the record of times, and the command that makes it.
 
-use crate::common::{Project, TABLE};
+use crate::common::{Project, TABLE, paper_problems};
 use crate::solvers::{ALGEBRAIC, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, on_threads};
 use signorini::timing::recorded::{Goal, PATH, PUBLISHED, Timings};
 use signorini_mathematics::discrete::stop::Stop;
@@ -16,6 +16,7 @@ fn findings() -> &'static AccuracyFindings {
     static ONCE: OnceLock<AccuracyFindings> = OnceLock::new();
     ONCE.get_or_init(|| {
         let plan = AccuracyPlan {
+            problems: paper_problems(),
             cells: vec![16, 32, 64, 128],
             contact: vec![16, 32, 64, 128],
             others: vec![64],
@@ -74,6 +75,7 @@ fn sweeps_grow_like_the_inverse_square_of_the_width() {
 #[test]
 fn the_experiment_depends_on_no_thread_count() {
     let plan = AccuracyPlan {
+        problems: paper_problems(),
         cells: vec![8, 16],
         // Fine enough for several threads.
         contact: vec![8, 256],
@@ -121,6 +123,17 @@ fn each_run_that_is_timed_reaches_its_goal() {
         assert!(least <= REACHED, "{lines:?}");
     }
     assert_eq!(Timings::parse(timings.to_toml()).unwrap(), timings);
+}
+
+#[test]
+fn f_of_a_paper_problem_is_that_of_its_scene() {
+    let project = Project::with(TABLE);
+    let scene = "title = \"t\"\npaper_table = 1\nf = \"formula(x-1)\"\noutputs = []\n";
+    project.scene("first", scene);
+    let said = project.run(&["bench", "--quick", "--solver", "spectral"]);
+    let why =
+        "error: problem 1: f must consist of constant pieces; `bench` takes f from the scenes";
+    assert!(said.refusal().starts_with(why), "{said:?}");
 }
 
 #[test]

@@ -24,6 +24,20 @@ pub(crate) const TABLE: &str = "title = \"Suction\"\nf = \"else=-1\"\ngrids = [4
 pub(crate) const PAPER: &str = "r = [10.0, 1.0]\n\n[[table]]\nnumber = 1\ncounts = [[1, 2], [1, 100000]]\n\
     delta_a = [1e-4, 1e-4]\ncount_share = 0.1\ncount_slack = 1000\ndelta_a_factor = 1e30\n";
 
+/// Names and f of the paper's problems, from their scenes.
+pub(crate) fn paper_problems() -> Vec<(String, String)> {
+    let scenes = [
+        include_str!("../../pipeline/scenes/problem1.toml"),
+        include_str!("../../pipeline/scenes/problem2.toml"),
+    ];
+    let scenes = scenes.map(|text| text.parse::<toml::Table>().unwrap());
+    let named = scenes.map(|scene| {
+        let (name, f) = (format!("problem {}", scene["paper_table"]), scene["f"].as_str());
+        (name, f.unwrap().to_owned())
+    });
+    named.into()
+}
+
 /// Variables of the environment that change how the program talks.
 pub(crate) const TALK: [&str; 5] = ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"];
 

@@ -1,6 +1,6 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
-use crate::common::{Dice, random_source};
+use crate::common::{Dice, paper_problems, random_source};
 use crate::domains::{self, Domain, SquareGrid, largest};
 use crate::solvers::{
     ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, absurd_starts, distance,
@@ -158,8 +158,10 @@ fn the_residual_tells_in_twenty_thousand_problems() {
 #[test]
 fn work_does_not_depend_on_the_grid() {
     let goals = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];
+    let problems = paper_problems();
     for n in [64, 128, 256, 512] {
-        let usual = exact_loads(n).into_iter().chain(paper_loads(n)).map(|load| (load, WORK_UNITS));
+        let paper = paper_loads(n, &problems).unwrap();
+        let usual = exact_loads(n).into_iter().chain(paper).map(|load| (load, WORK_UNITS));
         let hard = stress_loads(n).into_iter().map(|load| (load, HARD_WORK_UNITS));
         for ((name, load), limits) in usual.chain(hard) {
             for (goal, limit) in goals.into_iter().zip(limits) {

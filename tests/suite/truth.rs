@@ -1,7 +1,7 @@
 //! Reference values and finite elements against true solutions; contact, iteration by iteration.
 
+use crate::common::paper_problems;
 use crate::reference::REFERENCES;
-use signorini_mathematics::experiments::problems::PAPER;
 use signorini_mathematics::experiments::truth::{
     ElementsOrders, Numbers, ReferenceValue, Truth, TruthPlan, truth,
 };
@@ -10,8 +10,8 @@ use std::sync::OnceLock;
 fn found() -> &'static Truth {
     static ONCE: OnceLock<Truth> = OnceLock::new();
     ONCE.get_or_init(|| {
-        let named = PAPER.map(|(name, f)| (name.to_owned(), f.to_owned()));
-        truth(&TruthPlan { cells: vec![16, 32, 64], sampled: 8, ..TruthPlan::new(named) }).unwrap()
+        let plan = TruthPlan::new(paper_problems());
+        truth(&TruthPlan { cells: vec![16, 32, 64], sampled: 8, ..plan }).unwrap()
     })
 }
 

@@ -11,6 +11,7 @@ use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
+use crate::replication::scenes::named_f;
 use crate::timing::recorded::{PATH, Timings};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -31,15 +32,12 @@ const RESULT: &str = "result.json";
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let problems: Vec<TableProblem> =
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
-    let named = problems.iter().map(|problem| {
-        let name = format!("problem {}", problem.number);
-        (name, problem.f.clone())
-    });
-    let truth = truth::TruthPlan::new(named);
+    let named = named_f(&project.scenes);
+    let truth = truth::TruthPlan::new(named.clone());
     let stress = stress::StressPlan::new(problems.clone());
     let plan = ClaimsPlan::new(problems);
     vec![
-        task("accuracy", &AccuracyPlan::default(), |plan, _| found(accuracy::accuracy(plan))),
+        task("accuracy", &AccuracyPlan::new(named), |plan, _| found(accuracy::accuracy(plan))),
         task("adapted", &AdaptedPlan::default(), |plan, _| found(adapted::adapted(plan))),
         task("claims", &plan, |plan, _| found(experiments::claims::claims(plan))),
         task("friction", &ClaimsPlan::friction(), |plan, _| {

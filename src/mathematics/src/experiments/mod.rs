@@ -1,7 +1,7 @@
 //! Numerical experiments that go past the paper, as pure functions from a plan to plain data.
 //!
 //! Errors, sweeps, work units and changed counts depend on no machine: they are hashed, cached and pinned like all
-//! other results. Run times are measured elsewhere, by `signorini bench`.
+//! other results. Run times are measured elsewhere, by `signorini bench`, of the runs that [`timed`] prepares.
 //!
 //! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
 //! [`adapted::adapted`], [`claims::claims`], [`domains::domains`], [`sticking::sticking`], [`stress::stress`],
@@ -17,6 +17,7 @@ pub mod problems;
 pub mod saddle;
 pub mod sticking;
 pub mod stress;
+pub mod timed;
 pub mod trial;
 pub mod truth;
 pub mod work;

@@ -8,10 +8,6 @@ use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// The paper's problems by name, with f as recovered.
-pub const PAPER: [(&str, &str); 2] =
-    [("problem 1", "quadrant(ll)=3; else=-1.002"), ("problem 2", "quadrant(ll)=-6; else=1.998")];
-
 /// Problems that test the search for contact, by name: lift and multiplier are of order one; the second has
 /// discs, and two arcs of contact.
 pub const CONTACT: [(&str, &str); 2] = [
@@ -194,18 +190,28 @@ fn jumps(x: f64, y: f64) -> f64 {
     }
 }
 
-/// Loads of the paper's problems. The first with f averaged on the axes: with the published tie rule its load has a
-/// positive sum, and there is nothing to solve. (Averaged, the sums are nearly zero: hard, but solvable.)
+/// Loads of the paper's problems, given by name with f in the notation of scenes. The first with f averaged on the
+/// axes: with the published tie rule its load has a positive sum, and there is nothing to solve. (Averaged, the sums
+/// are nearly zero: hard, but solvable.)
+///
+/// # Errors
+/// A sentence if f cannot be read.
 ///
 /// # Panics
 /// If `n` is below 2.
-pub fn paper_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
+pub fn paper_loads(
+    n: usize,
+    problems: &[(String, String)],
+) -> Result<Vec<(&str, Vec<f64>)>, String> {
     let grid = Grid::new(n).expect("fine enough");
-    let [(first, f), (second, g)] = PAPER;
-    let f: Source = f.parse().expect("a valid f");
-    let g: Source = g.parse().expect("a valid f");
-    vec![
-        (first, load(grid, &f, LoadRule::LumpedAverage {})),
-        (second, load(grid, &g, LoadRule::default())),
-    ]
+    let mut loads = Vec::new();
+    for (name, f) in problems {
+        let rule = match loads.is_empty() {
+            true => LoadRule::LumpedAverage {},
+            false => LoadRule::default(),
+        };
+        let f: Source = f.parse().map_err(|e| format!("{name}: {e}"))?;
+        loads.push((&name[..], load(grid, &f, rule)));
+    }
+    Ok(loads)
 }

@@ -1,12 +1,12 @@
 //! Data of the chapter on cost, from recorded times: fits and crossovers.
 
-use crate::timing::measure::TIMED;
 use crate::timing::recorded::{
     Goal, Peer, Scaling, SolverTime, Spectral, Timings, to_discretisation,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::accuracy::AccuracyFindings;
+use signorini_mathematics::experiments::timed::TimedPlan;
 use signorini_mathematics::experiments::{Range, exponent};
 use signorini_mathematics::solvers::Solver;
 use std::collections::{BTreeMap, BTreeSet};
@@ -152,7 +152,8 @@ fn peers(timings: &Timings) -> Vec<&Peer> {
 /// Returns the work units to the rounding floor, recorded and today's, on the finest grid for which both exist, if
 /// they differ: then multigrid has changed since it was timed.
 fn outdated(timings: &Timings, accuracy: &AccuracyFindings) -> Option<Value> {
-    let problem = accuracy.problems.iter().find(|problem| problem.name == TIMED.name())?;
+    let problem =
+        accuracy.problems.iter().find(|problem| problem.name == TimedPlan::SCALED.name())?;
     for level in problem.levels.iter().rev() {
         let (cells, [.., floor]) = (level.cost.cells, &level.cost.goals);
         if let Some(timed) = find(timings, cells, 1, Goal::Floor) {

@@ -283,15 +283,14 @@ fn run_on_grid(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiments::problems::PAPER;
 
     #[test]
     fn every_run_is_in_one_batch_and_no_batch_leaves_lanes_idle_from_the_start() {
         let plan = ClaimsPlan::friction();
-        let papers = ClaimsPlan::new(vec![
-            TableProblem { f: PAPER[0].1.into(), law: None, ..plan.problems[0].clone() },
-            TableProblem { f: PAPER[1].1.into(), law: None, ..plan.problems[1].clone() },
-        ]);
+        // The first two have the paper's f.
+        let papers = plan.problems[..2].iter().cloned();
+        let papers = papers.map(|problem| TableProblem { law: None, ..problem });
+        let papers = ClaimsPlan::new(papers.collect());
         for mut plan in [plan, papers] {
             // The batches are the same without the finest grids.
             plan.problems.iter_mut().for_each(|problem| problem.grids = vec![4, 8, 16]);

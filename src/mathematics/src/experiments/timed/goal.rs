@@ -1,47 +1,80 @@
-//! Goals to which each solver is timed.
+//! Goals to which each solver runs.
 
-use crate::timing::recorded::Goal;
-use signorini_mathematics::discrete::kkt::kkt;
-use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::experiments::saddle::{CheckInterval, sweeps_until};
-use signorini_mathematics::experiments::work::{OnGrid, R};
-use signorini_mathematics::multigrid::active_set::{MOST_CELLS, active_set};
-use signorini_mathematics::multigrid::{MultigridParams, solve_square};
-use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
-use signorini_mathematics::solvers::Solver;
+use crate::discrete::kkt::kkt;
+use crate::discrete::transfer::Prolongation;
+use crate::experiments::saddle::{CheckInterval, loose_uzawa, sweeps_until};
+use crate::experiments::work::{OnGrid, R};
+use crate::multigrid::active_set::{MOST_CELLS, active_set};
+use crate::multigrid::{Goal, MultigridParams, solve_square};
+use crate::problem::law::Law;
+use crate::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
+use crate::solvers::Solver;
+use serde::{Deserialize, Serialize};
+
+/// Goals of multigrid that are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MultigridGoal {
+    /// An algebraic error of at most a tenth of the discretisation error in the energy norm.
+    Discretisation,
+    /// The smallest residual in double precision.
+    Floor,
+}
+
+impl MultigridGoal {
+    /// Both goals, that of a larger residual first.
+    pub const ALL: [Self; 2] = [Self::Discretisation, Self::Floor];
+
+    /// Name in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Discretisation => "discretisation error",
+            Self::Floor => "rounding floor",
+        }
+    }
+
+    /// Parameters of multigrid.
+    pub(super) fn params(self) -> MultigridParams {
+        let goal = match self {
+            Self::Discretisation => Goal::DiscretisationError,
+            Self::Floor => Goal::RoundingFloor,
+        };
+        MultigridParams { goal, ..MultigridParams::default() }
+    }
+}
 
 /// Relative natural residuals at which saddle-point methods are stopped.
 const TARGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 /// Checks of a saddle-point method; the limit is never reached, because a series ends when a run takes too long.
 const CHECKS: CheckInterval = CheckInterval { share: 8, limit: 1_000_000_000 };
 
-/// Goal to which a solver is timed.
+/// Goal of a solver on nested grids.
+#[derive(Clone, Copy)]
 pub(super) enum TimedGoal {
     /// A saddle-point method to this relative natural residual.
     Saddle(Method, f64),
     /// The active-set method on the finest grid, until its contact set does not change.
     ActiveSet,
     /// Multigrid to a goal.
-    Multigrid(Goal),
-}
-
-/// Returns the goals of a solver on grids.
-pub(super) fn goals(solver: Solver) -> Vec<TimedGoal> {
-    match (solver.entry().method, solver) {
-        (Some(method), _) => {
-            let method = method.loose();
-            TARGETS.map(|target| TimedGoal::Saddle(method, target)).into()
-        }
-        (None, Solver::ActiveSet) => vec![TimedGoal::ActiveSet],
-        (None, Solver::Multigrid) => Goal::ALL.map(TimedGoal::Multigrid).into(),
-        (None, _) => Vec::new(),
-    }
+    Multigrid(MultigridGoal),
 }
 
 impl TimedGoal {
-    /// Returns the name in words.
-    pub(super) fn in_words(&self) -> String {
+    /// Goals of a solver; none of the one without a grid.
+    pub(super) fn of(solver: Solver) -> Vec<Self> {
+        match (solver.entry().method, solver) {
+            (Some(method), _) => {
+                let method = method.loose();
+                TARGETS.map(|target| Self::Saddle(method, target)).into()
+            }
+            (None, Solver::ActiveSet) => vec![Self::ActiveSet],
+            (None, Solver::Multigrid) => MultigridGoal::ALL.map(Self::Multigrid).into(),
+            (None, _) => Vec::new(),
+        }
+    }
+
+    /// Name in words.
+    pub(super) fn in_words(self) -> String {
         match self {
             Self::Saddle(_, target) => format!("relative KKT {target:e}"),
             Self::ActiveSet => "contact set at rest".into(),
@@ -50,7 +83,7 @@ impl TimedGoal {
     }
 
     /// Growth of the time from one grid to the next, as expected.
-    pub(super) fn growth(&self) -> f64 {
+    pub(super) fn growth(self) -> f64 {
         match self {
             Self::Saddle(..) | Self::ActiveSet => 16.0,
             Self::Multigrid(_) => 4.0,
@@ -58,16 +91,15 @@ impl TimedGoal {
     }
 
     /// Solves to this goal on the last of some nested grids; `None` if the solver fails.
-    pub(super) fn solve(&self, levels: &[OnGrid]) -> Option<Vec<f64>> {
+    pub(super) fn solve(self, levels: &[OnGrid]) -> Option<Vec<f64>> {
         let OnGrid { grid, load, .. } = levels.last()?;
-        match *self {
+        match self {
             Self::Saddle(method, target) => over_grids(method, target, levels),
             Self::ActiveSet if grid.cells() > MOST_CELLS => None,
             Self::ActiveSet => active_set(grid.cells(), Law::SIGNORINI, load).ok().map(|(y, _)| y),
             Self::Multigrid(goal) => {
-                let params = MultigridParams { goal: goal.asked(), ..MultigridParams::default() };
                 let loaded = Law::SIGNORINI.with_load(load);
-                solve_square(grid.cells(), loaded, None, &params).ok().map(|(y, _)| y)
+                solve_square(grid.cells(), loaded, None, &goal.params()).ok().map(|(y, _)| y)
             }
         }
     }
