@@ -2,7 +2,7 @@
 
 use crate::discrete::kkt::kkt;
 use crate::discrete::transfer::Prolongation;
-use crate::experiments::saddle::{CheckInterval, loose_uzawa, sweeps_until};
+use crate::experiments::saddle::{CheckInterval, sweeps_until};
 use crate::experiments::work::{OnGrid, R};
 use crate::multigrid::active_set::{MOST_CELLS, active_set};
 use crate::multigrid::{Goal, MultigridParams, solve_square};
