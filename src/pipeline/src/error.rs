@@ -56,10 +56,10 @@ impl Error {
 }
 
 /// Name for a [`conflict`] in messages.
-pub(crate) const CONFLICT: &str = "conflict of a merge";
+pub const CONFLICT: &str = "conflict of a merge";
 
 /// Returns the line of the first conflict that `git merge` marked in a text, if there is one.
-pub(crate) fn conflict(text: &[u8]) -> Option<usize> {
+pub fn conflict(text: &[u8]) -> Option<usize> {
     let mut lines = text.split(|&byte| byte == b'\n').enumerate();
     let (first, _) = lines.find(|(_, line)| line.starts_with(b"<<<<<<< "))?;
     lines.find(|(_, line)| line.trim_ascii_end() == b"=======")?;
@@ -85,14 +85,14 @@ pub fn from_toml<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Res
 }
 
 /// Number of the format of the files that this program writes and reads back, which they have as `schema`.
-pub(crate) const SCHEMA: u64 = 1;
+pub const SCHEMA: u64 = 1;
 
 /// Reads TOML that this program, or one of this project, has written; `what` names it in messages.
 ///
 /// # Errors
 /// As [`from_toml`]; of a file with a greater number of format, or with a key that this program does not know, the text
 /// asks whether a newer program has written it.
-pub(crate) fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Result<T> {
+pub fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Result<T> {
     let text = text.as_ref();
     from_toml(what, text).map_err(|error| {
         let Ok(table) = from_toml::<toml::Table>(what, text) else { return error };
@@ -107,7 +107,7 @@ pub(crate) fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]
 }
 
 /// Returns the error for a file that this program writes and that has, in words, what this program does not know.
-pub(crate) fn newer(what: &str, unknown: &str) -> Error {
+pub fn newer(what: &str, unknown: &str) -> Error {
     Error::input(format!(
         "{what} has {unknown} that signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
     ))
