@@ -99,7 +99,8 @@ fn is_vim_probe(number: u32) -> bool {
 /// Returns a text with its accents in one of the two ways to write them. Files from a Mac have names in the other one:
 /// whatever names are looked up is compared in this form.
 pub fn composed(text: &str) -> String {
-    text.nfc().collect()
+    // Nearly every text, and without accents.
+    if text.is_ascii() { text.to_owned() } else { text.nfc().collect() }
 }
 
 /// Returns the path of a file that exists, whichever way its names write accents; the path as it is if there is none.
@@ -140,6 +141,9 @@ pub fn clash<'a>(paths: impl Iterator<Item = &'a str>) -> Option<(&'a str, &'a s
 /// Returns the name in a form that is the same for names that some file systems do not tell apart: there, the file of
 /// one name would overwrite that of the other.
 pub fn alike(name: &str) -> String {
+    if name.is_ascii() {
+        return name.to_ascii_lowercase();
+    }
     name.nfc().flat_map(char::to_lowercase).nfc().collect()
 }
 
