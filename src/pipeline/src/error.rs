@@ -85,7 +85,7 @@ pub fn from_toml<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Res
 }
 
 /// Number of the format of the files that this program writes and reads back, which they have as `schema`.
-pub const SCHEMA: u64 = 1;
+pub(crate) const SCHEMA: u64 = 1;
 
 /// Reads TOML that this program, or one of this project, has written; `what` names it in messages.
 ///
@@ -107,7 +107,7 @@ pub fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> R
 }
 
 /// Returns the error for a file that this program writes and that has, in words, what this program does not know.
-pub fn newer(what: &str, unknown: &str) -> Error {
+pub(crate) fn newer(what: &str, unknown: &str) -> Error {
     Error::input(format!(
         "{what} has {unknown} that signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
     ))

@@ -13,6 +13,9 @@ const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
 /// Writes a whole file or nothing: to a temporary name in the same folder, synced, then renamed.
 ///
 /// Links are followed, and a file that exists keeps its permissions. Other hard links to it keep the old bytes.
+///
+/// # Errors
+/// [`Error::Io`](crate::error::Error::Io).
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     let target = link_target(path).context("write", path)?;
     let kept = fs::metadata(&target).ok().map(|there| there.permissions());
@@ -20,6 +23,9 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 /// Returns the end of a chain of links, which need not exist; the path itself if it is no link.
+///
+/// # Errors
+/// If the links form a circle.
 pub fn link_target(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -75,6 +81,9 @@ pub fn folder_of(path: &Path) -> &Path {
 }
 
 /// Creates a folder in this one, which is removed when the value is dropped; [`leftovers`] finds it by its name.
+///
+/// # Errors
+/// Those of the system.
 pub fn temporary_folder(folder: &Path) -> io::Result<tempfile::TempDir> {
     fs::create_dir_all(folder)?;
     tempfile::Builder::new().prefix(TEMPORARY[0]).suffix(TEMPORARY[1]).tempdir_in(folder)
@@ -109,6 +118,9 @@ pub fn remove(leftovers: &[PathBuf]) {
 }
 
 /// Removes a file, and the folders up to `top` that it leaves empty.
+///
+/// # Errors
+/// [`Error::Io`](crate::error::Error::Io).
 pub fn remove_from(top: &Path, file: &Path) -> Result<()> {
     fs::remove_file(file).context("remove", file)?;
     for folder in file.ancestors().skip(1).take_while(|folder| *folder != top) {
@@ -122,6 +134,9 @@ pub fn remove_from(top: &Path, file: &Path) -> Result<()> {
 
 /// Returns the contents of a file, or of the file to which a link points; refuses a path that is neither file nor
 /// folder, such as a pipe, which may never end.
+///
+/// # Errors
+/// Those of the system, and for such a path.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     read_in_pieces(path, |piece| bytes.extend_from_slice(piece))?;
@@ -174,6 +189,9 @@ pub(super) fn hash_of(path: &Path) -> io::Result<String> {
 }
 
 /// Returns the contents of a file, `None` if it does not exist.
+///
+/// # Errors
+/// [`Error::Io`](crate::error::Error::Io) if it exists and cannot be read.
 pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     if_there(path, read(path))
 }
@@ -206,7 +224,7 @@ pub fn read_text(path: &Path) -> Result<String> {
 /// True if a path with `/` is a single line, on every system leads to a place below its start, and is the only spelling
 /// of that place.
 pub fn is_plain(path: &str) -> bool {
-    // In one pass over bytes, since this is asked of every artifact, in code that is not optimised.
+    // In one pass over bytes, since this is asked of every artifact.
     let (mut length, mut dots) = (0, 0);
     for &byte in path.as_bytes().iter().chain(b"/") {
         match byte {
@@ -250,9 +268,12 @@ pub fn real(path: &Path) -> PathBuf {
 }
 
 /// Failure to list or read a file or folder, with its path.
-type TreeError = (PathBuf, io::Error);
+pub type TreeError = (PathBuf, io::Error);
 
 /// Reads every file below `folder`; paths begin there, with `/` on every system. As [`list_tree`].
+///
+/// # Errors
+/// As [`list_tree`], and for a file that cannot be read.
 pub fn read_tree(
     folder: &Path,
     skip: impl Fn(&str) -> bool,
@@ -268,6 +289,9 @@ pub fn read_tree(
 ///
 /// Files and folders are left out if `skip` is true for their path. Links to folders are refused, because they may form
 /// a circle or lead to the whole disk.
+///
+/// # Errors
+/// For such a link, a name that is not UTF-8, and a folder that cannot be listed.
 pub fn list_tree(
     folder: &Path,
     skip: impl Fn(&str) -> bool,

@@ -148,11 +148,17 @@ pub fn alike(name: &str) -> String {
 }
 
 /// Refuses a text with a character that no line of text may have; `what` names the text.
+///
+/// # Errors
+/// [`Error::Input`], with the remedy.
 pub fn refuse_forbidden(what: &str, text: &str) -> Result<()> {
     refuse_with(what, text, "take it out")
 }
 
 /// Refuses a name with a character that no line of text may have; `what` is named by it.
+///
+/// # Errors
+/// [`Error::Input`], with the remedy.
 pub fn refuse_forbidden_name(what: &str, name: &str) -> Result<()> {
     refuse_with(&format!("the name of {what} {name:?}"), name, &format!("rename the {what}"))
 }
