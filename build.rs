@@ -7,11 +7,18 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Files from which the compiler starts, of the program, the mathematics and this script; what they name lies in `src`.
-const ROOTS: [&str; 4] = ["src/lib.rs", "src/main.rs", "src/mathematics/src/lib.rs", "build.rs"];
+/// Files from which the compiler starts, of the program, its packages and this script; what they name lies in `src`.
+const ROOTS: [&str; 5] = [
+    "src/lib.rs",
+    "src/main.rs",
+    "src/mathematics/src/lib.rs",
+    "src/pipeline/src/lib.rs",
+    "build.rs",
+];
 
 /// Files that cargo reads.
-const PACKAGES: [&str; 3] = ["Cargo.toml", "src/mathematics/Cargo.toml", "Cargo.lock"];
+const PACKAGES: [&str; 4] =
+    ["Cargo.toml", "src/mathematics/Cargo.toml", "src/pipeline/Cargo.toml", "Cargo.lock"];
 
 /// The compiler's options and the features and target it builds for, as cargo tells a build script.
 const OPTIONS: [&str; 6] =

@@ -221,7 +221,7 @@ pub fn main() -> ExitCode {
     };
     interrupt::survive_file_limit();
     std::panic::set_hook(Box::new(|panic| fail(&panicked(panic))));
-    let Ok(result) = std::panic::catch_unwind(|| start_threads().and_then(|()| dispatch(cli)))
+    let Ok(result) = std::panic::catch_unwind(|| start_threads(&cli).and_then(|()| dispatch(cli)))
     else {
         return ExitCode::from(Error::Stage(Vec::new()).exit_code());
     };
@@ -266,8 +266,13 @@ fn threads(option: &str, asked: usize) -> usize {
     asked.min(most)
 }
 
-/// Starts the pool of threads of this process: RAYON_NUM_THREADS threads, or one per core.
-fn start_threads() -> Result<()> {
+/// Starts the pool of threads of this process, RAYON_NUM_THREADS threads or one per core, for a command that may need
+/// them.
+fn start_threads(cli: &Cli) -> Result<()> {
+    if let Some(Command::List(_) | Command::Completions { .. } | Command::Man { .. }) = cli.command
+    {
+        return Ok(());
+    }
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
     let count = match asked.filter(|&count| count > 0) {
         Some(count) => threads("RAYON_NUM_THREADS", count),

@@ -53,7 +53,8 @@ pub(super) fn fitted(text: &str, width: usize) -> String {
     const MORE: &str = "  ";
     let mut lines = Vec::new();
     for line in text.split('\n') {
-        if shown_width(line) <= width {
+        // No character takes more columns than bytes.
+        if line.len() <= width || shown_width(line) <= width {
             lines.push(line.to_owned());
             continue;
         }
@@ -286,6 +287,12 @@ fn why_not_writable(path: &Path) -> Result<Option<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_character_takes_more_columns_than_bytes() {
+        let wide = ('\0'..=char::MAX).find(|c| shown_width(&c.to_string()) > c.len_utf8());
+        assert_eq!(wide, None);
+    }
 
     #[test]
     fn lines_are_broken_between_words_and_only_where_they_must() {

@@ -57,6 +57,14 @@ fn names_are_found_whichever_way_they_write_accents() {
 }
 
 #[test]
+fn the_mathematics_and_the_pipeline_forbid_the_same_characters() {
+    for c in '\0'..=char::MAX {
+        let both = signorini_mathematics::problem::text::is_forbidden(c);
+        assert_eq!(signorini::pipeline::files::is_forbidden(c), both, "{c:?}");
+    }
+}
+
+#[test]
 fn files_of_the_book_that_are_one_name_elsewhere_are_refused() {
     let project = Project::with(TABLE);
     project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");

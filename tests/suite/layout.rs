@@ -1,6 +1,7 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
 //!
-//! The first fourteen are a package of their own, the mathematics, which the program uses by its name.
+//! The first fourteen are a package of their own, the mathematics, which the program uses by its name; so is the
+//! pipeline, which uses none of them.
 
 use crate::common::files_below;
 use std::collections::{BTreeMap, BTreeSet};
@@ -47,15 +48,32 @@ fn mathematics() -> PathBuf {
     source_folder().join("mathematics/src")
 }
 
-/// The module that a source file holds, as a path from the root of its crate.
+/// The sources of the pipeline, a package that is one room.
+fn pipeline() -> PathBuf {
+    source_folder().join("pipeline/src")
+}
+
+/// The module that a source file holds, as a path from the root of its crate; from its room if that is a package.
 fn module(file: &Path) -> Vec<String> {
-    let path = file.strip_prefix(mathematics()).or_else(|_| file.strip_prefix(source_folder()));
-    let path = path.unwrap().with_extension("");
+    let path = match file.strip_prefix(pipeline()) {
+        Ok(path) => Path::new("pipeline").join(path),
+        Err(_) => file
+            .strip_prefix(mathematics())
+            .or_else(|_| file.strip_prefix(source_folder()))
+            .unwrap()
+            .into(),
+    };
+    let path = path.with_extension("");
     let mut parts: Vec<_> = path.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
-    if parts.last().is_some_and(|last| last == "mod") {
+    if parts.last().is_some_and(|last| last == "mod") || parts == ["pipeline", "lib"] {
         parts.pop();
     }
     parts
+}
+
+/// The module from which the paths `crate::` of a module begin.
+fn root(module: &[String]) -> &[String] {
+    &module[..usize::from(module.first().is_some_and(|room| room == "pipeline"))]
 }
 
 /// The code of a file; comments and unit tests do not count.
@@ -112,7 +130,7 @@ fn rooms_use_only_rooms_before_them() {
     let inside = [source_folder(), mathematics()].map(|folder| fs::read_dir(folder).unwrap());
     for room in inside.into_iter().flatten().map(|room| room.unwrap().path()) {
         let name = room.file_stem().unwrap().to_str().unwrap().to_owned();
-        if !room.is_dir() || mathematics().starts_with(&room) {
+        if !room.is_dir() || mathematics().starts_with(&room) || pipeline().starts_with(&room) {
             continue;
         }
         let here =
@@ -166,7 +184,7 @@ impl Modules {
     fn used_by(&self, here: &[String]) -> BTreeSet<Vec<String>> {
         let mut used = BTreeSet::new();
         for path in paths_after(&self.code[here], "crate::") {
-            used.insert(self.module_of(&path));
+            used.insert(self.module_of(&[root(here), &path].concat()));
         }
         for path in paths_after(&self.code[here], "super::") {
             let ups = path.iter().take_while(|name| *name == "super").count();
@@ -225,6 +243,17 @@ fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined
     );
     let used = modules.used_by(&names("experiments::claims::verdict"));
     assert!(used.contains(&names("saddle::stopping")), "{used:?}");
+    let used = modules.used_by(&names("pipeline::store"));
+    assert!(used.contains(&names("pipeline::error")), "{used:?}");
+}
+
+#[test]
+fn the_pipeline_knows_no_other_room() {
+    let manifest = fs::read_to_string(source_folder().join("pipeline/Cargo.toml")).unwrap();
+    let manifest: toml::Table = manifest.parse().unwrap();
+    let needed = manifest["dependencies"].as_table().unwrap();
+    let ours: Vec<_> = needed.keys().filter(|name| name.starts_with("signorini")).collect();
+    assert!(ours.is_empty(), "{ours:?}");
 }
 
 #[test]

@@ -41,6 +41,9 @@ const KINDS: [&str; 7] = [
 const MAKERS: [&str; 3] =
     ["src/mathematics/src/levels/", "src/mathematics/src/mesh/", "src/replication/stated.rs"];
 
+/// Folders of the packages beside the program.
+const PACKAGES: [&str; 2] = ["src/mathematics/", "src/pipeline/"];
+
 /// Most lines that ask whether a problem has a solution: the problem, when it is made; solvers, of a load vector; the
 /// judge; the bounds on the square and on meshes and the spectral solver, which need no problem.
 const SOLVABILITY_QUESTIONS: usize = 6;
@@ -136,9 +139,9 @@ fn closures_have_no_names() {
 
 #[test]
 fn a_type_name_means_one_thing_in_its_package() {
-    let mut places: BTreeMap<(bool, String), BTreeSet<String>> = BTreeMap::new();
+    let mut places: BTreeMap<(Option<&str>, String), BTreeSet<String>> = BTreeMap::new();
     for source in sources() {
-        let package = source.path.starts_with("src/mathematics/");
+        let package = PACKAGES.into_iter().find(|package| source.path.starts_with(package));
         for name in source.text.lines().filter_map(defined_type) {
             let found = places.entry((package, name.to_owned())).or_default();
             found.insert(source.path.clone());

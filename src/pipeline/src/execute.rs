@@ -6,7 +6,7 @@ use super::manifest::{Manifest, Reason, Verdict};
 use super::run::run;
 use super::store::{Hit, Store};
 use super::{Hashes, Interrupt, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
-use crate::pipeline::error::{Error, Result};
+use crate::error::{Error, Result};
 use rayon::prelude::*;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 use std::collections::{BTreeMap, VecDeque};

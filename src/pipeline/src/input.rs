@@ -4,7 +4,7 @@
 use super::files::{hash_of, if_there, read};
 use super::hash;
 use super::{Inputs, KnownHashes};
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::error::{Error, IoContext, Result};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -56,10 +56,10 @@ impl Error {
 }
 
 /// Name for a [`conflict`] in messages.
-pub(crate) const CONFLICT: &str = "conflict of a merge";
+pub const CONFLICT: &str = "conflict of a merge";
 
 /// Returns the line of the first conflict that `git merge` marked in a text, if there is one.
-pub(crate) fn conflict(text: &[u8]) -> Option<usize> {
+pub fn conflict(text: &[u8]) -> Option<usize> {
     let mut lines = text.split(|&byte| byte == b'\n').enumerate();
     let (first, _) = lines.find(|(_, line)| line.starts_with(b"<<<<<<< "))?;
     lines.find(|(_, line)| line.trim_ascii_end() == b"=======")?;
@@ -92,7 +92,7 @@ pub(crate) const SCHEMA: u64 = 1;
 /// # Errors
 /// As [`from_toml`]; of a file with a greater number of format, or with a key that this program does not know, the text
 /// asks whether a newer program has written it.
-pub(crate) fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Result<T> {
+pub fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Result<T> {
     let text = text.as_ref();
     from_toml(what, text).map_err(|error| {
         let Ok(table) = from_toml::<toml::Table>(what, text) else { return error };

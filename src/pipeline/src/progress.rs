@@ -77,7 +77,7 @@ impl Progress {
     }
 
     /// Writes the reason for a delay.
-    pub(crate) fn note(&self, line: &str) {
+    pub fn note(&self, line: &str) {
         if !self.quiet {
             talk(line);
         }
@@ -92,7 +92,7 @@ impl Progress {
 
 /// Returns a bar of this style if standard error is a terminal that can overwrite a line, outside continuous
 /// integration.
-pub(crate) fn bar(template: &str) -> Option<ProgressBar> {
+pub fn bar(template: &str) -> Option<ProgressBar> {
     let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
     let logged = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
     (std::io::stderr().is_terminal() && !dumb && !logged).then(|| {
@@ -104,6 +104,6 @@ pub(crate) fn bar(template: &str) -> Option<ProgressBar> {
 }
 
 /// Writes a line on standard error; if that is closed, the line is lost, and the program goes on.
-pub(crate) fn talk(line: &str) {
+pub fn talk(line: &str) {
     let _ = writeln!(anstream::stderr(), "{line}");
 }

@@ -1,6 +1,6 @@
 //! Advisory locks of the operating system, held by one process alone or shared; they end with their process.
 
-use crate::pipeline::error::{Error, IoContext, Result};
+use crate::error::{Error, IoContext, Result};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;

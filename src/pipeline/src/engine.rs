@@ -5,7 +5,7 @@
 //! of an older project names other stamps.
 
 use super::{Plan, Store, stage};
-use crate::pipeline::error::{Error, Result};
+use crate::error::{Error, Result};
 use serde_json::json;
 use std::path::Path;
 

@@ -5,7 +5,7 @@
 //! copy of a project has other numbers and times, and is read again.
 
 use super::files::{folder_of, hash_if_there, hash_of, read, write_atomically};
-use crate::pipeline::error::Result;
+use crate::error::Result;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::fs::{self, Metadata};
@@ -86,7 +86,7 @@ impl KnownHashes {
     /// is read, and if it is in the same state after.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::pipeline::error::Error::Io) if the notes cannot be written.
+    /// [`Error::Io`](crate::error::Error::Io) if the notes cannot be written.
     pub fn note(&self, project: &Path, files: &BTreeSet<PathBuf>) -> Result<()> {
         let path = project.join(PATH);
         let Ok((device, now)) = later(folder_of(&path)) else { return Ok(()) };
@@ -188,7 +188,7 @@ fn device(_: &Metadata) -> u64 {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use crate::pipeline::hash;
+    use crate::hash;
     use std::fs::File;
     use std::os::unix::fs::FileExt;
 

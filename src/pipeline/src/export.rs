@@ -2,7 +2,7 @@
 
 use super::files::{is_plain, leftovers, read, remove_from, write_atomically};
 use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, Task, hash};
-use crate::pipeline::error::{Error, Result, SCHEMA, conflict, newer};
+use crate::error::{Error, Result, SCHEMA, conflict, newer};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};

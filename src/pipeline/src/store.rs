@@ -4,7 +4,7 @@ use super::change::changes;
 use super::files::{leftovers, read, read_if_there, write_by_way_of};
 use super::manifest::{Manifest, Reason};
 use super::{Artifacts, Hashes, KnownHashes, Lock, hash};
-use crate::pipeline::error::{Error, Result};
+use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@
 use super::execute::execute;
 use super::store::Store;
 use super::{Interrupt, Options, Plan, Progress, Summary};
-use crate::pipeline::error::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Runs those tasks of the plan that are `asked` for and not up to date, one after the other: for each, under its
 /// lock, [`execute`] walks the plan, and may run this task only.

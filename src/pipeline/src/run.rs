@@ -3,7 +3,7 @@
 use super::manifest::Manifest;
 use super::store::Store;
 use super::{Artifacts, Hashes, Inputs, Interrupt, PROGRAM, Plan, Task, hash};
-use crate::pipeline::error::{Error, Result};
+use crate::error::{Error, Result};
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

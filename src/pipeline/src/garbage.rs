@@ -4,7 +4,7 @@ use super::files::{if_there, is_temporary, read, read_if_there, remove_from};
 use super::manifest::{Manifest, is_stamp};
 use super::store::{LOCKS, OBJECTS, RUNS, STAMPS, Store, TASKS, believable};
 use super::{Plan, is_hash};
-use crate::pipeline::error::Result;
+use crate::error::Result;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io;
@@ -48,7 +48,7 @@ impl Store {
     /// folder was named as the cache.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::pipeline::error::Error::Io), also if a folder or manifests cannot be read, because they
+    /// [`Error::Io`](crate::error::Error::Io), also if a folder or manifests cannot be read, because they
     /// determine which files are needed.
     pub fn collect_garbage(&self, plan: &Plan, keep: usize, dry: bool) -> Result<Garbage> {
         let Needed { files: needed, shorter } = self.needed(plan, keep)?;

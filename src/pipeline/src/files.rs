@@ -1,7 +1,6 @@
 //! Files as bytes: read whole if they are files, written whole or not at all.
 
-use crate::pipeline::error::{IoContext, Result};
-use signorini_mathematics::problem::text::is_forbidden;
+use crate::error::{IoContext, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::{self, File, Metadata, Permissions};
@@ -14,14 +13,20 @@ const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
 /// Writes a whole file or nothing: to a temporary name in the same folder, synced, then renamed.
 ///
 /// Links are followed, and a file that exists keeps its permissions. Other hard links to it keep the old bytes.
-pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+///
+/// # Errors
+/// [`Error::Io`](crate::error::Error::Io).
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     let target = link_target(path).context("write", path)?;
     let kept = fs::metadata(&target).ok().map(|there| there.permissions());
     write_as(folder_of(&target), &target, bytes, kept)
 }
 
 /// Returns the end of a chain of links, which need not exist; the path itself if it is no link.
-pub(crate) fn link_target(path: &Path) -> io::Result<PathBuf> {
+///
+/// # Errors
+/// If the links form a circle.
+pub fn link_target(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_path_buf();
     for _ in 0..MOST_LINKS {
         match fs::read_link(&target) {
@@ -71,12 +76,15 @@ fn write_and_rename(
 }
 
 /// Returns the folder of a file, the current folder if the path names none.
-pub(crate) fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
 /// Creates a folder in this one, which is removed when the value is dropped; [`leftovers`] finds it by its name.
-pub(crate) fn temporary_folder(folder: &Path) -> io::Result<tempfile::TempDir> {
+///
+/// # Errors
+/// Those of the system.
+pub fn temporary_folder(folder: &Path) -> io::Result<tempfile::TempDir> {
     fs::create_dir_all(folder)?;
     tempfile::Builder::new().prefix(TEMPORARY[0]).suffix(TEMPORARY[1]).tempdir_in(folder)
 }
@@ -89,7 +97,7 @@ pub(super) fn is_temporary(name: &str) -> bool {
 /// Returns the temporary files and folders in those of these folders that can be read.
 ///
 /// If no run is at work, runs that were killed have left them.
-pub(crate) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+pub fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     let mut leftovers = Vec::new();
     for entries in folders.into_iter().filter_map(|folder| fs::read_dir(folder).ok()) {
         for entry in entries.flatten() {
@@ -102,7 +110,7 @@ pub(crate) fn leftovers(folders: impl IntoIterator<Item = PathBuf>) -> Vec<PathB
 }
 
 /// Removes the [`leftovers`]; the caller holds the lock.
-pub(crate) fn remove(leftovers: &[PathBuf]) {
+pub fn remove(leftovers: &[PathBuf]) {
     for path in leftovers {
         // A leftover that cannot be removed does no harm.
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
@@ -110,7 +118,10 @@ pub(crate) fn remove(leftovers: &[PathBuf]) {
 }
 
 /// Removes a file, and the folders up to `top` that it leaves empty.
-pub(crate) fn remove_from(top: &Path, file: &Path) -> Result<()> {
+///
+/// # Errors
+/// [`Error::Io`](crate::error::Error::Io).
+pub fn remove_from(top: &Path, file: &Path) -> Result<()> {
     fs::remove_file(file).context("remove", file)?;
     for folder in file.ancestors().skip(1).take_while(|folder| *folder != top) {
         // Fails for a folder that is not empty.
@@ -123,7 +134,10 @@ pub(crate) fn remove_from(top: &Path, file: &Path) -> Result<()> {
 
 /// Returns the contents of a file, or of the file to which a link points; refuses a path that is neither file nor
 /// folder, such as a pipe, which may never end.
-pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+///
+/// # Errors
+/// Those of the system, and for such a path.
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     read_in_pieces(path, |piece| bytes.extend_from_slice(piece))?;
     Ok(bytes)
@@ -175,7 +189,10 @@ pub(super) fn hash_of(path: &Path) -> io::Result<String> {
 }
 
 /// Returns the contents of a file, `None` if it does not exist.
-pub(crate) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
+///
+/// # Errors
+/// [`Error::Io`](crate::error::Error::Io) if it exists and cannot be read.
+pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>> {
     if_there(path, read(path))
 }
 
@@ -192,7 +209,11 @@ pub(super) fn if_there<T>(path: &Path, read: io::Result<T>) -> Result<Option<T>>
     }
 }
 
-pub(crate) fn read_text(path: &Path) -> Result<String> {
+/// Returns the text of a file.
+///
+/// # Errors
+/// [`Error::Io`](crate::error::Error::Io) if the file cannot be read or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String> {
     let text = read(path).and_then(|bytes| {
         String::from_utf8(bytes)
             .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8"))
@@ -202,8 +223,8 @@ pub(crate) fn read_text(path: &Path) -> Result<String> {
 
 /// True if a path with `/` is a single line, on every system leads to a place below its start, and is the only spelling
 /// of that place.
-pub(crate) fn is_plain(path: &str) -> bool {
-    // In one pass over bytes, since this is asked of every artifact, in code that is not optimised.
+pub fn is_plain(path: &str) -> bool {
+    // In one pass over bytes, since this is asked of every artifact.
     let (mut length, mut dots) = (0, 0);
     for &byte in path.as_bytes().iter().chain(b"/") {
         match byte {
@@ -219,8 +240,17 @@ pub(crate) fn is_plain(path: &str) -> bool {
         && (cfg!(unix) || Path::new(path).components().all(normal))
 }
 
+/// True if no line of text may have the character: a control character, or one of Unicode's noncharacters.
+///
+/// XML forbids most of them. The mathematics, which knows nothing of this package, has the same rule for names in
+/// meshes: `problem::text::is_forbidden`.
+pub fn is_forbidden(c: char) -> bool {
+    let number = u32::from(c);
+    c.is_control() || number & 0xFFFE == 0xFFFE || (0xFDD0..=0xFDEF).contains(&number)
+}
+
 /// Returns the path without links, `.` and `..`; its last parts need not exist.
-pub(crate) fn real(path: &Path) -> PathBuf {
+pub fn real(path: &Path) -> PathBuf {
     if let Ok(real) = path.canonicalize() {
         return real;
     }
@@ -238,10 +268,13 @@ pub(crate) fn real(path: &Path) -> PathBuf {
 }
 
 /// Failure to list or read a file or folder, with its path.
-type TreeError = (PathBuf, io::Error);
+pub type TreeError = (PathBuf, io::Error);
 
 /// Reads every file below `folder`; paths begin there, with `/` on every system. As [`list_tree`].
-pub(crate) fn read_tree(
+///
+/// # Errors
+/// As [`list_tree`], and for a file that cannot be read.
+pub fn read_tree(
     folder: &Path,
     skip: impl Fn(&str) -> bool,
 ) -> std::result::Result<BTreeMap<String, Vec<u8>>, TreeError> {
@@ -256,7 +289,10 @@ pub(crate) fn read_tree(
 ///
 /// Files and folders are left out if `skip` is true for their path. Links to folders are refused, because they may form
 /// a circle or lead to the whole disk.
-pub(crate) fn list_tree(
+///
+/// # Errors
+/// For such a link, a name that is not UTF-8, and a folder that cannot be listed.
+pub fn list_tree(
     folder: &Path,
     skip: impl Fn(&str) -> bool,
 ) -> std::result::Result<BTreeMap<String, PathBuf>, TreeError> {

@@ -4,7 +4,7 @@ use super::Hashes;
 use super::change::changes;
 use super::files::{read_if_there, write_atomically};
 
-use crate::pipeline::error::{CONFLICT, Error, Result, SCHEMA, conflict, newer};
+use crate::error::{CONFLICT, Error, Result, SCHEMA, conflict, newer};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,7 @@
 //! Names of files: those of files that no one means to keep, those that are alike, and characters that none may have.
 
-use crate::pipeline::error::{Error, Result};
-use crate::pipeline::files::folder_of;
-use signorini_mathematics::problem::text::is_forbidden;
+use crate::error::{Error, Result};
+use crate::files::{folder_of, is_forbidden};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -71,7 +70,7 @@ const VERSIONS: [&str; 4] = ["_BACKUP_", "_BASE_", "_LOCAL_", "_REMOTE_"];
 
 /// True if the name is one that operating systems, editors, office and other programs give to files of their own, which
 /// are neither read nor published. Capitals do not count.
-pub(crate) fn is_left_behind(name: &str) -> bool {
+pub fn is_left_behind(name: &str) -> bool {
     let small = name.to_lowercase();
     // A page whose name does not end with `.md` or `.md.tera` is a copy of that page.
     let is_copy = small.split_once(".md.").is_some_and(|(_, end)| end != "tera");
@@ -99,12 +98,13 @@ fn is_vim_probe(number: u32) -> bool {
 
 /// Returns a text with its accents in one of the two ways to write them. Files from a Mac have names in the other one:
 /// whatever names are looked up is compared in this form.
-pub(crate) fn composed(text: &str) -> String {
-    text.nfc().collect()
+pub fn composed(text: &str) -> String {
+    // Nearly every text, and without accents.
+    if text.is_ascii() { text.to_owned() } else { text.nfc().collect() }
 }
 
 /// Returns the path of a file that exists, whichever way its names write accents; the path as it is if there is none.
-pub(crate) fn found(path: &Path) -> PathBuf {
+pub fn found(path: &Path) -> PathBuf {
     let mut place = PathBuf::new();
     for part in path {
         let exact = place.join(part);
@@ -124,7 +124,7 @@ pub(crate) fn found(path: &Path) -> PathBuf {
 }
 
 /// Returns two paths, or folders in them, that differ and are [`alike`], if there are any.
-pub(crate) fn clash<'a>(paths: impl Iterator<Item = &'a str>) -> Option<(&'a str, &'a str)> {
+pub fn clash<'a>(paths: impl Iterator<Item = &'a str>) -> Option<(&'a str, &'a str)> {
     let mut known = BTreeMap::<String, &str>::new();
     for path in paths {
         let ends = path.match_indices('/').map(|(end, _)| end).chain([path.len()]);
@@ -140,17 +140,26 @@ pub(crate) fn clash<'a>(paths: impl Iterator<Item = &'a str>) -> Option<(&'a str
 
 /// Returns the name in a form that is the same for names that some file systems do not tell apart: there, the file of
 /// one name would overwrite that of the other.
-pub(crate) fn alike(name: &str) -> String {
+pub fn alike(name: &str) -> String {
+    if name.is_ascii() {
+        return name.to_ascii_lowercase();
+    }
     name.nfc().flat_map(char::to_lowercase).nfc().collect()
 }
 
 /// Refuses a text with a character that no line of text may have; `what` names the text.
-pub(crate) fn refuse_forbidden(what: &str, text: &str) -> Result<()> {
+///
+/// # Errors
+/// [`Error::Input`], with the remedy.
+pub fn refuse_forbidden(what: &str, text: &str) -> Result<()> {
     refuse_with(what, text, "take it out")
 }
 
 /// Refuses a name with a character that no line of text may have; `what` is named by it.
-pub(crate) fn refuse_forbidden_name(what: &str, name: &str) -> Result<()> {
+///
+/// # Errors
+/// [`Error::Input`], with the remedy.
+pub fn refuse_forbidden_name(what: &str, name: &str) -> Result<()> {
     refuse_with(&format!("the name of {what} {name:?}"), name, &format!("rename the {what}"))
 }
 
@@ -162,7 +171,7 @@ fn refuse_with(what: &str, text: &str, remedy: &str) -> Result<()> {
 }
 
 /// Returns the words for a character that no one sees.
-pub(crate) fn described(c: char) -> String {
+pub fn described(c: char) -> String {
     format!("the character U+{:04X}, which no line of text may have", u32::from(c))
 }
 

@@ -3,7 +3,7 @@
 use super::change::{Change, changes};
 use super::files::is_plain;
 use super::{Hashes, KnownHashes, PROGRAM, Plan, Task, hash, is_hash, stage};
-use crate::pipeline::error::Result;
+use crate::error::Result;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -113,7 +113,7 @@ impl Plan {
     /// True if a run of a task has the inputs of today, as far as they are known: `outputs` has those of some tasks.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::pipeline::error::Error::Io) if a file of the task cannot be read.
+    /// [`Error::Io`](crate::error::Error::Io) if a file of the task cannot be read.
     pub(super) fn has_inputs_of_today<'a>(
         &self,
         task: &Task,
@@ -149,7 +149,7 @@ impl Plan {
     /// hexadecimal digits.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::pipeline::error::Error::Io) if a file of a task cannot be read.
+    /// [`Error::Io`](crate::error::Error::Io) if a file of a task cannot be read.
     pub fn stamps(&self) -> Result<Vec<String>> {
         let mut keys = BTreeMap::<&str, String>::new();
         let mut stamps = Vec::with_capacity(self.tasks().len());
@@ -167,7 +167,7 @@ impl Plan {
     /// Returns the changes since this run of the task's inputs that no other task makes.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::pipeline::error::Error::Io) if a file of the task cannot be read.
+    /// [`Error::Io`](crate::error::Error::Io) if a file of the task cannot be read.
     pub fn own_changes(&self, task: &Task, since: &Manifest) -> Result<Vec<Change>> {
         let mut old = since.inputs.clone();
         old.retain(|input, _| !input.starts_with(ARTIFACT));
