@@ -562,7 +562,11 @@ mod tests {
             digest: "",
             scratch: std::path::Path::new(""),
             interrupted: &interrupted,
-            program: &RunningProgram { digest: String::new(), commands: Vec::new },
+            program: &RunningProgram {
+                digest: String::new(),
+                commands: Vec::new,
+                give_back_memory: || (),
+            },
         };
         // If it were solved again, the mesh would be that of the accuracy.
         let fineness = Fineness::Within(Accuracy::Error(0.02));

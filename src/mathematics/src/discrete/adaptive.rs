@@ -122,17 +122,23 @@ impl<const V: usize> Sampler<V> {
         settling: Settling,
     ) -> Result<SampledCell<V>, BadValue<D>> {
         let cell = CellValues { vertices, f };
-        let mut pieces = vec![std::array::from_fn(unit)];
-        while pieces.len() < settling.least_parts {
-            pieces = pieces.into_iter().flat_map(|corners| cell.halves(corners)).collect();
-        }
-        let fraction = 1.0 / pieces.len() as f64;
-        let open = pieces.into_iter().map(|corners| self.part(&cell, corners, fraction));
-        let mut open = open.collect::<Result<Vec<_>, _>>()?;
-        if let [whole] = open[..]
-            && whole.weighted <= settling.tolerance
-        {
-            return Ok(whole.cell());
+        let whole = std::array::from_fn(unit);
+        let mut open = Vec::new();
+        if settling.least_parts < 2 {
+            let whole = self.part(&cell, whole, 1.0)?;
+            if whole.weighted <= settling.tolerance {
+                return Ok(whole.cell());
+            }
+            open.push(whole);
+        } else {
+            let mut pieces = vec![whole];
+            while pieces.len() < settling.least_parts {
+                pieces = pieces.into_iter().flat_map(|corners| cell.halves(corners)).collect();
+            }
+            let fraction = 1.0 / pieces.len() as f64;
+            for corners in pieces {
+                open.push(self.part(&cell, corners, fraction)?);
+            }
         }
         let (mut sum, mut parts) = (SampledPart::default(), open.len());
         loop {
@@ -202,7 +208,11 @@ impl<const V: usize> Sampler<V> {
         let apart = part.shares.iter().zip(others).map(|(p, q)| (p - q).abs());
         part.difference = fraction * apart.fold(0.0, f64::max);
         let dimension = V as f64 - 1.0;
-        part.weighted = part.difference / libm::pow(fraction, (dimension - 1.0) / dimension);
+        part.weighted = part.difference;
+        // The power of the whole, the most frequent part, is 1.
+        if fraction < 1.0 {
+            part.weighted /= libm::pow(fraction, (dimension - 1.0) / dimension);
+        }
         part.shares.iter_mut().for_each(|share| *share *= fraction);
         Ok(part)
     }

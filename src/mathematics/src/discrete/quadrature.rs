@@ -17,7 +17,7 @@ impl<const V: usize> QuadraturePoint<V> {
     pub(crate) fn within<const D: usize>(&self, vertices: [[f64; D]; V]) -> [f64; D] {
         std::array::from_fn(|d| {
             let mut sum = self.barycentric[0] * vertices[0][d];
-            for (share, vertex) in self.barycentric.iter().zip(&vertices).skip(1) {
+            for (share, vertex) in self.barycentric[1..].iter().zip(&vertices[1..]) {
                 sum += share * vertex[d];
             }
             sum

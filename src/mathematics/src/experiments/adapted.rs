@@ -16,7 +16,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::discrete::stop::Stop;
 use crate::levels::Problem;
-use crate::machine::threads::{join, map};
+use crate::machine::threads::map;
 use crate::mesh::{
     AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
 };
@@ -238,6 +238,9 @@ pub enum Way {
 }
 
 impl Way {
+    /// Every way.
+    pub const ALL: [Self; 2] = [Self::Adaptive, Self::Uniform];
+
     /// Name in pictures.
     pub fn name(self) -> &'static str {
         match self {
@@ -350,27 +353,19 @@ pub struct CountAndDistance {
 /// # Errors
 /// A sentence if a problem cannot be solved.
 pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
-    let solved = |problem: &AdaptedProblem| -> Result<[BoundedRun; 2], String> {
-        let (adaptive, uniform) = join(
-            || problem.adapted(plan.accuracy, plan.finest, 1),
-            || problem.uniform(plan.refinements),
-        );
-        Ok([adaptive?, uniform?])
-    };
-    let runs = map(&plan.problems, 1, solved).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let mut problems = Vec::new();
-    for (problem, [adaptive, uniform]) in plan.problems.iter().zip(&runs) {
-        let ways = vec![
-            adaptive.curve(Way::Adaptive, plan.fitted),
-            uniform.curve(Way::Uniform, plan.fitted),
-        ];
+    let mut refined = Vec::new();
+    for (number, problem) in plan.problems.iter().enumerate() {
+        refined.extend(Way::ALL.map(|way| Refined { problem, way, has_method: number == 0 }));
+    }
+    let measured = map(&refined, 1, |refined| refined.measured(plan));
+    let mut measured = measured.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let method = measured.iter_mut().filter_map(|measured| measured.method.take()).collect();
+    let (mut problems, mut measured) = (Vec::new(), measured.into_iter());
+    for problem in &plan.problems {
+        let ways = measured.by_ref().take(Way::ALL.len()).map(|measured| measured.curve).collect();
         let name = problem.domain.name().into();
         problems.push(ErrorCurves { problem: problem.clone(), name, ways });
     }
-    let [adaptive, uniform] = runs.first().ok_or("no problem")?;
-    let ways = [(Way::Adaptive, adaptive), (Way::Uniform, uniform)];
-    let method = map(&ways, 1, |(way, run)| method(*way, run, plan));
-    let method = method.into_iter().collect::<Result<_, _>>()?;
     let extrapolated = problems.iter().map(ErrorCurves::uniform_nodes).collect::<Option<_>>();
     Ok(AdaptedFindings {
         extrapolated: extrapolated.ok_or("too few meshes for an order")?,
@@ -382,6 +377,31 @@ pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
         limit: plan.limit,
         method,
     })
+}
+
+/// A problem on meshes of one way of refinement.
+struct Refined<'a> {
+    problem: &'a AdaptedProblem,
+    way: Way,
+    /// True if the paper's method runs on the meshes.
+    has_method: bool,
+}
+
+/// What is measured on meshes of one way of refinement, which are not kept.
+struct Measured {
+    curve: ErrorCurve,
+    method: Option<MethodOnMeshes>,
+}
+
+impl Refined<'_> {
+    fn measured(&self, plan: &AdaptedPlan) -> Result<Measured, String> {
+        let run = match self.way {
+            Way::Adaptive => self.problem.adapted(plan.accuracy, plan.finest, 1),
+            Way::Uniform => self.problem.uniform(plan.refinements),
+        }?;
+        let method = self.has_method.then(|| method(self.way, &run, plan)).transpose()?;
+        Ok(Measured { curve: run.curve(self.way, plan.fitted), method })
+    }
 }
 
 impl ErrorCurves {

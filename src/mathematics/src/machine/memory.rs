@@ -61,6 +61,15 @@ unsafe impl GlobalAlloc for LargePages {
     }
 }
 
+/// Gives free memory back to the system, which the allocator would keep for later, in pieces between what is in use.
+pub fn give_back() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: the function may be called at any time, by any thread.
+    unsafe {
+        libc::malloc_trim(0);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Space between the facets of a mesh and the curves or surfaces on which their parts of the boundary lie.
 
-use super::geometry::{Element, centroid, difference, dot, measure};
+use super::geometry::{centroid, difference, dot, measure, volume};
 use super::load::OnCells;
 use super::{Mesh, Sides};
 
@@ -43,7 +43,7 @@ pub fn curve_gains<const D: usize, const V: usize, F: OnCells<D>>(
                 let between: [[f64; D]; V] =
                     std::array::from_fn(|k| if k < D { piece[k] } else { top });
                 let outward = dot(difference(top, middle), difference(middle, inside));
-                let volume = Element::new(between).volume;
+                let volume = volume(between);
                 integral += volume.copysign(outward) * f.at(region, centroid(between));
                 for end in ends {
                     let mut half = piece;

@@ -16,13 +16,7 @@ pub struct Element<const D: usize, const V: usize> {
 impl<const D: usize, const V: usize> Element<D, V> {
     /// Element with these vertices. Where they lie in a line or plane the volume is zero, and no gradient is finite.
     pub fn new(vertices: [[f64; D]; V]) -> Self {
-        let origin = vertices[0];
-        // Rows of the matrix of the map from the reference element.
-        let mut edges = [[0.0; D]; D];
-        for (edge, vertex) in edges.iter_mut().zip(&vertices[1..]) {
-            *edge = std::array::from_fn(|d| vertex[d] - origin[d]);
-        }
-        let (determinant, cofactors) = cofactors(edges);
+        let (determinant, cofactors) = cofactors(edges(vertices));
         let mut gradients = [[0.0; D]; V];
         for k in 0..D {
             for d in 0..D {
@@ -31,8 +25,8 @@ impl<const D: usize, const V: usize> Element<D, V> {
                 gradients[0][d] -= slope;
             }
         }
-        let factorial = if D == 3 { 6.0 } else { 2.0 };
-        Self { volume: determinant.abs() / factorial, is_mirrored: determinant < 0.0, gradients }
+        let volume = volume_of::<D>(determinant);
+        Self { volume, is_mirrored: determinant < 0.0, gradients }
     }
 
     /// Integral over the element of the product of the gradients of two hat functions.
@@ -50,7 +44,24 @@ impl<const D: usize, const V: usize> Element<D, V> {
     }
 }
 
+/// Area or volume of the triangle or tetrahedron with these vertices, as in [`Element`].
+pub fn volume<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> f64 {
+    volume_of::<D>(cofactors(edges(vertices)).0)
+}
+
+/// Volume of an element from the determinant of the map from the reference element.
+fn volume_of<const D: usize>(determinant: f64) -> f64 {
+    let factorial = if D == 3 { 6.0 } else { 2.0 };
+    determinant.abs() / factorial
+}
+
+/// Rows of the matrix of the map from the reference element.
+fn edges<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> [[f64; D]; D] {
+    std::array::from_fn(|k| difference(vertices[k + 1], vertices[0]))
+}
+
 /// Returns the determinant of a matrix of two or three rows, and the cofactors of its entries.
+#[inline(always)]
 fn cofactors<const D: usize>(rows: [[f64; D]; D]) -> (f64, [[f64; D]; D]) {
     let mut cofactors = [[0.0; D]; D];
     for k in 0..D {

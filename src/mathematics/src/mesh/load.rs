@@ -4,7 +4,7 @@
 //! exactly. Any other f is sampled: the cells are divided until two formulas agree.
 
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
-use super::{Element, Mesh};
+use super::{Mesh, volume};
 use crate::discrete::adaptive::{COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
 use crate::machine::threads::{items_per_task, map_with_room};
 use crate::problem::error::SourceError;
@@ -201,7 +201,7 @@ where
     ) -> Result<WeighedPart<V>, SourceError> {
         let (mesh, region) = (self.mesh, self.mesh.regions()[cell]);
         let vertices = mesh.vertices(&mesh.cells()[cell]);
-        let volume = Element::new(vertices).volume;
+        let volume = volume(vertices);
         if let Some(pieces) = self.f.pieces(region) {
             let part = match self.before.and_then(|before| before.constant(cell)) {
                 Some(value) => CellPart::constant(volume, value),
@@ -263,8 +263,7 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
     fn finished(self) -> MeshLoad {
         let Self { mesh, load, mean, deviation, size, unsettled } = self;
         let masses = mesh.cells().iter().zip(&mean);
-        let integral =
-            masses.map(|(cell, mean)| Element::new(mesh.vertices(cell)).volume * mean).sum();
+        let integral = masses.map(|(cell, mean)| volume(mesh.vertices(cell)) * mean).sum();
         let is_constant = deviation.iter().all(|deviation| *deviation == 0.0);
         let cells = CellData { mean, deviation: (!is_constant).then_some(deviation) };
         MeshLoad { load, cells, integral, size, unsettled }

@@ -49,7 +49,7 @@ pub use edges::Edges;
 pub use error::MeshError;
 pub use errors::{MeshPlace, distance_squared, integrals, mesh_errors};
 pub(crate) use facets::{sides_of, sorted};
-pub use geometry::{Element, centroid, size};
+pub use geometry::{Element, centroid, size, volume};
 use geometry::{bounds, longest_side};
 pub(crate) use geometry::{dot, measure};
 pub use load::{CellData, CellsBefore, MeshLoad, OnCells, mesh_load, mesh_load_after};
@@ -275,6 +275,6 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
     /// Length, area or volume of the domain.
     pub fn volume(&self) -> f64 {
-        self.cells.iter().map(|cell| Element::new(self.vertices(cell)).volume).sum()
+        self.cells.iter().map(|cell| volume(self.vertices(cell))).sum()
     }
 }

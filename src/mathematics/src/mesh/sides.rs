@@ -146,10 +146,13 @@ fn places_in_order<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<u32
         places[*next as usize] = place;
         *next += 1;
     }
-    let mut from = 0;
+    let (mut from, mut sides) = (0, Vec::new());
     for &to in &starts[..nodes] {
         let group = &mut places[from as usize..to as usize];
-        group.sort_unstable_by_key(|&place| (side_at(mesh, place), place));
+        sides.clear();
+        sides.extend(group.iter().map(|&place| (side_at(mesh, place), place)));
+        sides.sort_unstable();
+        group.iter_mut().zip(&sides).for_each(|(place, side)| *place = side.1);
         from = to;
     }
     places

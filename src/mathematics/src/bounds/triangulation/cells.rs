@@ -2,7 +2,7 @@
 //! given fluxes through the sides.
 
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{Element, Mesh, centroid, dot};
+use crate::mesh::{Element, Mesh, centroid, dot, volume};
 use crate::problem::law::Law;
 
 /// Numbers whose work takes as long as that on a cell.
@@ -54,7 +54,7 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
         let run = items_per_task(masses.len(), COST);
         for_runs(&mut masses, run, &|number, masses| {
             for (nodes, mass) in nodes[number * run..].iter().zip(masses) {
-                *mass *= Element::new(self.mesh.vertices(nodes)).volume;
+                *mass *= volume(self.mesh.vertices(nodes));
             }
         });
         masses

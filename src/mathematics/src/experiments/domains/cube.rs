@@ -2,13 +2,14 @@
 
 use crate::discrete::norms::Errors;
 use crate::experiments::accuracy::KnownLevels;
-use crate::machine::threads::map;
-use crate::mesh::{NestedMeshes, mesh_errors, mesh_load, nested_meshes, uniform_cube};
+use crate::machine::threads::{for_runs, map};
+use crate::mesh::{
+    ConstantPieces, NestedMeshes, OnCells, mesh_errors, mesh_load, nested_meshes, uniform_cube,
+};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::exact::CubeExact;
 use crate::problem::law::Law;
-use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 
 /// Errors on one mesh.
@@ -25,26 +26,91 @@ pub struct CubeLevel {
 /// Measures the errors of every known solution on the last two refinements: one order for each.
 pub(super) fn convergence(refinements: usize) -> Result<Vec<KnownLevels<CubeLevel>>, String> {
     let cubes = nested_meshes(&uniform_cube(1), refinements).map_err(|e| e.to_string())?;
-    map(&CubeExact::ALL, 1, |&exact| on_cube(exact, &cubes)).into_iter().collect()
+    let on_cube = |&exact: &CubeExact| on_cube(&LatticeSource::new(exact, refinements), &cubes);
+    map(&CubeExact::ALL, 1, on_cube).into_iter().collect()
 }
 
-fn on_cube(exact: CubeExact, cubes: &NestedMeshes<3, 4>) -> Result<KnownLevels<CubeLevel>, String> {
+/// f of a known solution, with its values at hand on a lattice twice as fine as the last refinement: the vertices of
+/// cells, the midpoints of their edges and nearly all points where cells are halved are on it, and belong to many cells.
+struct LatticeSource {
+    exact: CubeExact,
+    /// Cells of the lattice per side, a power of two: its coordinates have no rounding errors.
+    cells: usize,
+    /// Values on the lattice, plane by plane and row by row, the last coordinate innermost.
+    values: Vec<f64>,
+}
+
+impl LatticeSource {
+    fn new(exact: CubeExact, refinements: usize) -> Self {
+        let cells = 2 << refinements;
+        let side = cells + 1;
+        let mut values = vec![0.0; side * side * side];
+        for_runs(&mut values, side, &|row, values: &mut [f64]| {
+            for (k, value) in values.iter_mut().enumerate() {
+                let point = [row / side, row % side, k].map(|place| coordinate(place, cells));
+                *value = exact.source(point);
+            }
+        });
+        Self { exact, cells, values }
+    }
+
+    /// Number of a point on the lattice; none elsewhere.
+    fn number(&self, point: [f64; 3]) -> Option<usize> {
+        let mut number = 0;
+        for at in point {
+            let place = ((at + 0.5) * self.cells as f64) as usize;
+            if place > self.cells || coordinate(place, self.cells) != at {
+                return None;
+            }
+            number = number * (self.cells + 1) + place;
+        }
+        Some(number)
+    }
+}
+
+/// Coordinate of a place on a lattice with so many cells per side.
+fn coordinate(place: usize, cells: usize) -> f64 {
+    place as f64 / cells as f64 - 0.5
+}
+
+impl OnCells<3> for LatticeSource {
+    fn pieces(&self, _region: u16) -> Option<ConstantPieces<'_, 3>> {
+        None
+    }
+
+    fn at(&self, _region: u16, point: [f64; 3]) -> f64 {
+        match self.number(point) {
+            Some(number) => self.values[number],
+            None => self.exact.source(point),
+        }
+    }
+}
+
+fn on_cube(
+    source: &LatticeSource,
+    cubes: &NestedMeshes<3, 4>,
+) -> Result<KnownLevels<CubeLevel>, String> {
     let mut levels: Vec<CubeLevel> = Vec::new();
     let finest = cubes.meshes.len() - 1;
     for times in finest.saturating_sub(1)..=finest {
-        let Errors { l2, h1, max } = errors(exact, cubes, times)?;
+        let Errors { l2, h1, max } = errors(source, cubes, times)?;
         let errors = [l2, h1, max];
         let orders = levels
             .last()
             .map(|coarser| [0, 1, 2].map(|norm| libm::log2(coarser.errors[norm] / errors[norm])));
         levels.push(CubeLevel { cells: 1 << times, errors, orders });
     }
-    Ok(KnownLevels { name: exact.name().into(), levels })
+    Ok(KnownLevels { name: source.exact.name().into(), levels })
 }
 
-fn errors(exact: CubeExact, cubes: &NestedMeshes<3, 4>, times: usize) -> Result<Errors, String> {
+fn errors(
+    source: &LatticeSource,
+    cubes: &NestedMeshes<3, 4>,
+    times: usize,
+) -> Result<Errors, String> {
+    let exact = source.exact;
     let (levels, mesh) = (&cubes.networks[..=times], &cubes.meshes[times]);
-    let load = mesh_load(mesh, &Source::from(exact)).map_err(|e| e.to_string())?.load;
+    let load = mesh_load(mesh, source).map_err(|e| e.to_string())?.load;
     let loaded = Law::SIGNORINI.with_load(&load);
     let (y, _) = solve_nested_networks(levels, loaded, &MultigridParams::default())
         .map_err(|e| format!("on the cube, {}: {e}", exact.name()))?;
@@ -59,7 +125,8 @@ mod tests {
     fn errors_fall_at_the_optimal_rate() {
         let cubes = nested_meshes(&uniform_cube(1), 5).unwrap();
         for exact in CubeExact::ALL {
-            let errors = [4, 5].map(|times| errors(exact, &cubes, times).unwrap());
+            let source = LatticeSource::new(exact, 5);
+            let errors = [4, 5].map(|times| errors(&source, &cubes, times).unwrap());
             let rate = |norm: fn(&Errors) -> f64| libm::log2(norm(&errors[0]) / norm(&errors[1]));
             assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{exact:?} L2 {}", rate(|e| e.l2));
             assert!((rate(|e| e.h1) - 1.0).abs() < 0.05, "{exact:?} H1 {}", rate(|e| e.h1));

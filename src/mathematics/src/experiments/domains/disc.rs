@@ -145,8 +145,9 @@ fn errors(
 
 /// Norm of the error's gradient, by quadrature.
 fn gradient_error(problem: &DiscProblem, mesh: &Mesh<2, 3>, y: &[f64]) -> f64 {
+    let free_cosine = problem.free_cosine();
     let [square] = integrals(mesh, y, |MeshPlace { point, gradient, .. }| {
-        [distance_squared(problem.gradient(point), gradient)]
+        [distance_squared(problem.gradient(free_cosine, point), gradient)]
     });
     square.sqrt()
 }
