@@ -11,7 +11,7 @@ use crate::table::Table;
 use clap::Args;
 use serde::Serialize;
 use signorini_mathematics::mesh::BUILT_IN;
-use signorini_mathematics::problem::exact::{CubeExact, Exact};
+use signorini_mathematics::problem::exact::Known;
 use signorini_mathematics::solvers::SOLVERS;
 
 #[derive(Args)]
@@ -66,8 +66,8 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
         broken: broken.into_iter().map(|(name, why)| Named::new(name, why)).collect(),
         solvers: solvers(),
         domains: domains(),
-        square: Exact::ALL.map(Exact::name).into(),
-        cube: CubeExact::ALL.map(CubeExact::name).into(),
+        square: known(2),
+        cube: known(3),
     };
     if args.json { say_json(&listed) } else { tell(&listed.text()) }?;
     for Named { description, .. } in &listed.broken {
@@ -106,6 +106,11 @@ fn scenes() -> Result<SceneFolder> {
         }
         Err(other) => Err(other),
     }
+}
+
+/// Returns the names of the problems with known solutions on the square or, in three dimensions, on the cube.
+fn known(dimension: usize) -> Vec<&'static str> {
+    Known::all(dimension).iter().map(|known| known.name()).collect()
 }
 
 fn solvers() -> Vec<Named> {

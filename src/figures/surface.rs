@@ -6,7 +6,7 @@ use super::floor::Floor;
 use super::palette::{CONTACT, ColourScale, INK, RGBColor, lit};
 use super::picture::Picture;
 use super::{FIXED, Surface, held};
-use signorini_mathematics::mesh::{Condition, centroid};
+use signorini_mathematics::mesh::Condition;
 use std::collections::BTreeMap;
 
 /// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
@@ -144,7 +144,8 @@ impl<'a> PaintedMesh<'a> {
 /// Distance of the centroid of a triangle towards the viewer, on the floor: along a ray from the viewer, the place
 /// there only becomes farther, whatever the heights.
 fn nearness(view: &View, nodes: &[Vector], cell: [u32; 3]) -> f64 {
-    let [x, y, _] = centroid(cell.map(|node| nodes[node as usize]));
+    let corners = cell.map(|node| nodes[node as usize]);
+    let [x, y] = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
     dot([x, y, 0.0], view.camera.toward)
 }
 

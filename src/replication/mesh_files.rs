@@ -6,25 +6,13 @@ use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::statement::{
-    Domain, Statement, StatementError, USUAL_NODES, nodes_after,
-};
+use signorini_mathematics::statement::{Domain, MeshFacts, Statement, StatementError};
 use std::path::Path;
 
 /// Folder of the project from which scenes name their meshes.
 pub(crate) const FOLDER: &str = "pipeline";
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
 const MOST_NODES: f64 = 1e7;
-
-/// Findings of the check of a mesh.
-pub(crate) struct MeshFacts {
-    /// Number of dimensions.
-    pub dimension: u8,
-    /// Number of nodes of the finest level, about.
-    pub nodes: f64,
-    /// Facts on the mesh that a user has to know, in a line each.
-    pub notes: Vec<String>,
-}
 
 /// Returns the path of the mesh of a domain in the project, if it is a file.
 fn path_of(domain: &Domain) -> Option<String> {
@@ -84,29 +72,11 @@ pub(crate) fn check(statement: &Statement, files: &InputFiles) -> Result<Option<
         }
         return Ok(None);
     };
-    // Where an accuracy is asked for, the usual mesh shows whether there is a solution.
-    let usual = statement.on_usual_meshes();
-    let times = usual.refinements(&coarsest).map_err(|e| of_keys(&e))?;
-    let nodes = nodes_after(&coarsest, times);
+    let MeshFacts { times, nodes, .. } = statement.facts(&coarsest).map_err(|e| of_keys(&e))?;
     if nodes > MOST_NODES {
         return Err(Error::input(format!(
             "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
         )));
     }
-    let (dimension, mut notes) = (coarsest.dimension(), coarsest.notes());
-    if nodes <= USUAL_NODES {
-        let problem = usual.problem(Some(&coarsest), &|_| ()).map_err(|e| of_keys(&e))?;
-        notes.extend(refusal_of_curves(&problem));
-    }
-    Ok(Some(MeshFacts { dimension, nodes, notes }))
-}
-
-/// Returns a line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has
-/// one.
-pub(crate) fn refusal_of_curves(problem: &Problem) -> Option<String> {
-    let polygon = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
-    let reason = problem.refusal_of_curves()?;
-    Some(format!(
-        "the {polygon} of the mesh has a solution, the domain with its curves has none: {reason}"
-    ))
+    statement.checked_facts(&coarsest).map(Some).map_err(|e| of_keys(&e))
 }

@@ -5,7 +5,7 @@ use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::fields::Fields;
 use crate::replication::fields::table::{Reading, Refused, Voice};
-use crate::replication::mesh_files::{MeshFacts, check, find_mesh};
+use crate::replication::mesh_files::{check, find_mesh};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
@@ -14,8 +14,8 @@ use signorini_mathematics::identify::COARSEST;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
-use signorini_mathematics::solvers::Solver;
-use signorini_mathematics::statement::{MOST_CELLS, SaddleSettings, Statement};
+use signorini_mathematics::solvers::{MOST_CELLS, Solver};
+use signorini_mathematics::statement::{MeshFacts, SaddleSettings, Statement};
 use std::fmt;
 use std::path::Path;
 
@@ -165,7 +165,7 @@ impl Scene {
     /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
     pub fn check(&self) -> Result<Vec<String>> {
         let facts = check(&self.statement, &self.files).map_err(|e| in_scene(&self.name, e))?;
-        let Some(MeshFacts { dimension, nodes, notes }) = facts else { return Ok(Vec::new()) };
+        let Some(MeshFacts { dimension, nodes, notes, .. }) = facts else { return Ok(Vec::new()) };
         if let Some(accuracy) = self.statement.accuracy().filter(|_| dimension == 3) {
             let asked = Voice::Keys.accuracy(accuracy);
             let text =

@@ -3,7 +3,6 @@
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::table::Voice;
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::levels::ProblemError;
 use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, SizeRefusal, TooLarge};
 use signorini_mathematics::statement::Statement;
 
@@ -14,12 +13,12 @@ impl Voice {
         let asked = self.accuracy(statement.accuracy()?);
         let text = match (refusal, statement.domain.is_square()) {
             (Refusal::Interrupted, _) => return Some(Error::Interrupted),
-            (Refusal::Problem(e @ ProblemError::Bound(_)), true) => {
+            (e @ Refusal::Bound(_), true) => {
                 format!("{asked}: {e}; scale f")
             }
             (Refusal::Size(e), true) => too_large(&format!("{asked}: grid 1/{}", e.finest), e),
             (_, true) => return None,
-            (Refusal::Problem(ProblemError::Mesh(e)), false) => {
+            (Refusal::Mesh(e), false) => {
                 format!("{}: {e}", statement.domain.name)
             }
             (e @ Refusal::NotInPlane, false) => {

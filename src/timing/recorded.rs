@@ -5,7 +5,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 use signorini_mathematics::experiments::adapted::Way;
 pub use signorini_mathematics::experiments::timed::MultigridGoal as Goal;
 use signorini_mathematics::experiments::timed::TimedPlan;
-use signorini_mathematics::experiments::work::REACHED;
 use signorini_mathematics::solvers::Solver;
 use std::collections::BTreeMap;
 
@@ -234,7 +233,9 @@ pub fn to_discretisation<'a>(
     lines: impl IntoIterator<Item = &'a SolverTime>,
 ) -> BTreeMap<usize, &'a SolverTime> {
     let mut fastest = BTreeMap::new();
-    for line in lines.into_iter().filter(|line| line.error <= REACHED * line.discretisation) {
+    for line in
+        lines.into_iter().filter(|line| line.error <= TimedPlan::REACHED * line.discretisation)
+    {
         let known = fastest.entry(line.cells).or_insert(line);
         if line.seconds < known.seconds {
             *known = line;

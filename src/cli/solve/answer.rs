@@ -7,14 +7,12 @@ use super::request::Request;
 use super::{adapting, truth};
 use crate::cli::output::{in_columns, paragraph};
 use crate::table::Table;
-use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Accuracy, Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::end::Outcome;
-use signorini_mathematics::discrete::kkt::Judgement;
-use signorini_mathematics::levels::KnownErrors;
-use signorini_mathematics::problem::law::{BoundaryState, Law};
+use signorini_mathematics::discrete::kkt::StateCounts;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
@@ -23,54 +21,13 @@ use std::collections::BTreeMap;
 /// Digits of an energy, unless more are asked for.
 const DIGITS: usize = 7;
 
-/// Numbers of boundary nodes by their states.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct States {
-    /// Nodes at zero; under the paper's law, in contact.
-    sticks: usize,
-    slips_up: usize,
-    slips_down: usize,
-}
-
-impl States {
-    fn all(self) -> usize {
-        self.sticks + self.slips_up + self.slips_down
+/// Returns the numbers of boundary nodes by their states in words.
+fn states_in_words(counts: StateCounts, law: Law) -> String {
+    let (StateCounts { sticks, slips_up, slips_down }, all) = (counts, counts.all());
+    if law.is_signorini() {
+        return format!("contact in {sticks} of {all} boundary nodes");
     }
-
-    /// Returns the numbers of a judgement under a law, and the total force.
-    fn of(judgement: &Judgement, law: Law) -> (Self, f64) {
-        let Judgement { contact, flux, states: of_nodes, .. } = judgement;
-        let mut force = 0.0;
-        let mut states = Self { sticks: 0, slips_up: 0, slips_down: 0 };
-        for ((state, contact), flux) in of_nodes.iter().zip(contact).zip(flux) {
-            match state {
-                BoundaryState::Sticks => {
-                    states.sticks += 1;
-                    force += flux;
-                }
-                BoundaryState::SlipsUp => {
-                    states.slips_up += 1;
-                    force += contact.measure * law.lo();
-                }
-                BoundaryState::SlipsDown => {
-                    states.slips_down += 1;
-                    force += contact.measure * law.hi();
-                }
-            }
-        }
-        (states, force)
-    }
-
-    /// Returns the numbers in words.
-    fn text(self, law: Law) -> String {
-        let (Self { sticks, slips_up, slips_down }, all) = (self, self.all());
-        if law.is_signorini() {
-            return format!("contact in {sticks} of {all} boundary nodes");
-        }
-        format!(
-            "{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down"
-        )
-    }
+    format!("{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down")
 }
 
 /// Interval of a law.
@@ -87,13 +44,11 @@ pub(super) struct Answer {
     /// What was found.
     pub solved: Solved,
     /// Numbers of boundary nodes by their states; none without a grid.
-    states: Option<States>,
+    states: Option<StateCounts>,
     /// Arcs in contact, with ends estimated within the cell unless the solution is the true one; `None` in space.
     contact: Option<Vec<ContactArc>>,
     /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
     pub force: f64,
-    /// Errors, if the solution is known.
-    errors: Option<KnownErrors>,
     pub warnings: Vec<Warning>,
     /// Reason why the answer is no solution.
     pub failure: Option<Warning>,
@@ -104,19 +59,17 @@ pub(super) struct Answer {
 impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
         let (levels, law) = (solved.problem.levels(), solved.problem.law());
-        let (mut states, mut contact, mut force, mut errors) = (None, None, 0.0, None);
+        let (mut states, mut contact, mut force) = (None, None, 0.0);
         if let Some(Run { y, judgement, .. }) = solved.run() {
-            let counted = States::of(judgement, law);
+            let counted = judgement.states_and_force();
             (states, force) = (Some(counted.0), counted.1);
             contact = levels.arcs(y, judgement);
-            errors = levels.errors(y, solved.problem.load()).filter(|_| law.is_signorini());
         } else if let Some(found) = solved.truth() {
             contact = Some(found.solution.contact.clone());
-            force = truth::force(&found.solution, law);
+            force = truth::force(found, law);
         }
         let (warnings, failure, shortfall) = (Vec::new(), None, None);
-        let mut answer =
-            Self { solved, states, contact, force, errors, warnings, failure, shortfall };
+        let mut answer = Self { solved, states, contact, force, warnings, failure, shortfall };
         if answer.bounds().is_some() {
             answer.judge(request);
             request.clock.ended(Part::Bounds);
@@ -272,7 +225,8 @@ impl Answer {
             let reached = bounds.as_ref().ok().map(|bounds| accuracy.reached(bounds));
             json["adapted"] = adapting::json(way, run.y.len(), reached);
         }
-        if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
+        if let Some(errors) = self.solved.errors() {
+            let (values, multiplier_l2) = (&errors.values, &errors.multiplier_l2);
             json["errors"] = json!(values);
             if let Some(multiplier_l2) = *multiplier_l2 {
                 json["errors"]["multiplier_l2"] = multiplier_l2.into();
@@ -332,7 +286,8 @@ impl Answer {
         {
             text += &bound::text(bounds, problem, recover);
         }
-        if let Some(KnownErrors { values, multiplier_l2 }) = &self.errors {
+        if let Some(errors) = self.solved.errors() {
+            let (values, multiplier_l2) = (&errors.values, &errors.multiplier_l2);
             let [l2, h1, max] = [values.l2, values.h1, values.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
             if let Some(multiplier_l2) = multiplier_l2 {
@@ -343,7 +298,7 @@ impl Answer {
         let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.contact.as_deref().unwrap_or_default();
-        text += &self.states.map(|states| states.text(law)).unwrap_or_default();
+        text += &self.states.map(|states| states_in_words(states, law)).unwrap_or_default();
         let parts = levels.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");

@@ -7,7 +7,6 @@ use super::bound::{self, BoundaryWords};
 use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
 use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
-use crate::replication::mesh_files::refusal_of_curves;
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
@@ -54,7 +53,7 @@ impl Answer {
             Verdict::Solved => (),
         }
         warnings.extend(problem.levels().notes().into_iter().map(Warning::fact));
-        warnings.extend(refusal_of_curves(problem).map(Warning::fact));
+        warnings.extend(problem.note_on_curves().map(Warning::fact));
         self.warnings = warnings;
         self.warn_of_levels(request, &last);
         self.warn_of_tolerance(request, &last);

@@ -22,11 +22,10 @@ use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::{Levels, Problem};
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::multigrid::InputError;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, StopRule};
 use signorini_mathematics::solvers::{
-    Files, Memory, Reached, Refusal, SizeRefusal, Solved, Solver, TooLarge, Watcher,
+    Memory, Reached, Refusal, SizeRefusal, Solved, Solver, TooLarge, Watcher,
 };
 use signorini_mathematics::statement::{
     Domain, Fineness, SaddleSettings, Statement, StatementError,
@@ -112,12 +111,11 @@ impl Request {
             Some(_) if args.fields.accuracy().is_none() => Voice::Keys,
             _ => Voice::Options,
         };
-        let files = match (args.recover, args.out.is_some()) {
-            (true, _) => Files::Recovered,
-            (false, true) => Files::Solution,
-            (false, false) => Files::None,
+        let left = machine::available_memory().unwrap_or(u64::MAX);
+        let memory = match &args.out {
+            Some(_) => Memory::with_file(left, args.recover),
+            None => Memory::without_files(left),
         };
-        let memory = Memory { left: machine::available_memory().unwrap_or(u64::MAX), files };
         let file = file_name(&statement);
         let name = args.scene.as_deref().or(file).unwrap_or(&statement.domain.name).to_owned();
         let coarsest = coarsest(&statement, scene)?;
@@ -308,7 +306,7 @@ impl Request {
             Refusal::Unbalanced { level, sum_load, .. } => {
                 Error::Stage(vec![self.without_solution(level, *sum_load).sentence()])
             }
-            Refusal::Input(e @ InputError::GridSize { .. }) => Error::input(format!("--h: {e}")),
+            Refusal::GridSize(e) => Error::input(format!("--h: {e}")),
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }

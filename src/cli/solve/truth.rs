@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use signorini_mathematics::levels::{Integrals, Problem};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::plain;
-use signorini_mathematics::spectral::{Checks, Solution, SpectralError, TrueSolution};
+use signorini_mathematics::spectral::{SpectralError, TrueSolution};
 use std::time::Duration;
 
 /// Returns what only a true solution has.
@@ -35,15 +35,15 @@ pub(super) fn json(TrueSolution { solution, steps }: &TrueSolution) -> Value {
 
 /// Returns a true solution with this total force in words.
 pub(super) fn text(found: &TrueSolution, problem: &Problem, force: f64) -> String {
-    let (solution, law, integrals) = (&found.solution, problem.law(), problem.levels().integrals());
+    let (law, integrals) = (problem.law(), problem.levels().integrals());
     let words = BoundaryWords::of(law);
     let mut text = String::new();
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
-    text += &table(solution, &words, integrals);
+    text += &table(found, &words, integrals);
     text += &words.force([force, 0.0 - integrals.of_f], integrals, 16);
-    text + &checks(&solution.checks)
+    text + &checks(found)
 }
 
 /// Evaluates a solution at so many nodes, under a bar.
@@ -59,14 +59,18 @@ pub(super) fn shown<T>([nodes, _]: [usize; 2], evaluate: impl FnOnce() -> T) -> 
 }
 
 /// Returns the total contact force; under another law than the paper's the flux through all of the boundary.
-pub(super) fn force(solution: &Solution, law: Law) -> f64 {
+pub(super) fn force(TrueSolution { solution, .. }: &TrueSolution, law: Law) -> f64 {
     if law.is_signorini() {
         return solution.contact.iter().map(|arc| arc.force).sum();
     }
     solution.boundary_points().map(|point| point.weight * point.multiplier).sum()
 }
 
-fn table(solution: &Solution, words: &BoundaryWords, integrals: &Integrals) -> String {
+fn table(
+    TrueSolution { solution, .. }: &TrueSolution,
+    words: &BoundaryWords,
+    integrals: &Integrals,
+) -> String {
     let mut text = format!("energy {}\n", plain(solution.energy, 16));
     for arc in &solution.contact {
         text += &words.arc(arc, integrals, 16);
@@ -75,15 +79,16 @@ fn table(solution: &Solution, words: &BoundaryWords, integrals: &Integrals) -> S
 }
 
 /// Returns the checks in two lines: the signs that hold, and the numbers that vanish.
-fn checks(checks: &Checks) -> String {
-    let &Checks { least_multiplier, least_value, green, rellich, moments, resolution } = checks;
+fn checks(TrueSolution { solution, .. }: &TrueSolution) -> String {
+    let of = &solution.checks;
     let [least_multiplier, least_value] =
-        [least_multiplier, least_value].map(|least| plain(least, 2));
+        [of.least_multiplier, of.least_value].map(|least| plain(least, 2));
+    let (green, rellich, moments) = (of.green, of.rellich, of.moments);
     let mut text = format!(
         "checks: least multiplier {least_multiplier}, least value {least_value}\n  \
         zero up to rounding: Green {green:.1e}, Rellich {rellich:.1e}, moments {moments:.1e}"
     );
-    if let Some(resolution) = resolution {
+    if let Some(resolution) = of.resolution {
         text += &format!(",\n  two resolutions {resolution:.1e}");
     }
     text + "\n"

@@ -4,24 +4,18 @@
 mod claims;
 mod stability;
 
+use super::cost;
 use super::figures::{Draw, Drawing, drawing, made};
-use super::{cost, to_json};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
-use crate::replication::scenes::named_f;
 use crate::timing::recorded::{PATH, Timings};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::experiments::accuracy::{self, AccuracyPlan};
-use signorini_mathematics::experiments::adapted::{self, AdaptedPlan};
-use signorini_mathematics::experiments::claims::ClaimsPlan;
-use signorini_mathematics::experiments::domains::{self, DomainsPlan};
-use signorini_mathematics::experiments::problems::TableProblem;
-use signorini_mathematics::experiments::sticking::{self, StickingPlan};
-use signorini_mathematics::experiments::{self, stress, truth};
+use serde_json::Value;
+use signorini_mathematics::experiments::EXPERIMENTS;
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -30,24 +24,32 @@ const RESULT: &str = "result.json";
 
 /// The tasks of the experiments; they need the whole project, as the book does.
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
-    let problems: Vec<TableProblem> =
+    let problems: Vec<_> =
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
-    let named = named_f(&project.scenes);
-    let truth = truth::TruthPlan::new(named.clone());
-    let stress = stress::StressPlan::new(problems.clone());
-    let plan = ClaimsPlan::new(problems);
-    vec![
-        task("accuracy", &AccuracyPlan::new(named), |plan, _| found(accuracy::accuracy(plan))),
-        task("adapted", &AdaptedPlan::default(), |plan, _| found(adapted::adapted(plan))),
-        task("claims", &plan, |plan, _| found(experiments::claims::claims(plan))),
-        task("friction", &ClaimsPlan::friction(), |plan, _| {
-            found(experiments::claims::claims(plan))
-        }),
-        task("domains", &DomainsPlan::default(), |plan, _| found(domains::domains(plan))),
-        task("sticking", &StickingPlan::default(), |plan, _| found(sticking::sticking(plan))),
-        task("truth", &truth, |plan, _| found(truth::truth(plan))),
-        task("stress", &stress, |plan, _| found(stress::stress(plan))),
-    ]
+    let mut tasks = Vec::new();
+    for experiment in &EXPERIMENTS {
+        let plan = serde_json::from_str(&(experiment.plan)(&problems)).expect("a plan is JSON");
+        let asked = Asked { experiment: experiment.name.into(), plan };
+        tasks.push(Task::new(id(experiment.name), &asked, Vec::new(), |asked, _| asked.found()));
+    }
+    tasks
+}
+
+/// Experiment by its name, with its plan, on which alone the findings depend.
+#[derive(Serialize, Deserialize)]
+struct Asked {
+    experiment: String,
+    plan: Value,
+}
+
+impl Asked {
+    /// Artifacts with the findings.
+    fn found(&self) -> Made {
+        let named = EXPERIMENTS.iter().find(|one| one.name == self.experiment);
+        let experiment = named.ok_or_else(|| format!("no experiment {}", self.experiment))?;
+        let found = (experiment.run)(&self.plan.to_string())? + "\n";
+        Ok(Artifacts::from([(RESULT.into(), found.into_bytes())]))
+    }
 }
 
 /// The tasks that draw the pictures of the chapters on experiments.
@@ -144,20 +146,6 @@ pub(super) fn times(inputs: &Inputs) -> Result<Timings, Failure> {
 
 fn id(experiment: &str) -> String {
     format!("bench/{experiment}")
-}
-
-/// The task of an experiment, whose findings depend on its `plan` alone.
-fn task<P: Serialize + DeserializeOwned + 'static>(
-    name: &str,
-    plan: &P,
-    run: fn(&P, &Inputs) -> Made,
-) -> Task {
-    Task::new(id(name), plan, Vec::new(), run)
-}
-
-/// Artifacts with the findings of an experiment.
-fn found(findings: Result<impl Serialize, String>) -> Made {
-    Ok(Artifacts::from([(RESULT.into(), to_json(&findings?))]))
 }
 
 pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {

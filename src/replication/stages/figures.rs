@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::spectral::{SpectralParams, spectral_under};
+use signorini_mathematics::spectral::true_trace_on;
 use signorini_mathematics::statement::SaddleSettings;
 
 /// Kind of figure.
@@ -336,15 +336,8 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
 
 /// Returns the true solution of a scene on the square on the boundary of its finest grid, with zeros inside.
 fn true_trace(scene: &Scene) -> Result<Pair, String> {
-    let grid = scene.finest();
-    let solution = spectral_under(scene.law(), &scene.source(), SpectralParams::default())
-        .map_err(|e| format!("scene `{}`: {e}", scene.name))?;
-    let mut pair = Pair { y: vec![0.0; grid.nodes()], a: Vec::new() };
-    for (node, [value, multiplier]) in grid.boundary().zip(solution.trace_on(grid)) {
-        pair.y[node] = value;
-        pair.a.push(multiplier);
-    }
-    Ok(pair)
+    let trace = true_trace_on(scene.finest(), scene.law(), &scene.source());
+    trace.map_err(|e| format!("scene `{}`: {e}", scene.name))
 }
 
 fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {

@@ -14,13 +14,11 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
-use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
-use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Plain, StopRule};
-use signorini_mathematics::solvers::{Files, Memory, ReachEnd, Solved, Solver, Tried, Watcher};
+use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
+use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
 use signorini_mathematics::spectral::TrueSolution;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
@@ -123,13 +121,7 @@ pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
 
 /// Solves a scene on the square on its finest grid by multigrid, with f integrated exactly; a is the flux.
 pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
-    let statement = Statement {
-        load: Some(LoadRule::Exact { diagonal: Diagonal::default() }),
-        fineness: Fineness::Grids(vec![scene.finest().cells()]),
-        solver: Solver::Multigrid,
-        saddle: None,
-        ..scene.statement.clone()
-    };
+    let statement = scene.statement.exactly();
     let solved = statement.solved(None).map_err(|e| format!("scene `{}`: {e}", scene.name))?;
     Ok(solved.pair())
 }
@@ -173,7 +165,7 @@ impl Cell {
             Recorder { keep_history: self.keep_history, history, pairs, interrupted };
         let problem = mesh_files::problem(&self.statement, files)?;
         let left = machine::available_memory().unwrap_or(u64::MAX);
-        let memory = Memory { left, files: Files::None };
+        let memory = Memory::without_files(left);
         let solved = self.statement.solve(problem, memory, &mut recorder, &|_| ());
         let solved = solved.map_err(|e| {
             let of_accuracy = Voice::Keys.refused(&self.statement, &e);
@@ -532,13 +524,9 @@ fn pair_bytes(pair: &Pair) -> Vec<u8> {
 
 /// Returns the components of the gradient (8) at the nodes of the finest grid where the first rule stops, with the r
 /// that is drawn.
-pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, String> {
-    let (grid, pair) = (scene.finest(), pair_on_grid(inputs, scene)?);
-    let load = load(grid, &scene.source(), scene.load());
-    let network = Network::of_square(grid);
-    let functional =
-        Plain { network: &network, law: scene.law(), load: &load, r: scene.saddle().r };
-    Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
+pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Failure> {
+    let problem = mesh_files::problem(&scene.statement, inputs.files)?;
+    Ok(problem.gradient(&pair_on_grid(inputs, scene)?, scene.saddle().r))
 }
 
 #[cfg(test)]

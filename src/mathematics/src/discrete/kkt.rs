@@ -32,6 +32,24 @@ pub struct Kkt {
     pub relative: f64,
 }
 
+/// Numbers of boundary nodes by their states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct StateCounts {
+    /// Nodes at zero; under the paper's law, in contact.
+    pub sticks: usize,
+    /// Nodes above zero.
+    pub slips_up: usize,
+    /// Nodes below zero.
+    pub slips_down: usize,
+}
+
+impl StateCounts {
+    /// Number of boundary nodes.
+    pub fn all(self) -> usize {
+        self.sticks + self.slips_up + self.slips_down
+    }
+}
+
 /// Judgement of a nodal vector, from it and the load vector alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
@@ -62,6 +80,28 @@ impl Judgement {
     /// contact.
     pub fn in_contact(&self) -> Vec<bool> {
         self.states.iter().map(|state| *state == BoundaryState::Sticks).collect()
+    }
+
+    /// Numbers of boundary nodes by their states, and the total contact force.
+    pub fn states_and_force(&self) -> (StateCounts, f64) {
+        let (mut counts, mut force) = (StateCounts::default(), 0.0);
+        for ((state, contact), flux) in self.states.iter().zip(&self.contact).zip(&self.flux) {
+            match state {
+                BoundaryState::Sticks => {
+                    counts.sticks += 1;
+                    force += flux;
+                }
+                BoundaryState::SlipsUp => {
+                    counts.slips_up += 1;
+                    force += contact.measure * self.law.lo();
+                }
+                BoundaryState::SlipsDown => {
+                    counts.slips_down += 1;
+                    force += contact.measure * self.law.hi();
+                }
+            }
+        }
+        (counts, force)
     }
 
     /// Length or area of the boundary where the law holds.

@@ -3,9 +3,8 @@
 //! Errors, sweeps, work units and changed counts depend on no machine: they are hashed, cached and pinned like all
 //! other results. Run times are measured elsewhere, by `signorini bench`, of the runs that [`timed`] prepares.
 //!
-//! Each experiment is one function of its plan, the central function of its module: [`accuracy::accuracy`],
-//! [`adapted::adapted`], [`claims::claims`], [`domains::domains`], [`sticking::sticking`], [`stress::stress`],
-//! [`truth::truth`].
+//! Each experiment is one function of its plan, the central function of its module, and an entry of [`EXPERIMENTS`],
+//! by which whoever runs them all needs to know none.
 
 pub mod accuracy;
 pub mod adapted;
@@ -22,7 +21,84 @@ pub mod trial;
 pub mod truth;
 pub mod work;
 
+use problems::TableProblem;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+
+/// Experiment: a plan, and findings that depend on it alone; both as JSON.
+pub struct Experiment {
+    /// Name.
+    pub name: &'static str,
+    /// Plan of the book for the paper's problems.
+    pub plan: fn(&[TableProblem]) -> String,
+    /// Findings for a plan.
+    ///
+    /// # Errors
+    /// A sentence if the text is no plan of this experiment, or it cannot be carried out.
+    pub run: fn(&str) -> Result<String, String>,
+}
+
+/// All experiments of the book.
+pub const EXPERIMENTS: [Experiment; 8] = [
+    Experiment {
+        name: "accuracy",
+        plan: |problems| json(&accuracy::AccuracyPlan::new(named(problems))),
+        run: |plan| findings(plan, accuracy::accuracy),
+    },
+    Experiment {
+        name: "adapted",
+        plan: |_| json(&adapted::AdaptedPlan::default()),
+        run: |plan| findings(plan, adapted::adapted),
+    },
+    Experiment {
+        name: "claims",
+        plan: |problems| json(&claims::ClaimsPlan::new(problems.to_vec())),
+        run: |plan| findings(plan, claims::claims),
+    },
+    Experiment {
+        name: "friction",
+        plan: |_| json(&claims::ClaimsPlan::friction()),
+        run: |plan| findings(plan, claims::claims),
+    },
+    Experiment {
+        name: "domains",
+        plan: |_| json(&domains::DomainsPlan::default()),
+        run: |plan| findings(plan, domains::domains),
+    },
+    Experiment {
+        name: "sticking",
+        plan: |_| json(&sticking::StickingPlan::default()),
+        run: |plan| findings(plan, sticking::sticking),
+    },
+    Experiment {
+        name: "truth",
+        plan: |problems| json(&truth::TruthPlan::new(named(problems))),
+        run: |plan| findings(plan, truth::truth),
+    },
+    Experiment {
+        name: "stress",
+        plan: |problems| json(&stress::StressPlan::new(problems.to_vec())),
+        run: |plan| findings(plan, stress::stress),
+    },
+];
+
+/// The paper's problems by name, with f in the notation of scenes.
+fn named(problems: &[TableProblem]) -> Vec<(String, String)> {
+    problems.iter().map(|problem| (problem.name(), problem.f.clone())).collect()
+}
+
+fn json(data: &impl Serialize) -> String {
+    serde_json::to_string_pretty(data).expect("plans and findings are plain data")
+}
+
+/// Runs an experiment on a plan in JSON.
+fn findings<P: DeserializeOwned, F: Serialize>(
+    plan: &str,
+    run: fn(&P) -> Result<F, String>,
+) -> Result<String, String> {
+    let plan = serde_json::from_str(plan).map_err(|e| e.to_string())?;
+    run(&plan).map(|found| json(&found))
+}
 
 /// Least and greatest of some numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -9,11 +9,13 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::load::{LoadRule, moved_jumps};
 use crate::discrete::nested::NestedNetwork;
+use crate::discrete::network::Network;
 use crate::discrete::norms::max_error;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Unsolvable;
+use crate::saddle::{Pair, Plain};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -122,6 +124,15 @@ impl Problem {
         components.into_iter().find_map(|component| component.check(self.law, 0.0).err())
     }
 
+    /// Line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has one.
+    pub fn note_on_curves(&self) -> Option<String> {
+        let polygon = if self.levels.dimension() == 2 { "polygon" } else { "polyhedron" };
+        let reason = self.refusal_of_curves()?;
+        Some(format!(
+            "the {polygon} of the mesh has a solution, the domain with its curves has none: {reason}"
+        ))
+    }
+
     /// Nested discrete problems.
     pub fn levels(&self) -> &dyn Levels {
         &*self.levels
@@ -209,6 +220,20 @@ impl Problem {
     pub fn moved_jumps(&self) -> Option<f64> {
         let lattices = self.lattices()?;
         moved_jumps(lattices.finest(), lattices.source(), lattices.rule())
+    }
+
+    /// Components of the gradient (8) at the nodes of the finest level for a pair there and the parameter r.
+    pub fn gradient(&self, pair: &Pair, r: f64) -> Vec<f64> {
+        let of_square;
+        let network = match (self.lattices(), self.networks()) {
+            (Some(lattices), _) => {
+                of_square = Network::of_square(lattices.finest());
+                &of_square
+            }
+            (None, networks) => &networks.and_then(<[_]>::last).expect("a finest mesh").network,
+        };
+        let functional = Plain { network, law: self.law, load: self.load(), r };
+        (0..pair.y.len()).map(|node| functional.gradient(node, pair)).collect()
     }
 
     /// Guaranteed bounds for a nodal vector of the finest level, but for what [`Problem::reserves`] lists.

@@ -19,8 +19,10 @@ pub use size::{Files, MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{Solved, recovered};
 pub use table::{SOLVERS, Solver, SolverEntry};
 
+use crate::bounds::NoBound;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{Problem, ProblemError};
+use crate::mesh::MeshError;
 use crate::multigrid::{Goal, InputError};
 use crate::problem::unsolvable::Unsolvable;
 use crate::saddle::{Monitor, Params};
@@ -50,6 +52,9 @@ impl Settings {
 /// Reason for which a solver refuses a problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
+    /// Number of cells per side that cannot be halved to a coarse grid.
+    #[error(transparent)]
+    GridSize(InputError),
     /// Wrong input.
     #[error(transparent)]
     Input(InputError),
@@ -63,9 +68,15 @@ pub enum Refusal {
         /// Reason.
         reason: Unsolvable,
     },
+    /// The next mesh cannot be made.
+    #[error(transparent)]
+    Mesh(MeshError),
+    /// No bound of the error, by which grids or meshes would become finer.
+    #[error("no bound of the error: {0}")]
+    Bound(NoBound),
     /// f is not finite at a point of a coarser level.
     #[error(transparent)]
-    Problem(#[from] ProblemError),
+    Problem(ProblemError),
     /// The domain does not have the solver.
     #[error("{0} is for the square alone")]
     NotOnMeshes(Solver),
@@ -83,9 +94,22 @@ pub enum Refusal {
     Spectral(#[from] SpectralError),
 }
 
+impl From<ProblemError> for Refusal {
+    fn from(error: ProblemError) -> Self {
+        match error {
+            ProblemError::Mesh(error) => Self::Mesh(error),
+            ProblemError::Bound(reason) => Self::Bound(reason),
+            error => Self::Problem(error),
+        }
+    }
+}
+
 impl Refusal {
     /// Refusal of the discrete problem on the finest level.
     fn on_finest(problem: &Problem, error: InputError) -> Self {
+        if matches!(error, InputError::GridSize { .. }) {
+            return Self::GridSize(error);
+        }
         let InputError::Unsolvable(reason) = error else { return Self::Input(error) };
         let Some(sum_load) = reason.integral() else { return Self::Input(error) };
         Self::Unbalanced { level: problem.levels().name(problem.finest()), sum_load, reason }

@@ -99,6 +99,18 @@ pub struct Memory {
     pub files: Files,
 }
 
+impl Memory {
+    /// Memory for a solution alone.
+    pub fn without_files(left: u64) -> Self {
+        Self { left, files: Files::None }
+    }
+
+    /// Memory for a solution that is written to a file or, `recovered`, its recovered solution.
+    pub fn with_file(left: u64, recovered: bool) -> Self {
+        Self { left, files: if recovered { Files::Recovered } else { Files::Solution } }
+    }
+}
+
 /// Grid or mesh that is too large, with what would fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{reason}")]

@@ -6,7 +6,7 @@ use crate::bounds::{Bounds, NoBound, recovery};
 use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::prolong_boundary;
-use crate::levels::{Lattices, Problem};
+use crate::levels::{KnownErrors, Lattices, Problem};
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
@@ -66,6 +66,12 @@ impl Solved {
     pub fn bounds(&self) -> &[Result<Bounds, NoBound>] {
         self.bounds
             .get_or_init(|| self.run().map(|run| self.problem.bounds(&run.y)).into_iter().collect())
+    }
+
+    /// Errors under the paper's law, if the solution has a formula.
+    pub fn errors(&self) -> Option<KnownErrors> {
+        let run = self.run().filter(|_| self.problem.law().is_signorini())?;
+        self.problem.levels().errors(&run.y, self.problem.load())
     }
 
     /// Energy: that of v or, where the energy itself was asked for, of the true solution.

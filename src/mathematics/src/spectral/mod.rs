@@ -289,6 +289,21 @@ pub fn spectral_under(
     Err(error)
 }
 
+/// Solves the problem under a law at the usual resolution; returns the solution at the boundary nodes of a grid, with
+/// zeros inside.
+///
+/// # Errors
+/// As [`spectral_under`].
+pub fn true_trace_on(grid: Grid, law: Law, f: &Source) -> Result<Pair, SpectralError> {
+    let solution = spectral_under(law, f, SpectralParams::default())?;
+    let mut pair = Pair { y: vec![0.0; grid.nodes()], a: Vec::new() };
+    for (node, [value, multiplier]) in grid.boundary().zip(solution.trace_on(grid)) {
+        pair.y[node] = value;
+        pair.a.push(multiplier);
+    }
+    Ok(pair)
+}
+
 impl Solution {
     fn checked(
         problem: &SpectralProblem,

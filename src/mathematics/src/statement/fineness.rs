@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Number of nodes up to which a mesh is refined if nobody says how often.
-pub const USUAL_NODES: f64 = 20_000.0;
+pub(super) const USUAL_NODES: f64 = 20_000.0;
 /// Cells per side of the first grid of the square that is tried for an accuracy.
 pub(crate) const FIRST_CELLS: usize = 16;
 /// Cells per side of the finest of the usual grids of the square, those of the paper.
@@ -83,7 +83,7 @@ impl Fineness {
     /// Number of refinements of the coarsest mesh; where an accuracy is asked for, the usual number on a curved domain,
     /// whose coarsest polygon may have no solution, and else none.
     pub(super) fn refinements(&self, mesh: &AnyMesh) -> Result<usize, StatementError> {
-        let fits = |times: &usize| nodes_after(mesh, *times) <= USUAL_NODES;
+        let fits = |times: &usize| mesh.nodes_after(*times) <= USUAL_NODES;
         Ok(match self {
             Self::Refined(times) => usize::from(*times),
             Self::Width(cells) => of_cube(*cells)?[1],
@@ -121,11 +121,6 @@ pub(super) fn of_cube(cells: usize) -> Result<[usize; 2], StatementError> {
         "on the cube N is a power of two times 1, 3, 5 or 7; the nearest: 1/{below} and 1/{above}"
     );
     Err(StatementError::field("h", format!("1/{cells}"), reason))
-}
-
-/// Number of nodes after some refinements, as [`AnyMesh::nodes_after`] has it.
-pub fn nodes_after(mesh: &AnyMesh, times: usize) -> f64 {
-    mesh.nodes_after(times)
 }
 
 #[cfg(test)]

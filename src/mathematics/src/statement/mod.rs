@@ -7,14 +7,13 @@
 mod domain;
 mod fineness;
 
-pub use crate::solvers::MOST_CELLS;
 pub use domain::Domain;
-use fineness::FIRST_CELLS;
-pub use fineness::{Fineness, USUAL_NODES, nodes_after};
+pub use fineness::Fineness;
+use fineness::{FIRST_CELLS, USUAL_NODES};
 
 use crate::bounds::Accuracy;
 use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::{LoadRule, moved_jumps};
+use crate::discrete::load::{Diagonal, LoadRule, moved_jumps};
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{Problem, ProblemError, Step, Watch};
@@ -66,6 +65,19 @@ pub struct SaddleSettings {
     pub stop: StopRule,
     /// Limit of iterations per level.
     pub max_iterations: usize,
+}
+
+/// Facts on the meshes of a statement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFacts {
+    /// Number of dimensions.
+    pub dimension: u8,
+    /// Number of refinements of the coarsest mesh.
+    pub times: usize,
+    /// Number of nodes of the finest mesh, about.
+    pub nodes: f64,
+    /// Facts that a user has to know, in a line each.
+    pub notes: Vec<String>,
 }
 
 /// Reason for which a statement states no problem.
@@ -214,6 +226,30 @@ impl Statement {
         Ok(Problem::on_mesh_watched((mesh, times), &self.f, law, watch)?)
     }
 
+    /// Facts on the meshes of the statement, or on the usual ones, where an accuracy is asked for.
+    ///
+    /// # Errors
+    /// As [`Statement::refinements`].
+    pub fn facts(&self, coarsest: &AnyMesh) -> Result<MeshFacts, StatementError> {
+        let times = self.on_usual_meshes().refinements(coarsest)?;
+        let nodes = coarsest.nodes_after(times);
+        let (dimension, notes) = (coarsest.dimension(), coarsest.notes());
+        Ok(MeshFacts { dimension, times, nodes, notes })
+    }
+
+    /// As [`Statement::facts`]; on meshes of the usual size it is also checked that there is a problem to be solved.
+    ///
+    /// # Errors
+    /// [`StatementError`].
+    pub fn checked_facts(&self, coarsest: &AnyMesh) -> Result<MeshFacts, StatementError> {
+        let mut facts = self.facts(coarsest)?;
+        if facts.nodes <= USUAL_NODES {
+            let problem = self.on_usual_meshes().problem(Some(coarsest), &|_| ())?;
+            facts.notes.extend(problem.note_on_curves());
+        }
+        Ok(facts)
+    }
+
     /// The statement on the usual grids or meshes, where an accuracy is asked for.
     pub fn on_usual_meshes(&self) -> Self {
         let fineness = match self.fineness {
@@ -221,6 +257,17 @@ impl Statement {
             _ => self.fineness.clone(),
         };
         Self { fineness, ..self.clone() }
+    }
+
+    /// The problem on the finest grid of the square alone, by multigrid, with f integrated exactly.
+    pub fn exactly(&self) -> Self {
+        Self {
+            load: Some(LoadRule::Exact { diagonal: Diagonal::default() }),
+            fineness: Fineness::Grids(self.fineness.cells().last().copied().into_iter().collect()),
+            solver: Solver::Multigrid,
+            saddle: None,
+            ..self.clone()
+        }
     }
 
     /// Part of the integral of |f| by which a nodal load moves jumps of f, half a cell where grid lines lie on them;

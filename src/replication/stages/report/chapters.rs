@@ -16,7 +16,6 @@ use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::discrete::load::integral;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::truth::{Elements, Truth};
 use signorini_mathematics::identify::Findings;
@@ -116,6 +115,7 @@ fn problem(
             }));
         }
     }
+    let solved_problem = solve::problem(inputs, scene)?;
     let stopped = solve::pair_on_grid(inputs, scene)?;
     let delta_a = table.rows.iter().map(|row| row.delta_a_paper).fold(0.0, f64::max);
     let gap = delta_a * scene.finest().h();
@@ -123,7 +123,7 @@ fn problem(
         from_json(inputs, &identify::id(scene), FINDINGS)?;
     let more = json!({
         "number": table.table,
-        "integral_f": integral(&scene.source()),
+        "integral_f": solved_problem.levels().integrals().of_f,
         "values": values(&scene.source()),
         "misses": misses(inputs, scene, table)?,
         "boundary_nodes": stopped.a.len(),

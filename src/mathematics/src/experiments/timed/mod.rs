@@ -16,6 +16,7 @@ pub use goal::MultigridGoal;
 use super::adapted::Way;
 use super::known::KnownSolution;
 use super::problems::CONTACT;
+use crate::experiments::work::REACHED;
 use crate::machine::streams::MemoryStream;
 use crate::problem::exact::Exact;
 use crate::solvers::Solver;
@@ -148,6 +149,8 @@ impl TimedRun {
 impl TimedPlan {
     /// Problem on which multigrid runs from grid to grid.
     pub const SCALED: Exact = Exact::FreeCorner;
+    /// Error over that of the discretisation up to which a run has reached it.
+    pub const REACHED: f64 = REACHED;
     /// Goal, in words, of a run under the stopping rule of the published tables.
     pub const PUBLISHED: &str = "published stop";
 
