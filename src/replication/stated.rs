@@ -95,7 +95,7 @@ const CHECKED_NODES: f64 = super::domain::USUAL_NODES;
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
 const MOST_NODES: f64 = 1e7;
 /// Folder of the project from which scenes name their meshes.
-const FOLDER: &str = "pipeline";
+pub(crate) const FOLDER: &str = "pipeline";
 
 impl StatedProblem {
     /// Solver of `solve` and of a scene without a published table, unless another is named.

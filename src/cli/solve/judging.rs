@@ -123,7 +123,8 @@ impl Answer {
             );
             self.warnings.push(Warning::new(fact, COARSER_GRIDS));
         }
-        let coarse = &ends[..ends.len() - 1];
+        // Grids that were tried for an accuracy are no levels of the last one.
+        let coarse = &ends[ends.len() - ends.len().min(count)..ends.len() - 1];
         let without = |end: &Outcome| end.verdict() == Verdict::NoSolution;
         if !without(last)
             && let Some(grids) = named(problem, coarse, without)

@@ -8,6 +8,7 @@ use crate::pipeline::error::{Error, Failure, Result as Read};
 use crate::pipeline::{Artifacts, InputFile, InputFiles, Inputs, Task};
 use crate::replication::saddle::RuleAndR;
 use crate::replication::scene::{Output, Scene};
+use crate::replication::stated::FOLDER;
 use crate::replication::written::Written;
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
@@ -246,9 +247,10 @@ impl Cell {
     }
 }
 
-/// Returns the mesh of a statement, from the one file that it has, unless the domain is built in; none on the square.
+/// Returns the mesh of a statement, from its file among these unless the domain is built in; none on the square.
 fn mesh(statement: &Statement, files: &InputFiles) -> Read<Option<AnyMesh>> {
-    let file = files.values().next().map(InputFile::bytes).transpose()?;
+    let path = format!("{FOLDER}/{}", statement.domain.name);
+    let file = files.get(&path).map(InputFile::bytes).transpose()?;
     statement.mesh(file).map_err(|e| Error::input(e.to_string()))
 }
 
@@ -552,33 +554,4 @@ pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Strin
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pipeline::RunningProgram;
-
-    #[test]
-    fn adapted_meshes_are_read_and_not_solved_for_again() {
-        let text = "title = 't'\ndomain = 'lshape'\nf = 'rect(-1,0,-1,0)=3; else=-2'\naccuracy = 0.3\n\
-            outputs = ['map']\n";
-        let scene = Scene::parse("t", text).unwrap();
-        let interrupted = AtomicBool::new(false);
-        let made = cell(&scene, None).artifacts(&InputFiles::new(), &interrupted).unwrap();
-        let artifacts = BTreeMap::from([("solve/t".to_owned(), made)]);
-        let files = InputFiles::new();
-        let inputs = Inputs {
-            task: "figures/t-map",
-            files: &files,
-            artifacts: &artifacts,
-            digest: "",
-            scratch: std::path::Path::new(""),
-            interrupted: &interrupted,
-            program: &RunningProgram { digest: String::new(), commands: Vec::new },
-        };
-        // If it were solved again, the mesh would be that of the accuracy.
-        let closer = Scene { accuracy: Some(Accuracy::Error(0.02)), ..scene.clone() };
-        let [coarse, same] = [&scene, &closer].map(|scene| problem(&inputs, scene).unwrap());
-        assert!(coarse.levels().count() > 3);
-        assert_eq!(coarse.lengths(), same.lengths());
-        pair(&inputs, &closer, None, &same).unwrap();
-    }
-}
+pub(super) mod tests;
