@@ -2,8 +2,7 @@
 
 use crate::pipeline::error::{Error, Result};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::levels::ProblemError;
-use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, SizeRefusal, TooLarge};
+use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal};
 use signorini_mathematics::statement::Statement;
 
 /// Way in which an accuracy is written, for messages.
@@ -45,12 +44,10 @@ impl Written {
         let asked = self.text(statement.accuracy()?);
         let text = match (refusal, statement.domain.is_square()) {
             (Refusal::Interrupted, _) => return Some(Error::Interrupted),
-            (Refusal::Problem(e @ ProblemError::Bound(_)), true) => {
-                format!("{asked}: {e}; scale f")
-            }
-            (Refusal::Size(e), true) => too_large(&format!("{asked}: grid 1/{}", e.finest), e),
+            (e @ Refusal::NoBound(_), true) => format!("{asked}: {e}; scale f"),
+            (Refusal::Size(e), true) => e.on_grid(&format!("{asked}: grid 1/{}", e.finest)),
             (_, true) => return None,
-            (Refusal::Problem(ProblemError::Mesh(e)), false) => {
+            (Refusal::Mesh(e), false) => {
                 format!("{}: {e}", statement.domain.name)
             }
             (e @ Refusal::NotInPlane, false) => {
@@ -88,17 +85,6 @@ impl Written {
         Err(Error::input(format!(
             "{asked} takes a grid {grid}, too fine for memory; 1/{MOST_CELLS} {best}, and {spectral} needs no grid"
         )))
-    }
-}
-
-/// Returns the message that a grid of the square, as the user asked for it, is too large.
-pub(crate) fn too_large(asked: &str, TooLarge { reason, fits, .. }: &TooLarge) -> String {
-    match (reason, fits) {
-        (SizeRefusal::TooFine { most, solver, .. }, _) => {
-            format!("{asked} needs too much memory; 1/{most} is the finest for {solver}")
-        }
-        (reason, Some(fits)) => format!("{asked} {reason}; 1/{fits} would fit"),
-        (reason, None) => format!("{asked} {reason}"),
     }
 }
 

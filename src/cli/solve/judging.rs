@@ -10,7 +10,6 @@ use crate::cli::shown::signed;
 use crate::replication::stated::refusal_of_curves;
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::{Written, plain};
@@ -67,10 +66,10 @@ impl Answer {
             self.warn_of_force(request, &last);
         }
         match (self.bounds(), accuracy, &self.failure) {
-            (Some(Ok(bounds)), None, None) => {
+            (Some(bounds), None, None) => {
                 self.warnings.extend(bound::warnings(bounds, last.energy, request));
             }
-            (Some(Ok(bounds)), Some(accuracy), None) => {
+            (Some(bounds), Some(accuracy), None) => {
                 self.shortfall = self.shortfall(request, accuracy, bounds);
             }
             _ => {}
@@ -133,7 +132,7 @@ impl Answer {
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             )));
         }
-        let cut_off = |end: &Outcome| end.end.stop != Stop::Converged;
+        let cut_off = |end: &Outcome| !end.end.has_converged();
         if let Some(grids) = named(problem, coarse, cut_off) {
             let fact = format!("the stopping rule was not met on {grids}");
             self.warnings.push(Warning::fact(fact));
@@ -144,7 +143,7 @@ impl Answer {
     fn warn_of_tolerance(&mut self, request: &Request, last: &Outcome) {
         let stop = last.end.stop;
         if let Some(tolerance) = request.statement.tolerance
-            && stop != Stop::Converged
+            && !last.end.has_converged()
         {
             self.warnings.push(Warning::fact(format!(
                 "--tolerance {} was not reached: the KKT residual is {} of the load at the {stop}",

@@ -15,21 +15,17 @@ use crate::replication::project::Project;
 use crate::replication::saddle::{self, positive_r};
 use crate::replication::scene::Scene;
 use crate::replication::stated::{OnMesh, OnSquare, Place, StatedProblem};
-use crate::replication::written::{Written, option, too_large};
+use crate::replication::written::{Written, option};
 use crate::timing::machine;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::{Levels, Problem, Watch};
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::multigrid::InputError;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule};
-use signorini_mathematics::solvers::{
-    Files, Memory, Reached, Refusal, SizeRefusal, Solved, Solver, TooLarge, Watcher,
-};
+use signorini_mathematics::solvers::{Memory, Refusal, Solved, Solver, Watcher};
 use signorini_mathematics::statement::{Fineness, SaddleSettings, Statement};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -117,12 +113,8 @@ impl Request {
             None => of_options(args)?,
         };
         check_solver_options(args, solver)?;
-        let files = match (args.recover, args.out.is_some()) {
-            (true, _) => Files::Recovered,
-            (false, true) => Files::Solution,
-            (false, false) => Files::None,
-        };
-        let memory = Memory { left: machine::available_memory().unwrap_or(u64::MAX), files };
+        let memory = Memory::new(machine::available_memory());
+        let memory = if args.out.is_some() { memory.with_files(args.recover) } else { memory };
         let (domain, problem, remedies) = match &stated.place {
             Place::Square(square) => {
                 check_domain_options(args, None)?;
@@ -131,8 +123,8 @@ impl Request {
                     Some(accuracy) => format!("{}: grid 1/{cells}", written(args).text(accuracy)),
                     None => format!("--h 1/{cells}"),
                 };
-                let too_large = |e| Error::input(too_large(&asked, &e));
-                memory.check_grid(solver, cells).map_err(too_large)?;
+                let fits = memory.check_grid(solver, cells);
+                fits.map_err(|e| Error::input(e.on_grid(&asked)))?;
                 clock.ended(Part::Setup);
                 let problem = stated.problem(&InputFiles::new())?;
                 clock.ended(Part::Load);
@@ -195,11 +187,10 @@ impl Request {
         let solved = statement.solve(problem, self.memory, watcher, &steps);
         let solved = solved.map_err(|e| self.refused(&e))?;
         self.check_diverged(&solved)?;
-        match (statement.accuracy(), &solved.reached) {
-            (Some(accuracy), Some(Reached { end, marks: None, .. })) => {
-                written.check_end(accuracy, *end)?;
-            }
-            _ => {}
+        if let (Some(accuracy), Some(reached), true) =
+            (statement.accuracy(), &solved.reached, statement.domain.is_square())
+        {
+            written.check_end(accuracy, reached.end)?;
         }
         Ok(solved)
     }
@@ -207,7 +198,7 @@ impl Request {
     /// Refuses values that are not finite.
     fn check_diverged(&self, solved: &Solved) -> Result<()> {
         let (name, solver) = (&self.name, self.statement.solver);
-        let Some(last) = solved.ends().last().filter(|last| last.end.stop == Stop::Diverged) else {
+        let Some(last) = solved.ends().last().filter(|last| last.end.has_diverged()) else {
             return Ok(());
         };
         let first = solved.run().map_or(0, |run| run.first_level);
@@ -332,12 +323,12 @@ impl Request {
             Refusal::Unbalanced { level, sum_load, .. } => {
                 Error::Stage(vec![self.without_solution(level, *sum_load).sentence()])
             }
-            Refusal::Input(e @ InputError::GridSize { .. }) => Error::input(format!("--h: {e}")),
+            Refusal::GridSize(e) => Error::input(format!("--h: {e}")),
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }
-            Refusal::Spectral(e) => truth::failed(&self.name, e),
-            _ => Error::input(format!("{place}: {refusal}; check f")),
+            _ => truth::failed(&self.name, refusal)
+                .unwrap_or_else(|| Error::input(format!("{place}: {refusal}; check f"))),
         }
     }
 }
@@ -479,28 +470,20 @@ fn on_mesh(
 /// Refuses refinements that take more memory than there is, or more nodes than the solver can do with.
 fn check_size(mesh: &AnyMesh, place: &OnMesh, solver: Solver, memory: Memory) -> Result<()> {
     let times = place.domain.refinements(mesh);
-    let Err(TooLarge { reason, fits, .. }) = memory.check_mesh(solver, mesh, times) else {
-        return Ok(());
-    };
+    let Err(too_large) = memory.check_mesh(solver, mesh, times) else { return Ok(()) };
     // The option by which the levels of the domain are chosen.
     let option = |times: usize| match place.domain.cells {
         Some(cells) => format!("--h 1/{}", cells << times),
         None => format!("--refine {times}"),
     };
-    let text = match reason {
-        SizeRefusal::TooManyNodes { nodes, most, .. } => {
-            format!("makes about {nodes:.0} nodes, where {solver} can do with {most}")
-        }
-        ref reason => reason.to_string(),
-    };
-    let remedy = match (fits, &reason) {
-        (Some(times), _) => format!("{} would fit", option(times)),
-        (None, SizeRefusal::Memory { .. }) => "begin with a coarser mesh and --refine".into(),
-        (None, _) => "choose another solver, or begin with a coarser mesh".into(),
+    let remedy = match too_large.fits {
+        Some(times) => format!("{} would fit", option(times)),
+        None if too_large.is_of_memory() => "begin with a coarser mesh and --refine".into(),
+        None => "choose another solver, or begin with a coarser mesh".into(),
     };
     // A mesh that is not refined is the file's own.
     let asked = if times == 0 { place.domain.name.clone() } else { option(times) };
-    Err(Error::input(format!("{asked} {text}; {remedy}")))
+    Err(Error::input(format!("{asked} {too_large}; {remedy}")))
 }
 
 /// Returns the cells per side of the coarsest mesh of the cube, and the number of refinements to as many as are asked

@@ -15,14 +15,12 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
-use signorini_mathematics::discrete::network::Network;
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::text::{interval, plain};
-use signorini_mathematics::saddle::{Iteration, Monitor, Pair, Plain, StopRule};
-use signorini_mathematics::solvers::{Files, Memory, ReachEnd, Solved, Solver, Tried, Watcher};
+use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
+use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Solver, Tried, Watcher};
 use signorini_mathematics::statement::{Fineness, SaddleSettings, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -73,6 +71,8 @@ pub(super) struct WithoutGrid {
     pub(super) energy: f64,
 }
 
+/// Name of the end of the spectral solver.
+pub(super) const CONVERGED: &str = "converged";
 /// Artifact with an [`Outcomes`].
 pub(crate) const OUTCOMES: &str = "outcomes.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
@@ -169,8 +169,7 @@ impl Cell {
         let mut recorder =
             Recorder { keep_history: self.keep_history, history, pairs, interrupted };
         let problem = problem_of(&self.statement, mesh(&self.statement, files)?.as_ref())?;
-        let left = machine::available_memory().unwrap_or(u64::MAX);
-        let memory = Memory { left, files: Files::None };
+        let memory = Memory::new(machine::available_memory());
         let solved = self.statement.solve(problem, memory, &mut recorder, &|_| ());
         let solved = solved.map_err(|e| {
             let of_accuracy = Written::Key.refused(&self.statement, &e);
@@ -262,7 +261,7 @@ fn problem_of(statement: &Statement, mesh: Option<&AnyMesh>) -> Read<Problem> {
 impl Outcomes {
     /// Artifacts with these outcomes, and the last pair if it is drawn; fails if the iteration diverged.
     fn artifacts(&self, drawn: Option<&Pair>) -> Result<Artifacts, Failure> {
-        if let Some(last) = self.levels.last().filter(|last| last.end.stop == Stop::Diverged) {
+        if let Some(last) = self.levels.last().filter(|last| last.end.has_diverged()) {
             let place = match last.cells {
                 Some(cells) => format!("grid 1/{cells}"),
                 None => format!("the mesh of {} nodes", last.nodes),
@@ -286,7 +285,7 @@ impl Outcomes {
 
     /// Name of the end on the finest level, or of that of the spectral solver.
     pub(super) fn end(&self) -> &'static str {
-        self.levels.last().map_or(Stop::Converged.name(), Outcome::name)
+        self.levels.last().map_or(CONVERGED, Outcome::name)
     }
 
     /// Energy on the level with this number: that of v or, where the accuracy of the energy was asked for, the number
@@ -544,13 +543,11 @@ fn pair_bytes(pair: &Pair) -> Vec<u8> {
 /// Returns the components of the gradient (8) at the nodes of the finest grid where the first rule stops, with the r
 /// that is drawn.
 pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, String> {
-    let (grid, pair) = (scene.finest(), pair_on_grid(inputs, scene)?);
-    let square = scene.on_grids();
-    let load = load(grid, &square.f, square.load);
-    let network = Network::of_square(grid);
-    let functional =
-        Plain { network: &network, law: scene.law(), load: &load, r: scene.saddle().draw_r };
-    Ok((0..grid.nodes()).map(|node| functional.gradient(node, &pair)).collect())
+    let (problem, pair) = (problem(inputs, scene), pair_on_grid(inputs, scene)?);
+    let problem = problem.map_err(|e| e.to_string())?;
+    Ok(problem
+        .gradient(scene.saddle().draw_r, &pair)
+        .ok_or("the gradient is drawn on the square")?)
 }
 
 #[cfg(test)]

@@ -32,6 +32,24 @@ pub struct Kkt {
     pub relative: f64,
 }
 
+/// Numbers of boundary nodes by their states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct StateCounts {
+    /// Nodes at zero; under the paper's law, in contact.
+    pub sticks: usize,
+    /// Nodes where v > 0.
+    pub slips_up: usize,
+    /// Nodes where v < 0.
+    pub slips_down: usize,
+}
+
+impl StateCounts {
+    /// All nodes.
+    pub fn all(self) -> usize {
+        self.sticks + self.slips_up + self.slips_down
+    }
+}
+
 /// Judgement of a nodal vector, from it and the load vector alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
@@ -62,6 +80,30 @@ impl Judgement {
     /// contact.
     pub fn in_contact(&self) -> Vec<bool> {
         self.states.iter().map(|state| *state == BoundaryState::Sticks).collect()
+    }
+
+    /// Numbers of boundary nodes by their states.
+    pub fn state_counts(&self) -> StateCounts {
+        let count = |wanted| self.states.iter().filter(|state| **state == wanted).count();
+        StateCounts {
+            sticks: count(BoundaryState::Sticks),
+            slips_up: count(BoundaryState::SlipsUp),
+            slips_down: count(BoundaryState::SlipsDown),
+        }
+    }
+
+    /// Total flux through the boundary where the law holds: the sum of the flux over the nodes that stick, and of the
+    /// law's over the others.
+    pub fn force(&self) -> f64 {
+        let mut force = 0.0;
+        for ((state, contact), flux) in self.states.iter().zip(&self.contact).zip(&self.flux) {
+            force += match state {
+                BoundaryState::Sticks => *flux,
+                BoundaryState::SlipsUp => contact.measure * self.law.lo(),
+                BoundaryState::SlipsDown => contact.measure * self.law.hi(),
+            };
+        }
+        force
     }
 
     /// Length or area of the boundary where the law holds.

@@ -9,11 +9,13 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
 use crate::discrete::load::{LoadRule, moved_jumps};
 use crate::discrete::nested::NestedNetwork;
+use crate::discrete::network::Network;
 use crate::discrete::norms::max_error;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Unsolvable;
+use crate::saddle::{Pair, Plain};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -161,6 +163,14 @@ impl Problem {
     /// Lengths of the nodal vector and the boundary vector of a pair of the finest level.
     pub fn lengths(&self) -> [usize; 2] {
         [self.levels.nodes(self.finest()), self.levels.contact().len()]
+    }
+
+    /// Components of the gradient (8) at the nodes of the finest grid of the square, for this duality parameter; none on
+    /// a mesh.
+    pub fn gradient(&self, r: f64, pair: &Pair) -> Option<Vec<f64>> {
+        let network = Network::of_square(self.lattices()?.finest());
+        let functional = Plain { network: &network, law: self.law, load: self.load(), r };
+        Some((0..pair.y.len()).map(|node| functional.gradient(node, pair)).collect())
     }
 
     /// Puts values at the boundary nodes of the finest level into a nodal vector with this value elsewhere.

@@ -15,12 +15,14 @@ pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{ReachEnd, Reached, Tried, Watcher};
 pub use run::{Found, Run};
-pub use size::{Files, MOST_CELLS, Memory, SizeRefusal, TooLarge};
+pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{Solved, recovered};
 pub use table::{SOLVERS, Solver, SolverEntry};
 
+use crate::bounds::NoBound;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{Problem, ProblemError};
+use crate::mesh::MeshError;
 use crate::multigrid::{Goal, InputError};
 use crate::problem::unsolvable::Unsolvable;
 use crate::saddle::{Monitor, Params};
@@ -53,6 +55,9 @@ pub enum Refusal {
     /// Wrong input.
     #[error(transparent)]
     Input(InputError),
+    /// A number of cells per side that cannot be used.
+    #[error(transparent)]
+    GridSize(InputError),
     /// No flux can balance the load vector of a level, although one can balance f.
     #[error("{reason}")]
     Unbalanced {
@@ -63,9 +68,15 @@ pub enum Refusal {
         /// Reason.
         reason: Unsolvable,
     },
-    /// f is not finite at a point of a coarser level.
+    /// f is not finite at a point of a coarser level, or there is no problem on it.
     #[error(transparent)]
-    Problem(#[from] ProblemError),
+    Problem(ProblemError),
+    /// The mesh cannot be refined.
+    #[error(transparent)]
+    Mesh(MeshError),
+    /// No bound of the error, by which grids or meshes would become finer.
+    #[error("no bound of the error: {0}")]
+    NoBound(NoBound),
     /// The domain does not have the solver.
     #[error("{0} is for the square alone")]
     NotOnMeshes(Solver),
@@ -83,10 +94,23 @@ pub enum Refusal {
     Spectral(#[from] SpectralError),
 }
 
+impl From<ProblemError> for Refusal {
+    fn from(error: ProblemError) -> Self {
+        match error {
+            ProblemError::Mesh(e) => Self::Mesh(e),
+            ProblemError::Bound(e) => Self::NoBound(e),
+            e => Self::Problem(e),
+        }
+    }
+}
+
 impl Refusal {
     /// Refusal of the discrete problem on the finest level.
     fn on_finest(problem: &Problem, error: InputError) -> Self {
-        let InputError::Unsolvable(reason) = error else { return Self::Input(error) };
+        let InputError::Unsolvable(reason) = error else {
+            let is_of_size = matches!(error, InputError::GridSize { .. });
+            return if is_of_size { Self::GridSize(error) } else { Self::Input(error) };
+        };
         let Some(sum_load) = reason.integral() else { return Self::Input(error) };
         Self::Unbalanced { level: problem.levels().name(problem.finest()), sum_load, reason }
     }

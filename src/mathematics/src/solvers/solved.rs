@@ -3,10 +3,11 @@
 use super::reach::Reached;
 use super::run::{Found, Run, values};
 use crate::bounds::{Bounds, NoBound, recovery};
+use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::prolong_boundary;
-use crate::levels::{Lattices, Problem};
+use crate::levels::{KnownErrors, Lattices, Problem};
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
@@ -74,6 +75,30 @@ impl Solved {
             Found::Vector(run) => run.last().energy,
             Found::Truth(found) => found.solution.energy,
         }
+    }
+
+    /// Arcs in contact on the boundary of a domain in the plane, with ends estimated within the cell unless the solution
+    /// is the true one; none in space.
+    pub fn contact(&self) -> Option<Vec<ContactArc>> {
+        match &self.found {
+            Found::Vector(Run { y, judgement, .. }) => self.problem.levels().arcs(y, judgement),
+            Found::Truth(found) => Some(found.solution.contact.clone()),
+        }
+    }
+
+    /// Total contact force; under another law than the paper's the flux through all of the boundary.
+    pub fn force(&self) -> f64 {
+        match &self.found {
+            Found::Vector(run) => run.judgement.force(),
+            Found::Truth(found) => found.solution.force(),
+        }
+    }
+
+    /// Errors of v on the finest level; none if the solution is not known.
+    pub fn errors(&self) -> Option<KnownErrors> {
+        let (run, problem) = (self.run()?, &self.problem);
+        let is_known = problem.law().is_signorini();
+        problem.levels().errors(&run.y, problem.load()).filter(|_| is_known)
     }
 
     /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.
