@@ -10,11 +10,10 @@ use crate::pipeline::{Inputs, Task};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::solve;
 use signorini_mathematics::experiments::adapted::AdaptedProblem;
-use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, tolerance};
-use signorini_mathematics::solvers::{self, Run, Settings, Solver};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// Returns the drawing of scenes, each as its surface shows it.
 fn of_surfaces(title: &str, scenes: &[&Scene]) -> Drawing {
@@ -108,7 +107,7 @@ pub(super) fn drawings() -> [Task; 5] {
 }
 
 /// Domains that are drawn: name, f, and number of refinements.
-const DRAWN: [(&str, &str, usize); 3] = [
+const DRAWN: [(&str, &str, u8); 3] = [
     ("lshape", "rect(-1,0,-1,0)=3; else=-2", 3),
     ("disc", "rect(-1,0,-1,0)=-6; else=1", 3),
     ("annulus", "rect(-1,0,-1,0)=-6; else=1", 2),
@@ -152,13 +151,12 @@ fn adapted_meshes() -> Result<Picture, String> {
 fn on_domains() -> Result<Picture, String> {
     let mut drawn = Vec::new();
     for (name, f, refinements) in DRAWN {
-        let coarsest = AnyMesh::built_in(name).ok_or_else(|| format!("no domain {name}"))?;
-        let problem = Problem::on_mesh(&coarsest, refinements, f, Law::SIGNORINI)
-            .map_err(|e| format!("{name}: {e}"))?;
-        let Run { y, judgement, .. } = solvers::solve(&problem, &Settings::of(Solver::Multigrid))
-            .map_err(|e| format!("{name}: {e}"))?;
-        let pair = Pair { a: judgement.multiplier(&y), y };
-        drawn.push(DrawnSolution::of(name.into(), &problem, &pair, 3)?);
+        let statement = Statement {
+            fineness: Fineness::Refined(refinements),
+            ..Statement::usual(Domain::named(name), f)
+        };
+        let solved = statement.solved(None).map_err(|e| format!("{name}: {e}"))?;
+        drawn.push(DrawnSolution::of(name.into(), &solved.problem, &solved.pair(), 3)?);
     }
     let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
     let mut picture = surfaces(3, &panels);
