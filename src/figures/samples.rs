@@ -5,11 +5,11 @@ use super::*;
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{self, Run, Settings, Solver};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// A picture under a title that needs escaping.
 pub(super) fn svg(picture: &Picture) -> String {
@@ -37,12 +37,12 @@ pub(super) fn unusual() -> Vec<(String, String)> {
 }
 
 /// Solves on a mesh refined `times` times.
-fn solved(name: &str, coarsest: &AnyMesh, times: usize, f: &str) -> DrawnSolution {
-    let problem = Problem::on_mesh(coarsest, times, f, Law::SIGNORINI).unwrap();
-    let Run { y, judgement, .. } =
-        solvers::solve(&problem, &Settings::of(Solver::Multigrid)).unwrap();
-    let pair = Pair { a: judgement.multiplier(&y), y };
-    DrawnSolution::of(name.into(), &problem, &pair, 2).unwrap()
+fn solved(domain: Domain, times: u8, f: &str) -> DrawnSolution {
+    let (name, file) = (domain.name.clone(), domain.is_file().then(gear_file));
+    let fineness = Fineness::Refined(times);
+    let statement = Statement { fineness, ..Statement::usual(domain, f) };
+    let solved = statement.solved(file.as_deref()).unwrap();
+    DrawnSolution::of(name, &solved.problem, &solved.pair(), 2).unwrap()
 }
 
 /// Problem on one grid of the square.
@@ -56,24 +56,25 @@ pub(super) fn solution(title: &str, grid: Grid, pair: &Pair) -> DrawnSolution {
     DrawnSolution::on_grid(title.into(), (grid, Law::SIGNORINI), pair, 2)
 }
 
-/// Gear whose hole is free, from a file.
-fn gear() -> AnyMesh {
+/// File with a gear.
+fn gear_file() -> Vec<u8> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/gear.msh");
-    let mut gear = gmsh::read(&std::fs::read(path).unwrap()).unwrap();
-    gear.set_condition("hole", Condition::Free).unwrap();
-    gear
+    std::fs::read(path).unwrap()
 }
 
 /// Meshes, and solutions on them.
 fn meshes() -> Vec<(String, String)> {
     let [disc, lshape, annulus] =
         ["disc", "lshape", "annulus"].map(|name| AnyMesh::built_in(name).unwrap());
-    let gear = gear();
+    // Its hole is free.
+    let gear_domain = Domain { free: vec!["hole".into()], ..Domain::named("gear") };
+    let gear = Statement::usual(gear_domain.clone(), "else=-1").mesh(Some(&gear_file()));
+    let gear = gear.unwrap().unwrap();
     let drawn = [
-        ("disc", solved("disc", &disc, 4, "disc(0.4,0,0.4)=5; else=-1")),
-        ("lshape", solved("lshape", &lshape, 4, "rect(-1,0,-1,0)=2; else=-2")),
-        ("annulus", solved("annulus", &annulus, 3, "halfplane(1,0,0)=1; else=-2")),
-        ("gear", solved("gear", &gear, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
+        ("disc", solved(Domain::named("disc"), 4, "disc(0.4,0,0.4)=5; else=-1")),
+        ("lshape", solved(Domain::named("lshape"), 4, "rect(-1,0,-1,0)=2; else=-2")),
+        ("annulus", solved(Domain::named("annulus"), 3, "halfplane(1,0,0)=1; else=-2")),
+        ("gear", solved(gear_domain, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
     ];
     let mut figures = Vec::new();
     for (name, one) in &drawn {

@@ -3,7 +3,7 @@
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::table::Voice;
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, SizeRefusal, TooLarge};
+use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal};
 use signorini_mathematics::statement::Statement;
 
 impl Voice {
@@ -13,10 +13,8 @@ impl Voice {
         let asked = self.accuracy(statement.accuracy()?);
         let text = match (refusal, statement.domain.is_square()) {
             (Refusal::Interrupted, _) => return Some(Error::Interrupted),
-            (e @ Refusal::Bound(_), true) => {
-                format!("{asked}: {e}; scale f")
-            }
-            (Refusal::Size(e), true) => too_large(&format!("{asked}: grid 1/{}", e.finest), e),
+            (e @ Refusal::NoBound(_), true) => format!("{asked}: {e}; scale f"),
+            (Refusal::Size(e), true) => e.on_grid(&format!("{asked}: grid 1/{}", e.finest)),
             (_, true) => return None,
             (Refusal::Mesh(e), false) => {
                 format!("{}: {e}", statement.domain.name)
@@ -56,16 +54,5 @@ impl Voice {
         Err(Error::input(format!(
             "{asked} takes a grid {grid}, too fine for memory; 1/{MOST_CELLS} {best}, and {spectral} needs no grid"
         )))
-    }
-}
-
-/// Returns the message that a grid of the square, as the user asked for it, is too large.
-pub(crate) fn too_large(asked: &str, TooLarge { reason, fits, .. }: &TooLarge) -> String {
-    match (reason, fits) {
-        (SizeRefusal::TooFine { most, solver, .. }, _) => {
-            format!("{asked} needs too much memory; 1/{most} is the finest for {solver}")
-        }
-        (reason, Some(fits)) => format!("{asked} {reason}; 1/{fits} would fit"),
-        (reason, None) => format!("{asked} {reason}"),
     }
 }

@@ -2,11 +2,10 @@
 
 use crate::pipeline::{bar, talk};
 use indicatif::ProgressBar;
-use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Monitor;
-use signorini_mathematics::solvers::{ReachEnd, Reached, Tried, Watcher};
+use signorini_mathematics::solvers::{ReachEnd, Tried, Watcher};
 use signorini_mathematics::statement::Statement;
 use std::ops::ControlFlow;
 
@@ -88,22 +87,11 @@ pub(super) fn error(accuracy: Accuracy, reached: f64) -> String {
     }
 }
 
-/// End on adapted meshes, the last with so many nodes, as JSON.
-pub(super) fn json(way: &Reached, nodes: usize, reached: Option<f64>) -> Value {
-    let end = match way.end {
-        ReachEnd::Goal | ReachEnd::NoSolution => "goal",
-        ReachEnd::Finest { .. } => "memory",
-        ReachEnd::Rounding { .. } => "no longer falls",
-    };
-    json!({ "meshes": way.tried, "nodes": nodes, "reached": reached, "end": end })
-}
-
-/// End on adapted meshes, the last with so many nodes, in words.
-pub(super) fn text(way: &Reached, nodes: usize) -> String {
-    let reason = match way.end {
+/// Reason for the end on adapted meshes, in words.
+pub(super) fn reason(end: ReachEnd) -> &'static str {
+    match end {
         ReachEnd::Goal | ReachEnd::NoSolution => "the error is as small as asked",
         ReachEnd::Finest { .. } => "a finer mesh takes more memory than is left",
         ReachEnd::Rounding { .. } => "the bound of the error no longer falls",
-    };
-    format!("{} meshes, the last of {nodes} nodes: {reason}\n", way.tried)
+    }
 }

@@ -8,22 +8,22 @@ use super::{adapting, truth};
 use crate::cli::output::{in_columns, paragraph};
 use crate::table::Table;
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::{Accuracy, Bounds, NoBound};
+use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::kkt::StateCounts;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
+use signorini_mathematics::solvers::{Run, Solved, Solver};
 use std::collections::BTreeMap;
 
 /// Digits of an energy, unless more are asked for.
 const DIGITS: usize = 7;
 
-/// Returns the numbers of boundary nodes by their states in words.
-fn states_in_words(counts: StateCounts, law: Law) -> String {
-    let (StateCounts { sticks, slips_up, slips_down }, all) = (counts, counts.all());
+/// Returns numbers of boundary nodes by their states in words.
+fn states_in_words(states: StateCounts, law: Law) -> String {
+    let (StateCounts { sticks, slips_up, slips_down }, all) = (states, states.all());
     if law.is_signorini() {
         return format!("contact in {sticks} of {all} boundary nodes");
     }
@@ -43,8 +43,6 @@ fn finite(value: f64) -> Option<f64> {
 pub(super) struct Answer {
     /// What was found.
     pub solved: Solved,
-    /// Numbers of boundary nodes by their states; none without a grid.
-    states: Option<StateCounts>,
     /// Arcs in contact, with ends estimated within the cell unless the solution is the true one; `None` in space.
     contact: Option<Vec<ContactArc>>,
     /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
@@ -58,33 +56,25 @@ pub(super) struct Answer {
 
 impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
-        let (levels, law) = (solved.problem.levels(), solved.problem.law());
-        let (mut states, mut contact, mut force) = (None, None, 0.0);
-        if let Some(Run { y, judgement, .. }) = solved.run() {
-            let counted = judgement.states_and_force();
-            (states, force) = (Some(counted.0), counted.1);
-            contact = levels.arcs(y, judgement);
-        } else if let Some(found) = solved.truth() {
-            contact = Some(found.solution.contact.clone());
-            force = truth::force(found, law);
-        }
+        let (contact, force) = (solved.contact(), solved.force());
         let (warnings, failure, shortfall) = (Vec::new(), None, None);
-        let mut answer = Self { solved, states, contact, force, warnings, failure, shortfall };
-        if answer.bounds().is_some() {
+        let mut answer = Self { solved, contact, force, warnings, failure, shortfall };
+        if answer.solved.run().is_some() {
             answer.judge(request);
             request.clock.ended(Part::Bounds);
         }
         answer
     }
 
-    /// Guaranteed bounds on the finest level, or the reason for their absence; none of a true solution.
-    pub(super) fn bounds(&self) -> Option<&Result<Bounds, NoBound>> {
-        self.solved.bounds().last()
+    /// Guaranteed bounds on the finest level, if there are any.
+    pub(super) fn bounds(&self) -> Option<&Bounds> {
+        self.solved.bounds().last()?.as_ref().ok()
     }
 
-    /// Way to the accuracy on adapted meshes, if that is how it was found.
-    fn adapted(&self) -> Option<&Reached> {
-        self.solved.reached.as_ref().filter(|reached| reached.marks.is_some())
+    /// Number of adapted meshes on which a solution was sought, if that is how it was found.
+    fn meshes(&self) -> Option<usize> {
+        let way = self.solved.reached.as_ref().filter(|reached| reached.marks.is_some());
+        way.map(|way| way.tried)
     }
 
     /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
@@ -99,7 +89,7 @@ impl Answer {
     fn energy(&self, request: &Request) -> f64 {
         let of_v = self.solved.energy();
         match (request.statement.accuracy(), self.bounds()) {
-            (Some(Accuracy::Energy(_)), Some(Ok(bounds))) => bounds.nearest_energy(of_v),
+            (Some(Accuracy::Energy(_)), Some(bounds)) => bounds.nearest_energy(of_v),
             _ => of_v,
         }
     }
@@ -141,7 +131,7 @@ impl Answer {
             json["law"] = law_json(law);
         }
         let more = match self.solved.truth() {
-            Some(found) => truth::json(found),
+            Some(_) => truth::json(&self.solved).unwrap_or_default(),
             None => self.json_on_levels(request).unwrap_or_default(),
         };
         if let (Value::Object(json), Value::Object(mut more)) = (&mut json, more) {
@@ -153,9 +143,8 @@ impl Answer {
     /// Returns what only an answer on levels has.
     fn json_on_levels(&self, request: &Request) -> Option<Value> {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
-        let (run, states) = (self.solved.run()?, self.states?);
-        let (last, kkt) = (run.last(), run.last().kkt);
-        let bounds = self.bounds()?;
+        let run = self.solved.run()?;
+        let (states, last, kkt) = (run.judgement.state_counts(), run.last(), run.last().kkt);
         let [v_least, v_greatest] = last.range;
         // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
         let accuracy = request.statement.accuracy();
@@ -189,7 +178,7 @@ impl Answer {
             "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
             "bound": null,
         });
-        match bounds {
+        match self.solved.bounds().last()? {
             Ok(bounds) => {
                 json["bound"] = json!({
                     "energy": bounds.energy,
@@ -221,14 +210,17 @@ impl Answer {
         if let Some(Accuracy::Energy(_)) = accuracy {
             json["energy_of_linear_v"] = last.energy.into();
         }
-        if let (Some(way), Some(accuracy)) = (self.adapted(), accuracy) {
-            let reached = bounds.as_ref().ok().map(|bounds| accuracy.reached(bounds));
-            json["adapted"] = adapting::json(way, run.y.len(), reached);
+        if let (Some(meshes), Some(accuracy)) = (self.meshes(), accuracy) {
+            json["adapted"] = json!({
+                "meshes": meshes,
+                "nodes": run.y.len(),
+                "reached": self.bounds().map(|bounds| accuracy.reached(bounds)),
+                "end": self.solved.reached.as_ref().map(|way| way.end.name()),
+            });
         }
         if let Some(errors) = self.solved.errors() {
-            let (values, multiplier_l2) = (&errors.values, &errors.multiplier_l2);
-            json["errors"] = json!(values);
-            if let Some(multiplier_l2) = *multiplier_l2 {
+            json["errors"] = json!(errors.values);
+            if let Some(multiplier_l2) = errors.multiplier_l2 {
                 json["errors"]["multiplier_l2"] = multiplier_l2.into();
             }
         }
@@ -264,7 +256,7 @@ impl Answer {
         }
         match (self.solved.truth(), self.solved.run()) {
             (Some(found), _) => {
-                text += &truth::text(found, &self.solved.problem, self.force);
+                text += &truth::text(&self.solved);
                 text += &request.clock.text("setup", &format!(" ({} Newton steps)", found.steps));
             }
             (None, Some(run)) => {
@@ -281,24 +273,22 @@ impl Answer {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
         let (last, law, integral) = (run.last(), problem.law(), levels.integrals().of_f);
         let mut text = self.energy_in_words(request);
-        if let Some(bounds) = self.bounds()
-            && (!last.verdict().is_failure() || request.statement.accuracy().is_some())
-        {
-            text += &bound::text(bounds, problem, recover);
+        if !last.verdict().is_failure() || request.statement.accuracy().is_some() {
+            text += &bound::text(&self.solved, recover);
         }
         if let Some(errors) = self.solved.errors() {
-            let (values, multiplier_l2) = (&errors.values, &errors.multiplier_l2);
+            let values = errors.values;
             let [l2, h1, max] = [values.l2, values.h1, values.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
-            if let Some(multiplier_l2) = multiplier_l2 {
-                text += &format!("; multiplier L2 {}", plain(*multiplier_l2, 3));
+            if let Some(multiplier_l2) = errors.multiplier_l2 {
+                text += &format!("; multiplier L2 {}", plain(multiplier_l2, 3));
             }
             text.push('\n');
         }
         let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.contact.as_deref().unwrap_or_default();
-        text += &self.states.map(|states| states_in_words(states, law)).unwrap_or_default();
+        text += &states_in_words(run.judgement.state_counts(), law);
         let parts = levels.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");
@@ -312,12 +302,12 @@ impl Answer {
             };
         }
         text.push('\n');
-        let words = BoundaryWords::of(law);
+        let (words, rounding) = (BoundaryWords::of(law), levels.integrals().rounding());
         for arc in arcs {
             let part = arc.part.clone().filter(|_| parts.is_some());
-            text += &words.arc(&ContactArc { part, ..arc.clone() }, levels.integrals(), 6);
+            text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 6);
         }
-        text += &words.force([self.force, 0.0 - integral], levels.integrals(), 6);
+        text += &words.force([self.force, 0.0 - integral], rounding, 6);
         if levels.has_fixed_part() {
             text += "fixed parts carry the difference\n";
         }
@@ -332,8 +322,8 @@ impl Answer {
     fn method(&self, request: &Request, run: &Run) -> String {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
         let mut settings = vec![format!("solver {solver}")];
-        settings.extend(match self.adapted() {
-            Some(way) => Some(format!("{} adapted meshes", way.tried)),
+        settings.extend(match self.meshes() {
+            Some(meshes) => Some(format!("{meshes} adapted meshes")),
             None => request.refined(problem.finest()),
         });
         for (name, value) in request.settings(problem.law()) {
@@ -348,13 +338,20 @@ impl Answer {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
         }
         text += &self.table(request, run);
-        text += &self.adapted().map(|way| adapting::text(way, run.y.len())).unwrap_or_default();
+        text += &self.end_of_meshes(run.y.len()).unwrap_or_default();
         let cost = match solver {
             Solver::Multigrid => format!(" ({:.1} sweeps)", run.last().end.work_units),
             _ => String::new(),
         };
         let setup = if problem.levels().cells(0).is_some() { "setup" } else { "mesh" };
         text + &request.clock.text(setup, &cost)
+    }
+
+    /// Returns the end on adapted meshes, the last with so many nodes.
+    fn end_of_meshes(&self, nodes: usize) -> Option<String> {
+        let (meshes, way) = (self.meshes()?, self.solved.reached.as_ref()?);
+        let reason = adapting::reason(way.end);
+        Some(format!("{meshes} meshes, the last of {nodes} nodes: {reason}\n"))
     }
 
     fn table(&self, request: &Request, Run { ends, .. }: &Run) -> String {
@@ -372,7 +369,7 @@ impl Answer {
             let mut row = vec![
                 outcome.label(),
                 outcome.end.iterations.to_string(),
-                match self.adapted() {
+                match self.meshes() {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },

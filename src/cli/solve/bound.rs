@@ -2,18 +2,20 @@
 
 use super::advice::{Remedy, Warning};
 use super::request::Request;
-use signorini_mathematics::bounds::{Bounds, NoBound};
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::levels::{Integrals, Problem, Reserve};
+use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{interval, plain};
-use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::solvers::{Solved, Solver};
 
 /// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`.
-pub(super) fn text(bounds: &Result<Bounds, NoBound>, problem: &Problem, recovered: bool) -> String {
-    let bound = match bounds {
-        Ok(bounds) => bounds,
-        Err(reason) => return format!("no bound of the error: {reason}\n"),
+pub(super) fn text(solved: &Solved, recovered: bool) -> String {
+    let problem = &solved.problem;
+    let bound = match solved.bounds().last() {
+        Some(Ok(bounds)) => bounds,
+        Some(Err(reason)) => return format!("no bound of the error: {reason}\n"),
+        None => return String::new(),
     };
     let domain = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
     let guaranteed = match &problem.reserves()[..] {
@@ -95,8 +97,8 @@ impl BoundaryWords {
     }
 
     /// Returns, as text, the total flux and minus the integral of f, which are equal at the solution.
-    pub(super) fn force(&self, sums: [f64; 2], integrals: &Integrals, digits: usize) -> String {
-        let [force, minus_integral] = sums.map(|sum| balance(sum, integrals, digits));
+    pub(super) fn force(&self, sums: [f64; 2], rounding: f64, digits: usize) -> String {
+        let [force, minus_integral] = sums.map(|sum| balance(sum, rounding, digits));
         format!("{} {force}, minus the integral of f {minus_integral}\n", self.total)
     }
 
@@ -110,7 +112,7 @@ impl BoundaryWords {
     }
 
     /// Returns, as text, the place and the force of an arc at zero.
-    pub(super) fn arc(&self, arc: &ContactArc, integrals: &Integrals, digits: usize) -> String {
+    pub(super) fn arc(&self, arc: &ContactArc, rounding: f64, digits: usize) -> String {
         let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
         let on = arc.part.as_ref().map_or(String::new(), |part| format!(" on {part}"));
         let place = match arc.closed {
@@ -119,13 +121,13 @@ impl BoundaryWords {
             false if digits > 6 => format!("from {from}\n  to {to}"),
             false => format!("from {from} to {to}{on}"),
         };
-        format!("{} {place}, force {}\n", self.holds, balance(arc.force, integrals, digits))
+        format!("{} {place}, force {}\n", self.holds, balance(arc.force, rounding, digits))
     }
 }
 
 /// Returns a term of the balance of the flux with f as text, a sum of rounding errors as zero.
-fn balance(term: f64, integrals: &Integrals, digits: usize) -> String {
-    plain(if term.abs() <= integrals.rounding() { 0.0 } else { term }, digits)
+fn balance(term: f64, rounding: f64, digits: usize) -> String {
+    plain(if term.abs() <= rounding { 0.0 } else { term }, digits)
 }
 
 /// Error over the solution from which on a warning is given.
@@ -137,14 +139,13 @@ mod tests {
 
     #[test]
     fn sums_of_rounding_errors_are_zero() {
-        let integrals =
-            Integrals { of_f: -2.0, of_size: 3.0, by_quadrature: false, is_known: false };
+        let rounding = 3e-12;
         let words = BoundaryWords::of(Law::SIGNORINI);
         for (force, shown) in [(-3.69843e-15, "force 0\n"), (2e-11, "force 2.00000e-11\n")] {
             let arc = ContactArc::new([[0.0, 0.0], [1.0, 0.0]], force);
-            let text = words.arc(&arc, &integrals, 6);
+            let text = words.arc(&arc, rounding, 6);
             assert!(text.ends_with(shown), "{text}");
         }
-        assert!(words.force([1e-16, 2.0], &integrals, 6).starts_with("contact force 0, "));
+        assert!(words.force([1e-16, 2.0], rounding, 6).starts_with("contact force 0, "));
     }
 }

@@ -9,7 +9,6 @@ use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::{Written, plain};
@@ -66,10 +65,10 @@ impl Answer {
             self.warn_of_force(request, &last);
         }
         match (self.bounds(), accuracy, &self.failure) {
-            (Some(Ok(bounds)), None, None) => {
+            (Some(bounds), None, None) => {
                 self.warnings.extend(bound::warnings(bounds, last.energy, request));
             }
-            (Some(Ok(bounds)), Some(accuracy), None) => {
+            (Some(bounds), Some(accuracy), None) => {
                 self.shortfall = self.shortfall(request, accuracy, bounds);
             }
             _ => {}
@@ -122,7 +121,8 @@ impl Answer {
             );
             self.warnings.push(Warning::new(fact, COARSER_GRIDS));
         }
-        let coarse = &ends[..ends.len() - 1];
+        // Grids that were tried for an accuracy are no levels of the last one.
+        let coarse = &ends[ends.len() - ends.len().min(count)..ends.len() - 1];
         let without = |end: &Outcome| end.verdict() == Verdict::NoSolution;
         if !without(last)
             && let Some(grids) = named(problem, coarse, without)
@@ -131,7 +131,7 @@ impl Answer {
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             )));
         }
-        let cut_off = |end: &Outcome| end.end.stop != Stop::Converged;
+        let cut_off = |end: &Outcome| !end.end.has_converged();
         if let Some(grids) = named(problem, coarse, cut_off) {
             let fact = format!("the stopping rule was not met on {grids}");
             self.warnings.push(Warning::fact(fact));
@@ -142,7 +142,7 @@ impl Answer {
     fn warn_of_tolerance(&mut self, request: &Request, last: &Outcome) {
         let stop = last.end.stop;
         if let Some(tolerance) = request.statement.tolerance
-            && stop != Stop::Converged
+            && !last.end.has_converged()
         {
             self.warnings.push(Warning::fact(format!(
                 "--tolerance {} was not reached: the KKT residual is {} of the load at the {stop}",

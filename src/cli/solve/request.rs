@@ -15,18 +15,14 @@ use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
-use crate::replication::written::too_large;
 use crate::timing::machine;
 use serde_json::Value;
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::{Levels, Problem};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, StopRule};
-use signorini_mathematics::solvers::{
-    Memory, Reached, Refusal, SizeRefusal, Solved, Solver, TooLarge, Watcher,
-};
+use signorini_mathematics::solvers::{Memory, Refusal, Solved, Solver, Watcher};
 use signorini_mathematics::statement::{
     Domain, Fineness, SaddleSettings, Statement, StatementError,
 };
@@ -111,11 +107,8 @@ impl Request {
             Some(_) if args.fields.accuracy().is_none() => Voice::Keys,
             _ => Voice::Options,
         };
-        let left = machine::available_memory().unwrap_or(u64::MAX);
-        let memory = match &args.out {
-            Some(_) => Memory::with_file(left, args.recover),
-            None => Memory::without_files(left),
-        };
+        let memory = Memory::new(machine::available_memory());
+        let memory = if args.out.is_some() { memory.with_files(args.recover) } else { memory };
         let file = file_name(&statement);
         let name = args.scene.as_deref().or(file).unwrap_or(&statement.domain.name).to_owned();
         let coarsest = coarsest(&statement, scene)?;
@@ -168,11 +161,10 @@ impl Request {
         let solved = statement.solve(problem, self.memory, watcher, &steps);
         let solved = solved.map_err(|e| self.refused(&e))?;
         self.check_diverged(&solved)?;
-        match (statement.accuracy(), &solved.reached) {
-            (Some(accuracy), Some(Reached { end, marks: None, .. })) => {
-                voice.check_end(accuracy, *end)?;
-            }
-            _ => {}
+        if let (Some(accuracy), Some(reached), true) =
+            (statement.accuracy(), &solved.reached, statement.domain.is_square())
+        {
+            voice.check_end(accuracy, reached.end)?;
         }
         Ok(solved)
     }
@@ -180,7 +172,7 @@ impl Request {
     /// Refuses values that are not finite.
     fn check_diverged(&self, solved: &Solved) -> Result<()> {
         let (name, solver) = (&self.name, self.statement.solver);
-        let Some(last) = solved.ends().last().filter(|last| last.end.stop == Stop::Diverged) else {
+        let Some(last) = solved.ends().last().filter(|last| last.end.has_diverged()) else {
             return Ok(());
         };
         let first = solved.run().map_or(0, |run| run.first_level);
@@ -310,8 +302,8 @@ impl Request {
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }
-            Refusal::Spectral(e) => truth::failed(&self.name, e),
-            _ => Error::input(format!("{place}: {refusal}; check f")),
+            _ => truth::failed(&self.name, refusal)
+                .unwrap_or_else(|| Error::input(format!("{place}: {refusal}; check f"))),
         }
     }
 }
@@ -368,7 +360,7 @@ fn check_grid(statement: &Statement, voice: Voice, memory: Memory) -> Result<()>
         None => format!("--h 1/{cells}"),
     };
     let checked = memory.check_grid(statement.solver, cells);
-    checked.map_err(|e| Error::input(too_large(&asked, &e)))
+    checked.map_err(|e| Error::input(e.on_grid(&asked)))
 }
 
 /// Refuses an accuracy in space, and meshes that take too much memory or are too large for the solver.
@@ -387,28 +379,20 @@ fn check_mesh(mesh: &AnyMesh, statement: &Statement, voice: Voice, memory: Memor
 fn check_size(mesh: &AnyMesh, statement: &Statement, memory: Memory) -> Result<()> {
     let solver = statement.solver;
     let times = statement.refinements(mesh).map_err(|e| of_options(&e))?;
-    let Err(TooLarge { reason, fits, .. }) = memory.check_mesh(solver, mesh, times) else {
-        return Ok(());
-    };
+    let Err(too_large) = memory.check_mesh(solver, mesh, times) else { return Ok(()) };
     // The option by which the levels of the domain are chosen.
     let option = |fewer: usize| match statement.fineness {
         Fineness::Width(cells) => format!("--h 1/{}", cells >> (times - fewer)),
         _ => format!("--refine {fewer}"),
     };
-    let text = match reason {
-        SizeRefusal::TooManyNodes { nodes, most, .. } => {
-            format!("makes about {nodes:.0} nodes, where {solver} can do with {most}")
-        }
-        ref reason => reason.to_string(),
-    };
-    let remedy = match (fits, &reason) {
-        (Some(times), _) => format!("{} would fit", option(times)),
-        (None, SizeRefusal::Memory { .. }) => "begin with a coarser mesh and --refine".into(),
-        (None, _) => "choose another solver, or begin with a coarser mesh".into(),
+    let remedy = match too_large.fits {
+        Some(times) => format!("{} would fit", option(times)),
+        None if too_large.is_of_memory() => "begin with a coarser mesh and --refine".into(),
+        None => "choose another solver, or begin with a coarser mesh".into(),
     };
     // A mesh that is not refined is the file's own.
     let asked = if times == 0 { statement.domain.name.clone() } else { option(times) };
-    Err(Error::input(format!("{asked} {text}; {remedy}")))
+    Err(Error::input(format!("{asked} {too_large}; {remedy}")))
 }
 
 fn scene(name: &str) -> Result<Scene> {

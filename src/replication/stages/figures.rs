@@ -370,3 +370,20 @@ fn two_valued(found: &Findings) -> Vec<[f64; 2]> {
     }
     values
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replication::stages::solve::tests::{ACCURATE, with_solved};
+
+    #[test]
+    fn pictures_of_scenes_with_an_accuracy_solve_nothing() {
+        for text in ACCURATE {
+            with_solved(text, |inputs, scene| {
+                for output in [Output::Map, Output::Surface, Output::Contact] {
+                    draw(output, std::slice::from_ref(scene), inputs).unwrap();
+                }
+            });
+        }
+    }
+}

@@ -2,7 +2,7 @@
 //! read, and the joins and aggregates of it that the book shows.
 
 use super::from_json;
-use super::solve::{self, OUTCOMES, Outcomes, WithoutGrid};
+use super::solve::{self, CONVERGED, OUTCOMES, Outcomes, WithoutGrid};
 use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
@@ -279,7 +278,7 @@ impl GridSolve<'_> {
     /// True if the stopping rule was met; none for a solver without.
     fn met(&self) -> Option<bool> {
         self.run?;
-        Some(self.outcome?.end.stop == Stop::Converged)
+        Some(self.outcome?.end.has_converged())
     }
 }
 
@@ -341,7 +340,7 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "nodes" => column(solves, |solve| Some(solve.outcome?.nodes as i64)),
         "tolerance" => column(solves, |solve| solve.run.map(|_| tolerance(solve.level))),
         "iterations" => column(solves, GridSolve::iterations),
-        "stop" => column(solves, |solve| solve.outcome.map_or(Stop::Converged.name(), |of| of.name())),
+        "stop" => column(solves, |solve| solve.outcome.map_or(CONVERGED, |of| of.name())),
         "met" => column(solves, GridSolve::met),
         "gradient_signed" => column(solves, |solve| solve.outcome?.gradient_signed),
         "gradient_abs" => column(solves, |solve| solve.outcome?.gradient_abs),

@@ -72,3 +72,19 @@ struct State<'a> {
     words: &'a str,
     pair: &'a Pair,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replication::stages::solve::tests::{ACCURATE, with_solved};
+
+    #[test]
+    fn downloads_of_scenes_with_an_accuracy_solve_nothing() {
+        for text in ACCURATE {
+            with_solved(text, |inputs, scene| {
+                let found = Solutions::of(inputs, &[], std::slice::from_ref(scene)).unwrap();
+                assert_eq!((found.listed.len(), found.files.len()), (1, 1));
+            });
+        }
+    }
+}

@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
@@ -79,6 +78,8 @@ impl WithoutGrid {
     }
 }
 
+/// Name of the end of the spectral solver.
+pub(super) const CONVERGED: &str = "converged";
 /// Artifact with an [`Outcomes`].
 pub(crate) const OUTCOMES: &str = "outcomes.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
@@ -164,8 +165,7 @@ impl Cell {
         let mut recorder =
             Recorder { keep_history: self.keep_history, history, pairs, interrupted };
         let problem = mesh_files::problem(&self.statement, files)?;
-        let left = machine::available_memory().unwrap_or(u64::MAX);
-        let memory = Memory::without_files(left);
+        let memory = Memory::new(machine::available_memory());
         let solved = self.statement.solve(problem, memory, &mut recorder, &|_| ());
         let solved = solved.map_err(|e| {
             let of_accuracy = Voice::Keys.refused(&self.statement, &e);
@@ -243,7 +243,7 @@ impl Cell {
 impl Outcomes {
     /// Artifacts with these outcomes, and the last pair if it is drawn; fails if the iteration diverged.
     fn artifacts(&self, drawn: Option<&Pair>) -> Result<Artifacts, Failure> {
-        if let Some(last) = self.levels.last().filter(|last| last.end.stop == Stop::Diverged) {
+        if let Some(last) = self.levels.last().filter(|last| last.end.has_diverged()) {
             let place = match last.cells {
                 Some(cells) => format!("grid 1/{cells}"),
                 None => format!("the mesh of {} nodes", last.nodes),
@@ -267,7 +267,7 @@ impl Outcomes {
 
     /// Name of the end on the finest level, or of that of the spectral solver.
     pub(super) fn end(&self) -> &'static str {
-        self.levels.last().map_or(Stop::Converged.name(), Outcome::name)
+        self.levels.last().map_or(CONVERGED, Outcome::name)
     }
 
     /// Energy on the level with this number: that of v or, where the accuracy of the energy was asked for, the number
@@ -526,43 +526,9 @@ fn pair_bytes(pair: &Pair) -> Vec<u8> {
 /// that is drawn.
 pub(super) fn gradient(inputs: &Inputs, scene: &Scene) -> Result<Vec<f64>, Failure> {
     let problem = mesh_files::problem(&scene.statement, inputs.files)?;
-    Ok(problem.gradient(&pair_on_grid(inputs, scene)?, scene.saddle().r))
+    let gradient = problem.gradient(scene.saddle().r, &pair_on_grid(inputs, scene)?);
+    Ok(gradient.ok_or("the gradient is drawn on the square")?)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pipeline::RunningProgram;
-
-    #[test]
-    fn adapted_meshes_are_read_and_not_solved_for_again() {
-        let text = "title = 't'\ndomain = 'lshape'\nf = 'rect(-1,0,-1,0)=3; else=-2'\naccuracy = 0.3\n\
-            outputs = ['map']\n";
-        let scene = Scene::parse("t", text).unwrap();
-        let interrupted = AtomicBool::new(false);
-        let made = cell(&scene, None).artifacts(&InputFiles::new(), &interrupted).unwrap();
-        let artifacts = BTreeMap::from([("solve/t".to_owned(), made)]);
-        let files = InputFiles::new();
-        let inputs = Inputs {
-            task: "figures/t-map",
-            files: &files,
-            artifacts: &artifacts,
-            digest: "",
-            scratch: std::path::Path::new(""),
-            interrupted: &interrupted,
-            program: &RunningProgram {
-                digest: String::new(),
-                commands: Vec::new,
-                give_back_memory: || (),
-            },
-        };
-        // If it were solved again, the mesh would be that of the accuracy.
-        let fineness = Fineness::Within(Accuracy::Error(0.02));
-        let statement = Statement { fineness, ..scene.statement.clone() };
-        let closer = Scene { statement, ..scene.clone() };
-        let [coarse, same] = [&scene, &closer].map(|scene| problem(&inputs, scene).unwrap());
-        assert!(coarse.levels().count() > 3);
-        assert_eq!(coarse.lengths(), same.lengths());
-        pair(&inputs, &closer, None, &same).unwrap();
-    }
-}
+pub(super) mod tests;

@@ -30,6 +30,16 @@ impl End {
         Self { iterations, work_units: 0.0, stop: Stop::Converged, delta_a: None }
     }
 
+    /// True if the goal was reached.
+    pub fn has_converged(&self) -> bool {
+        self.stop == Stop::Converged
+    }
+
+    /// True if values are no longer finite.
+    pub fn has_diverged(&self) -> bool {
+        self.stop == Stop::Diverged
+    }
+
     /// Number of Gauss-Seidel sweeps of a method that consists of them.
     pub fn sweeps(&self) -> usize {
         self.work_units as usize

@@ -33,18 +33,18 @@ pub struct Kkt {
 }
 
 /// Numbers of boundary nodes by their states.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct StateCounts {
     /// Nodes at zero; under the paper's law, in contact.
     pub sticks: usize,
-    /// Nodes above zero.
+    /// Nodes where v > 0.
     pub slips_up: usize,
-    /// Nodes below zero.
+    /// Nodes where v < 0.
     pub slips_down: usize,
 }
 
 impl StateCounts {
-    /// Number of boundary nodes.
+    /// All nodes.
     pub fn all(self) -> usize {
         self.sticks + self.slips_up + self.slips_down
     }
@@ -82,26 +82,28 @@ impl Judgement {
         self.states.iter().map(|state| *state == BoundaryState::Sticks).collect()
     }
 
-    /// Numbers of boundary nodes by their states, and the total contact force.
-    pub fn states_and_force(&self) -> (StateCounts, f64) {
-        let (mut counts, mut force) = (StateCounts::default(), 0.0);
-        for ((state, contact), flux) in self.states.iter().zip(&self.contact).zip(&self.flux) {
-            match state {
-                BoundaryState::Sticks => {
-                    counts.sticks += 1;
-                    force += flux;
-                }
-                BoundaryState::SlipsUp => {
-                    counts.slips_up += 1;
-                    force += contact.measure * self.law.lo();
-                }
-                BoundaryState::SlipsDown => {
-                    counts.slips_down += 1;
-                    force += contact.measure * self.law.hi();
-                }
-            }
+    /// Numbers of boundary nodes by their states.
+    pub fn state_counts(&self) -> StateCounts {
+        let count = |wanted| self.states.iter().filter(|state| **state == wanted).count();
+        StateCounts {
+            sticks: count(BoundaryState::Sticks),
+            slips_up: count(BoundaryState::SlipsUp),
+            slips_down: count(BoundaryState::SlipsDown),
         }
-        (counts, force)
+    }
+
+    /// Total flux through the boundary where the law holds: the sum of the flux over the nodes that stick, and of the
+    /// law's over the others.
+    pub fn force(&self) -> f64 {
+        let mut force = 0.0;
+        for ((state, contact), flux) in self.states.iter().zip(&self.contact).zip(&self.flux) {
+            force += match state {
+                BoundaryState::Sticks => *flux,
+                BoundaryState::SlipsUp => contact.measure * self.law.lo(),
+                BoundaryState::SlipsDown => contact.measure * self.law.hi(),
+            };
+        }
+        force
     }
 
     /// Length or area of the boundary where the law holds.

@@ -174,6 +174,14 @@ impl Problem {
         [self.levels.nodes(self.finest()), self.levels.contact().len()]
     }
 
+    /// Components of the gradient (8) at the nodes of the finest grid of the square, for this duality parameter; none on
+    /// a mesh.
+    pub fn gradient(&self, r: f64, pair: &Pair) -> Option<Vec<f64>> {
+        let network = Network::of_square(self.lattices()?.finest());
+        let functional = Plain { network: &network, law: self.law, load: self.load(), r };
+        Some((0..pair.y.len()).map(|node| functional.gradient(node, pair)).collect())
+    }
+
     /// Puts values at the boundary nodes of the finest level into a nodal vector with this value elsewhere.
     pub fn at_nodes<T: Copy>(&self, values: &[T], elsewhere: T) -> Vec<T> {
         let mut nodal = vec![elsewhere; self.levels.nodes(self.finest())];
@@ -220,20 +228,6 @@ impl Problem {
     pub fn moved_jumps(&self) -> Option<f64> {
         let lattices = self.lattices()?;
         moved_jumps(lattices.finest(), lattices.source(), lattices.rule())
-    }
-
-    /// Components of the gradient (8) at the nodes of the finest level for a pair there and the parameter r.
-    pub fn gradient(&self, pair: &Pair, r: f64) -> Vec<f64> {
-        let of_square;
-        let network = match (self.lattices(), self.networks()) {
-            (Some(lattices), _) => {
-                of_square = Network::of_square(lattices.finest());
-                &of_square
-            }
-            (None, networks) => &networks.and_then(<[_]>::last).expect("a finest mesh").network,
-        };
-        let functional = Plain { network, law: self.law, load: self.load(), r };
-        (0..pair.y.len()).map(|node| functional.gradient(node, pair)).collect()
     }
 
     /// Guaranteed bounds for a nodal vector of the finest level, but for what [`Problem::reserves`] lists.

@@ -15,7 +15,7 @@ pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{ReachEnd, Reached, Tried, Watcher};
 pub use run::{Found, Run};
-pub use size::{Files, MOST_CELLS, Memory, SizeRefusal, TooLarge};
+pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{Solved, recovered};
 pub use table::{SOLVERS, Solver, SolverEntry};
 
@@ -52,12 +52,12 @@ impl Settings {
 /// Reason for which a solver refuses a problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// Number of cells per side that cannot be halved to a coarse grid.
-    #[error(transparent)]
-    GridSize(InputError),
     /// Wrong input.
     #[error(transparent)]
     Input(InputError),
+    /// A number of cells per side that cannot be used.
+    #[error(transparent)]
+    GridSize(InputError),
     /// No flux can balance the load vector of a level, although one can balance f.
     #[error("{reason}")]
     Unbalanced {
@@ -68,15 +68,15 @@ pub enum Refusal {
         /// Reason.
         reason: Unsolvable,
     },
-    /// The next mesh cannot be made.
+    /// f is not finite at a point of a coarser level, or there is no problem on it.
+    #[error(transparent)]
+    Problem(ProblemError),
+    /// The mesh cannot be refined.
     #[error(transparent)]
     Mesh(MeshError),
     /// No bound of the error, by which grids or meshes would become finer.
     #[error("no bound of the error: {0}")]
-    Bound(NoBound),
-    /// f is not finite at a point of a coarser level.
-    #[error(transparent)]
-    Problem(ProblemError),
+    NoBound(NoBound),
     /// The domain does not have the solver.
     #[error("{0} is for the square alone")]
     NotOnMeshes(Solver),
@@ -97,9 +97,9 @@ pub enum Refusal {
 impl From<ProblemError> for Refusal {
     fn from(error: ProblemError) -> Self {
         match error {
-            ProblemError::Mesh(error) => Self::Mesh(error),
-            ProblemError::Bound(reason) => Self::Bound(reason),
-            error => Self::Problem(error),
+            ProblemError::Mesh(e) => Self::Mesh(e),
+            ProblemError::Bound(e) => Self::NoBound(e),
+            e => Self::Problem(e),
         }
     }
 }
@@ -107,10 +107,10 @@ impl From<ProblemError> for Refusal {
 impl Refusal {
     /// Refusal of the discrete problem on the finest level.
     fn on_finest(problem: &Problem, error: InputError) -> Self {
-        if matches!(error, InputError::GridSize { .. }) {
-            return Self::GridSize(error);
-        }
-        let InputError::Unsolvable(reason) = error else { return Self::Input(error) };
+        let InputError::Unsolvable(reason) = error else {
+            let is_of_size = matches!(error, InputError::GridSize { .. });
+            return if is_of_size { Self::GridSize(error) } else { Self::Input(error) };
+        };
         let Some(sum_load) = reason.integral() else { return Self::Input(error) };
         Self::Unbalanced { level: problem.levels().name(problem.finest()), sum_load, reason }
     }

@@ -4,7 +4,6 @@
 use super::Refusal;
 use super::solved::Solved;
 use crate::bounds::{Accuracy, Bounds, NoBound};
-use crate::levels::ProblemError;
 use crate::saddle::Monitor;
 use std::ops::ControlFlow;
 
@@ -27,6 +26,18 @@ pub enum ReachEnd {
     },
     /// The solver found no solution.
     NoSolution,
+}
+
+impl ReachEnd {
+    /// Name in answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Goal => "goal",
+            Self::Finest { .. } => "memory",
+            Self::Rounding { .. } => "no longer falls",
+            Self::NoSolution => "no solution",
+        }
+    }
 }
 
 /// Way to an accuracy.
@@ -102,7 +113,7 @@ pub(crate) fn reach<R: Refining>(
             _ if finest.has_failed() => Some(ReachEnd::NoSolution),
             Ok(bounds) if accuracy.reached(bounds) <= accuracy.wanted() => Some(ReachEnd::Goal),
             Err(reason) if finest.is_hopeless(reason) => {
-                return Err(ProblemError::from(*reason).into());
+                return Err(Refusal::NoBound(*reason));
             }
             _ => finest.refine()?,
         };

@@ -3,6 +3,8 @@
 use super::Solver;
 use crate::mesh::AnyMesh;
 use crate::multigrid::{InputError, check_size};
+use std::error::Error;
+use std::fmt;
 
 /// Largest number of cells per side of the square; two nodal vectors of that grid take about 1 GB.
 pub const MOST_CELLS: usize = 8192;
@@ -81,7 +83,7 @@ impl Solver {
 
 /// Files with a solution that are written besides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Files {
+enum Files {
     /// None.
     None,
     /// The solution.
@@ -94,36 +96,62 @@ pub enum Files {
 #[derive(Clone, Copy, Debug)]
 pub struct Memory {
     /// Bytes that are left.
-    pub left: u64,
-    /// Files.
-    pub files: Files,
+    left: u64,
+    files: Files,
 }
 
-impl Memory {
-    /// Memory for a solution alone.
-    pub fn without_files(left: u64) -> Self {
-        Self { left, files: Files::None }
-    }
-
-    /// Memory for a solution that is written to a file or, `recovered`, its recovered solution.
-    pub fn with_file(left: u64, recovered: bool) -> Self {
-        Self { left, files: if recovered { Files::Recovered } else { Files::Solution } }
-    }
-}
-
-/// Grid or mesh that is too large, with what would fit.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{reason}")]
+/// Grid or mesh that is too large, with what would fit; in words, what follows its name.
+#[derive(Clone, Debug, PartialEq)]
 pub struct TooLarge {
     /// Cells per side of the grid, or number of refinements of the mesh.
     pub finest: usize,
     /// Reason.
-    pub reason: SizeRefusal,
-    /// Cells per side or number of refinements that would fit; none if the coarsest mesh is too large.
+    reason: SizeRefusal,
+    /// Cells per side or number of refinements that would fit; none if the coarsest mesh is too large, or the reason
+    /// has it.
     pub fits: Option<usize>,
 }
 
+impl Error for TooLarge {}
+
+impl fmt::Display for TooLarge {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.reason {
+            SizeRefusal::TooFine { most, solver, .. } => {
+                write!(out, "needs too much memory; 1/{most} is the finest for {solver}")
+            }
+            SizeRefusal::TooManyNodes { nodes, most, solver } => {
+                write!(out, "makes about {nodes:.0} nodes, where {solver} can do with {most}")
+            }
+            reason => write!(out, "{reason}"),
+        }
+    }
+}
+
+impl TooLarge {
+    /// True if it is the memory that is too small, and not the solver that can do with less.
+    pub fn is_of_memory(&self) -> bool {
+        matches!(self.reason, SizeRefusal::Memory { .. })
+    }
+
+    /// Sentence on a grid of the square, as the user asked for it.
+    pub fn on_grid(&self, asked: &str) -> String {
+        let remedy = self.fits.map(|cells| format!("; 1/{cells} would fit"));
+        format!("{asked} {self}{}", remedy.unwrap_or_default())
+    }
+}
+
 impl Memory {
+    /// So many bytes, or as many as it takes; no file is written.
+    pub fn new(left: Option<u64>) -> Self {
+        Self { left: left.unwrap_or(u64::MAX), files: Files::None }
+    }
+
+    /// Memory for files with the solution or, if it `is_recovered`, with that on four times as many nodes.
+    pub fn with_files(self, is_recovered: bool) -> Self {
+        Self { files: if is_recovered { Files::Recovered } else { Files::Solution }, ..self }
+    }
+
     /// Refuses a grid of the square with so many cells per side that is too large for a solver, or for the memory.
     ///
     /// # Errors
@@ -136,7 +164,10 @@ impl Memory {
             fits /= 2;
         }
         let reason = match cells {
-            _ if cells > most => SizeRefusal::TooFine { solver, cells, most },
+            _ if cells > most => {
+                let reason = SizeRefusal::TooFine { solver, cells, most };
+                return Err(TooLarge { finest: cells, reason, fits: None });
+            }
             _ if bytes(cells) > self.left => {
                 let [megabytes, left] =
                     [bytes(cells), self.left].map(|all| (all / 1_000_000) as f64);

@@ -3,6 +3,7 @@
 use super::reach::Reached;
 use super::run::{Found, Run, values};
 use crate::bounds::{Bounds, NoBound, recovery};
+use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
 use crate::discrete::transfer::prolong_boundary;
@@ -68,18 +69,36 @@ impl Solved {
             .get_or_init(|| self.run().map(|run| self.problem.bounds(&run.y)).into_iter().collect())
     }
 
-    /// Errors under the paper's law, if the solution has a formula.
-    pub fn errors(&self) -> Option<KnownErrors> {
-        let run = self.run().filter(|_| self.problem.law().is_signorini())?;
-        self.problem.levels().errors(&run.y, self.problem.load())
-    }
-
     /// Energy: that of v or, where the energy itself was asked for, of the true solution.
     pub fn energy(&self) -> f64 {
         match &self.found {
             Found::Vector(run) => run.last().energy,
             Found::Truth(found) => found.solution.energy,
         }
+    }
+
+    /// Arcs in contact on the boundary of a domain in the plane, with ends estimated within the cell unless the solution
+    /// is the true one; none in space.
+    pub fn contact(&self) -> Option<Vec<ContactArc>> {
+        match &self.found {
+            Found::Vector(Run { y, judgement, .. }) => self.problem.levels().arcs(y, judgement),
+            Found::Truth(found) => Some(found.solution.contact.clone()),
+        }
+    }
+
+    /// Total contact force; under another law than the paper's the flux through all of the boundary.
+    pub fn force(&self) -> f64 {
+        match &self.found {
+            Found::Vector(run) => run.judgement.force(),
+            Found::Truth(found) => found.solution.force(),
+        }
+    }
+
+    /// Errors of v on the finest level; none if the solution is not known.
+    pub fn errors(&self) -> Option<KnownErrors> {
+        let (run, problem) = (self.run()?, &self.problem);
+        let is_known = problem.law().is_signorini();
+        problem.levels().errors(&run.y, problem.load()).filter(|_| is_known)
     }
 
     /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.

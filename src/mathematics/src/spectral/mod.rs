@@ -190,6 +190,18 @@ pub enum SpectralError {
     },
 }
 
+impl SpectralError {
+    /// True if the input is the reason, and not that no solution was found.
+    pub fn is_of_input(&self) -> bool {
+        matches!(self, Self::NotPieces | Self::Unsolvable(_))
+    }
+
+    /// True if borders of f that nearly touch may be the reason.
+    pub fn is_of_touch(&self) -> bool {
+        matches!(self, Self::Unchecked { near: Some(_), .. } | Self::NoContactSet(Some(_)))
+    }
+}
+
 /// Solution of a problem.
 pub struct Solution {
     /// J(v) = -1/2 int f v, plus half the integral of the law's potential.
@@ -345,6 +357,14 @@ impl Solution {
             search::search(&self.problem, self.trace.ends.arcs_and_flux(), params, false)
                 .ok_or_else(|| SpectralError::NoContactSet(self.problem.jumps.nearly_touching()))?;
         Self::checked(&self.problem, found, Some(self.energy))
+    }
+
+    /// Total contact force; under another law than the paper's the flux through all of the boundary.
+    pub fn force(&self) -> f64 {
+        if self.problem.law.is_signorini() {
+            return self.contact.iter().map(|arc| arc.force).sum();
+        }
+        self.boundary_points().map(|point| point.weight * point.multiplier).sum()
     }
 
     /// v and dv/dn at the quadrature nodes of the boundary, anticlockwise.

@@ -25,7 +25,7 @@ use crate::problem::law::{Law, LawError, LawParameter};
 use crate::problem::source::Source;
 use crate::saddle::{Params, StopRule};
 use crate::solvers::{
-    Adaption, Files, Grids, Memory, Refusal, Settings, Solved, Solver, Watcher, find, reach,
+    Adaption, Grids, Memory, Refusal, Settings, Solved, Solver, Watcher, find, reach,
 };
 use serde::{Deserialize, Serialize};
 
@@ -310,8 +310,7 @@ impl Statement {
     /// [`StatementError`].
     pub fn solved(&self, file: Option<&[u8]>) -> Result<Solved, StatementError> {
         let problem = self.problem(self.mesh(file)?.as_ref(), &|_| ())?;
-        let memory = Memory { left: u64::MAX, files: Files::None };
-        Ok(self.solve(problem, memory, &mut (), &|_| ())?)
+        Ok(self.solve(problem, Memory::new(None), &mut (), &|_| ())?)
     }
 
     /// Settings of the solver for a problem.

@@ -322,3 +322,20 @@ fn provenance(inputs: &Inputs) -> Result<Value, Failure> {
         "license": env!("CARGO_PKG_LICENSE"),
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replication::stages::solve::tests::{ACCURATE, with_solved};
+
+    #[test]
+    fn chapters_of_scenes_with_an_accuracy_solve_nothing() {
+        for text in ACCURATE {
+            with_solved(text, |inputs, scene| {
+                let told = other(inputs, scene).unwrap();
+                assert_eq!(told["text"], text);
+                assert!(told["level"]["nodes"].as_u64() > Some(300));
+            });
+        }
+    }
+}

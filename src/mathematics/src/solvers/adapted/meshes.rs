@@ -342,7 +342,7 @@ impl Refining for Meshes<'_> {
     }
 
     fn finished(mut self, reached: Reached) -> Result<Solved, Refusal> {
-        let found = self.found.map_err(ProblemError::from)?;
+        let found = self.found.map_err(Refusal::NoBound)?;
         self.bounds.pop();
         let law = self.adaption.law;
         let y = self.y.expect("a vector with bounds");
