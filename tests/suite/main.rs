@@ -15,6 +15,7 @@ mod certificate;
 mod claims;
 mod cli;
 mod common;
+mod concepts;
 mod contact;
 mod cube;
 mod disks;

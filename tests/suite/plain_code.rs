@@ -13,9 +13,6 @@ const INDIRECT_DOCUMENTATION: usize = 10;
 /// Most arguments of a function, `self` included.
 const ARGUMENTS: usize = 5;
 
-/// Most types of the mathematics that say how a run ended: `Stop`, and those with a public field that says so.
-const ENDS_OF_RUNS: usize = 6;
-
 /// Most columns of a line, strings and comments included.
 const COLUMNS: usize = 120;
 
@@ -25,28 +22,8 @@ const INDIRECT: [&str; 6] = ["What", "Whether", "Where", "How", "The same", "Its
 /// Most functions with a loop over the iterations of the saddle-point methods.
 const ITERATION_LOOPS: usize = 1;
 
-/// Most lines that ask which kind of domain a problem has: grids of the square, or a mesh in the plane or in space.
-const KIND_QUESTIONS: usize = 15;
-/// Words of such a question.
-const KINDS: [&str; 7] = [
-    "Place::Square",
-    "Place::Mesh",
-    ".square()",
-    ".lattices()",
-    ".networks()",
-    "AnyMesh::Plane",
-    "AnyMesh::Space",
-];
-/// Places where domains are made, and told apart for all others.
-const MAKERS: [&str; 3] =
-    ["src/mathematics/src/levels/", "src/mathematics/src/mesh/", "src/replication/stated.rs"];
-
 /// Folders of the packages beside the program.
 const PACKAGES: [&str; 2] = ["src/mathematics/", "src/pipeline/"];
-
-/// Most lines that ask whether a problem has a solution: the problem, when it is made; solvers, of a load vector; the
-/// judge; the bounds on the square and on meshes and the spectral solver, which need no problem.
-const SOLVABILITY_QUESTIONS: usize = 6;
 
 /// A source file: its path from the root of the repository, and its text.
 struct Source {
@@ -205,21 +182,6 @@ fn one_function_has_a_loop_over_the_iterations_of_the_paper() {
     assert!(!found.is_empty() && found.len() <= ITERATION_LOOPS, "{found:#?}");
 }
 
-/// Lines of the code, unit tests and comments apart, for which a condition holds, by the paths of their files.
-fn lines_where(condition: impl Fn(&Source, &str) -> bool) -> Vec<String> {
-    let mut found = Vec::new();
-    for source in sources() {
-        if ["tests.rs", "samples.rs"].iter().any(|ending| source.path.ends_with(ending)) {
-            continue;
-        }
-        let code = source.text.split("mod tests {").next().unwrap_or_default();
-        let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
-        let lines = lines.filter(|line| condition(&source, line));
-        found.extend(lines.map(|line| format!("{}: {}", source.path, line.trim())));
-    }
-    found
-}
-
 #[test]
 fn lines_end_at_120_columns() {
     let mut found = Vec::new();
@@ -228,48 +190,6 @@ fn lines_end_at_120_columns() {
         found.extend(long.map(|(number, _)| format!("{path}:{number}")));
     }
     assert!(found.is_empty(), "{found:#?}");
-}
-
-/// Names of the types of a text with a public field that says how a run ended, by itself or for each level.
-fn types_with_an_end(text: &str) -> BTreeSet<&str> {
-    let (mut found, mut inside) = (BTreeSet::new(), "");
-    for line in text.lines() {
-        inside = defined_type(line).unwrap_or(inside);
-        let field = line.trim_start().strip_prefix("pub ").and_then(|rest| rest.split_once(": "));
-        let Some((name, kind)) = field else { continue };
-        let kind = kind.trim_start_matches("Option<").trim_start_matches("Vec<");
-        let is_end = ["Stop", "End", "Outcome"]
-            .iter()
-            .any(|end| kind.strip_prefix(end).is_some_and(|rest| rest.starts_with([',', '>'])));
-        if is_end && !name.contains(' ') {
-            found.insert(inside);
-        }
-    }
-    found
-}
-
-#[test]
-fn few_types_say_how_a_run_ended() {
-    let mut found = vec!["Stop".to_owned()];
-    for source in sources().iter().filter(|source| source.path.starts_with("src/mathematics/")) {
-        found.extend(types_with_an_end(&source.text).into_iter().map(String::from));
-    }
-    assert!(found.len() > 1 && found.len() <= ENDS_OF_RUNS, "{found:#?}");
-}
-
-#[test]
-fn few_places_ask_which_kind_of_domain_there_is() {
-    let found = lines_where(|source, line| {
-        let is_maker = MAKERS.iter().any(|place| source.path.starts_with(place));
-        !is_maker && KINDS.iter().any(|kind| line.contains(kind))
-    });
-    assert!(!found.is_empty() && found.len() <= KIND_QUESTIONS, "{found:#?}");
-}
-
-#[test]
-fn few_places_ask_whether_there_is_a_solution() {
-    let found = lines_where(|_, line| line.contains(".check(law, "));
-    assert!(!found.is_empty() && found.len() <= SOLVABILITY_QUESTIONS, "{found:#?}");
 }
 
 #[test]
@@ -284,7 +204,4 @@ fn the_counts_see_what_they_count() {
     let text = "fn dual_step() { plain.dual_step(pair) }\nfn run() {\n    // e.dual_step()\n    e.dual_step(k);\n}\n\
         fn other() {\n    // e.dual_step()\n}\nmod tests {\nfn of_test() { e.dual_step(k) }";
     assert_eq!(stepping_functions(text), ["run"]);
-    let text = "pub struct Trial {\n    pub stop: Option<Stop>,\n}\npub struct Run {\n    pub ends: Vec<Outcome>,\n}\n\
-        pub struct Panel {\n    pub ends: Ends,\n    pub(super) end: End,\n}";
-    assert_eq!(types_with_an_end(text), BTreeSet::from(["Trial", "Run"]));
 }

@@ -1,0 +1,141 @@
+//! What has to be known of one package to work on another: the items that it names, counted by parsing its sources.
+//!
+//! No file is exempt; code for tests alone does not count.
+
+use crate::common::files_below;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Most items of the mathematics that the program names.
+const ITEMS_OF_THE_MATHEMATICS: usize = 110;
+
+/// Name of the mathematics in the program.
+const MATHEMATICS: &str = "signorini_mathematics";
+
+/// Folders of the other packages.
+const OTHER_PACKAGES: [&str; 2] = ["mathematics/", "pipeline/"];
+
+/// Sources of the program by path below `src/`, without comments, texts and what is compiled for tests alone.
+fn program() -> BTreeMap<String, String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut sources = BTreeMap::new();
+    let mut of_tests = BTreeSet::new();
+    for (path, bytes) in files_below(&folder) {
+        let is_ours = !OTHER_PACKAGES.iter().any(|package| path.starts_with(package));
+        if path.ends_with(".rs") && is_ours {
+            let text = String::from_utf8(bytes).unwrap();
+            let module = path.trim_end_matches(".rs").trim_end_matches("/mod");
+            of_tests
+                .extend(modules_of_tests(&text).into_iter().map(|name| format!("{module}/{name}")));
+            sources.insert(path.clone(), code(&text));
+        }
+    }
+    sources.retain(|path, _| {
+        let module = path.trim_end_matches(".rs").trim_end_matches("/mod");
+        !of_tests.iter().any(|test| module == test || module.starts_with(&format!("{test}/")))
+    });
+    sources
+}
+
+/// Names of the modules in files of their own that a text declares for tests alone.
+fn modules_of_tests(text: &str) -> Vec<&str> {
+    let after = text.split("#[cfg(test)]\n").skip(1);
+    after
+        .filter_map(|rest| rest.lines().next()?.trim().strip_suffix(';')?.rsplit_once("mod "))
+        .map(|(_, name)| name)
+        .collect()
+}
+
+/// Code of a text: without lines of comments, and without the unit tests, which end a file.
+fn code(text: &str) -> String {
+    let tests = text
+        .split_once("#[cfg(test)]\nmod tests {")
+        .or_else(|| text.split_once("#[cfg(test)]\npub(super) mod tests {"));
+    let code = tests.map_or(text, |(code, _)| code);
+    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Paths of the mathematics that a code names: those of `use`, one for each item of a group, and those in the code.
+fn named(code: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for rest in code.split(&format!("{MATHEMATICS}::")).skip(1) {
+        let tree: String = rest.chars().take_while(|&c| c != ';').collect();
+        match rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')) {
+            Some(end) if rest[end..].starts_with('{') => found.extend(items(&tree)),
+            Some(end) => _ = found.insert(rest[..end].to_owned()),
+            None => _ = found.insert(rest.to_owned()),
+        }
+    }
+    found
+}
+
+/// Paths of the items of a tree of `use` without its first part, such as `a::{self, b::{C, D}}`.
+fn items(tree: &str) -> Vec<String> {
+    let Some((path, group)) = tree.split_once('{') else {
+        let item = tree.split(" as ").next().unwrap_or_default().trim();
+        return if item.is_empty() { Vec::new() } else { vec![item.to_owned()] };
+    };
+    let (mut depth, mut parts) = (0, vec![String::new()]);
+    for c in group.trim_end().trim_end_matches('}').chars() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            _ => (),
+        }
+        match c {
+            ',' if depth == 0 => parts.push(String::new()),
+            c => parts.last_mut().expect("one part").push(c),
+        }
+    }
+    // The closing brace of an inner group may be the last of the tree.
+    let closed = |part: &String| {
+        let missing = part.matches('{').count() - part.matches('}').count();
+        part.trim().to_owned() + &"}".repeat(missing)
+    };
+    let inner = parts.iter().map(closed).flat_map(|part| items(&part));
+    let path = path.trim();
+    inner
+        .map(|item| match item.as_str() {
+            "self" => path.trim_end_matches("::").to_owned(),
+            item => format!("{path}{item}"),
+        })
+        .collect()
+}
+
+#[test]
+fn the_program_names_few_items_of_the_mathematics() {
+    let mut found: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (path, code) in program() {
+        for item in named(&code) {
+            found.entry(item).or_default().push(path.clone());
+        }
+    }
+    assert!(found.len() > 50, "{found:#?}");
+    assert!(found.len() <= ITEMS_OF_THE_MATHEMATICS, "{}: {found:#?}", found.len());
+}
+
+#[test]
+fn names_are_counted_once_each_in_groups_and_in_code() {
+    let code = code(
+        "use signorini_mathematics::bounds::{self, Bounds, inner::{A, B as C}};\n\
+         // use signorini_mathematics::not::This;\n\
+         use signorini_mathematics::solvers::Solver;\n\
+         fn f() { signorini_mathematics::machine::streams(); signorini_mathematics::solvers::Solver::named(1); }\n\
+         #[cfg(test)]\nmod tests {\nuse signorini_mathematics::mesh::Never;",
+    );
+    let expected = [
+        "bounds",
+        "bounds::Bounds",
+        "bounds::inner::A",
+        "bounds::inner::B",
+        "machine::streams",
+        "solvers::Solver",
+        "solvers::Solver::named",
+    ];
+    assert_eq!(named(&code), expected.map(String::from).into());
+    assert_eq!(
+        modules_of_tests("#[cfg(test)]\nmod samples;\n#[cfg(test)]\npub(super) mod tests;"),
+        ["samples", "tests"]
+    );
+}
