@@ -4,7 +4,6 @@ use super::manifest::Manifest;
 use super::store::Store;
 use super::{Artifacts, Hashes, Inputs, Interrupt, PROGRAM, Plan, Task, hash};
 use crate::pipeline::error::{Error, Result};
-use signorini_mathematics::machine::memory::give_back;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,8 +15,6 @@ pub(super) fn run(
     needed: Vec<(String, Hashes)>,
     (store, interrupt): (&Store, &Interrupt),
 ) -> Result<Manifest> {
-    // What the tasks before have left would add to the most memory that this one takes.
-    give_back();
     let mut artifacts = BTreeMap::<String, Artifacts>::new();
     for (need, outputs) in &needed {
         artifacts.insert(need.clone(), store.artifacts(need, outputs)?);
