@@ -89,8 +89,6 @@ pub struct RunningProgram {
     pub digest: String,
     /// Returns its commands, for the book: the `name` of each, empty for the program without a command, and its `help`.
     pub commands: fn() -> Vec<Value>,
-    /// Gives memory that is free back to the system; called before each task.
-    pub give_back_memory: fn(),
 }
 
 /// Artifacts of a task, or the reason for which there are none; a failure ends the task, but no other task.
@@ -260,7 +258,7 @@ fn flatten(key: &str, value: &Value, out: &mut BTreeMap<String, String>) {
 /// Program of tests, with this digest.
 #[cfg(test)]
 fn program(digest: &str) -> RunningProgram {
-    RunningProgram { digest: digest.into(), commands: Vec::new, give_back_memory: || () }
+    RunningProgram { digest: digest.into(), commands: Vec::new }
 }
 
 /// Returns the hexadecimal blake3 of some bytes.

@@ -15,8 +15,6 @@ pub(super) fn run(
     needed: Vec<(String, Hashes)>,
     (store, interrupt): (&Store, &Interrupt),
 ) -> Result<Manifest> {
-    // What the tasks before have left would add to the most memory that this one takes.
-    (plan.program.give_back_memory)();
     let mut artifacts = BTreeMap::<String, Artifacts>::new();
     for (need, outputs) in &needed {
         artifacts.insert(need.clone(), store.artifacts(need, outputs)?);

@@ -20,7 +20,6 @@ use crate::replication::scene::{Output, Scene};
 use clap::ValueEnum;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use signorini_mathematics::machine::memory::give_back;
 use std::fmt;
 
 /// The kinds of task, in the order in which they follow from each other.
@@ -93,11 +92,7 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     if whole {
         tasks.push(report::task(project, &tasks));
     }
-    let program = RunningProgram {
-        digest: PROGRAM.into(),
-        commands: project.commands,
-        give_back_memory: give_back,
-    };
+    let program = RunningProgram { digest: PROGRAM.into(), commands: project.commands };
     let plan = Plan::new(program, tasks)?;
     Ok(match only {
         Some(stage) => plan.only(|id| Stage::of(id) == Some(stage)),

@@ -15,6 +15,7 @@ use crate::report;
 pub(crate) use crate::report::TEMPLATE;
 use crate::timing::recorded;
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::machine::memory::give_back;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The task that makes the pages and the book.
@@ -122,6 +123,8 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 
 /// Makes the pages and the book.
 fn made(pages: &BookParts, inputs: &Inputs) -> Made {
+    // The book takes the most memory of all tasks: what those before have left would add to it.
+    give_back();
     let BookParts { problems, others, left_out, graph, origins, .. } = pages;
     if let Some(reason) = left_out {
         return book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)?));

@@ -25,11 +25,7 @@ pub(in crate::replication::stages) fn with_solved(text: &str, read: impl FnOnce(
         digest: "digest of inputs",
         scratch: Path::new(""),
         interrupted: &interrupted,
-        program: &RunningProgram {
-            digest: String::new(),
-            commands: Vec::new,
-            give_back_memory: || (),
-        },
+        program: &RunningProgram { digest: String::new(), commands: Vec::new },
     };
     read(&inputs, &less);
 }
