@@ -54,6 +54,11 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
     })
 }
 
+/// True if a page shows numbers or a map of the solution of a scene.
+fn is_shown(scene: &Scene) -> bool {
+    scene.wants(Output::Table) || scene.wants(Output::Map)
+}
+
 /// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
 fn missing_setting(scene: &Scene) -> Option<String> {
     if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.stop().contains(rule)) {
@@ -98,7 +103,7 @@ struct FigureOrigin {
 /// The task that writes the pages and builds the book, from the artifacts of all `earlier` tasks.
 pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let mut others = project.scenes.clone();
-    others.retain(|scene| !scene.is_problem() && scene.wants(Output::Table));
+    others.retain(|scene| !scene.is_problem() && is_shown(scene));
     let mut files = files_of(project, earlier);
     for (name, file) in &project.templates {
         files.insert(format!("report/{name}"), file.clone());
