@@ -18,6 +18,7 @@ mod common;
 mod contact;
 mod cube;
 mod disks;
+mod documents;
 mod domain_scenes;
 mod domains;
 mod edits;
