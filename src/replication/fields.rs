@@ -5,6 +5,7 @@
 //! in the table [`table::FIELDS`], by which [`read`] turns fields into a statement, and [`write`] statements into
 //! fields.
 
+pub(crate) mod described;
 pub(crate) mod keys;
 pub(crate) mod read;
 pub(crate) mod table;

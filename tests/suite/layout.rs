@@ -1,6 +1,6 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
 //!
-//! The first fourteen are a package of their own, the mathematics, which the program uses by its name; so is the
+//! The first fifteen are a package of their own, the mathematics, which the program uses by its name; so is the
 //! pipeline, which uses none of them.
 
 use crate::common::files_below;
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-const ROOMS: [&str; 22] = [
+pub(crate) const ROOMS: [&str; 22] = [
     "machine",
     "problem",
     "discrete",
@@ -35,12 +35,13 @@ const ROOMS: [&str; 22] = [
 ];
 
 /// Every source file below `folder`.
-fn sources(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn sources(folder: &Path) -> Vec<PathBuf> {
     let names = files_below(folder).into_keys().filter(|name| name.ends_with(".rs"));
     names.map(|name| folder.join(name)).collect()
 }
 
-fn source_folder() -> PathBuf {
+/// The folder of all sources.
+pub(crate) fn source_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
@@ -54,7 +55,7 @@ fn pipeline() -> PathBuf {
 }
 
 /// The module that a source file holds, as a path from the root of its crate; from its room if that is a package.
-fn module(file: &Path) -> Vec<String> {
+pub(crate) fn module(file: &Path) -> Vec<String> {
     let path = match file.strip_prefix(pipeline()) {
         Ok(path) => Path::new("pipeline").join(path),
         Err(_) => file

@@ -19,6 +19,7 @@ mod concepts;
 mod contact;
 mod cube;
 mod disks;
+mod documents;
 mod domain_scenes;
 mod domains;
 mod edits;

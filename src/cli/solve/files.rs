@@ -52,9 +52,9 @@ impl Format {
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         Self::from_str(ending, true).map_err(|_| {
             let path = path.display();
-            Error::input(format!(
-                "--out {path}: unknown ending; use one of .vti, .vtu, .npy, .npz, .svg"
-            ))
+            let known = Self::value_variants().iter().map(|format| format!(".{}", format.ending()));
+            let known = known.collect::<Vec<_>>().join(", ");
+            Error::input(format!("--out {path}: unknown ending; use one of {known}"))
         })
     }
 

@@ -9,6 +9,7 @@
 //!
 //! | to | use |
 //! | --- | --- |
+//! | say what is asked as plain data, as scenes and options do | [`statement::Statement`] |
 //! | state a problem, and check that it has a solution | [`levels::Problem`] |
 //! | solve it by any solver, as the program does | [`solvers::solve`], [`solvers::SOLVERS`] |
 //! | know how far a nodal vector is from the discrete solution | [`levels::Problem::judge`] |

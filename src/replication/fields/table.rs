@@ -18,9 +18,9 @@ pub(crate) struct Field {
     /// Solvers that take it.
     solvers: fn(Solver) -> bool,
     /// Domains that have it.
-    domains: Domains,
-    /// Field that says the same: of all that do, one is given.
-    says: Option<&'static str>,
+    pub(super) domains: Domains,
+    /// Facts that it says, in words: of all fields that say the same, one is given.
+    pub(super) says: &'static [&'static str],
     /// True if an option may differ from a scene.
     overrides: bool,
     /// True if it is among the fields.
@@ -31,10 +31,12 @@ pub(crate) struct Field {
 
 /// Domains that have a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Domains {
+pub(super) enum Domains {
     All,
     Square,
     SquareAndCube,
+    /// Domains in the plane, as is seen when the mesh has been read.
+    Plane,
     Meshes,
 }
 
@@ -50,8 +52,9 @@ pub(crate) enum Voice {
 }
 
 /// What several fields say.
-const HOW_FINE: Option<&str> = Some("how fine");
-const LAW: Option<&str> = Some("which law holds");
+const HOW_FINE: &str = "how fine";
+const LAW: &str = "which law holds";
+const GOAL: &str = "where multigrid stops";
 
 /// Field for all solvers on all domains, which an option may change.
 const ANY: Field = Field {
@@ -59,7 +62,7 @@ const ANY: Field = Field {
     table: None,
     solvers: |_| true,
     domains: Domains::All,
-    says: None,
+    says: &[],
     overrides: true,
     given: |_| false,
     value: |_| None,
@@ -125,23 +128,21 @@ pub(crate) const FIELDS: [Field; 19] = [
     },
     Field {
         name: "accuracy",
-        solvers: |solver| solver == Solver::Multigrid,
         given: |of| of.accuracy.is_some(),
         value: |of| match of.fineness {
             Fineness::Within(Accuracy::Error(wanted)) => Some(wanted.into()),
             _ => None,
         },
-        ..FINENESS
+        ..ACCURACY
     },
     Field {
         name: "accuracy_energy",
-        solvers: |solver| solver == Solver::Multigrid,
         given: |of| of.accuracy_energy.is_some(),
         value: |of| match of.fineness {
             Fineness::Within(Accuracy::Energy(wanted)) => Some(wanted.into()),
             _ => None,
         },
-        ..FINENESS
+        ..ACCURACY
     },
     Field {
         name: "grids",
@@ -212,6 +213,7 @@ pub(crate) const FIELDS: [Field; 19] = [
     Field {
         name: "tolerance",
         solvers: |solver| solver == Solver::Multigrid,
+        says: &[GOAL],
         given: |of| of.tolerance.is_some(),
         value: |of| of.tolerance.map(Value::from),
         ..ANY
@@ -222,9 +224,16 @@ pub(crate) const FIELDS: [Field; 19] = [
 const PART: Field =
     Field { table: Some("domain"), domains: Domains::Meshes, overrides: false, ..ANY };
 /// Field of the law.
-const OF_LAW: Field = Field { table: Some("law"), says: LAW, overrides: false, ..ANY };
+const OF_LAW: Field = Field { table: Some("law"), says: &[LAW], overrides: false, ..ANY };
 /// Field that says how fine grids or meshes are.
-const FINENESS: Field = Field { says: HOW_FINE, ..ANY };
+const FINENESS: Field = Field { says: &[HOW_FINE], ..ANY };
+/// Field that asks for an accuracy.
+const ACCURACY: Field = Field {
+    solvers: |solver| solver == Solver::Multigrid,
+    domains: Domains::Plane,
+    says: &[HOW_FINE, GOAL],
+    ..ANY
+};
 /// Field of the saddle-point methods.
 const OF_SADDLE: Field = Field { solvers: Solver::is_nested, ..ANY };
 
@@ -269,7 +278,7 @@ impl Field {
 
     /// True if it says how fine grids or meshes are.
     pub(super) fn is_about_fineness(&self) -> bool {
-        self.says == HOW_FINE
+        self.says.contains(&HOW_FINE)
     }
 
     /// Values in two statements, as options have them, if both have one and they differ.
@@ -277,6 +286,16 @@ impl Field {
         let [one, other] = statements.map(|of| Some(self.options(of, (self.value)(of)?)));
         let (one, other) = (one?.join(" "), other?.join(" "));
         (one != other).then_some([one, other])
+    }
+
+    /// Fact that both this field and another say; none if they go together.
+    fn says_as(&self, other: &Field) -> Option<&'static str> {
+        self.says.iter().find(|what| other.says.contains(what)).copied()
+    }
+
+    /// Key, behind the name of its table and a dot.
+    pub(super) fn key(&self) -> String {
+        self.table.map_or(self.name.to_owned(), |table| format!("{table}.{}", self.name))
     }
 
     /// Name as an option, with its dashes.
@@ -356,10 +375,9 @@ impl Fields {
             }
             field.check_domain(voice, domain)?;
             field.check_solver(voice, solver)?;
-            let before = FIELDS[..place].iter().filter(|other| (other.given)(self));
-            let twice =
-                before.into_iter().find(|other| other.says.is_some() && other.says == field.says);
-            if let (Some(other), Some(what)) = (twice, field.says) {
+            let mut before = FIELDS[..place].iter().filter(|other| (other.given)(self));
+            let twice = before.find_map(|other| Some((other, field.says_as(other)?)));
+            if let Some((other, what)) = twice {
                 let text = format!(
                     "and {} both say {what}; leave one of them out",
                     voice.name(other.name)
@@ -369,14 +387,6 @@ impl Fields {
         }
         if self.draw_r.is_some() {
             Field { name: "draw_r", ..OF_SADDLE }.check_solver(voice, solver)?;
-        }
-        if let (Some(_), Some(accuracy)) = (self.tolerance, self.accuracy()) {
-            let text = format!(
-                "{} and {} both say where multigrid stops; leave one of them out",
-                voice.name("tolerance"),
-                voice.accuracy(accuracy)
-            );
-            return Err(Refused::new("tolerance", text));
         }
         Ok(())
     }
@@ -398,7 +408,7 @@ impl Field {
             (Domains::Square, _) if domain.is_square() => return Ok(()),
             (Domains::SquareAndCube, _) if domain.is_square() || domain.is_cube() => return Ok(()),
             (Domains::Meshes, _) if !domain.is_square() => return Ok(()),
-            (Domains::All, _) => return Ok(()),
+            (Domains::All | Domains::Plane, _) => return Ok(()),
             (Domains::Square | Domains::SquareAndCube, Voice::OverScene) => {
                 "does not go with the domain of a scene; leave it out, or change the scene".into()
             }
@@ -423,13 +433,18 @@ impl Field {
         Err(self.refused(voice, &text))
     }
 
+    /// Solvers that take the field.
+    pub(super) fn takers(&self) -> Vec<Solver> {
+        let all = SOLVERS.iter().map(|entry| entry.solver);
+        all.filter(|&taker| (self.solvers)(taker)).collect()
+    }
+
     /// Refuses the field with a solver that does not take it.
     fn check_solver(&self, voice: Voice, solver: Solver) -> Reading<()> {
         if (self.solvers)(solver) {
             return Ok(());
         }
-        let all = SOLVERS.iter().map(|entry| entry.solver);
-        let takers: Vec<_> = all.filter(|&taker| (self.solvers)(taker)).collect();
+        let takers = self.takers();
         let names = takers.iter().map(Solver::to_string).collect::<Vec<_>>().join(", ");
         let (name, first) = (self.name, takers[0]);
         Err(self.refused(voice, &match voice {

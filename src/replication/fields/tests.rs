@@ -1,6 +1,7 @@
 //! Statements go through both voices and come back as they were.
 
 use super::Fields;
+use super::described::described;
 use super::table::{FIELDS, Voice};
 use super::write::{options, scene};
 use crate::replication::scene::{Output, Scene};
@@ -9,6 +10,7 @@ use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_oneof, proptes
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::StopRule;
@@ -160,6 +162,32 @@ proptest! {
         let json = serde_json::to_string(&stated).unwrap();
         assert_eq!(serde_json::from_str::<Statement>(&json).unwrap(), stated, "{json}");
     }
+}
+
+#[test]
+fn pages_have_each_field_with_its_key_its_values_and_what_it_goes_with() {
+    let fields = serde_json::to_value(described()).unwrap();
+    let all = fields["all"].as_array().unwrap();
+    assert_eq!(all.len(), FIELDS.len());
+    for field in all {
+        let meaning = field["meaning"].as_str().unwrap();
+        assert!(meaning.len() > 5 && !meaning.contains("default"), "{field}");
+    }
+    let named = |key: &str| all.iter().find(|field| field["key"] == key).unwrap();
+    let [domain, refine, solver] = ["domain", "domain.refine", "solver"].map(named);
+    for name in AnyMesh::built_in_names() {
+        assert!(domain["meaning"].as_str().unwrap().contains(name), "the help lacks {name}");
+    }
+    assert_eq!(refine["option"], "--refine K");
+    assert_eq!(refine["goes_with"], "meshes");
+    assert_eq!(refine["default"], "up to 20 000 nodes");
+    assert_eq!(solver["default"], "\"multigrid\"");
+    assert_eq!(solver["values"].as_array().unwrap().len(), SOLVERS.len());
+    assert_eq!(named("load")["goes_with"], "all but spectral; the square");
+    assert_eq!(named("r")["goes_with"], "the saddle-point methods");
+    let exclusive = fields["exclusive"].as_array().unwrap();
+    let keys = serde_json::json!(["accuracy", "accuracy_energy", "grids", "h", "domain.refine"]);
+    assert!(exclusive.iter().any(|group| group["says"] == "how fine" && group["keys"] == keys));
 }
 
 #[test]

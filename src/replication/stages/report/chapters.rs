@@ -5,6 +5,7 @@ use super::times::times;
 use crate::pipeline::Inputs;
 use crate::pipeline::error::{Failure, from_record};
 use crate::replication::comparison::TableComparison;
+use crate::replication::fields::described::described;
 use crate::replication::fields::write;
 use crate::replication::identified::Record;
 use crate::replication::project::{IDENTIFIED, TRUTH};
@@ -72,6 +73,7 @@ pub(super) fn context(
     let timings = bench::times(inputs)?;
     context.insert("cost", &times(&timings, &bench::result(inputs, "accuracy")?));
     context.insert("timings", &timings);
+    context.insert("fields", &described());
     Ok(context)
 }
 

@@ -1,0 +1,129 @@
+//! The table of fields in words, for pages.
+
+use super::Fields;
+use super::table::{Domains, FIELDS, Field};
+use clap::{Arg, Args, Command};
+use serde::Serialize;
+use signorini_mathematics::solvers::{SOLVERS, Solver};
+use signorini_mathematics::statement::{Domain, SaddleSettings, Statement};
+use toml::Value;
+
+/// Fields of a statement in words.
+#[derive(Debug, Serialize)]
+pub(crate) struct DescribedFields {
+    /// All fields, in their order.
+    all: Vec<DescribedField>,
+    /// Fields of which at most one is given.
+    exclusive: Vec<ExclusiveFields>,
+}
+
+/// Fields that say the same.
+#[derive(Debug, Serialize)]
+struct ExclusiveFields {
+    /// Fact that they say, in words.
+    says: &'static str,
+    keys: Vec<String>,
+}
+
+/// Field of a statement in words.
+#[derive(Debug, Serialize)]
+struct DescribedField {
+    /// Key of a scene, behind the name of its table and a dot.
+    key: String,
+    /// Option of `solve`, with the name of its value.
+    option: String,
+    /// Meaning: the first sentence of the option's help.
+    meaning: String,
+    /// Names among which the value is, unless the meaning has them.
+    values: Vec<String>,
+    /// Solvers and domains that have it; empty if all have.
+    goes_with: String,
+    /// Value where it is not given: as TOML, or in words; none if it must be given, or nothing takes its place.
+    default: Option<String>,
+    /// True if `default` is TOML.
+    is_value: bool,
+}
+
+/// Beginning of a default in the help of an option.
+const DEFAULT: &str = "[default: ";
+/// Beginning of such a default that a key, which belongs to a scene, does not have.
+const OF_SCENE: &str = "the scene's, or ";
+
+/// Returns all fields in words.
+pub(crate) fn described() -> DescribedFields {
+    let command = Fields::augment_args(Command::new("solve"));
+    let options = command.get_arguments();
+    let options: Vec<&Arg> = options.filter(|option| option.get_long().is_some()).collect();
+    let mut exclusive: Vec<ExclusiveFields> = Vec::new();
+    for field in &FIELDS {
+        for says in field.says {
+            match exclusive.iter_mut().find(|known| known.says == *says) {
+                Some(known) => known.keys.push(field.key()),
+                None => exclusive.push(ExclusiveFields { says, keys: vec![field.key()] }),
+            }
+        }
+    }
+    let all = FIELDS.iter().map(|field| field.described(&options)).collect();
+    DescribedFields { all, exclusive }
+}
+
+impl Field {
+    /// Describes the field, by its option among these.
+    fn described(&self, options: &[&Arg]) -> DescribedField {
+        let long = self.name.replace('_', "-");
+        let option = options.iter().find(|option| option.get_long() == Some(&long));
+        let option = option.expect("each field is an option");
+        let help = option.get_help().map(ToString::to_string).unwrap_or_default();
+        let (meaning, default) = match help.split_once(DEFAULT) {
+            Some((meaning, default)) => (meaning.trim_end(), Some(default.trim_end_matches(']'))),
+            None => (help.as_str(), None),
+        };
+        let in_words = default.map(|text| text.strip_prefix(OF_SCENE).unwrap_or(text).to_owned());
+        let (mut values, value) = (Vec::new(), self.usual_value());
+        if !option.is_hide_possible_values_set() {
+            let all = option.get_possible_values();
+            values.extend(all.iter().map(|value| value.get_name().to_owned()));
+        }
+        let value_name = option.get_value_names().unwrap_or_default().join(" ");
+        DescribedField {
+            key: self.key(),
+            option: format!("{} {value_name}", self.option()),
+            meaning: meaning.to_owned(),
+            values,
+            goes_with: self.goes_with(),
+            is_value: value.is_some(),
+            default: value.or(in_words),
+        }
+    }
+
+    /// Value in a usual statement on the square, as TOML; none if it has none there.
+    fn usual_value(&self) -> Option<String> {
+        let saddle = Some(SaddleSettings::default());
+        let usual = Statement { saddle, ..Statement::usual(Domain::square(), "") };
+        let value = (self.value)(&usual).filter(|value| value.as_str() != Some(""));
+        value.as_ref().map(Value::to_string)
+    }
+
+    /// Solvers and domains that have the field, in words; nothing if all have.
+    fn goes_with(&self) -> String {
+        let takers = self.takers();
+        let others = SOLVERS.iter().map(|entry| entry.solver).filter(|one| !takers.contains(one));
+        let others: Vec<_> = others.map(|solver| solver.to_string()).collect();
+        let names: Vec<_> = takers.iter().map(Solver::to_string).collect();
+        let solvers = match () {
+            () if others.is_empty() => String::new(),
+            () if takers == Solver::nested() => "the saddle-point methods".into(),
+            () if others.len() < names.len() => format!("all but {}", others.join(", ")),
+            () => names.join(", "),
+        };
+        let domains = match self.domains {
+            Domains::All => "",
+            Domains::Square => "the square",
+            Domains::SquareAndCube => "the square, the cube",
+            Domains::Plane => "domains in the plane",
+            Domains::Meshes => "meshes",
+        };
+        let both = if solvers.is_empty() || domains.is_empty() { "" } else { "; " };
+        format!("{solvers}{both}{domains}")
+    }
+}
