@@ -355,7 +355,7 @@ pub struct CountAndDistance {
 pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
     let mut refined = Vec::new();
     for (number, problem) in plan.problems.iter().enumerate() {
-        refined.extend(Way::ALL.map(|way| Refined { problem, way, has_method: number == 0 }));
+        refined.extend(Way::ALL.map(|way| RefinementWay { problem, way, has_method: number == 0 }));
     }
     let measured = map(&refined, 1, |refined| refined.measured(plan));
     let mut measured = measured.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -380,27 +380,27 @@ pub fn adapted(plan: &AdaptedPlan) -> Result<AdaptedFindings, String> {
 }
 
 /// A problem on meshes of one way of refinement.
-struct Refined<'a> {
+struct RefinementWay<'a> {
     problem: &'a AdaptedProblem,
     way: Way,
     /// True if the paper's method runs on the meshes.
     has_method: bool,
 }
 
-/// What is measured on meshes of one way of refinement, which are not kept.
-struct Measured {
+/// Measurements on meshes of one way of refinement, which are not kept.
+struct MeasuredWay {
     curve: ErrorCurve,
     method: Option<MethodOnMeshes>,
 }
 
-impl Refined<'_> {
-    fn measured(&self, plan: &AdaptedPlan) -> Result<Measured, String> {
+impl RefinementWay<'_> {
+    fn measured(&self, plan: &AdaptedPlan) -> Result<MeasuredWay, String> {
         let run = match self.way {
             Way::Adaptive => self.problem.adapted(plan.accuracy, plan.finest, 1),
             Way::Uniform => self.problem.uniform(plan.refinements),
         }?;
         let method = self.has_method.then(|| method(self.way, &run, plan)).transpose()?;
-        Ok(Measured { curve: run.curve(self.way, plan.fitted), method })
+        Ok(MeasuredWay { curve: run.curve(self.way, plan.fitted), method })
     }
 }
 

@@ -30,8 +30,8 @@ pub(super) fn convergence(refinements: usize) -> Result<Vec<KnownLevels<CubeLeve
     map(&CubeExact::ALL, 1, on_cube).into_iter().collect()
 }
 
-/// f of a known solution, with its values at hand on a lattice twice as fine as the last refinement: the vertices of
-/// cells, the midpoints of their edges and nearly all points where cells are halved are on it, and belong to many cells.
+/// f of a known solution, with its values at hand on a lattice twice as fine as the last refinement. The vertices of
+/// cells and the midpoints of their edges are on it, which belong to many cells.
 struct LatticeSource {
     exact: CubeExact,
     /// Cells of the lattice per side, a power of two: its coordinates have no rounding errors.
