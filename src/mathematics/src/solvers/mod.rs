@@ -14,7 +14,7 @@ pub use adapted::Adaption;
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{ReachEnd, Reached, Tried, Watcher};
-pub use run::{Found, Run};
+pub use run::{FoundSolution, Run};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{Solved, recovered};
 pub use table::{SOLVERS, Solver, SolverEntry};
@@ -144,6 +144,6 @@ pub(crate) fn find(
     problem: &Problem,
     settings: &Settings,
     monitor: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     (settings.solver.entry().run)(problem, settings, monitor)
 }

@@ -33,15 +33,15 @@ impl Run {
     }
 }
 
-/// What a solver found.
-pub enum Found {
+/// Solution as a solver found it.
+pub enum FoundSolution {
     /// Nodal vector of the finest level.
     Vector(Run),
     /// The true solution, without a level.
     Truth(TrueSolution),
 }
 
-impl Found {
+impl FoundSolution {
     /// Run whose vector is that on the finest level; of a true solution, its values at the nodes.
     pub(super) fn on_levels(self, problem: &Problem) -> Run {
         match self {
@@ -75,7 +75,7 @@ pub(super) fn multigrid(
     problem: &Problem,
     settings: &Settings,
     _: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
     let (levels, loaded) = (problem.levels(), problem.law().with_load(problem.load()));
     let solved = match levels.discrete() {
@@ -89,7 +89,7 @@ pub(super) fn multigrid(
     let nodes = levels.nodes(problem.finest()) as f64;
     match Solver::ActiveSet.check_nodes(levels.dimension(), nodes) {
         Ok(()) if end.stop == Stop::IterationLimit => contact_set(problem),
-        _ => Ok(Found::Vector(judged(problem, y, end))),
+        _ => Ok(FoundSolution::Vector(judged(problem, y, end))),
     }
 }
 
@@ -98,11 +98,11 @@ pub(super) fn active_set(
     problem: &Problem,
     _: &Settings,
     _: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     contact_set(problem)
 }
 
-fn contact_set(problem: &Problem) -> Result<Found, Refusal> {
+fn contact_set(problem: &Problem) -> Result<FoundSolution, Refusal> {
     let (law, load) = (problem.law(), problem.load());
     let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
@@ -111,7 +111,7 @@ fn contact_set(problem: &Problem) -> Result<Found, Refusal> {
         }
     };
     let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
-    Ok(Found::Vector(judged(problem, y, end)))
+    Ok(FoundSolution::Vector(judged(problem, y, end)))
 }
 
 /// Runs a saddle-point method over all levels, until its stopping rule is met.
@@ -119,7 +119,7 @@ pub(super) fn saddle(
     problem: &Problem,
     settings: &Settings,
     monitor: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
     let loaded = problem.law().with_loads(&loads);
     let method = settings.solver.entry().method.expect("a saddle-point method");
@@ -135,7 +135,7 @@ pub(super) fn saddle(
     };
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
-    Ok(Found::Vector(Run {
+    Ok(FoundSolution::Vector(Run {
         y,
         ends,
         errors: std::mem::take(&mut monitor.errors),
@@ -171,7 +171,7 @@ pub(super) fn truth(
     problem: &Problem,
     settings: &Settings,
     _: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     let lattices = problem.lattices().ok_or(Refusal::NotOnMeshes(settings.solver))?;
-    Ok(Found::Truth(true_solution(problem.law(), lattices.source())?))
+    Ok(FoundSolution::Truth(true_solution(problem.law(), lattices.source())?))
 }

@@ -317,7 +317,7 @@ impl Refining for Meshes<'_> {
         Ok(without_parts(&self.found))
     }
 
-    /// Whether the bound is small enough is asked of all solutions.
+    /// A solution may be rough: only its bound is asked for.
     fn has_failed(&self) -> bool {
         false
     }
