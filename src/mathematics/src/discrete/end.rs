@@ -119,7 +119,7 @@ impl Outcome {
         Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
     }
 
-    /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. Where a bound was asked
+    /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. Where a bound is asked
     /// for, so that it `is_bounded`, residuals of single nodes do not contradict it.
     pub fn judged(&self, is_bounded: bool) -> Verdict {
         match (self.verdict(), self.end.stop) {
