@@ -13,10 +13,10 @@ mod table;
 pub use adapted::Adaption;
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
-pub use reach::{ReachEnd, Reached, Tried, Watcher};
+pub use reach::{Tried, Watcher};
 pub use run::{FoundSolution, Run};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
-pub use solved::{Solved, recovered};
+pub use solved::{ReachEnd, Reached, Solved, recovered};
 pub use table::{SOLVERS, Solver, SolverEntry};
 
 use crate::bounds::NoBound;

@@ -22,9 +22,9 @@ use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
 use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
 use crate::solvers::Refusal;
-use crate::solvers::reach::{ReachEnd, Reached, Refining};
+use crate::solvers::reach::Refining;
 use crate::solvers::run::Run;
-use crate::solvers::solved::Solved;
+use crate::solvers::solved::{ReachEnd, Reached, Solved};
 use std::borrow::Cow;
 
 /// Steps on each mesh but the first.

@@ -6,7 +6,8 @@ use crate::levels::Problem;
 use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Names, Part, lattice_mesh};
 use crate::problem::law::Law;
 use crate::saddle::Monitor;
-use crate::solvers::reach::{ReachEnd, Refining, Tried};
+use crate::solvers::reach::{Refining, Tried};
+use crate::solvers::solved::ReachEnd;
 use std::ops::ControlFlow;
 
 /// Problem with its true energy.
