@@ -145,5 +145,7 @@ pub(crate) fn find(
     settings: &Settings,
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    (settings.solver.entry().run)(problem, settings, monitor)
+    let SolverEntry { run, method, .. } = settings.solver.entry();
+    let method = method.unwrap_or(settings.params.method);
+    run(problem, &Settings { params: Params { method, ..settings.params }, ..*settings }, monitor)
 }
