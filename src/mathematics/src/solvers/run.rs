@@ -40,7 +40,7 @@ pub enum FoundSolution {
     /// Nodal vector of the finest level.
     Vector(Run),
     /// The true solution, without a level.
-    Truth(TrueSolution),
+    Truth(Box<TrueSolution>),
 }
 
 impl FoundSolution {
@@ -174,5 +174,6 @@ pub(super) fn truth(
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let lattices = problem.lattices().ok_or(Refusal::NotOnMeshes(settings.solver))?;
-    Ok(FoundSolution::Truth(true_solution(problem.law(), lattices.source())?))
+    let found = true_solution(problem.law(), lattices.source())?;
+    Ok(FoundSolution::Truth(found.into()))
 }
