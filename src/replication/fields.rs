@@ -16,7 +16,7 @@ pub(crate) mod write;
 
 use crate::replication::scene::Output;
 use clap::{ArgAction, Args};
-use keys::{curves, name_or_table};
+use keys::{curves, law, name_or_table};
 use serde::Deserialize;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
@@ -42,6 +42,7 @@ pub(crate) struct Fields {
     #[serde(deserialize_with = "name_or_table")]
     pub domain: DomainFields,
     #[command(flatten)]
+    #[serde(deserialize_with = "law")]
     pub law: LawFields,
     /// Width of the finest grid of the square or the cube, as 1/256 [default: the scene's, or 1/64; on the cube 1/16]
     ///

@@ -149,7 +149,7 @@ fn explain_prints_old_and_new() {
         [
             "solve/a/signed/r=10: stale",
             "  parameter f: else=-1 -> else=-2",
-            "  parameter grids: [4,8] -> [8,16]"
+            "  parameter fineness.grids: [4,8] -> [8,16]"
         ]
     );
     let both = project.run(&["explain", "solve/a/signed/r=1", "--json"]).json();

@@ -92,8 +92,8 @@ fn bad_laws_get_one_line() {
     assert!(refused(&["--friction", "1"]).contains("between -4.000 and 4.000"));
     assert!(refused(&["--limit", "1"]).contains("the flux through the boundary can only balance"));
     for (law, expected) in [
-        ("{ friction = -1 }", "friction = -1 must be a positive number"),
-        ("{ limit = 0 }", "limit = 0 must be a positive number"),
+        ("{ friction = -1 }", "friction = -1: must be a positive number"),
+        ("{ limit = 0 }", "limit = 0: must be a positive number"),
         ("{ friction = 0.3, limit = 2 }", "a law has one number"),
         ("{}", "a law has one number"),
         ("{ glue = 1 }", "glue"),

@@ -189,7 +189,10 @@ fn a_command_that_is_saved_and_run_has_the_numbers_of_solve_to_the_last_bit() {
     assert_eq!(ran.code, Some(0), "{ran:?}");
     let of_run = of_table(&fs::read_to_string(project.path("report/results.csv")).unwrap());
     for (name, (json, what)) in &answers {
-        assert_eq!(of_run[name], numbers(json), "seed {seed}: {name}: {what}");
+        let [energies, bounds] = numbers(json);
+        // A saddle-point method has no bounds in the table, where its rule stops far from the solution.
+        let bounds = if json["sweeps"].is_null() { bounds } else { Vec::new() };
+        assert_eq!(of_run[name], [energies, bounds], "seed {seed}: {name}: {what}");
         // So has the scene, and the command that it is listed with.
         if dice.below(5) == 0 {
             let listed = project.run(&["list", name, "--json"]).json();

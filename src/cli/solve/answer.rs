@@ -41,7 +41,7 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 pub(super) struct Answer {
-    /// What was found.
+    /// Solution, with the problem on its levels.
     pub solved: Solved,
     /// Arcs in contact, with ends estimated within the cell unless the solution is the true one; `None` in space.
     contact: Option<Vec<ContactArc>>,

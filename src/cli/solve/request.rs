@@ -1,9 +1,9 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
+use super::SolveArgs;
 use super::advice::{Remedy, Warning};
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
-use super::{SolveArgs, truth};
 use crate::cli::current_folder;
 use crate::cli::output::{OutputFile, warn_of_outside};
 use crate::cli::shown::signed;
@@ -41,7 +41,7 @@ pub(super) struct Request {
     view: PictureKind,
     /// Remedies in the words of the options that the domain has.
     pub remedies: Remedies,
-    /// What is asked.
+    /// Statement of the options or of the scene.
     pub statement: Statement,
     /// Way in which the accuracy is written.
     pub voice: Voice,
@@ -302,8 +302,14 @@ impl Request {
             Refusal::NotOnMeshes(solver) => {
                 Error::input(format!("--solver {solver} is for the square; choose another solver"))
             }
-            _ => truth::failed(&self.name, refusal)
-                .unwrap_or_else(|| Error::input(format!("{place}: {refusal}; check f"))),
+            Refusal::Spectral(e) if e.is_of_input() => {
+                Error::input(format!("{}: {e}; use --solver multigrid, or change f", self.name))
+            }
+            Refusal::Spectral(e) => {
+                let more = if e.is_of_touch() { " --accuracy-energy 1e-6" } else { "" };
+                Error::Stage(vec![format!("{}: {e}; use --solver multigrid{more}", self.name)])
+            }
+            _ => Error::input(format!("{place}: {refusal}; check f")),
         }
     }
 }

@@ -1,12 +1,11 @@
-//! What only the true solution has in an answer: its numbers, and the checks that they stand.
+//! Parts of an answer that only a true solution has: its numbers, and the checks that they stand.
 
 use super::bound::BoundaryWords;
 use crate::pipeline::bar;
-use crate::pipeline::error::Error;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use signorini_mathematics::problem::text::plain;
-use signorini_mathematics::solvers::{Refusal, Solved};
+use signorini_mathematics::solvers::Solved;
 use std::time::Duration;
 
 /// Returns what only a true solution has.
@@ -74,18 +73,4 @@ pub(super) fn shown<T>([nodes, _]: [usize; 2], evaluate: impl FnOnce() -> T) -> 
     let values = evaluate();
     bar.inspect(ProgressBar::finish_and_clear);
     values
-}
-
-/// Returns the error of the program for a refusal of the spectral solver: an error of the input if f is unsuitable, a
-/// failure if no solution was found; none for others.
-pub(super) fn failed(name: &str, refusal: &Refusal) -> Option<Error> {
-    let Refusal::Spectral(error) = refusal else { return None };
-    if error.is_of_input() {
-        return Some(Error::input(format!("{name}: {error}; use --solver multigrid, or change f")));
-    }
-    let remedy = match error.is_of_touch() {
-        true => "use --solver multigrid --accuracy-energy 1e-6",
-        false => "use --solver multigrid",
-    };
-    Some(Error::Stage(vec![format!("{name}: {error}; {remedy}")]))
 }

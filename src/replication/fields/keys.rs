@@ -1,6 +1,6 @@
 //! Fields that are tables in a scene.
 
-use super::DomainFields;
+use super::{DomainFields, LawFields};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -37,6 +37,17 @@ impl<'de> Visitor<'de> for NameOrTable {
         }
         Ok(fields)
     }
+}
+
+/// Reads a law: a table with one number.
+pub(super) fn law<'de, D: Deserializer<'de>>(deserializer: D) -> Result<LawFields, D::Error> {
+    let law = LawFields::deserialize(deserializer)?;
+    if law.friction.is_some() == law.limit.is_some() {
+        return Err(serde::de::Error::custom(
+            "a law has one number, as { friction = 0.3 } or { limit = 2.0 }",
+        ));
+    }
+    Ok(law)
 }
 
 /// Reads the numbers of the curves of parts as options have them.

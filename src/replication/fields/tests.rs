@@ -3,7 +3,7 @@
 use super::Fields;
 use super::described::described;
 use super::table::{FIELDS, Voice};
-use super::write::{options, scene};
+use super::write::{arguments, scene};
 use crate::replication::scene::{Output, Scene};
 use clap::Parser;
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_oneof, proptest};
@@ -141,7 +141,7 @@ proptest! {
 
     #[test]
     fn a_statement_is_the_same_in_options_and_in_a_scene(stated in statement(), title in any::<bool>()) {
-        let words = [vec!["solve".to_owned()], options(&stated)].concat();
+        let words = [vec!["solve".to_owned()], arguments(&stated)].concat();
         let parsed = Options::try_parse_from(&words).unwrap_or_else(|e| panic!("{words:?}: {e}"));
         assert!(parsed.scene.is_none());
         let usual = parsed.fields.usual(Voice::Options).unwrap();

@@ -7,16 +7,28 @@ use signorini_mathematics::statement::Statement;
 use std::borrow::Cow;
 use toml::Value;
 
-/// Returns the options of `solve` that state a problem, each followed by its value.
-pub(crate) fn options(statement: &Statement) -> Vec<String> {
+/// Returns the options of `solve` that state a problem, each with its value.
+fn options(statement: &Statement) -> Vec<[String; 2]> {
     let mut options = Vec::new();
     for field in &FIELDS {
         let Some(value) = field.named(statement) else { continue };
-        for value in field.options(statement, value) {
-            options.extend([field.option(), value]);
-        }
+        options.extend(field.options(statement, value).into_iter().map(|v| [field.option(), v]));
     }
     options
+}
+
+/// Returns the arguments of `solve` that state a problem.
+#[cfg(test)]
+pub(super) fn arguments(statement: &Statement) -> Vec<String> {
+    options(statement).into_iter().flat_map(|[option, value]| joined(option, value)).collect()
+}
+
+/// Returns an option and its value as words; a value that begins like an option needs the sign between.
+fn joined(option: String, value: String) -> Vec<String> {
+    match value.starts_with('-') {
+        true => vec![format!("{option}={value}")],
+        false => vec![option, value],
+    }
 }
 
 /// Returns the words of the command that solves a scene, in the folder of the project, each as a shell reads it: an
@@ -26,39 +38,40 @@ pub(crate) fn command(scene: &Scene) -> Vec<String> {
     if statement.domain.is_file() {
         statement.domain.name = format!("{FOLDER}/{}", statement.domain.name);
     }
-    let options = options(&statement);
-    let words = options.chunks(2).map(|option| {
-        let value = shlex::try_quote(&option[1]).unwrap_or(Cow::Borrowed(&option[1]));
-        format!("{} {value}", option[0])
-    });
-    ["signorini".to_owned(), "solve".to_owned()].into_iter().chain(words).collect()
+    let mut words = vec!["signorini".to_owned(), "solve".to_owned()];
+    for [option, value] in options(&statement) {
+        let quoted = joined(option, value).into_iter();
+        let quoted =
+            quoted.map(|word| shlex::try_quote(&word).map_or(word.clone(), Cow::into_owned));
+        words.push(quoted.collect::<Vec<_>>().join(" "));
+    }
+    words
 }
 
-/// Returns a command as lines for a shell: `first`, then the words, broken between them or, where one is too long, behind
-/// the semicolons of f, which may stand at the end of a line.
+/// Returns a command as lines for a shell: `first`, then the words, broken between them or, where one is too long and in
+/// quotes, behind the semicolons of f; the quotes are then those in which a shell joins lines.
 pub(crate) fn lines(first: &str, words: &[String], width: usize) -> String {
     let mut lines = vec![first.to_owned()];
-    for word in words {
-        let mut parts = word.split_inclusive("; ").map(str::trim_end);
-        let is_long = INDENT.len() + word.len() + BREAK.len() > width;
-        let whole = if is_long { parts.next().unwrap_or_default() } else { word.as_str() };
+    for part in words.iter().flat_map(|word| parts(word, width)) {
         let last = lines.len() - 1;
-        if lines[last].len() + whole.len() + BREAK.len() < width {
-            lines[last] += &format!(" {whole}");
+        if lines[last].len() + part.len() + BREAK.len() < width {
+            lines[last] += &format!(" {part}");
         } else {
             lines[last] += BREAK;
-            lines.push(format!("{INDENT}{whole}"));
-        }
-        for part in parts.filter(|_| is_long) {
-            let last = lines.len() - 1;
-            if lines[last].len() + part.len() + BREAK.len() < width {
-                lines[last] += &format!(" {part}");
-            } else {
-                lines.push(format!("{INDENT}{part}"));
-            }
+            lines.push(format!("{INDENT}{part}"));
         }
     }
     lines.join("\n")
+}
+
+/// Returns the parts of a word between which a line may end.
+fn parts(word: &str, width: usize) -> Vec<String> {
+    let is_long = INDENT.len() + word.len() + BREAK.len() > width;
+    if !is_long || word.contains(['"', '$', '`', '\\']) {
+        return vec![word.to_owned()];
+    }
+    let word = word.replace('\'', "\"");
+    word.split_inclusive("; ").map(|part| part.trim_end().to_owned()).collect()
 }
 
 /// Beginning of a line that goes on with a command.

@@ -24,9 +24,10 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What is asked in one cell, and which artifacts it has, besides the file of a mesh.
+/// Statement of one cell, and the artifacts that it has, besides the file of a mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Cell {
+    #[serde(flatten)]
     statement: Statement,
     /// True if the pair on the finest grid is drawn.
     keep_pair: bool,

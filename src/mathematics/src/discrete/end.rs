@@ -119,8 +119,8 @@ impl Outcome {
         Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
     }
 
-    /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. A guaranteed bound that
-    /// was asked for, if it is one that `is_bounded`, has been reached; residuals of single nodes do not contradict it.
+    /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. Where a bound is asked
+    /// for, so that it `is_bounded`, residuals of single nodes do not contradict it.
     pub fn judged(&self, is_bounded: bool) -> Verdict {
         match (self.verdict(), self.end.stop) {
             (Verdict::NoSolution, _) => Verdict::NoSolution,

@@ -174,8 +174,8 @@ impl Problem {
         [self.levels.nodes(self.finest()), self.levels.contact().len()]
     }
 
-    /// Components of the gradient (8) at the nodes of the finest grid of the square, for this duality parameter; none on
-    /// a mesh.
+    /// Components of the gradient (8) at the nodes of the finest grid of the square, for this duality parameter; none
+    /// on a mesh.
     pub fn gradient(&self, r: f64, pair: &Pair) -> Option<Vec<f64>> {
         let network = Network::of_square(self.lattices()?.finest());
         let functional = Plain { network: &network, law: self.law, load: self.load(), r };

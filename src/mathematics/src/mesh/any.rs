@@ -144,8 +144,16 @@ impl AnyMesh {
         }
     }
 
-    /// Number of nodes after some refinements, about: each multiplies the number of cells, and in the end of nodes, by 4
-    /// or 8.
+    /// The mesh, if it lies in the plane.
+    pub fn plane(&self) -> Option<&PlaneMesh> {
+        match self {
+            Self::Plane(mesh) => Some(mesh),
+            Self::Space(_) => None,
+        }
+    }
+
+    /// Number of nodes after some refinements, about: each multiplies the number of cells, and in the end of nodes, by
+    /// 4 or 8.
     pub fn nodes_after(&self, times: usize) -> f64 {
         let factor = if self.dimension() == 2 { 4f64 } else { 8.0 };
         let nodes_per_cell = if self.dimension() == 2 { 0.5 } else { 1.0 / 6.0 };

@@ -3,10 +3,10 @@
 //! The bound is taken to fall like a power of the width, and the next grid aims at the goal; all coarser grids together
 //! cost less than the last one.
 
-use super::reach::{ReachEnd, Reached, Refining};
+use super::reach::Refining;
 use super::run::Run;
 use super::size::{MOST_CELLS, Memory};
-use super::solved::Solved;
+use super::solved::{ReachEnd, Reached, Solved};
 use super::{Refusal, Settings, solve_watched};
 use crate::bounds::{Accuracy, Bounds, NoBound};
 use crate::levels::{Problem, Step, Watch};

@@ -13,10 +13,10 @@ mod table;
 pub use adapted::Adaption;
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
-pub use reach::{ReachEnd, Reached, Tried, Watcher};
-pub use run::{Found, Run};
+pub use reach::{Tried, Watcher};
+pub use run::{FoundSolution, Run};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
-pub use solved::{Solved, recovered};
+pub use solved::{ReachEnd, Reached, Solved, recovered};
 pub use table::{SOLVERS, Solver, SolverEntry};
 
 use crate::bounds::NoBound;
@@ -144,6 +144,8 @@ pub(crate) fn find(
     problem: &Problem,
     settings: &Settings,
     monitor: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
-    (settings.solver.entry().run)(problem, settings, monitor)
+) -> Result<FoundSolution, Refusal> {
+    let SolverEntry { run, method, .. } = settings.solver.entry();
+    let method = method.unwrap_or(settings.params.method);
+    run(problem, &Settings { params: Params { method, ..settings.params }, ..*settings }, monitor)
 }

@@ -2,57 +2,10 @@
 //! bound is small enough.
 
 use super::Refusal;
-use super::solved::Solved;
+use super::solved::{ReachEnd, Reached, Solved};
 use crate::bounds::{Accuracy, Bounds, NoBound};
 use crate::saddle::Monitor;
 use std::ops::ControlFlow;
-
-/// Reason for which grids or meshes become no finer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ReachEnd {
-    /// The bound is small enough.
-    Goal,
-    /// No finer grid or mesh is allowed.
-    Finest {
-        /// Cells per side of the grid that the accuracy takes, about; none for meshes.
-        needed: Option<f64>,
-        /// Bound on the finest grid that is allowed, about; for meshes, on the last one.
-        best: f64,
-    },
-    /// Rounding errors: the bound no longer falls.
-    Rounding {
-        /// Least bound so far.
-        least: f64,
-    },
-    /// The solver found no solution.
-    NoSolution,
-}
-
-impl ReachEnd {
-    /// Name in answers.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Goal => "goal",
-            Self::Finest { .. } => "memory",
-            Self::Rounding { .. } => "no longer falls",
-            Self::NoSolution => "no solution",
-        }
-    }
-}
-
-/// Way to an accuracy.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reached {
-    /// Reason for which there is no finer grid or mesh.
-    pub end: ReachEnd,
-    /// Number of grids or meshes on which a solution was sought, with those that are too coarse for one.
-    pub tried: usize,
-    /// Cells that were marked for each bisection of adapted meshes, from which [`Problem::on_bisected`] makes them
-    /// anew; none on the square.
-    ///
-    /// [`Problem::on_bisected`]: crate::levels::Problem::on_bisected
-    pub marks: Option<Vec<Vec<u32>>>,
-}
 
 /// Grid or mesh on which a solution was sought, for those who watch.
 #[derive(Clone, Copy, Debug)]

@@ -1,14 +1,16 @@
 //! One function per kind of solver that hands it a problem, on the square or on a mesh.
 
-use super::{Refusal, Settings, Solver};
+use super::{Refusal, Settings};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, NodalVectors, Problem};
-use crate::multigrid::active_set::{active_set as solve_lattice, active_set_on};
+use crate::multigrid::active_set::{
+    MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
+};
 use crate::multigrid::{MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
-use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
+use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, solve_nested};
 use crate::spectral::{TrueSolution, true_solution};
 use std::borrow::Cow;
 
@@ -33,15 +35,15 @@ impl Run {
     }
 }
 
-/// What a solver found.
-pub enum Found {
+/// Solution as a solver found it.
+pub enum FoundSolution {
     /// Nodal vector of the finest level.
     Vector(Run),
     /// The true solution, without a level.
-    Truth(TrueSolution),
+    Truth(Box<TrueSolution>),
 }
 
-impl Found {
+impl FoundSolution {
     /// Run whose vector is that on the finest level; of a true solution, its values at the nodes.
     pub(super) fn on_levels(self, problem: &Problem) -> Run {
         match self {
@@ -75,7 +77,7 @@ pub(super) fn multigrid(
     problem: &Problem,
     settings: &Settings,
     _: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
     let (levels, loaded) = (problem.levels(), problem.law().with_load(problem.load()));
     let solved = match levels.discrete() {
@@ -86,11 +88,11 @@ pub(super) fn multigrid(
     };
     let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
     // Some meshes are stretched too much: factors solve those that are small enough.
-    let nodes = levels.nodes(problem.finest()) as f64;
-    match Solver::ActiveSet.check_nodes(levels.dimension(), nodes) {
-        Ok(()) if end.stop == Stop::IterationLimit => contact_set(problem),
-        _ => Ok(Found::Vector(judged(problem, y, end))),
+    let most = if levels.dimension() == 2 { MOST_NODES_IN_PLANE } else { MOST_NODES_IN_SPACE };
+    if end.stop == Stop::IterationLimit && y.len() <= most {
+        return contact_set(problem);
     }
+    Ok(FoundSolution::Vector(judged(problem, y, end)))
 }
 
 /// Solves on the finest level by the primal-dual active set, until the contact set is at rest.
@@ -98,11 +100,11 @@ pub(super) fn active_set(
     problem: &Problem,
     _: &Settings,
     _: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     contact_set(problem)
 }
 
-fn contact_set(problem: &Problem) -> Result<Found, Refusal> {
+fn contact_set(problem: &Problem) -> Result<FoundSolution, Refusal> {
     let (law, load) = (problem.law(), problem.load());
     let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
@@ -111,7 +113,7 @@ fn contact_set(problem: &Problem) -> Result<Found, Refusal> {
         }
     };
     let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
-    Ok(Found::Vector(judged(problem, y, end)))
+    Ok(FoundSolution::Vector(judged(problem, y, end)))
 }
 
 /// Runs a saddle-point method over all levels, until its stopping rule is met.
@@ -119,11 +121,10 @@ pub(super) fn saddle(
     problem: &Problem,
     settings: &Settings,
     monitor: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
     let loaded = problem.law().with_loads(&loads);
-    let method = settings.solver.entry().method.expect("a saddle-point method");
-    let params = &Params { method, ..settings.params };
+    let params = &settings.params;
     let monitor = &mut Measuring { problem, monitor, errors: Vec::new() };
     let (ends, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
@@ -135,7 +136,7 @@ pub(super) fn saddle(
     };
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
-    Ok(Found::Vector(Run {
+    Ok(FoundSolution::Vector(Run {
         y,
         ends,
         errors: std::mem::take(&mut monitor.errors),
@@ -171,7 +172,8 @@ pub(super) fn truth(
     problem: &Problem,
     settings: &Settings,
     _: &mut dyn Monitor,
-) -> Result<Found, Refusal> {
+) -> Result<FoundSolution, Refusal> {
     let lattices = problem.lattices().ok_or(Refusal::NotOnMeshes(settings.solver))?;
-    Ok(Found::Truth(true_solution(problem.law(), lattices.source())?))
+    let found = true_solution(problem.law(), lattices.source())?;
+    Ok(FoundSolution::Truth(found.into()))
 }

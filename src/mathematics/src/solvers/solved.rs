@@ -1,7 +1,6 @@
-//! What was found, whatever solved it and on whatever domain.
+//! Solution of a problem, whatever solved it and on whatever domain.
 
-use super::reach::Reached;
-use super::run::{Found, Run, values};
+use super::run::{FoundSolution, Run, values};
 use crate::bounds::{Bounds, NoBound, recovery};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
@@ -12,12 +11,59 @@ use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
 
+/// Reason for which grids or meshes become no finer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReachEnd {
+    /// The bound is small enough.
+    Goal,
+    /// No finer grid or mesh is allowed.
+    Finest {
+        /// Cells per side of the grid that the accuracy takes, about; none for meshes.
+        needed: Option<f64>,
+        /// Bound on the finest grid that is allowed, about; for meshes, on the last one.
+        best: f64,
+    },
+    /// Rounding errors: the bound no longer falls.
+    Rounding {
+        /// Least bound so far.
+        least: f64,
+    },
+    /// The solver found no solution.
+    NoSolution,
+}
+
+impl ReachEnd {
+    /// Name in answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Goal => "goal",
+            Self::Finest { .. } => "memory",
+            Self::Rounding { .. } => "no longer falls",
+            Self::NoSolution => "no solution",
+        }
+    }
+}
+
+/// Way to an accuracy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reached {
+    /// Reason for which there is no finer grid or mesh.
+    pub end: ReachEnd,
+    /// Number of grids or meshes on which a solution was sought, with those that are too coarse for one.
+    pub tried: usize,
+    /// Cells that were marked for each bisection of adapted meshes, from which [`Problem::on_bisected`] makes them
+    /// anew; none on the square.
+    ///
+    /// [`Problem::on_bisected`]: crate::levels::Problem::on_bisected
+    pub marks: Option<Vec<Vec<u32>>>,
+}
+
 /// Solution of a problem.
 pub struct Solved {
     /// Problem, on the levels on which it was solved.
     pub problem: Problem,
-    /// What the solver found.
-    found: Found,
+    /// Solution as the solver found it.
+    found: FoundSolution,
     /// Guaranteed bounds on the last levels, coarsest first; one by one for an accuracy, else for the finest alone,
     /// once they are needed.
     bounds: OnceLock<Vec<Result<Bounds, NoBound>>>,
@@ -27,7 +73,7 @@ pub struct Solved {
 
 impl Solved {
     /// Solution of a problem on its levels.
-    pub(crate) fn new(problem: Problem, found: Found) -> Self {
+    pub(crate) fn new(problem: Problem, found: FoundSolution) -> Self {
         Self { problem, found, bounds: OnceLock::new(), reached: None }
     }
 
@@ -38,22 +84,27 @@ impl Solved {
         bounds: Vec<Result<Bounds, NoBound>>,
         reached: Reached,
     ) -> Self {
-        Self { problem, found: Found::Vector(run), bounds: bounds.into(), reached: Some(reached) }
+        Self {
+            problem,
+            found: FoundSolution::Vector(run),
+            bounds: bounds.into(),
+            reached: Some(reached),
+        }
     }
 
     /// Run of a solver on levels; none of a true solution.
     pub fn run(&self) -> Option<&Run> {
         match &self.found {
-            Found::Vector(run) => Some(run),
-            Found::Truth(_) => None,
+            FoundSolution::Vector(run) => Some(run),
+            FoundSolution::Truth(_) => None,
         }
     }
 
     /// True solution; none if it was sought on levels.
     pub fn truth(&self) -> Option<&TrueSolution> {
         match &self.found {
-            Found::Vector(_) => None,
-            Found::Truth(found) => Some(found),
+            FoundSolution::Vector(_) => None,
+            FoundSolution::Truth(found) => Some(found),
         }
     }
 
@@ -72,25 +123,27 @@ impl Solved {
     /// Energy: that of v or, where the energy itself was asked for, of the true solution.
     pub fn energy(&self) -> f64 {
         match &self.found {
-            Found::Vector(run) => run.last().energy,
-            Found::Truth(found) => found.solution.energy,
+            FoundSolution::Vector(run) => run.last().energy,
+            FoundSolution::Truth(found) => found.solution.energy,
         }
     }
 
-    /// Arcs in contact on the boundary of a domain in the plane, with ends estimated within the cell unless the solution
-    /// is the true one; none in space.
+    /// Arcs in contact on the boundary of a domain in the plane, with ends estimated within the cell unless the
+    /// solution is the true one; none in space.
     pub fn contact(&self) -> Option<Vec<ContactArc>> {
         match &self.found {
-            Found::Vector(Run { y, judgement, .. }) => self.problem.levels().arcs(y, judgement),
-            Found::Truth(found) => Some(found.solution.contact.clone()),
+            FoundSolution::Vector(Run { y, judgement, .. }) => {
+                self.problem.levels().arcs(y, judgement)
+            }
+            FoundSolution::Truth(found) => Some(found.solution.contact.clone()),
         }
     }
 
     /// Total contact force; under another law than the paper's the flux through all of the boundary.
     pub fn force(&self) -> f64 {
         match &self.found {
-            Found::Vector(run) => run.judgement.force(),
-            Found::Truth(found) => found.solution.force(),
+            FoundSolution::Vector(run) => run.judgement.force(),
+            FoundSolution::Truth(found) => found.solution.force(),
         }
     }
 
@@ -104,10 +157,10 @@ impl Solved {
     /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.
     pub fn pair(&self) -> Pair {
         match &self.found {
-            Found::Vector(Run { y, judgement, .. }) => {
+            FoundSolution::Vector(Run { y, judgement, .. }) => {
                 Pair { a: judgement.multiplier(y), y: y.clone() }
             }
-            Found::Truth(found) => values(found, &self.problem),
+            FoundSolution::Truth(found) => values(found, &self.problem),
         }
     }
 }

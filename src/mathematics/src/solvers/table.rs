@@ -1,6 +1,6 @@
 //! Solvers in one table: names, domains, memory, and the function that runs each.
 
-use super::run::{Found, active_set, multigrid, saddle, truth};
+use super::run::{FoundSolution, active_set, multigrid, saddle, truth};
 use super::{Refusal, Settings};
 use crate::levels::Problem;
 use crate::multigrid::active_set::{MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE};
@@ -37,7 +37,7 @@ pub struct SolverEntry {
     /// Description in the help.
     pub description: &'static str,
     /// Solves a problem; only a saddle-point method shows its iterations to the monitor.
-    pub run: fn(&Problem, &Settings, &mut dyn Monitor) -> Result<Found, Refusal>,
+    pub run: fn(&Problem, &Settings, &mut dyn Monitor) -> Result<FoundSolution, Refusal>,
     /// Saddle-point method that runs over all levels, until its stopping rule is met; none for other solvers.
     pub method: Option<Method>,
     /// True if it solves discrete problems, and not the problem itself.

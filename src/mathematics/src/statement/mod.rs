@@ -206,8 +206,8 @@ impl Statement {
     }
 
     /// Problem on the square or on a mesh that [`Statement::mesh`] has made; where an accuracy is asked for, on the
-    /// first grid or, on a mesh, where is seen whether there is a solution. `watch` is told when meshes are made, and when
-    /// f is integrated on them.
+    /// first grid or on a mesh that shows whether there is a solution. `watch` is told when meshes are made, and when f
+    /// is integrated on them.
     ///
     /// # Errors
     /// [`StatementError`].
@@ -299,7 +299,7 @@ impl Statement {
         mesh: &AnyMesh,
         marks: &[Vec<u32>],
     ) -> Result<Problem, StatementError> {
-        let AnyMesh::Plane(mesh) = mesh else { return Err(Refusal::NotInPlane.into()) };
+        let mesh = mesh.plane().ok_or(Refusal::NotInPlane)?;
         Ok(Problem::on_bisected(mesh, marks, &self.f, self.law()?)?)
     }
 
@@ -328,8 +328,8 @@ impl Statement {
         Settings { params, prolongation, goal, ..usual }
     }
 
-    /// Solves the problem that [`Statement::problem`] has made, where an accuracy is asked for on one grid or mesh after
-    /// the other. `steps` is told each step.
+    /// Solves the problem that [`Statement::problem`] has made, where an accuracy is asked for on one grid or mesh
+    /// after the other. `steps` is told each step.
     ///
     /// # Errors
     /// [`Refusal`].

@@ -88,8 +88,9 @@ fn error(elements: &[Elements], scene: &Scene, number: u8) -> Option<f64> {
 /// Returns the fields of a scene and of its statement, the r that is drawn, and `more`.
 fn extended(scene: &Scene, more: Value) -> BTreeMap<String, Value> {
     let drawn = json!({ "draw_r": scene.statement.saddle.map(|saddle| saddle.r) });
-    let fields =
-        [json!(scene), json!(scene.statement), drawn, more].into_iter().filter_map(|value| value.as_object().cloned());
+    let fields = [json!(scene), json!(scene.statement), drawn, more]
+        .into_iter()
+        .filter_map(|value| value.as_object().cloned());
     fields.flatten().collect()
 }
 

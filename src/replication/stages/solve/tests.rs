@@ -1,4 +1,4 @@
-//! What is read of a solution, and not computed again.
+//! Problems and pairs are read from a solution, and not computed again.
 
 use super::*;
 use crate::pipeline::InputFile;

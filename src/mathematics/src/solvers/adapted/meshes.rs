@@ -22,9 +22,9 @@ use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
 use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
 use crate::solvers::Refusal;
-use crate::solvers::reach::{ReachEnd, Reached, Refining};
+use crate::solvers::reach::Refining;
 use crate::solvers::run::Run;
-use crate::solvers::solved::Solved;
+use crate::solvers::solved::{ReachEnd, Reached, Solved};
 use std::borrow::Cow;
 
 /// Steps on each mesh but the first.
@@ -317,7 +317,7 @@ impl Refining for Meshes<'_> {
         Ok(without_parts(&self.found))
     }
 
-    /// Whether the bound is small enough is asked of all solutions.
+    /// A solution may be rough: only its bound is asked for.
     fn has_failed(&self) -> bool {
         false
     }

@@ -6,7 +6,8 @@ use crate::levels::Problem;
 use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Names, Part, lattice_mesh};
 use crate::problem::law::Law;
 use crate::saddle::Monitor;
-use crate::solvers::reach::{ReachEnd, Refining, Tried};
+use crate::solvers::reach::{Refining, Tried};
+use crate::solvers::solved::ReachEnd;
 use std::ops::ControlFlow;
 
 /// Problem with its true energy.
@@ -22,19 +23,19 @@ struct KnownEnergy {
 
 /// Meshes of a run.
 #[derive(Default)]
-struct Meshes(Vec<Mesh>);
+struct ShownMeshes(Vec<ShownMesh>);
 
 /// Mesh of a run.
-struct Mesh {
+struct ShownMesh {
     nodes: usize,
     bounds: Result<Bounds, NoBound>,
 }
 
-impl Monitor for Meshes {}
+impl Monitor for ShownMeshes {}
 
-impl Watcher for Meshes {
+impl Watcher for ShownMeshes {
     fn tried(&mut self, Tried { nodes, bounds }: Tried<'_>) -> ControlFlow<()> {
-        self.0.push(Mesh { nodes, bounds: bounds.clone() });
+        self.0.push(ShownMesh { nodes, bounds: bounds.clone() });
         ControlFlow::Continue(())
     }
 }
@@ -156,8 +157,8 @@ fn known() -> Vec<KnownEnergy> {
 
 impl KnownEnergy {
     /// Runs to a goal; returns the meshes as well.
-    fn run(&self, goal: Accuracy) -> (Solved, Vec<Mesh>) {
-        let mut meshes = Meshes::default();
+    fn run(&self, goal: Accuracy) -> (Solved, Vec<ShownMesh>) {
+        let mut meshes = ShownMeshes::default();
         let solved = self.adaption(goal).run(&mut meshes, &|_| ()).unwrap();
         (solved, meshes.0)
     }
@@ -229,7 +230,7 @@ fn errors_fall_like_the_inverse_root_of_the_number_of_nodes() {
     for problem in &known() {
         let (_, meshes) = problem.run(Accuracy::Error(0.01));
         let mut points: Vec<[f64; 2]> = Vec::new();
-        for Mesh { nodes, bounds } in meshes {
+        for ShownMesh { nodes, bounds } in meshes {
             points.push([nodes as f64, bounds.unwrap().error[1]].map(libm::log));
         }
         let last = points[points.len() - 1][0];
@@ -244,7 +245,7 @@ fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
     let problem = known().into_iter().find(|problem| problem.name == "tiny source").unwrap();
     let (_, meshes) = problem.run(Accuracy::Error(0.2));
     // An error of several solutions; the first mesh knows the load, and of the solution next to nothing.
-    let tells = |mesh: &Mesh| mesh.bounds.as_ref().unwrap().relative() < 5.0;
+    let tells = |mesh: &ShownMesh| mesh.bounds.as_ref().unwrap().relative() < 5.0;
     assert!(!tells(&meshes[1]), "the source is too small for the first meshes");
     for pair in meshes.windows(2).filter(|pair| !tells(&pair[0])) {
         assert!(pair[1].nodes > 2 * pair[0].nodes, "{} {}", pair[0].nodes, pair[1].nodes);

@@ -11,14 +11,14 @@ use crate::problem::law::Law;
 use crate::problem::source::Source;
 
 /// Bounds of the solution on a mesh, and its energy.
-struct Solved {
+struct SolvedCube {
     bounds: Bounds,
     energy: f64,
     is_sampled: bool,
 }
 
 /// Solves on the mesh with `2^times` cells per side.
-fn solved(f: &Source<3>, times: usize) -> Solved {
+fn solved(f: &Source<3>, times: usize) -> SolvedCube {
     let (levels, mesh) = refined(&uniform_cube(1), times).unwrap();
     let network = &levels[times].network;
     let made = mesh_load(&mesh, f).unwrap();
@@ -27,7 +27,7 @@ fn solved(f: &Source<3>, times: usize) -> Solved {
     let (y, _) = solve_nested_networks(&levels, problem, &MultigridParams::default()).unwrap();
     let bounds = bounds_on_mesh(&mesh, network, &made, Law::SIGNORINI, &y).unwrap();
     let energy = judge(network, Law::SIGNORINI, &y, load).energy;
-    Solved { bounds, energy, is_sampled: unsettled.is_some() }
+    SolvedCube { bounds, energy, is_sampled: unsettled.is_some() }
 }
 
 /// Half the integral of f times the solution, by the midpoint rule, without its sign: the energy.
