@@ -80,7 +80,8 @@ fn list_scene(name: &str, json: bool) -> Result<u8> {
     let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
     let scene = folder.named(name)?;
     let (name, title) = (scene.name.clone(), scene.title.clone());
-    let shown = SceneCommand { schema: 1, name, title, command: command(scene).join(" ") };
+    let shown =
+        SceneCommand { schema: 1, name, title, command: command(&scene.statement).join(" ") };
     match json {
         true => say_json(&shown)?,
         // To be copied: not broken between words.

@@ -14,7 +14,7 @@ mod tests;
 pub(crate) mod values;
 pub(crate) mod write;
 
-use crate::replication::scene::Output;
+use crate::replication::output::Output;
 use clap::{ArgAction, Args};
 use keys::{curves, law, name_or_table};
 use serde::Deserialize;

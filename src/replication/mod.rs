@@ -6,6 +6,7 @@ pub mod comparison;
 pub(crate) mod fields;
 pub(crate) mod identified;
 pub(crate) mod mesh_files;
+pub mod output;
 pub mod paper;
 pub mod project;
 pub mod scene;

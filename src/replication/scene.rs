@@ -6,6 +6,7 @@ use crate::pipeline::names::refuse_forbidden;
 use crate::replication::fields::Fields;
 use crate::replication::fields::table::{Reading, Refused, Voice};
 use crate::replication::mesh_files::{check, find_mesh};
+pub use crate::replication::output::Output;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
@@ -16,35 +17,7 @@ use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{MOST_CELLS, Solver};
 use signorini_mathematics::statement::{MeshFacts, SaddleSettings, Statement};
-use std::fmt;
 use std::path::Path;
-
-/// Output for which a scene may ask; no other output is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Output {
-    /// Table of iteration counts and Delta a.
-    Table,
-    /// Map of f.
-    Source,
-    /// Surface of the solution on the finest grid.
-    Surface,
-    /// Map of the solution on the finest grid, with the boundary in contact.
-    Map,
-    /// Residuals against iterations.
-    History,
-    /// Trace and multiplier along the unrolled boundary.
-    Contact,
-    /// Values of f near the scene's with which the published counts still come out.
-    Identify,
-}
-
-/// Writes the name used in scenes and file names.
-impl fmt::Display for Output {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(out)
-    }
-}
 
 /// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors. Tasks read back what was written
 /// of it; files are read by [`Scene::parse`].
@@ -56,7 +29,7 @@ pub struct Scene {
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
-    /// What is asked; of the runs of a saddle-point method, the one that is drawn.
+    /// Statement; of the runs of a saddle-point method, that of the one that is drawn.
     pub statement: Statement,
     /// Runs of a saddle-point method; none for other solvers.
     pub runs: Option<Runs>,

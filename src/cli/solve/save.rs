@@ -1,4 +1,4 @@
-//! What `solve` is asked, as a scene of the project.
+//! Scene of the project that `solve --save` writes.
 
 use super::request::Request;
 use crate::cli::current_folder;

@@ -22,7 +22,8 @@ pub(crate) struct DescribedFields {
 struct ExclusiveFields {
     /// Fact that they say, in words.
     says: &'static str,
-    keys: Vec<String>,
+    /// Keys, as code in Markdown.
+    keys: String,
 }
 
 /// Field of a statement in words.
@@ -34,14 +35,11 @@ struct DescribedField {
     option: String,
     /// Meaning: the first sentence of the option's help.
     meaning: String,
-    /// Names among which the value is, unless the meaning has them.
-    values: Vec<String>,
-    /// Solvers and domains that have it; empty if all have.
-    goes_with: String,
-    /// Value where it is not given: as TOML, or in words; none if it must be given, or nothing takes its place.
-    default: Option<String>,
-    /// True if `default` is TOML.
-    is_value: bool,
+    /// Names among which the value is, unless the meaning has them, and the solvers and domains that have the field,
+    /// unless all have, in Markdown behind the meaning.
+    more: String,
+    /// Value where it is not given, in Markdown: as TOML, or in words.
+    default: String,
 }
 
 /// Beginning of a default in the help of an option.
@@ -58,8 +56,10 @@ pub(crate) fn described() -> DescribedFields {
     for field in &FIELDS {
         for says in field.says {
             match exclusive.iter_mut().find(|known| known.says == *says) {
-                Some(known) => known.keys.push(field.key()),
-                None => exclusive.push(ExclusiveFields { says, keys: vec![field.key()] }),
+                Some(known) => known.keys += &format!(", `{}`", field.key()),
+                None => {
+                    exclusive.push(ExclusiveFields { says, keys: format!("`{}`", field.key()) })
+                }
             }
         }
     }
@@ -79,20 +79,29 @@ impl Field {
             None => (help.as_str(), None),
         };
         let in_words = default.map(|text| text.strip_prefix(OF_SCENE).unwrap_or(text).to_owned());
-        let (mut values, value) = (Vec::new(), self.usual_value());
+        let default = match (self.name, self.usual_value()) {
+            ("f", _) => "must be given".into(),
+            (_, Some(value)) => format!("`{value}`"),
+            (_, None) => in_words.unwrap_or_else(|| "none".into()),
+        };
+        let mut more = String::new();
         if !option.is_hide_possible_values_set() {
             let all = option.get_possible_values();
-            values.extend(all.iter().map(|value| value.get_name().to_owned()));
+            let names: Vec<_> = all.iter().map(|value| format!("`{}`", value.get_name())).collect();
+            more +=
+                &(if names.is_empty() { String::new() } else { format!(": {}", names.join(", ")) });
+        }
+        let goes_with = self.goes_with();
+        if !goes_with.is_empty() {
+            more += &format!(". *For* {goes_with}");
         }
         let value_name = option.get_value_names().unwrap_or_default().join(" ");
         DescribedField {
             key: self.key(),
             option: format!("{} {value_name}", self.option()),
             meaning: meaning.to_owned(),
-            values,
-            goes_with: self.goes_with(),
-            is_value: value.is_some(),
-            default: value.or(in_words),
+            more,
+            default,
         }
     }
 

@@ -51,7 +51,7 @@ pub(crate) enum Voice {
     Keys,
 }
 
-/// What several fields say.
+/// Facts that several fields say.
 const HOW_FINE: &str = "how fine";
 const LAW: &str = "which law holds";
 const GOAL: &str = "where multigrid stops";

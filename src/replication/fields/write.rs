@@ -2,7 +2,7 @@
 
 use super::table::FIELDS;
 use crate::replication::mesh_files::FOLDER;
-use crate::replication::scene::{Output, Scene};
+use crate::replication::output::Output;
 use signorini_mathematics::statement::Statement;
 use std::borrow::Cow;
 use toml::Value;
@@ -31,10 +31,10 @@ fn joined(option: String, value: String) -> Vec<String> {
     }
 }
 
-/// Returns the words of the command that solves a scene, in the folder of the project, each as a shell reads it: an
+/// Returns the words of the command that solves the statement of a scene, in the folder of the project, each as a shell reads it: an
 /// option with its value is one.
-pub(crate) fn command(scene: &Scene) -> Vec<String> {
-    let mut statement = scene.statement.clone();
+pub(crate) fn command(of_scene: &Statement) -> Vec<String> {
+    let mut statement = of_scene.clone();
     if statement.domain.is_file() {
         statement.domain.name = format!("{FOLDER}/{}", statement.domain.name);
     }
@@ -48,8 +48,8 @@ pub(crate) fn command(scene: &Scene) -> Vec<String> {
     words
 }
 
-/// Returns a command as lines for a shell: `first`, then the words, broken between them or, where one is too long and in
-/// quotes, behind the semicolons of f; the quotes are then those in which a shell joins lines.
+/// Returns a command as lines for a shell: `first`, then the words, broken between them or, where one is too long and
+/// in quotes, behind the semicolons of f; the quotes are then those in which a shell joins lines.
 pub(crate) fn lines(first: &str, words: &[String], width: usize) -> String {
     let mut lines = vec![first.to_owned()];
     for part in words.iter().flat_map(|word| parts(word, width)) {

@@ -89,6 +89,8 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Vec<Task> {
 struct SceneFigure {
     kind: Output,
     scenes: Vec<Scene>,
+    /// True if the scenes ask for nothing else, so that no page offers their solutions as files.
+    is_alone: bool,
 }
 
 /// The task that draws the figure `name` of `scenes`.
@@ -96,10 +98,14 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     let kind = kind.output;
     let files: InputFiles = scenes.iter().flat_map(|scene| scene.files.clone()).collect();
     let needs = scenes.iter().flat_map(|scene| needs(kind, scene)).collect();
+    let is_alone = scenes.iter().all(|scene| scene.outputs == [kind]);
     let scenes = scenes.iter().map(|scene| shown(kind, scene)).collect();
-    let figure = SceneFigure { kind, scenes };
-    drawing(name, &figure, needs, |SceneFigure { kind, scenes }, inputs| {
+    let figure = SceneFigure { kind, scenes, is_alone };
+    drawing(name, &figure, needs, |SceneFigure { kind, scenes, is_alone }, inputs| {
         let mut picture = draw(*kind, scenes, inputs)?;
+        if *is_alone && *kind == Output::Map {
+            picture.table = Some(numbers(inputs, scenes)?);
+        }
         if [Output::Surface, Output::Contact].contains(kind) {
             picture.note = bounds(inputs, scenes)?;
         }
@@ -254,6 +260,22 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     let pair = solve::pair(inputs, scene, scene.first_rule(), &problem)?;
     let (title, on) = (title_with_end(inputs, scene)?, (problem.levels(), problem.law()));
     Ok(SolutionMap::of(title, on, &pair)?.picture())
+}
+
+/// Returns, as CSV, the energy of each scene, the bound of its error over the solution, and the share of the boundary
+/// under the law on which v is held at zero.
+fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
+    let mut table = "energy,error,held\n".to_owned();
+    for scene in scenes {
+        let rule = scene.first_rule();
+        let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
+        let energy = outcomes.final_energy().map_or(String::new(), |energy| energy.to_string());
+        let error = outcomes.last_bounds().map_or(String::new(), |of| of.relative().to_string());
+        let problem = solve::problem(inputs, scene)?;
+        let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
+        table += &format!("{energy},{error},{held}\n");
+    }
+    Ok(table)
 }
 
 /// Returns the title of a scene, with the end of its solver unless that is a solution, above the bound of its error.

@@ -36,10 +36,11 @@ impl Solutions {
             let words = "the solution";
             solutions.add(scene, &problem, State { ending: "-solution", words, pair: &pair });
         }
-        let with_numbers = others.iter().filter(|scene| scene.wants(Output::Table));
-        for scene in
-            with_numbers.filter(|scene| scene.wants(Output::Surface) || scene.wants(Output::Map))
-        {
+        // A scene that asks for a map alone has its numbers beside it.
+        for scene in others.iter().filter(|scene| {
+            scene.outputs != [Output::Map]
+                && (scene.wants(Output::Surface) || scene.wants(Output::Map))
+        }) {
             let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
             let pair = solve::pair(inputs, scene, rule, &problem)?;
             let words = &solve::state(inputs, scene, rule)?;

@@ -286,6 +286,11 @@ impl Outcomes {
         self.levels.len().checked_sub(1).map(|level| self.energy(level))
     }
 
+    /// Energy on the finest level or, without one, of the true solution.
+    pub(super) fn final_energy(&self) -> Option<f64> {
+        self.last_energy().or(self.without_grid.map(|end| end.energy))
+    }
+
     /// Guaranteed bounds on the finest level, if there are any.
     pub(super) fn last_bounds(&self) -> Option<&Bounds> {
         self.bounds.last()?.as_ref()
@@ -467,6 +472,17 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
         statement.fineness = Fineness::Grids(cells.into_iter().collect());
     }
     Ok(mesh_files::problem(&statement, inputs.files)?)
+}
+
+/// Returns the share of the boundary under the law on which v is held at zero.
+pub(super) fn held(problem: &Problem, pair: &Pair) -> f64 {
+    let (levels, mut held, mut all) = (problem.levels(), 0.0, 0.0);
+    let states = levels.in_contact(problem.law(), pair);
+    for (node, is_held) in levels.contact().iter().zip(states) {
+        all += node.measure;
+        held += if is_held { node.measure } else { 0.0 };
+    }
+    held / all
 }
 
 /// Returns the bytes of the artifact [`MARKS`].

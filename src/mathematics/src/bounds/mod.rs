@@ -1,5 +1,5 @@
-//! Guaranteed two-sided bounds of the energy and of the error of a finite element solution: here on the square, on meshes
-//! in [`triangulation`].
+//! Guaranteed two-sided bounds of the energy and of the error of a finite element solution: here on the square, and in
+//! [`triangulation`] on meshes.
 //!
 //! # The identity
 //! Let the [law](crate::problem::law) keep dv/dn in `[lo, hi]`, and let j(v) be the largest of `-l v` over the l of

@@ -1,4 +1,4 @@
-//! How fine the grids or meshes of a statement are.
+//! Fineness of the grids or meshes of a statement.
 
 use super::StatementError;
 use crate::bounds::Accuracy;
@@ -19,7 +19,7 @@ const MOST_ODD: usize = 7;
 /// Most refinements of a mesh.
 const MOST_TIMES: usize = 20;
 
-/// How fine the grids of the square, or the meshes of another domain are.
+/// Fineness of the grids of the square, or of the meshes of another domain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fineness {

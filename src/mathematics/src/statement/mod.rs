@@ -1,4 +1,4 @@
-//! What is asked: a domain with f, a law, the conditions on the parts of the boundary, how fine, and a solver with its
+//! Statements: a domain with f, a law, the conditions on the parts of the boundary, how fine, and a solver with its
 //! settings.
 //!
 //! Central is [`Statement`], plain data: a scene is a statement with a title and outputs, the options of `solve` are
@@ -29,7 +29,7 @@ use crate::solvers::{
 };
 use serde::{Deserialize, Serialize};
 
-/// What is asked: the same in a scene, in options, in experiments and in the parameters of a task.
+/// Problem and solver as they are asked for: the same in a scene, in options, in experiments and in the parameters of a task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statement {
     /// Domain, with the conditions on the parts of its boundary.

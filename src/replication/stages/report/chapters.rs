@@ -20,7 +20,6 @@ use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::truth::{Elements, Truth};
 use signorini_mathematics::identify::Findings;
-use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Iteration, Pair, StopRule, tolerance};
@@ -58,7 +57,10 @@ pub(super) fn context(
     }
     context.insert("problems", &shown);
     let others = others.iter().map(|scene| other(inputs, scene));
-    context.insert("scenes", &others.collect::<Result<Vec<_>, _>>()?);
+    let others = others.collect::<Result<Vec<_>, _>>()?;
+    let in_gallery = |scene: &&BTreeMap<String, Value>| scene["outputs"] == json!([Output::Map]);
+    context.insert("gallery", &others.iter().filter(in_gallery).collect::<Vec<_>>());
+    context.insert("scenes", &others);
     context.insert("r", &tables[0].rows.iter().map(|row| row.r).collect::<Vec<_>>());
     context.insert("finest", &grids.last());
     context.insert("tolerance", &tolerance(grids.len()));
@@ -224,9 +226,9 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let (f, integral_f) = (problem.levels().f(), problem.levels().integrals().of_f);
     let exact = scene.statement.known_solution();
     let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
-    let held = scene
-        .wants(Output::Map)
-        .then(|| solve::pair(inputs, scene, rule, &problem).map(|pair| held(&problem, &pair)));
+    let held = scene.wants(Output::Map).then(|| {
+        solve::pair(inputs, scene, rule, &problem).map(|pair| solve::held(&problem, &pair))
+    });
     let more = json!({
         "text": std::str::from_utf8(text)?,
         "command": write::lines("cargo run --release --", &picture_command(scene), COMMAND_WIDTH),
@@ -251,7 +253,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "rule": rule,
         // The finest level; none for the spectral solver.
         "level": level,
-        "energy": outcomes.last_energy().or(outcomes.without_grid.map(|end| end.energy)),
+        "energy": outcomes.final_energy(),
         "iterations": level.map(|level| level.end.iterations).or(outcomes.without_grid.map(|end| end.steps)),
         "nodal_error": outcomes.errors.last(),
     });
@@ -263,21 +265,10 @@ const COMMAND_WIDTH: usize = 86;
 
 /// Returns the words of the command that solves a scene and draws its map.
 fn picture_command(scene: &Scene) -> Vec<String> {
-    let mut words = write::command(scene);
+    let mut words = write::command(&scene.statement);
     words.remove(0);
     words.extend(["--map".to_owned(), format!("--out target/{}.svg", scene.name)]);
     words
-}
-
-/// Returns the share of the boundary under the law on which v is held at zero.
-fn held(problem: &Problem, pair: &Pair) -> f64 {
-    let (levels, mut held, mut all) = (problem.levels(), 0.0, 0.0);
-    let states = levels.in_contact(problem.law(), pair);
-    for (node, is_held) in levels.contact().iter().zip(states) {
-        all += node.measure;
-        held += if is_held { node.measure } else { 0.0 };
-    }
-    held / all
 }
 
 /// Returns all figures by their names: the file in the book's folder `figures`, and the path in the book of its data,
