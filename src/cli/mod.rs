@@ -113,7 +113,7 @@ enum Command {
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --out v.npy\n  \
         signorini solve --domain cube --f 'ball(0,0,0,0.25)=2; else=-1' --h 1/32 --out v.vtu\n  \
-        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --save disc     then: signorini run disc\n\n\
+        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --save disc\n\n\
         f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers \
         a point wins. The square is [-0.5,0.5]^2; its regions are rect(x0,x1,y0,y1), \
         quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \

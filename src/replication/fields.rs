@@ -9,8 +9,6 @@ pub(crate) mod described;
 pub(crate) mod keys;
 pub(crate) mod read;
 pub(crate) mod table;
-#[cfg(test)]
-mod tests;
 pub(crate) mod values;
 pub(crate) mod write;
 

@@ -12,4 +12,6 @@ pub mod project;
 pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;
+#[cfg(test)]
+mod voices;
 pub(crate) mod written;

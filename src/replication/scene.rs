@@ -220,8 +220,8 @@ impl Scene {
             return Err(Refused::new(
                 "grids",
                 format!(
-                    "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or leave \
-                 out `paper_table`"
+                    "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or \
+                 leave out `paper_table`"
                 ),
             ));
         }

@@ -58,7 +58,7 @@ pub(crate) fn described() -> DescribedFields {
             match exclusive.iter_mut().find(|known| known.says == *says) {
                 Some(known) => known.keys += &format!(", `{}`", field.key()),
                 None => {
-                    exclusive.push(ExclusiveFields { says, keys: format!("`{}`", field.key()) })
+                    exclusive.push(ExclusiveFields { says, keys: format!("`{}`", field.key()) });
                 }
             }
         }

@@ -157,14 +157,15 @@ impl Fields {
     /// Stopping rules that are given.
     pub(crate) fn stop_rules(&self, voice: Voice) -> Reading<Option<Vec<StopRule>>> {
         let Some(names) = &self.stop else { return Ok(None) };
-        let rule = |name: &String| {
-            StopRule::named(name).ok_or_else(|| {
+        let mut rules = Vec::new();
+        for name in names {
+            rules.push(StopRule::named(name).ok_or_else(|| {
                 let all = StopRule::ALL.map(StopRule::name).join(", ");
                 let stop = voice.name("stop");
                 Refused::new("stop", format!("{stop}: no rule `{name}`; choose one of {all}"))
-            })
-        };
-        names.iter().map(rule).collect::<Result<_, _>>().map(Some)
+            })?);
+        }
+        Ok(Some(rules))
     }
 }
 

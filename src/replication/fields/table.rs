@@ -14,7 +14,7 @@ pub(crate) struct Field {
     /// Name as a key; an option has dashes in place of underscores.
     pub(crate) name: &'static str,
     /// Table of a scene in which the key stands; none at the top.
-    pub(super) table: Option<&'static str>,
+    pub(crate) table: Option<&'static str>,
     /// Solvers that take it.
     solvers: fn(Solver) -> bool,
     /// Domains that have it.

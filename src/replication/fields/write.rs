@@ -19,7 +19,7 @@ fn options(statement: &Statement) -> Vec<[String; 2]> {
 
 /// Returns the arguments of `solve` that state a problem.
 #[cfg(test)]
-pub(super) fn arguments(statement: &Statement) -> Vec<String> {
+pub(crate) fn arguments(statement: &Statement) -> Vec<String> {
     options(statement).into_iter().flat_map(|[option, value]| joined(option, value)).collect()
 }
 
@@ -31,8 +31,8 @@ fn joined(option: String, value: String) -> Vec<String> {
     }
 }
 
-/// Returns the words of the command that solves the statement of a scene, in the folder of the project, each as a shell reads it: an
-/// option with its value is one.
+/// Returns the words of the command that solves the statement of a scene, in the folder of the project, each as a shell
+/// reads it: an option with its value is one.
 pub(crate) fn command(of_scene: &Statement) -> Vec<String> {
     let mut statement = of_scene.clone();
     if statement.domain.is_file() {

@@ -36,6 +36,7 @@ impl Run {
 }
 
 /// Solution as a solver found it.
+#[expect(clippy::large_enum_variant, reason = "one value for each solve")]
 pub enum FoundSolution {
     /// Nodal vector of the finest level.
     Vector(Run),

@@ -29,7 +29,8 @@ use crate::solvers::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Problem and solver as they are asked for: the same in a scene, in options, in experiments and in the parameters of a task.
+/// Problem and solver as they are asked for: the same in a scene, in options, in experiments and in the parameters of a
+/// task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statement {
     /// Domain, with the conditions on the parts of its boundary.
@@ -176,8 +177,7 @@ impl Statement {
     /// [`StatementError::Field`] if they do not nest, or are too coarse.
     pub fn grids(&self) -> Result<Vec<Grid>, StatementError> {
         let sizes = self.fineness.cells();
-        let named = |e| StatementError::field(self.fineness.field(), &self.fineness, e);
-        nested(&sizes).map_err(named)
+        nested(&sizes).map_err(|e| StatementError::field(self.fineness.field(), &self.fineness, e))
     }
 
     /// Coarsest mesh with its conditions and curves, from the contents of the Gmsh file unless the domain is built in;

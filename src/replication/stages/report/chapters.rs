@@ -58,8 +58,9 @@ pub(super) fn context(
     context.insert("problems", &shown);
     let others = others.iter().map(|scene| other(inputs, scene));
     let others = others.collect::<Result<Vec<_>, _>>()?;
-    let in_gallery = |scene: &&BTreeMap<String, Value>| scene["outputs"] == json!([Output::Map]);
-    context.insert("gallery", &others.iter().filter(in_gallery).collect::<Vec<_>>());
+    let mut gallery: Vec<&BTreeMap<String, Value>> = others.iter().collect();
+    gallery.retain(|scene| scene["outputs"] == json!([Output::Map]));
+    context.insert("gallery", &gallery);
     context.insert("scenes", &others);
     context.insert("r", &tables[0].rows.iter().map(|row| row.r).collect::<Vec<_>>());
     context.insert("finest", &grids.last());

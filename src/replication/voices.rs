@@ -1,9 +1,9 @@
 //! Statements go through both voices and come back as they were.
 
-use super::Fields;
-use super::described::described;
-use super::table::{FIELDS, Voice};
-use super::write::{arguments, scene};
+use crate::replication::fields::Fields;
+use crate::replication::fields::described::described;
+use crate::replication::fields::table::{FIELDS, Voice};
+use crate::replication::fields::write::{arguments, scene};
 use crate::replication::scene::{Output, Scene};
 use clap::Parser;
 use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_oneof, proptest};
@@ -179,14 +179,17 @@ fn pages_have_each_field_with_its_key_its_values_and_what_it_goes_with() {
         assert!(domain["meaning"].as_str().unwrap().contains(name), "the help lacks {name}");
     }
     assert_eq!(refine["option"], "--refine K");
-    assert_eq!(refine["goes_with"], "meshes");
+    assert_eq!(refine["more"], ". *For* meshes");
     assert_eq!(refine["default"], "up to 20 000 nodes");
-    assert_eq!(solver["default"], "\"multigrid\"");
-    assert_eq!(solver["values"].as_array().unwrap().len(), SOLVERS.len());
-    assert_eq!(named("load")["goes_with"], "all but spectral; the square");
-    assert_eq!(named("r")["goes_with"], "the saddle-point methods");
+    assert_eq!(solver["default"], "`\"multigrid\"`");
+    for entry in &SOLVERS {
+        assert!(solver["more"].as_str().unwrap().contains(entry.name), "{solver}");
+    }
+    let of_load = named("load")["more"].as_str().unwrap();
+    assert!(of_load.ends_with(". *For* all but spectral; the square"), "{of_load}");
+    assert_eq!(named("r")["more"], ". *For* the saddle-point methods");
     let exclusive = fields["exclusive"].as_array().unwrap();
-    let keys = serde_json::json!(["accuracy", "accuracy_energy", "grids", "h", "domain.refine"]);
+    let keys = "`accuracy`, `accuracy_energy`, `grids`, `h`, `domain.refine`";
     assert!(exclusive.iter().any(|group| group["says"] == "how fine" && group["keys"] == keys));
 }
 
