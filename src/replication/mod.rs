@@ -13,5 +13,5 @@ pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;
 #[cfg(test)]
-mod voices;
+mod tests;
 pub(crate) mod written;

@@ -223,7 +223,7 @@ fn moved_on(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
 /// Part of the integral of |f| by which the nodal load may move jumps of f.
 const MOVED: f64 = 1e-3;
 
-/// As [`moved_on`], none also if it is too small to matter.
+/// Part of the integral of |f| by which the nodal rule moves the jumps of f; none also if it is too small to matter.
 pub fn moved_jumps(grid: Grid, f: &Source, rule: LoadRule) -> Option<f64> {
     moved_on(grid, f, rule).filter(|&moved| moved > MOVED)
 }

@@ -23,7 +23,7 @@ const MOST_TIMES: usize = 20;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fineness {
-    /// The paper's grids on the square; as many refinements of a mesh as leave it at most [`USUAL_NODES`] nodes.
+    /// The paper's grids on the square; as many refinements of a mesh as leave it at most 20 000 nodes.
     Usual,
     /// Nested grids of the square, by their cells per side, coarsest first.
     Grids(Vec<usize>),
