@@ -179,6 +179,7 @@ fn pages_have_each_field_with_its_key_its_values_and_what_it_goes_with() {
         assert!(domain["meaning"].as_str().unwrap().contains(name), "the help lacks {name}");
     }
     assert_eq!(refine["option"], "--refine K");
+    assert_eq!(domain["option"], "--domain NAME\\|FILE");
     assert_eq!(refine["more"], ". *For* meshes");
     assert_eq!(refine["default"], "up to 20 000 nodes");
     assert_eq!(solver["default"], "`\"multigrid\"`");

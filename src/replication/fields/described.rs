@@ -31,7 +31,7 @@ struct ExclusiveFields {
 struct DescribedField {
     /// Key of a scene, behind the name of its table and a dot.
     key: String,
-    /// Option of `solve`, with the name of its value.
+    /// Option of `solve`, with the name of its value, as code in a table of Markdown.
     option: String,
     /// Meaning: the first sentence of the option's help.
     meaning: String,
@@ -98,7 +98,8 @@ impl Field {
         let value_name = option.get_value_names().unwrap_or_default().join(" ");
         DescribedField {
             key: self.key(),
-            option: format!("{} {value_name}", self.option()),
+            // A stroke would end the cell of a table.
+            option: format!("{} {value_name}", self.option()).replace('|', "\\|"),
             meaning: meaning.to_owned(),
             more,
             default,
