@@ -15,8 +15,8 @@ use signorini_mathematics::identify::COARSEST;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
-use signorini_mathematics::solvers::{MOST_CELLS, Solver};
-use signorini_mathematics::statement::{MeshFacts, SaddleSettings, Statement};
+use signorini_mathematics::solvers::{MOST_CELLS, SaddleSettings, Solver};
+use signorini_mathematics::statement::{MeshFacts, Statement};
 use std::path::Path;
 
 /// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors. Tasks read back what was written

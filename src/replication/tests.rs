@@ -14,8 +14,8 @@ use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::StopRule;
-use signorini_mathematics::solvers::{SOLVERS, Solver};
-use signorini_mathematics::statement::{Domain, Fineness, SaddleSettings, Statement};
+use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use std::collections::BTreeMap;
 
 /// The options of `solve` that are fields, and the scene that some of them exclude.

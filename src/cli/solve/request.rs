@@ -22,10 +22,8 @@ use signorini_mathematics::levels::{Levels, Problem};
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, StopRule};
-use signorini_mathematics::solvers::{Memory, Refusal, Solved, Solver, Watcher};
-use signorini_mathematics::statement::{
-    Domain, Fineness, SaddleSettings, Statement, StatementError,
-};
+use signorini_mathematics::solvers::{Memory, Refusal, SaddleSettings, Solved, Solver, Watcher};
+use signorini_mathematics::statement::{Domain, Fineness, Statement, StatementError};
 use std::io::ErrorKind;
 use std::path::Path;
 

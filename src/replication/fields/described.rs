@@ -4,8 +4,8 @@ use super::Fields;
 use super::table::{Domains, FIELDS, Field};
 use clap::{Arg, Args, Command};
 use serde::Serialize;
-use signorini_mathematics::solvers::{SOLVERS, Solver};
-use signorini_mathematics::statement::{Domain, SaddleSettings, Statement};
+use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
+use signorini_mathematics::statement::{Domain, Statement};
 use toml::Value;
 
 /// Fields of a statement in words.

@@ -5,8 +5,8 @@ use super::table::{FIELDS, Reading, Refused, Voice};
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
-use signorini_mathematics::solvers::Solver;
-use signorini_mathematics::statement::{Domain, Fineness, SaddleSettings, Statement};
+use signorini_mathematics::solvers::{SaddleSettings, Solver};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 impl Fields {
     /// Domain, f and law that are given, with all else as usual.

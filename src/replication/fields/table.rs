@@ -5,8 +5,8 @@ use super::keys::curve;
 use crate::pipeline::error::Error;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::problem::law::LawParameter;
-use signorini_mathematics::solvers::{SOLVERS, Solver};
-use signorini_mathematics::statement::{Domain, Fineness, SaddleSettings, Statement};
+use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use toml::Value;
 
 /// Field of a statement.

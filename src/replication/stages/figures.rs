@@ -19,8 +19,8 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::spectral::true_trace_on;
-use signorini_mathematics::statement::SaddleSettings;
 
 /// Kind of figure.
 pub(super) struct Kind {

@@ -25,18 +25,17 @@ use crate::levels::{Problem, ProblemError};
 use crate::mesh::MeshError;
 use crate::multigrid::{Goal, InputError};
 use crate::problem::unsolvable::Unsolvable;
-use crate::saddle::{Monitor, Params};
+use crate::saddle::{Monitor, Params, StopRule};
 use crate::spectral::SpectralError;
+use serde::{Deserialize, Serialize};
 
 /// Settings of a run; what is solved is in the [`Problem`].
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Solver.
     pub solver: Solver,
-    /// Parameters of the saddle-point methods, but method and tolerance, which follow from the solver and the level.
-    pub params: Params,
-    /// Interpolation of pairs to the next grid of the square.
-    pub prolongation: Prolongation,
+    /// Settings of the saddle-point methods.
+    pub saddle: SaddleSettings,
     /// Goal of multigrid.
     pub goal: Goal,
 }
@@ -44,8 +43,33 @@ pub struct Settings {
 impl Settings {
     /// Settings of a solver with all else as usual.
     pub fn of(solver: Solver) -> Self {
-        let (params, prolongation) = (Params::default(), Prolongation::default());
-        Self { solver, params, prolongation, goal: Goal::RoundingFloor }
+        Self { solver, saddle: SaddleSettings::default(), goal: Goal::RoundingFloor }
+    }
+}
+
+/// Settings of a saddle-point method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SaddleSettings {
+    /// Interpolation of pairs to the next grid of the square.
+    pub prolongation: Prolongation,
+    /// Duality parameter, positive.
+    pub r: f64,
+    /// Stopping rule; its tolerance follows from the level.
+    pub stop: StopRule,
+    /// Limit of iterations per level.
+    pub max_iterations: usize,
+}
+
+impl Default for SaddleSettings {
+    /// Settings of `solve`: r = 10, and the rule as printed.
+    fn default() -> Self {
+        let max_iterations = Params::default().max_iterations;
+        Self {
+            prolongation: Prolongation::default(),
+            r: 10.0,
+            stop: StopRule::Printed,
+            max_iterations,
+        }
     }
 }
 
@@ -145,7 +169,5 @@ pub(crate) fn find(
     settings: &Settings,
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    let SolverEntry { run, method, .. } = settings.solver.entry();
-    let method = method.unwrap_or(settings.params.method);
-    run(problem, &Settings { params: Params { method, ..settings.params }, ..*settings }, monitor)
+    (settings.solver.entry().run)(problem, settings, monitor)
 }

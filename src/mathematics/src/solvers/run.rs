@@ -1,6 +1,6 @@
 //! One function per kind of solver that hands it a problem, on the square or on a mesh.
 
-use super::{Refusal, Settings};
+use super::{Refusal, SaddleSettings, Settings};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
@@ -8,9 +8,9 @@ use crate::levels::{Discrete, NodalVectors, Problem};
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
-use crate::multigrid::{MultigridParams, solve_square};
+use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
-use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, solve_nested};
+use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
 use crate::spectral::{TrueSolution, true_solution};
 use std::borrow::Cow;
 
@@ -77,7 +77,7 @@ fn judged(problem: &Problem, y: Vec<f64>, end: End) -> Run {
 pub(super) fn multigrid(
     problem: &Problem,
     settings: &Settings,
-    _: &mut dyn Monitor,
+    monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
     let (levels, loaded) = (problem.levels(), problem.law().with_load(problem.load()));
@@ -87,13 +87,14 @@ pub(super) fn multigrid(
         }
         Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
     };
-    let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
     // Some meshes are stretched too much: factors solve those that are small enough.
     let most = if levels.dimension() == 2 { MOST_NODES_IN_PLANE } else { MOST_NODES_IN_SPACE };
-    if end.stop == Stop::IterationLimit && y.len() <= most {
-        return contact_set(problem);
+    match &solved {
+        Ok((y, end)) if end.stop == Stop::IterationLimit && y.len() <= most => {
+            active_set(problem, settings, monitor)
+        }
+        _ => on_finest(problem, solved),
     }
-    Ok(FoundSolution::Vector(judged(problem, y, end)))
 }
 
 /// Solves on the finest level by the primal-dual active set, until the contact set is at rest.
@@ -102,10 +103,6 @@ pub(super) fn active_set(
     _: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    contact_set(problem)
-}
-
-fn contact_set(problem: &Problem) -> Result<FoundSolution, Refusal> {
     let (law, load) = (problem.law(), problem.load());
     let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
@@ -113,6 +110,14 @@ fn contact_set(problem: &Problem) -> Result<FoundSolution, Refusal> {
             active_set_on(&networks[problem.finest()].network, law, load)
         }
     };
+    on_finest(problem, solved)
+}
+
+/// Judges what a solver returned on the finest level.
+fn on_finest(
+    problem: &Problem,
+    solved: Result<(Vec<f64>, End), InputError>,
+) -> Result<FoundSolution, Refusal> {
     let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
     Ok(FoundSolution::Vector(judged(problem, y, end)))
 }
@@ -125,11 +130,13 @@ pub(super) fn saddle(
 ) -> Result<FoundSolution, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
     let loaded = problem.law().with_loads(&loads);
-    let params = &settings.params;
+    let SaddleSettings { prolongation, r, stop, max_iterations } = settings.saddle;
+    let usual = Params::default();
+    let method = settings.solver.entry().method.unwrap_or(usual.method);
+    let params = &Params { method, r, rule: stop, max_iterations, ..usual };
     let monitor = &mut Measuring { problem, monitor, errors: Vec::new() };
     let (ends, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
-            let prolongation = settings.prolongation;
             let nested = NestedGrids { grids: lattices.grids(), prolongation };
             solve_nested(&nested, loaded, params, monitor)
         }

@@ -15,7 +15,6 @@ use crate::bounds::Accuracy;
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{Diagonal, LoadRule, moved_jumps};
 use crate::discrete::norms::largest;
-use crate::discrete::transfer::Prolongation;
 use crate::levels::{Problem, ProblemError, Step, Watch};
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
@@ -23,9 +22,9 @@ use crate::problem::error::SourceError;
 use crate::problem::exact::Exact;
 use crate::problem::law::{Law, LawError, LawParameter};
 use crate::problem::source::Source;
-use crate::saddle::{Params, StopRule};
 use crate::solvers::{
-    Adaption, Grids, Memory, Refusal, Settings, Solved, Solver, Watcher, find, reach,
+    Adaption, Grids, Memory, Refusal, SaddleSettings, Settings, Solved, Solver, Watcher, find,
+    reach,
 };
 use serde::{Deserialize, Serialize};
 
@@ -53,19 +52,6 @@ pub struct Statement {
     /// KKT residual over the largest load at which multigrid stops; none for the rounding floor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
-}
-
-/// Settings of a saddle-point method.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SaddleSettings {
-    /// Interpolation to the next grid of the square.
-    pub prolongation: Prolongation,
-    /// Duality parameter, positive.
-    pub r: f64,
-    /// Stopping rule.
-    pub stop: StopRule,
-    /// Limit of iterations per level.
-    pub max_iterations: usize,
 }
 
 /// Facts on the meshes of a statement.
@@ -112,18 +98,6 @@ impl StatementError {
 impl From<LawError> for StatementError {
     fn from(error: LawError) -> Self {
         Self::field("law", "", error)
-    }
-}
-
-impl Default for SaddleSettings {
-    /// Settings of `solve`: r = 10, and the rule as printed.
-    fn default() -> Self {
-        Self {
-            prolongation: Prolongation::default(),
-            r: 10.0,
-            stop: StopRule::Printed,
-            max_iterations: Params::default().max_iterations,
-        }
     }
 }
 
@@ -315,17 +289,13 @@ impl Statement {
 
     /// Settings of the solver for a problem.
     pub fn settings(&self, problem: &Problem) -> Settings {
-        let usual = Settings::of(self.solver);
         let goal = match (self.accuracy(), self.tolerance) {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
             // The bracket of the energy is much narrower than the error.
             (Some(Accuracy::Energy(_)), _) | (None, None) => Goal::RoundingFloor,
             (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(problem.load())),
         };
-        let SaddleSettings { prolongation, r, stop, max_iterations } =
-            self.saddle.unwrap_or_default();
-        let params = Params { r, rule: stop, max_iterations, ..usual.params };
-        Settings { params, prolongation, goal, ..usual }
+        Settings { solver: self.solver, saddle: self.saddle.unwrap_or_default(), goal }
     }
 
     /// Solves the problem that [`Statement::problem`] has made, where an accuracy is asked for on one grid or mesh
