@@ -13,6 +13,7 @@ mod request;
 mod save;
 mod truth;
 
+use super::interrupt::at_work;
 use super::name_parser;
 use super::output::{OutputFile, check_options, say_json, tell};
 use crate::pipeline::error::{Error, Result};
@@ -37,6 +38,11 @@ pub(super) struct SolveArgs {
     scene: Option<String>,
     #[command(flatten)]
     fields: Fields,
+    /// With an accuracy on a mesh, most nodes of the last mesh; what is reached with them is the answer
+    ///
+    /// Ctrl-C ends a run to an accuracy in the same way, a second one at once.
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    most_nodes: Option<usize>,
     /// With an accuracy on a mesh, a line for each mesh: nodes and error
     #[arg(short, long, hide_short_help = true)]
     verbose: bool,
@@ -103,6 +109,16 @@ impl SolveArgs {
         kinds.into_iter().find(|(given, _)| *given).map(|(_, kind)| kind)
     }
 
+    /// Refuses a number of nodes where no mesh is adapted.
+    fn check_most_nodes(&self, statement: &Statement) -> Result<()> {
+        match self.most_nodes {
+            Some(most) if !is_adapted(statement) => Err(Error::input(format!(
+                "--most-nodes {most} is about an accuracy on a mesh; add --accuracy 1e-2 and a --domain, or leave it out"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses options about the file that is written where there is none, or that a solver or a domain does not have.
     fn check_file_options(&self, statement: &Statement) -> Result<()> {
         let Statement { solver, domain, .. } = statement;
@@ -125,6 +141,11 @@ impl SolveArgs {
     }
 }
 
+/// True if meshes are adapted to an accuracy.
+fn is_adapted(statement: &Statement) -> bool {
+    statement.accuracy().is_some() && !statement.domain.is_square()
+}
+
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let (request, problem) = Request::read(args)?;
     let file = args.file(&request, problem.levels())?;
@@ -132,6 +153,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
         save::save(name, &request, problem.levels().dimension())?;
     }
     let mut shown = ShownMeshes::new(&request.statement, args.verbose);
+    // The first signal ends the way to an accuracy with the answer so far.
+    let _at_work = is_adapted(&request.statement).then(at_work);
     let solved = request.solved(problem, &mut shown);
     shown.end();
     let answer = Answer::new(&request, solved?);

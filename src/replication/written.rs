@@ -36,12 +36,14 @@ impl Voice {
         };
         let (needed, best) = match end {
             ReachEnd::Goal | ReachEnd::NoSolution => return Ok(()),
+            ReachEnd::Interrupted { .. } => return Err(Error::Interrupted),
             ReachEnd::Rounding { least } => {
                 return Err(Error::input(format!(
                     "{asked}: rounding errors leave {least:.1e}; ask for less, or use {spectral}"
                 )));
             }
             ReachEnd::Finest { needed, best } => (needed.unwrap_or(f64::INFINITY), best),
+            ReachEnd::MostNodes { best } => (f64::INFINITY, best),
         };
         let best = match best {
             f64::INFINITY => "does not reach half".into(),

@@ -1,10 +1,12 @@
 //! Fine, stretched and graded meshes of a user's own, which have no coarser one.
 
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Condition, Facet, MeshData, Names, Part};
-use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// Pseudo-random numbers in [0, 1), the same ones on every machine (G. Marsaglia, J. Stat. Software 8 (2003) 14).
 struct Random(u64);
@@ -131,6 +133,11 @@ fn moved(places: &[f64], k: usize, by: f64) -> f64 {
 /// Random problem on a random rectangle; none if the flux cannot balance f.
 fn random_problem(random: &mut Random, most_aspect: f64) -> Option<Problem> {
     let rectangle = Rectangle::random(random, most_aspect);
+    random_problem_on(&rectangle, random, 0)
+}
+
+/// Random problem on a rectangle that is refined so often; none if the flux cannot balance f.
+fn random_problem_on(rectangle: &Rectangle, random: &mut Random, times: usize) -> Option<Problem> {
     let mesh = rectangle.mesh(random);
     let (x, y) = (random.between(0.2, 0.8), rectangle.height() * random.between(0.2, 0.8));
     let [within, beyond] = [random.between(-9.0, 9.0), random.between(-6.0, 0.0)];
@@ -141,7 +148,7 @@ fn random_problem(random: &mut Random, most_aspect: f64) -> Option<Problem> {
         1 => Law::new(0.0, flux).unwrap(),
         _ => Law::new(-flux, flux).unwrap(),
     };
-    Problem::on_mesh(&mesh, 0, &f, law).ok()
+    Problem::on_mesh(&mesh, times, &f, law).ok()
 }
 
 fn run(problem: &Problem, solver: Solver) -> Run {
@@ -187,4 +194,120 @@ fn an_unrefined_mesh_is_solved_in_few_steps() {
     let run = run(&problem, Solver::Multigrid);
     assert_eq!(run.last().end.stop, Stop::RoundingFloor);
     assert!(run.last().end.iterations <= 25, "{} steps", run.last().end.iterations);
+}
+
+/// Runs multigrid, which must end with a solution by itself; returns its number of steps.
+fn steps(problem: &Problem) -> usize {
+    let run = run(problem, Solver::Multigrid);
+    let end = &run.last().end;
+    assert_eq!(run.solver, Solver::Multigrid, "{end:?}");
+    assert!(matches!(end.stop, Stop::RoundingFloor | Stop::Converged), "{end:?}");
+    end.iterations
+}
+
+#[test]
+fn refined_stretched_meshes_are_solved_by_aggregates() {
+    let mut random = Random(0x853c_49e6_748f_ea9b);
+    let mut solved = 0;
+    while solved < 24 {
+        let aspect = 1000f64.powf(random.next());
+        let [columns, rows] = [random.count(4, 12), random.count(4, 12)];
+        let (moved, stretch) = (random.between(0.0, 0.1), Stretch::Everywhere);
+        let rectangle = Rectangle { columns, rows, stretch, aspect, moved };
+        let Some(problem) = random_problem_on(&rectangle, &mut random, 3) else { continue };
+        let most = if problem.law().is_signorini() { 60 } else { 150 };
+        let steps = steps(&problem);
+        assert!(steps <= most, "{steps} steps at aspect {aspect}");
+        solved += 1;
+    }
+}
+
+/// Mesh of a plate 1 x 1 x `height`, with so many cuboids along each side, of six tetrahedra each.
+fn plate(along: usize, height: f64) -> AnyMesh {
+    let side = along + 1;
+    let node = |at: [usize; 3]| (at[0] + side * (at[1] + side * at[2])) as u32;
+    let width = 1.0 / along as f64;
+    let mut points = Vec::new();
+    let mut cells = Vec::new();
+    for k in 0..side {
+        for j in 0..side {
+            points.extend(
+                (0..side).map(|i| [width * i as f64, width * j as f64, width * height * k as f64]),
+            );
+        }
+    }
+    // Kuhn's tetrahedra: from the first corner to the last along the axes in each order.
+    for first in (0..along.pow(3)).map(|n| [n % along, n / along % along, n / along / along]) {
+        for (axes, is_even) in [
+            ([0, 1, 2], true),
+            ([1, 2, 0], true),
+            ([2, 0, 1], true),
+            ([0, 2, 1], false),
+            ([2, 1, 0], false),
+            ([1, 0, 2], false),
+        ] {
+            let mut at = first;
+            let mut cell = [node(at); 4];
+            for (corner, axis) in cell[1..].iter_mut().zip(axes) {
+                at[axis] += 1;
+                *corner = node(at);
+            }
+            if !is_even {
+                cell.swap(2, 3);
+            }
+            cells.push(cell);
+        }
+    }
+    let data = MeshData { points, cells, ..MeshData::default() };
+    data.mesh().expect("a mesh").into()
+}
+
+#[test]
+fn refined_plates_are_solved_by_aggregates() {
+    let friction = Law::new(-0.003, 0.003).unwrap();
+    for height in [0.1, 0.01, 0.002] {
+        for (law, most) in [(Law::SIGNORINI, 60), (friction, 150)] {
+            let problem = Problem::on_mesh(&plate(4, height), 2, "formula(3*x-2)", law);
+            let Ok(problem) = problem else { continue };
+            let steps = steps(&problem);
+            assert!(steps <= most, "{steps} steps at height {height}");
+        }
+    }
+}
+
+/// Gmsh file of two triangles of a rectangle 1 x `height`.
+fn two_triangles(height: f64) -> String {
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\
+         $Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 {height} 0\n4 0 {height} 0\n$EndNodes\n\
+         $Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n"
+    )
+}
+
+#[test]
+fn an_accuracy_takes_no_more_nodes_than_uniform_refinement() {
+    const WANTED: f64 = 0.1;
+    let papers = (None, "halfplane(1,0,0.4)=3; else=-4");
+    let friction = (Some(LawParameter::Friction(4.0)), "disc(0.7,0,0.2)=-6; else=1");
+    for (height, (law, f)) in
+        [(0.1, papers), (0.01, papers), (1e-4, papers), (0.2, friction), (0.02, friction)]
+    {
+        let file = two_triangles(height);
+        let solved = |fineness: Fineness| {
+            let usual = Statement::usual(Domain::named("long.msh"), f);
+            let solved = Statement { law, fineness, ..usual }.solved(Some(file.as_bytes()));
+            let solved = solved.expect("a solution");
+            let bounds = solved.bounds().last().cloned().expect("bounds").expect("bounds");
+            (solved.problem.lengths()[0], bounds.relative(), solved)
+        };
+        let (nodes, error, adapted) = solved(Fineness::Within(Accuracy::Error(WANTED)));
+        assert!(error <= WANTED, "{error} at height {height}");
+        assert!(adapted.ends().iter().all(|end| end.end.has_converged()), "{:?}", adapted.ends());
+        assert!(adapted.ends().iter().all(|end| end.kkt.relative <= 0.02), "{:?}", adapted.ends());
+        let uniform = (0..=8).map(|times| solved(Fineness::Refined(times)));
+        let enough =
+            uniform.map(|(nodes, error, _)| (nodes, error)).find(|found| found.1 <= WANTED);
+        let most = enough.map_or(usize::MAX, |(nodes, _)| nodes);
+        assert!(nodes <= most, "{nodes} nodes, uniformly {most}, at height {height}");
+    }
 }

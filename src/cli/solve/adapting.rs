@@ -1,5 +1,6 @@
 //! The way to an accuracy on adapted meshes as `solve` shows it: a bar or lines while it runs, and its end.
 
+use crate::cli::interrupt::interrupted;
 use crate::pipeline::{bar, talk};
 use indicatif::ProgressBar;
 use signorini_mathematics::bounds::Accuracy;
@@ -26,13 +27,16 @@ const STEPS: f64 = 1000.0;
 
 impl Monitor for ShownMeshes {}
 
-/// A signal ends the program at once.
+/// A signal ends the way to an accuracy, with the best answer so far.
 impl Watcher for ShownMeshes {
     fn tried(&mut self, tried: Tried<'_>) -> ControlFlow<()> {
         if let Some(accuracy) = self.accuracy {
             self.show(accuracy, tried);
         }
-        ControlFlow::Continue(())
+        match interrupted().is_asked() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
     }
 }
 
@@ -92,6 +96,8 @@ pub(super) fn reason(end: ReachEnd) -> &'static str {
     match end {
         ReachEnd::Goal | ReachEnd::NoSolution => "the error is as small as asked",
         ReachEnd::Finest { .. } => "a finer mesh takes more memory than is left",
+        ReachEnd::MostNodes { .. } => "a finer mesh has more nodes than was asked for",
+        ReachEnd::Interrupted { .. } => "interrupted",
         ReachEnd::Rounding { .. } => "the bound of the error no longer falls",
     }
 }

@@ -117,7 +117,7 @@ impl Answer {
             "scene": request.name,
             "f": levels.f(),
             "dimension": levels.dimension(),
-            "solver": solver,
+            "solver": self.solved.run().map_or(solver, |run| run.solver),
             "energy": self.energy(request),
             "integral_f": levels.integrals().of_f,
             "contact": self.contact,
@@ -322,6 +322,7 @@ impl Answer {
     fn method(&self, request: &Request, run: &Run) -> String {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
         let mut settings = vec![format!("solver {solver}")];
+        settings.extend((run.solver != solver).then(|| format!("then {}", run.solver)));
         settings.extend(match self.meshes() {
             Some(meshes) => Some(format!("{meshes} adapted meshes")),
             None => request.refined(problem.finest()),

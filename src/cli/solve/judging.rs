@@ -80,9 +80,15 @@ impl Answer {
         let (reason, remedy) = match self.solved.reached.as_ref()?.end {
             ReachEnd::Goal | ReachEnd::NoSolution => return None,
             ReachEnd::Finest { .. } => ("memory has no room for more nodes", "ask for less"),
-            ReachEnd::Rounding { .. } => {
+            ReachEnd::MostNodes { .. } => ("no more nodes are allowed", "raise --most-nodes"),
+            ReachEnd::Interrupted { .. } => ("interrupted", "let it run to its end"),
+            ReachEnd::Rounding { .. } if !self.solved.ends().last()?.end.has_converged() => {
+                ("the solver has not converged there", "mesh with smaller aspects")
+            }
+            ReachEnd::Rounding { .. } if self.solved.problem.levels().integrals().by_quadrature => {
                 ("the bound no longer falls", "ask for less, or write jumps of f as shapes")
             }
+            ReachEnd::Rounding { .. } => ("the bound no longer falls", "ask for less"),
         };
         let [nodes, _] = self.solved.problem.lengths();
         let asked = request.voice.accuracy(accuracy);

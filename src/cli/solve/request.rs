@@ -85,7 +85,7 @@ impl Remedies {
     const ON_MESHES: Self = Self {
         unbalanced: ["lower f somewhere", "change f, or widen the law"],
         limit: Some(Remedy::new(
-            "its cells are stretched too much; mesh with smaller aspects, or with fewer cells and --refine",
+            "its cells are stretched too much; mesh with smaller aspects, or with fewer cells",
             "",
         )),
         load: Remedy::new("refine the grid", ""),
@@ -101,12 +101,14 @@ impl Request {
         let scene = scene.as_ref();
         let (statement, overridden) = stated(&args.fields, scene)?;
         args.check_file_options(&statement)?;
+        args.check_most_nodes(&statement)?;
         let voice = match scene {
             Some(_) if args.fields.accuracy().is_none() => Voice::Keys,
             _ => Voice::Options,
         };
         let memory = Memory::new(machine::available_memory());
         let memory = if args.out.is_some() { memory.with_files(args.recover) } else { memory };
+        let memory = memory.with_most_nodes(args.most_nodes.unwrap_or(usize::MAX));
         let file = file_name(&statement);
         let name = args.scene.as_deref().or(file).unwrap_or(&statement.domain.name).to_owned();
         let coarsest = coarsest(&statement, scene)?;

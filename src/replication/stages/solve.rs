@@ -185,9 +185,12 @@ impl Cell {
         if self.statement.domain.is_square() {
             return Voice::Keys.check_end(accuracy, reached.end);
         }
-        let (ReachEnd::Finest { best, .. } | ReachEnd::Rounding { least: best }) = reached.end
-        else {
-            return Ok(());
+        let best = match reached.end {
+            ReachEnd::Goal | ReachEnd::NoSolution => return Ok(()),
+            ReachEnd::Interrupted { .. } => return Err(Error::Interrupted),
+            ReachEnd::Finest { best, .. }
+            | ReachEnd::MostNodes { best }
+            | ReachEnd::Rounding { least: best } => best,
         };
         let asked = Voice::Keys.accuracy(accuracy);
         Err(Error::input(match best.is_finite() {

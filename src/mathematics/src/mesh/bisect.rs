@@ -6,6 +6,15 @@
 //! refinement edges are. Each marked edge gets one node, and each triangle with marked edges becomes two, three or
 //! four. Of each triangle of the first mesh there are at most four shapes, so that no angle falls further and further.
 //!
+//! # Stretched triangles
+//! As long as the height of a triangle over its longest edge is less than [`FLAT`] of that edge, the refinement edge is
+//! the longest one, and the short one is left as it is: a triangle with two long edges has both of them marked or none,
+//! and one with an angle near 180 degrees the longest edge alone. Let a needle have the angles A and C at its short edge
+//! ca, and beta at b, where its long edges ab and bc meet; m and q are the midpoints of these. Of its three pieces, (m,
+//! b, q) has the same angles, (c, a, m) has no greater one than A and C, and (m, q, c) has the angle A + beta at q. From
+//! piece to piece beta doubles, until the triangle is stretched no more: beta is less than 15 degrees while it is, and
+//! the sum of all of them less than 30 degrees.
+//!
 //! A new node lies between two nodes of the mesh before, as in uniform refinement, or on the curve of its part.
 
 use super::error::MeshError;
@@ -25,24 +34,83 @@ pub struct Bisected {
     pub origins: Vec<u32>,
 }
 
+/// Height over the longest edge, as a part of that edge, below which a triangle is stretched.
+const FLAT: f64 = 0.25;
+/// Length of an edge, as a part of the longest one, below which it is short.
+const SHORT: f64 = 0.5;
+
 /// Lets the refinement edge of each cell be its longest one; of equally long edges the one with the lowest numbers of
 /// nodes.
 pub fn label_longest_edges(mesh: &mut PlaneMesh) {
     for cell in &mut mesh.cells {
-        let edge = |k: usize| {
-            let ends = [cell[k], cell[(k + 1) % 3]];
-            let [p, q] = ends.map(|node| mesh.points[node as usize]);
-            let along = [p[0] - q[0], p[1] - q[1]];
-            (dot(along, along), [ends[0].min(ends[1]), ends[0].max(ends[1])])
-        };
-        let mut longest = 0;
-        for k in 1..3 {
-            let ((most, lowest), (length, ends)) = (edge(longest), edge(k));
-            if length > most || (length == most && ends < lowest) {
-                longest = k;
-            }
-        }
+        let longest = longest_edge(&mesh.points, *cell);
         cell.rotate_left(longest);
+    }
+}
+
+/// Place of the longest edge of a cell, which is that from the node at this place to the next; of equally long edges
+/// the one with the lowest numbers of nodes.
+fn longest_edge(points: &[[f64; 2]], cell: [u32; 3]) -> usize {
+    let squares = squares(points, cell);
+    let ends = |k: usize| {
+        let ends = [cell[k], cell[(k + 1) % 3]];
+        [ends[0].min(ends[1]), ends[0].max(ends[1])]
+    };
+    let mut longest = 0;
+    for k in 1..3 {
+        let (most, length) = (squares[longest], squares[k]);
+        if length > most || (length == most && ends(k) < ends(longest)) {
+            longest = k;
+        }
+    }
+    longest
+}
+
+/// Squares of the lengths of the edges of a cell, each from a node to the next.
+fn squares(points: &[[f64; 2]], cell: [u32; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| {
+        let [p, q] = [cell[k], cell[(k + 1) % 3]].map(|node| points[node as usize]);
+        let along = [p[0] - q[0], p[1] - q[1]];
+        dot(along, along)
+    })
+}
+
+/// Shape of a cell.
+#[derive(Clone, Copy, PartialEq)]
+enum Shape {
+    /// Not stretched.
+    Plain,
+    /// Stretched, with a short edge from the node at this place to the next.
+    Needle(usize),
+    /// Stretched, with an angle near 180 degrees.
+    Flat,
+}
+
+impl Shape {
+    fn of(points: &[[f64; 2]], cell: [u32; 3]) -> Self {
+        let [a, b, c] = cell.map(|node| points[node as usize]);
+        let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let squares = squares(points, cell);
+        let longest = squares.into_iter().fold(0.0, f64::max);
+        if doubled >= FLAT * longest {
+            return Self::Plain;
+        }
+        let short = squares.iter().position(|square| *square < SHORT * SHORT * longest);
+        short.map_or(Self::Flat, Self::Needle)
+    }
+
+    /// Flags for the sides of a cell, each opposite to the node at its place: true if it is split where another side
+    /// of the cell is.
+    fn split_with_others(self) -> [bool; 3] {
+        match self {
+            Self::Needle(short) => [0, 1, 2].map(|side| side != (short + 2) % 3),
+            Self::Plain | Self::Flat => [false, false, true],
+        }
+    }
+
+    /// Flags for the sides of a cell that are split if it is marked.
+    fn split_if_marked(self) -> [bool; 3] {
+        if self == Self::Plain { [true; 3] } else { self.split_with_others() }
     }
 }
 
@@ -52,7 +120,7 @@ pub fn label_longest_edges(mesh: &mut PlaneMesh) {
 /// [`MeshError::TooManyNodes`], and [`MeshError::Folded`] if a curve puts a node so far away that a cell turns inside
 /// out.
 pub fn bisect(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Result<Bisected, MeshError> {
-    let is_split = split_sides(sides, marked);
+    let is_split = split_sides(mesh, sides, marked);
     let new_nodes = is_split.iter().filter(|split| **split).count();
     // At most two cells and three sides for each new node.
     if 4 * (mesh.cells.len() + 2 * new_nodes) > u32::MAX as usize {
@@ -67,21 +135,37 @@ pub fn bisect(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Result<Bise
 }
 
 /// Sides at whose midpoints there will be nodes: flags in the order of the sides.
-fn split_sides(sides: &Sides<3>, marked: &[u32]) -> Vec<bool> {
+fn split_sides(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Vec<bool> {
     let mut is_split = vec![false; sides.len()];
-    let cells = sides.of_cell.len();
-    for &first in marked {
-        for mut side in sides.of_cell[first as usize] {
-            let mut cell = first;
-            // Beyond the side, the refinement edge is the next one, unless there is no cell.
-            while !std::mem::replace(&mut is_split[side as usize], true) {
-                cell ^= sides.both_cells[side as usize];
-                let Some(of_cell) = sides.of_cell[..cells].get(cell as usize) else { break };
-                side = of_cell[2];
+    let shape = |cell: u32| Shape::of(&mesh.points, mesh.cells[cell as usize]);
+    // Sides to be split, each with a cell that has it.
+    let mut next: Vec<CellSide> = Vec::new();
+    for &cell in marked {
+        next.extend(sides_of(sides, cell, shape(cell).split_if_marked()));
+        while let Some(CellSide { cell, side }) = next.pop() {
+            if std::mem::replace(&mut is_split[side as usize], true) {
+                continue;
+            }
+            // Beyond the side there is another cell, or a facet.
+            let beyond = cell ^ sides.both_cells[side as usize];
+            if (beyond as usize) < mesh.cells.len() {
+                next.extend(sides_of(sides, beyond, shape(beyond).split_with_others()));
             }
         }
     }
     is_split
+}
+
+/// Side with a cell that has it, by their numbers.
+struct CellSide {
+    cell: u32,
+    side: u32,
+}
+
+/// Sides of a cell that have a flag.
+fn sides_of(sides: &Sides<3>, cell: u32, flags: [bool; 3]) -> impl Iterator<Item = CellSide> {
+    let flagged = sides.of_cell[cell as usize].into_iter().zip(flags).filter(|(_, flag)| *flag);
+    flagged.map(move |(side, _)| CellSide { cell, side })
 }
 
 /// Side of a cell in the making.
@@ -153,8 +237,16 @@ impl<'a> Pieces<'a> {
                     PieceEdge::Old(side) => self.number(side),
                     PieceEdge::New(number) => number,
                 });
-                self.cells.push(cell);
-                self.of_cell.push(sides);
+                let turn = match Shape::of(&self.points, cell) {
+                    Shape::Plain => 0,
+                    _ => longest_edge(&self.points, cell),
+                };
+                let turned = |mut three: [u32; 3]| {
+                    three.rotate_left(turn);
+                    three
+                };
+                self.cells.push(turned(cell));
+                self.of_cell.push(turned(sides));
                 self.origins.push(self.origin);
             }
         }
@@ -416,6 +508,46 @@ mod tests {
         let [few, many] =
             [3, 9].map(|times| least(&bisected(BuiltIn::LShape.plane().unwrap(), times)));
         assert_eq!(few, many);
+    }
+
+    /// Greatest angle of the cells, in degrees.
+    fn greatest_angle(mesh: &PlaneMesh) -> f64 {
+        let of_cell = |cell: &[u32; 3]| {
+            let [a, b, c] = squares(&mesh.points, *cell);
+            let longest = a.max(b).max(c);
+            let others = a + b + c - longest;
+            let product = a * b * c / longest;
+            let cosine = (others - longest) / (2.0 * product.sqrt());
+            cosine.clamp(-1.0, 1.0).acos().to_degrees()
+        };
+        mesh.cells.iter().map(of_cell).fold(0.0, f64::max)
+    }
+
+    /// Rectangle 1 x `height` of two triangles.
+    fn rectangle(height: f64) -> PlaneMesh {
+        let data = MeshData {
+            points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, height], [0.0, height]],
+            cells: vec![[0, 1, 2], [0, 2, 3]],
+            ..MeshData::default()
+        };
+        data.mesh().unwrap()
+    }
+
+    #[test]
+    fn angles_of_stretched_cells_do_not_grow() {
+        for height in [1.0, 0.3, 0.1, 0.01, 1e-3, 1e-4] {
+            let mut mesh = rectangle(height);
+            label_longest_edges(&mut mesh);
+            for seed in 0..14 {
+                let sides = Sides::new(&mesh);
+                let marked = some(mesh.cells.len(), seed);
+                let found = bisect(&mesh, &sides, &marked).unwrap();
+                assert_eq!(assemble_sides(&found.mesh, &found.sides), assemble(&found.mesh));
+                mesh = found.mesh;
+                let angle = greatest_angle(&mesh);
+                assert!(angle < 152.0, "{angle} degrees at height {height}");
+            }
+        }
     }
 
     #[test]

@@ -14,13 +14,14 @@
 //!    has the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
 //!    of least energy: otherwise the next system is singular.
 //! 4. Stop if no state has changed. If all have returned to earlier ones, stop under the paper's law, where only
-//!    rounding errors can be the reason; under others, where the steps may go round in circles, relax the solution by
-//!    Gauss-Seidel sweeps, which lower the energy, and take the states from there. Go to step 2.
+//!    rounding errors can be the reason; under others, where the steps may go round in circles, no step may raise the
+//!    energy from then on: go from the vector of least energy so far towards the solution as far as the energy falls,
+//!    sweep once, and take the states from there. Go to step 2.
 //!
 //! # Cost
-//! One banded Cholesky factorisation per step: `O(n^4)` operations and `O(n^3)` memory on the square.
+//! One factorisation per step, in the order of minimum degree.
 
-use super::direct::{BandOrder, Direct};
+use super::direct::{Direct, FactorOrder};
 use super::input::{InputError, check_length, check_load};
 use crate::discrete::components::components;
 use crate::discrete::end::End;
@@ -28,6 +29,7 @@ use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network, count_components};
 use crate::discrete::stop::Stop;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
+use crate::problem::descent::{Bend, Slope};
 use crate::problem::law::{BoundaryState, ContactNode, Law};
 use std::cmp::Ordering;
 
@@ -40,10 +42,6 @@ pub const MOST_NODES_IN_PLANE: usize = (MOST_CELLS + 1) * (MOST_CELLS + 1);
 /// side.
 pub const MOST_NODES_IN_SPACE: usize = 25 * 25 * 25;
 
-/// Limit on the number of times that relaxation ends a return to earlier states.
-const MAX_RESTARTS: usize = 10;
-/// Number of Gauss-Seidel sweeps of the first relaxation.
-const RESTART_SWEEPS: usize = 20;
 /// Limit on the number of linear systems.
 const MAX_STEPS: usize = 200;
 
@@ -58,7 +56,7 @@ pub fn active_set(n: usize, law: Law, load: &[f64]) -> Result<(Vec<f64>, End), I
         return Err(InputError::GridSize { cells: n, rule: "at least 2", nearest: vec![2] });
     }
     let grid = Grid::new(n).expect("the number of cells is at least 2");
-    on_network(&Network::of_square(grid), BandOrder::Natural, law, load)
+    active_set_on(&Network::of_square(grid), law, load)
 }
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its
@@ -75,15 +73,6 @@ pub fn active_set_on(
     law: Law,
     load: &[f64],
 ) -> Result<(Vec<f64>, End), InputError> {
-    on_network(network, BandOrder::Reordered, law, load)
-}
-
-fn on_network(
-    network: &Network,
-    order: BandOrder,
-    law: Law,
-    load: &[f64],
-) -> Result<(Vec<f64>, End), InputError> {
     check_length(network.nodes(), load)?;
     let of_nodes = network.components();
     check_load(&components(network, &of_nodes, load), law)?;
@@ -91,13 +80,13 @@ fn on_network(
     let load = one_sided.load(load, network.contact());
     let problem =
         StateProblem { network, components: &of_nodes, load: &load, limit: one_sided.limit };
-    let mut direct = Direct::new(network, order);
+    let mut direct = Direct::new(network, FactorOrder::MinimumDegree);
     let mut states = problem.all_stick();
     let mut seen = Vec::new();
     let mut y = vec![0.0; load.len()];
-    let (mut steps, mut restarts) = (0, 0);
-    // Each restart goes on where the last one ended, twice as long: the sweeps alone converge, if slowly.
-    let mut relaxed: Option<Vec<f64>> = None;
+    let mut steps = 0;
+    // Vector of least energy so far, once steps have gone round in a circle.
+    let mut lowest: Option<Vec<f64>> = None;
     let stop = loop {
         if steps == MAX_STEPS {
             break Stop::IterationLimit;
@@ -111,18 +100,24 @@ fn on_network(
         if next == states {
             break Stop::Converged;
         }
-        if !seen.contains(&next) {
-            seen.push(std::mem::replace(&mut states, next));
-        } else if problem.limit.is_finite() && restarts < MAX_RESTARTS {
-            let relaxed = relaxed.get_or_insert_with(|| y.clone());
-            problem.relax(relaxed, RESTART_SWEEPS << restarts);
-            states = problem.states_of(relaxed);
-            seen.clear();
-            restarts += 1;
-        } else {
+        let is_circle = lowest.is_none() && seen.contains(&next);
+        if is_circle && !problem.limit.is_finite() {
             break Stop::RoundingFloor;
         }
+        if let Some(lowest) = &mut lowest {
+            problem.descend(lowest, &y);
+            states = problem.states_of(lowest);
+        } else if is_circle {
+            states = problem.states_of(&y);
+            lowest = Some(y.clone());
+        } else {
+            seen.push(std::mem::replace(&mut states, next));
+        }
     };
+    if let (Stop::IterationLimit, Some(lowest)) = (stop, lowest) {
+        y = lowest;
+        states = problem.states_of(&y);
+    }
     for contact in network.contact() {
         let value = &mut y[contact.node];
         *value = match states[contact.node] {
@@ -178,17 +173,39 @@ impl StateProblem<'_> {
         states
     }
 
-    /// Minimises the energy over one value after the other.
-    fn relax(&self, y: &mut [f64], sweeps: usize) {
-        let law = Law::new(0.0, self.limit).expect("a positive limit");
-        for _ in 0..sweeps {
-            self.network.sweep(self.load, y, |_, ContactRow { sum, diagonal, measure }| {
-                law.settle(sum, diagonal, measure)
-            });
+    /// Goes from a vector towards another one to the least energy between or beyond them, and minimises the energy over
+    /// one value after the other.
+    fn descend(&self, y: &mut [f64], towards: &[f64]) {
+        let direction: Vec<f64> = towards.iter().zip(&*y).map(|(to, from)| to - from).collect();
+        let (mut first, mut second) = (0.0, 0.0);
+        for (node, &along) in direction.iter().enumerate() {
+            first += along * self.network.gradient_at(node, y, self.load);
+            second += along
+                * (self.network.diagonal()[node] * along
+                    - self.network.row(node).add_to(0.0, &direction));
         }
+        let mut bends: Vec<Bend> = Vec::new();
+        for contact in self.network.contact() {
+            let (value, along) = (y[contact.node], direction[contact.node]);
+            let flux = contact.measure * self.limit;
+            if value < 0.0 || (value == 0.0 && along < 0.0) {
+                first -= flux * along;
+            }
+            if value * along < 0.0 {
+                bends.push(Bend { at: -value / along, slope: flux * along.abs() });
+            }
+        }
+        if first < 0.0 && second > 0.0 {
+            let length = Slope { first, second }.least(bends);
+            y.iter_mut().zip(&direction).for_each(|(value, along)| *value += length * along);
+        }
+        let law = Law::new(0.0, self.limit).expect("a positive limit");
+        self.network.sweep(self.load, y, |_, ContactRow { sum, diagonal, measure }| {
+            law.settle(sum, diagonal, measure)
+        });
     }
 
-    /// States that belong to the signs of the values.
+    /// States that belong to a vector: by the signs of the values and, where a value is zero, by the multiplier.
     fn states_of(&self, y: &[f64]) -> Vec<BoundaryState> {
         let mut states = self.all_stick();
         for contact in self.network.contact() {
@@ -198,7 +215,7 @@ impl StateProblem<'_> {
                     if value > 0.0 { BoundaryState::SlipsUp } else { BoundaryState::SlipsDown };
             }
         }
-        states
+        self.next_states(&states, y)
     }
 
     /// Load with the flux of the nodes that slip down.

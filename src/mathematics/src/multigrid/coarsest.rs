@@ -1,7 +1,7 @@
 //! Direct solution on the coarsest grid, of at most a few hundred nodes.
 
 use super::active_set::StateProblem;
-use super::direct::{BandOrder, Direct};
+use super::direct::{Direct, FactorOrder};
 use super::layout::boundary_number;
 use super::level::{Location, MultigridLevel};
 use super::stencil::{DIAGONAL, INVERSE, MULTIPLICATIONS_PER_VISIT};
@@ -52,7 +52,7 @@ impl CoarsestNode {
 impl Coarsest {
     pub(super) fn new(n: usize) -> Self {
         let network = Network::of_stencil(n);
-        let direct = Direct::new(&network, BandOrder::Natural);
+        let direct = Direct::new(&network, FactorOrder::Natural);
         let mut nodes = Vec::with_capacity(network.nodes());
         for (k, &entry) in network.diagonal().iter().enumerate() {
             let on_boundary = entry < DIAGONAL;

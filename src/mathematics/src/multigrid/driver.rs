@@ -77,6 +77,11 @@ pub(crate) trait Hierarchy {
     /// Applies one step on the finest level, where the residual is this one; returns the next one.
     fn step(&mut self, residual: f64) -> f64;
 
+    /// True if the last steps have lowered the residual so little that other levels are worth their cost.
+    fn is_slow(&self) -> bool {
+        false
+    }
+
     /// True if the algebraic error is at most a tenth of the discretisation error.
     fn is_within_discretisation_error(&mut self) -> bool;
 
@@ -168,7 +173,7 @@ fn iterate<H: Hierarchy>(
     let diverging = DIVERGENCE * first.max(largest);
     let (mut residual, mut computed, mut steps) = (first, f64::INFINITY, 0);
     let stop = loop {
-        if steps == params.max_cycles {
+        if steps == params.max_cycles || levels.is_slow() {
             break Stop::IterationLimit;
         }
         let before = residual;
@@ -181,7 +186,9 @@ fn iterate<H: Hierarchy>(
             Goal::DiscretisationError if levels.is_within_discretisation_error() => {
                 break Stop::Converged;
             }
-            Goal::Kkt(tolerance) if residual * scale <= tolerance => {
+            Goal::Kkt(tolerance)
+                if steps >= params.least_cycles && residual * scale <= tolerance =>
+            {
                 if H::BY_RECURRENCE
                     || (residual + ROUNDING_FLOOR * levels.rounding()) * scale > tolerance
                 {
@@ -232,7 +239,7 @@ mod tests {
 
         /// Iterates to the goal, and fails if a scripted residual is left over.
         fn iterate(mut self, scale: f64, goal: Goal) -> (Stop, usize, f64) {
-            let params = MultigridParams { goal, max_cycles: 9 };
+            let params = MultigridParams { goal, max_cycles: 9, ..MultigridParams::default() };
             let load = LoadScale { scale, largest: 1.0 };
             let (stop, steps) = iterate(&mut self, load, 1.0, &params);
             assert!(self.steps.is_empty() && self.checks.is_empty());

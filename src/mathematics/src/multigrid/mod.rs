@@ -66,17 +66,18 @@
 //!   follow an exact half-sweep over the black nodes.
 
 pub mod active_set;
-mod banded;
 mod blocks;
 mod buffers;
 mod coarsest;
 mod cycle;
 pub(crate) mod direct;
 pub(crate) mod driver;
+mod factors;
 pub(crate) mod input;
 mod layout;
 mod level;
 mod load;
+pub(crate) mod order;
 mod pass;
 mod rows;
 mod solve;
@@ -109,6 +110,8 @@ pub enum Goal {
 pub struct MultigridParams {
     /// Goal at which the iteration stops.
     pub goal: Goal,
+    /// Number of cycles on the finest grid that are made although a residual is small enough.
+    pub least_cycles: usize,
     /// Limit on the number of cycles on the finest grid.
     pub max_cycles: usize,
 }
@@ -118,6 +121,6 @@ const MOST_CYCLES: usize = 400;
 
 impl Default for MultigridParams {
     fn default() -> Self {
-        Self { goal: Goal::RoundingFloor, max_cycles: MOST_CYCLES }
+        Self { goal: Goal::RoundingFloor, least_cycles: 0, max_cycles: MOST_CYCLES }
     }
 }

@@ -3,7 +3,7 @@
 use super::interpolation::{Interpolation, product};
 use super::levels::NetworkLevels;
 use super::springs::{HeldLevel, set_coarse_springs};
-use crate::multigrid::direct::{BandOrder, Direct};
+use crate::multigrid::direct::{Direct, FactorOrder};
 
 /// Vectors of one level.
 struct CycleLevel {
@@ -49,7 +49,7 @@ impl<'a> Cycle<'a> {
         Self {
             levels,
             vectors,
-            coarsest: Direct::new(levels.network(0), BandOrder::Reordered),
+            coarsest: Direct::new(levels.network(0), FactorOrder::MinimumDegree),
             visits: 2,
             per_visit: levels.network(levels.finest()).row_length(),
         }

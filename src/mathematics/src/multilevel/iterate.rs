@@ -4,6 +4,7 @@ use super::cycle::Cycle;
 use crate::discrete::network::{ContactRow, Network, NodeCondition};
 use crate::machine::extremes::max_or_nan;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
+use crate::problem::descent::{Bend, Slope};
 use crate::problem::law::{BoundaryState, ContactNode, Law};
 
 /// Problem under the law `[0, limit]`.
@@ -28,21 +29,6 @@ const RELEASE: f64 = 0.1;
 /// Changes of the set of held nodes, from the start on a level, in which all nodes that would gain are released: the
 /// set is found sooner.
 const EAGER_CHANGES: usize = 4;
-
-/// Derivatives of the energy along a direction at its beginning, as long as no value changes its sign.
-struct Slope {
-    /// Minus the first derivative.
-    product: f64,
-    /// Second derivative.
-    curvature: f64,
-}
-
-/// Step length at which a value changes its sign.
-struct Bend {
-    at: f64,
-    /// Increase of the first derivative of the energy there.
-    slope: f64,
-}
 
 /// Nodal vector on the way to the solution of one network.
 pub(super) struct Iterate<'a> {
@@ -267,14 +253,14 @@ impl<'a> Iterate<'a> {
             && self.energy() - energy > ENERGY_ROUNDING * energy.abs()
         {
             self.y = y;
-            self.descend(Slope { product, curvature });
+            self.descend(Slope { first: -product, second: curvature });
         }
         0.5 * length * product
     }
 
     /// Goes along the direction to the least energy, where each value that changes its sign bends it, and relaxes every
     /// node: so the energy never grows.
-    fn descend(&mut self, Slope { product, curvature }: Slope) {
+    fn descend(&mut self, slope: Slope) {
         let ContactProblem { network, law, .. } = self.problem;
         let mut bends: Vec<Bend> = Vec::new();
         for contact in network.contact() {
@@ -284,17 +270,7 @@ impl<'a> Iterate<'a> {
                 bends.push(Bend { at: -y / direction, slope });
             }
         }
-        bends.sort_by(|a, b| a.at.total_cmp(&b.at));
-        // Derivative of the energy along the direction, less the part that grows with the curvature.
-        let mut slope = -product;
-        let mut length = product / curvature;
-        for bend in bends {
-            if bend.at >= length {
-                break;
-            }
-            slope += bend.slope;
-            length = (-slope / curvature).max(bend.at);
-        }
+        let length = slope.least(bends);
         for (y, direction) in self.y.iter_mut().zip(&self.direction) {
             *y += length * direction;
         }

@@ -4,7 +4,7 @@ use super::interpolation::Interpolation;
 use super::smoothed::{CoarseLevel, MOST_DIRECT, coarse_levels};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
-use crate::multigrid::direct::reverse_cuthill_mckee;
+use crate::multigrid::order::reverse_cuthill_mckee;
 use std::borrow::Cow;
 
 /// Discrete problem with the interpolation from the next coarser one.

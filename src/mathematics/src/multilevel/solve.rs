@@ -11,10 +11,10 @@ use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
+use crate::multigrid::MultigridParams;
 use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::driver::{self, Hierarchy, LoadScale};
 use crate::multigrid::input::{InputError, check_length, check_load};
-use crate::multigrid::{Goal, MultigridParams};
 use crate::problem::law::Law;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error
@@ -23,6 +23,11 @@ use crate::problem::law::Law;
 const LAST_STEP: f64 = 0.1;
 /// Steps in which the residual has to halve; if it does not, no further step may raise the energy.
 const PATIENCE: usize = 10;
+/// Number of steps over which their speed is measured.
+const MEASURED_STEPS: usize = 12;
+/// Part of the residual that is left after these steps from which on they are slow: 15 to 21 steps are usual to rounding
+/// errors, and each leaves a third.
+const SLOW: f64 = 0.1;
 /// Most steps on the coarsest level of aggregates.
 const COARSEST_STEPS: usize = 30;
 
@@ -40,11 +45,22 @@ pub fn solve_nested_networks(
     problem: LawAndLoad<'_>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
-    solve_from(levels, problem, None, params)
+    let Improved { y, end, .. } = improve_on_nested_networks(levels, problem, None, params)?;
+    Ok((y, end))
 }
 
-/// As [`solve_nested_networks`], from a nodal vector near the solution of the last network, with so many steps there at
-/// most.
+/// End of a run on nested networks.
+pub struct Improved {
+    /// Nodal vector of the last network.
+    pub y: Vec<f64>,
+    /// End of the iteration.
+    pub end: End,
+    /// True if the networks before the last one have been of little use, as on stretched cells.
+    pub is_slow: bool,
+}
+
+/// As [`solve_nested_networks`]; a `start` near the solution of the last network takes the place of the solutions on
+/// the networks before it. Where the steps are slow, aggregates of the last network take the place of these networks.
 ///
 /// # Errors
 /// As [`solve_nested_networks`].
@@ -54,20 +70,27 @@ pub fn solve_nested_networks(
 pub fn improve_on_nested_networks(
     levels: &[NestedNetwork],
     problem: LawAndLoad<'_>,
-    start: &[f64],
-    steps: usize,
-) -> Result<(Vec<f64>, End), InputError> {
-    let params = MultigridParams { goal: Goal::RoundingFloor, max_cycles: steps };
-    solve_from(levels, problem, Some(start), &params)
+    start: Option<&[f64]>,
+    params: &MultigridParams,
+) -> Result<Improved, InputError> {
+    let first = solve_on(levels, problem, start, params)?;
+    if !first.is_slow {
+        return Ok(first);
+    }
+    let last = &levels[levels.len() - 1..];
+    let Improved { y, end, .. } = solve_on(last, problem, Some(&first.y), params)?;
+    let iterations = first.end.iterations + end.iterations;
+    let work_units = first.end.work_units + end.work_units;
+    Ok(Improved { y, end: End { iterations, work_units, ..end }, is_slow: true })
 }
 
-/// As [`solve_nested_networks`]; a `start` takes the place of the solutions on coarser levels.
-fn solve_from(
+/// Runs on these levels, and levels of aggregates below them.
+fn solve_on(
     levels: &[NestedNetwork],
     LawAndLoad { law, load }: LawAndLoad<'_>,
     start: Option<&[f64]>,
     params: &MultigridParams,
-) -> Result<(Vec<f64>, End), InputError> {
+) -> Result<Improved, InputError> {
     check_length(levels[levels.len() - 1].network.nodes(), load)?;
     let levels = NetworkLevels::new(levels);
     let load = &levels.renumbered(load);
@@ -82,9 +105,10 @@ fn solve_from(
     let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();
     run.start = start.map(|y| scaled(&nested.levels.renumbered(y)));
     let end = driver::solve(&mut run, one_sided.limit, params)?;
+    let is_slow = run.is_slow();
     let mut y = nested.levels.in_order_of_mesh(run.take_y());
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
-    Ok((y, end))
+    Ok(Improved { y, end, is_slow })
 }
 
 /// Nested problems under a law `[0, limit]`.
@@ -169,6 +193,12 @@ struct NetworkRun<'a> {
     halved: f64,
     /// Steps since then.
     since: usize,
+    /// Residual on the finest level before the last steps, by which their speed is measured.
+    before: f64,
+    /// Number of these steps.
+    measured: usize,
+    /// Residual on the finest level after the last step.
+    residual: f64,
     /// Visits of unknowns on the levels before.
     work: f64,
 }
@@ -187,6 +217,9 @@ impl<'a> NetworkRun<'a> {
             lowered: 0.0,
             halved: f64::INFINITY,
             since: 0,
+            before: f64::INFINITY,
+            measured: 0,
+            residual: f64::INFINITY,
             work: 0.0,
         }
     }
@@ -210,6 +243,7 @@ impl<'a> NetworkRun<'a> {
         };
         let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));
         (self.halved, self.since) = (iterate.natural_residual(), 0);
+        (self.before, self.measured, self.residual) = (self.halved, 0, self.halved);
         Ok(self.halved)
     }
 
@@ -285,6 +319,9 @@ impl Hierarchy for NetworkRun<'_> {
 
     fn step(&mut self, _residual: f64) -> f64 {
         let finest = self.finest();
+        if self.measured == MEASURED_STEPS {
+            (self.before, self.measured) = (self.residual, 0);
+        }
         let iterate = self.iterate.as_mut().expect("a level finer than the coarsest");
         self.lowered = iterate.step(&mut self.cycle, finest);
         let residual = iterate.natural_residual();
@@ -294,7 +331,13 @@ impl Hierarchy for NetworkRun<'_> {
         }
         // Sets of held nodes may follow each other in a circle; where the energy falls, none returns.
         iterate.is_guarded |= self.since >= PATIENCE;
+        (self.residual, self.measured) = (residual, self.measured + 1);
         residual
+    }
+
+    fn is_slow(&self) -> bool {
+        let has_meshes_below = self.finest() > self.nested.levels.coarsest_mesh;
+        has_meshes_below && self.measured == MEASURED_STEPS && self.residual > SLOW * self.before
     }
 
     /// The energy's error falls by four from one network to the next. On a curved boundary the domain changes as well,

@@ -2,6 +2,7 @@
 
 pub(crate) mod balance;
 pub(crate) mod complex;
+pub(crate) mod descent;
 pub mod disc;
 pub mod error;
 pub mod exact;

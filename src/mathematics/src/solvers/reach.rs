@@ -18,7 +18,8 @@ pub struct Tried<'a> {
 
 /// Observer of a solve; every method has a default that does nothing.
 pub trait Watcher: Monitor {
-    /// Called on the way to an accuracy after each grid or mesh; the way ends there if it breaks off.
+    /// Called on the way to an accuracy after each grid or mesh; the way ends there, with the solution so far if it has
+    /// a bound, if it breaks off.
     fn tried(&mut self, _tried: Tried<'_>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -51,7 +52,7 @@ pub(crate) trait Refining {
 /// Solves on one grid or mesh after the other until the accuracy is reached.
 ///
 /// # Errors
-/// [`Refusal`] if there is no solution, or no bound; [`Refusal::Interrupted`] if the watcher breaks off.
+/// [`Refusal`] if there is no solution, or no bound; [`Refusal::Interrupted`] if the watcher breaks off before there is one.
 pub(crate) fn reach<R: Refining>(
     mut finest: R,
     accuracy: Accuracy,
@@ -59,12 +60,15 @@ pub(crate) fn reach<R: Refining>(
 ) -> Result<Solved, Refusal> {
     for tried in 1.. {
         let bounds = finest.solve(watcher)?;
-        if watcher.tried(Tried { nodes: finest.nodes(), bounds: &bounds }).is_break() {
-            return Err(Refusal::Interrupted);
-        }
+        let is_broken_off =
+            watcher.tried(Tried { nodes: finest.nodes(), bounds: &bounds }).is_break();
         let end = match &bounds {
             _ if finest.has_failed() => Some(ReachEnd::NoSolution),
             Ok(bounds) if accuracy.reached(bounds) <= accuracy.wanted() => Some(ReachEnd::Goal),
+            Ok(bounds) if is_broken_off => {
+                Some(ReachEnd::Interrupted { best: accuracy.reached(bounds) })
+            }
+            Err(_) if is_broken_off => return Err(Refusal::Interrupted),
             Err(reason) if finest.is_hopeless(reason) => {
                 return Err(Refusal::NoBound(*reason));
             }

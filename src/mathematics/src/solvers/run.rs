@@ -1,6 +1,6 @@
 //! One function per kind of solver that hands it a problem, on the square or on a mesh.
 
-use super::{Refusal, SaddleSettings, Settings};
+use super::{Refusal, SaddleSettings, Settings, Solver};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
@@ -16,6 +16,8 @@ use std::borrow::Cow;
 
 /// Run of a solver on levels.
 pub struct Run {
+    /// Solver that found the vector: multigrid leaves to the active set what its steps do not solve.
+    pub solver: Solver,
     /// Nodal vector of the finest level.
     pub y: Vec<f64>,
     /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
@@ -50,7 +52,8 @@ impl FoundSolution {
         match self {
             Self::Vector(run) => run,
             Self::Truth(found) => {
-                judged(problem, values(&found, problem).y, End::converged(found.steps))
+                let (y, end) = (values(&found, problem).y, End::converged(found.steps));
+                judged(problem, Solver::Spectral, y, end)
             }
         }
     }
@@ -63,13 +66,13 @@ pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
 }
 
 /// Judges a vector of the finest level.
-fn judged(problem: &Problem, y: Vec<f64>, end: End) -> Run {
+fn judged(problem: &Problem, solver: Solver, y: Vec<f64>, end: End) -> Run {
     let (levels, load, level) = (problem.levels(), problem.load(), problem.finest());
     let judgement = problem.judge(&y);
     let has_solution = levels.is_solvable(level, problem.law(), load);
     let end = Outcome::new(end, &judgement, levels.cells(level), load, has_solution);
     let errors = problem.greatest_error(level, &y).into_iter().collect();
-    Run { y, ends: vec![end], errors, first_level: level, judgement }
+    Run { solver, y, ends: vec![end], errors, first_level: level, judgement }
 }
 
 /// Solves on the finest level by multigrid, until a goal is reached: on the square by that of optimal cost, on meshes
@@ -87,13 +90,13 @@ pub(super) fn multigrid(
         }
         Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
     };
-    // Some meshes are stretched too much: factors solve those that are small enough.
+    // Steps may not converge on some stretched meshes: factors solve those that are small enough.
     let most = if levels.dimension() == 2 { MOST_NODES_IN_PLANE } else { MOST_NODES_IN_SPACE };
     match &solved {
         Ok((y, end)) if end.stop == Stop::IterationLimit && y.len() <= most => {
             active_set(problem, settings, monitor)
         }
-        _ => on_finest(problem, solved),
+        _ => on_finest(problem, Solver::Multigrid, solved),
     }
 }
 
@@ -110,16 +113,17 @@ pub(super) fn active_set(
             active_set_on(&networks[problem.finest()].network, law, load)
         }
     };
-    on_finest(problem, solved)
+    on_finest(problem, Solver::ActiveSet, solved)
 }
 
 /// Judges what a solver returned on the finest level.
 fn on_finest(
     problem: &Problem,
+    solver: Solver,
     solved: Result<(Vec<f64>, End), InputError>,
 ) -> Result<FoundSolution, Refusal> {
     let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
-    Ok(FoundSolution::Vector(judged(problem, y, end)))
+    Ok(FoundSolution::Vector(judged(problem, solver, y, end)))
 }
 
 /// Runs a saddle-point method over all levels, until its stopping rule is met.
@@ -145,6 +149,7 @@ pub(super) fn saddle(
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
     Ok(FoundSolution::Vector(Run {
+        solver: settings.solver,
         y,
         ends,
         errors: std::mem::take(&mut monitor.errors),

@@ -98,6 +98,8 @@ pub struct Memory {
     /// Bytes that are left.
     left: u64,
     files: Files,
+    /// Most nodes of an adapted mesh, whatever is left.
+    most_nodes: usize,
 }
 
 /// Grid or mesh that is too large, with what would fit; in words, what follows its name.
@@ -144,7 +146,7 @@ impl TooLarge {
 impl Memory {
     /// So many bytes, or as many as it takes; no file is written.
     pub fn new(left: Option<u64>) -> Self {
-        Self { left: left.unwrap_or(u64::MAX), files: Files::None }
+        Self { left: left.unwrap_or(u64::MAX), files: Files::None, most_nodes: usize::MAX }
     }
 
     /// Memory for files with the solution or, if it `is_recovered`, with that on four times as many nodes.
@@ -193,8 +195,22 @@ impl Memory {
         check(times).map_err(|reason| TooLarge { finest: times, reason, fits: fits() })
     }
 
+    /// Memory of which adapted meshes use no more than for so many nodes.
+    pub fn with_most_nodes(self, most_nodes: usize) -> Self {
+        Self { most_nodes, ..self }
+    }
+
     /// Most nodes of an adapted mesh.
     pub(crate) fn adapted_nodes(self) -> usize {
+        self.nodes_that_fit().min(self.most_nodes)
+    }
+
+    /// True if the number of nodes that was asked for is less than what fits.
+    pub(crate) fn is_limited(self) -> bool {
+        self.most_nodes < self.nodes_that_fit()
+    }
+
+    fn nodes_that_fit(self) -> usize {
         usize::try_from(self.left / ADAPTED).unwrap_or(usize::MAX)
     }
 

@@ -23,6 +23,16 @@ pub enum ReachEnd {
         /// Bound on the finest grid that is allowed, about; for meshes, on the last one.
         best: f64,
     },
+    /// No more nodes were asked for.
+    MostNodes {
+        /// Bound on the last mesh.
+        best: f64,
+    },
+    /// Whoever watches has broken off.
+    Interrupted {
+        /// Bound on the last grid or mesh.
+        best: f64,
+    },
     /// Rounding errors: the bound no longer falls.
     Rounding {
         /// Least bound so far.
@@ -38,6 +48,8 @@ impl ReachEnd {
         match self {
             Self::Goal => "goal",
             Self::Finest { .. } => "memory",
+            Self::MostNodes { .. } => "most nodes",
+            Self::Interrupted { .. } => "interrupted",
             Self::Rounding { .. } => "no longer falls",
             Self::NoSolution => "no solution",
         }

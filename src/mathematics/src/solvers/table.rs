@@ -90,7 +90,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         solver: Solver::ActiveSet,
         name: "active-set",
         in_words: "active set",
-        description: "Primal-dual active set with banded Cholesky factors: slow, independent, exact; on the square \
+        description: "Primal-dual active set with sparse Cholesky factors: slow, independent, exact; on the square \
             down to 1/256",
         run: active_set,
         method: None,

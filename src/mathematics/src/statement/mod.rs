@@ -23,8 +23,8 @@ use crate::problem::exact::Exact;
 use crate::problem::law::{Law, LawError, LawParameter};
 use crate::problem::source::Source;
 use crate::solvers::{
-    Adaption, Grids, Memory, Refusal, SaddleSettings, Settings, Solved, Solver, Watcher, find,
-    reach,
+    Adaption, Grids, Memory, ReachEnd, Reached, Refusal, SaddleSettings, Settings, Solved, Solver,
+    Watcher, find, reach,
 };
 use serde::{Deserialize, Serialize};
 
@@ -331,6 +331,14 @@ impl Statement {
         // The adapted meshes take its place.
         drop(problem);
         let (most_nodes, bisections) = (memory.adapted_nodes(), Adaption::BISECTIONS);
-        Adaption { coarsest, f, law, goal, most_nodes, bisections }.run(watcher, steps)
+        let mut solved =
+            Adaption { coarsest, f, law, goal, most_nodes, bisections }.run(watcher, steps)?;
+        if let Some(Reached { end, .. }) = &mut solved.reached
+            && let ReachEnd::Finest { best, .. } = *end
+            && memory.is_limited()
+        {
+            *end = ReachEnd::MostNodes { best };
+        }
+        Ok(solved)
     }
 }

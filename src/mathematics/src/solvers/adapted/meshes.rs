@@ -8,6 +8,7 @@ use crate::discrete::components::components;
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
+use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::levels::{
     Problem, ProblemError, ROUNDING, Step, Triangulations, Watch, check_missed, read,
@@ -17,20 +18,21 @@ use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
     bisect, label_longest_edges, mesh_load, mesh_load_after,
 };
-use crate::multigrid::{InputError, MultigridParams};
-use crate::multilevel::{improve_on_nested_networks, solve_nested_networks};
+use crate::multigrid::{Goal, InputError, MultigridParams};
+use crate::multilevel::{Improved, improve_on_nested_networks};
 use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
-use crate::solvers::Refusal;
 use crate::solvers::reach::Refining;
 use crate::solvers::run::Run;
 use crate::solvers::solved::{ReachEnd, Reached, Solved};
+use crate::solvers::{Refusal, Solver};
 use std::borrow::Cow;
 
-/// Steps on each mesh but the first.
+/// Steps on each mesh but the first, at least.
 const STEPS: usize = 4;
-/// Steps at most to a solution up to rounding.
-const MOST_STEPS: usize = 100;
+/// KKT residual over the largest load up to which a vector has converged: on well-shaped cells the first steps leave a
+/// tenth of that.
+const TOLERANCE: f64 = 0.02;
 /// Part of the square of the error that the marked cells have at most.
 const MARKED: f64 = 0.65;
 /// Least such part, where little is missing.
@@ -58,6 +60,8 @@ pub(super) struct Meshes<'a> {
     f: MeshSource<2>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
+    /// True if cells are stretched, so that the networks before the last one are of no use.
+    is_stretched: bool,
     /// Cells that were marked for each mesh but the first.
     marks: Vec<Vec<u32>>,
     /// Number of the connected component of each node of the finest mesh.
@@ -102,6 +106,7 @@ impl<'a> Meshes<'a> {
             component_of: network.components(),
             all: vec![mesh],
             networks: vec![NestedNetwork { network, parents: Vec::new() }],
+            is_stretched: false,
             marks: Vec::new(),
             sides,
             load,
@@ -129,7 +134,9 @@ impl<'a> Meshes<'a> {
             return if self.is_coarse() { Ok(Err(reason.into())) } else { Err(reason.into()) };
         }
         let has_solution = self.check(&found, 0.0).is_ok();
-        let bounds = self.improve(STEPS, has_solution)?;
+        let goal = Goal::Kkt(TOLERANCE * largest(&self.load.load));
+        let params = MultigridParams { goal, least_cycles: STEPS, ..MultigridParams::default() };
+        let bounds = self.improve(&params, has_solution)?;
         self.note(&bounds);
         if !self.has_stalled() {
             return Ok(bounds);
@@ -137,7 +144,7 @@ impl<'a> Meshes<'a> {
         self.errors.pop();
         self.outcomes.pop();
         self.bounds.pop();
-        let bounds = self.improve(MOST_STEPS, has_solution)?;
+        let bounds = self.improve(&MultigridParams::default(), has_solution)?;
         self.note(&bounds);
         Ok(bounds)
     }
@@ -152,29 +159,29 @@ impl<'a> Meshes<'a> {
         is_curved && self.nodes() <= COARSE
     }
 
-    /// Solves, or improves the interpolated solution by some steps; returns the bounds.
+    /// Solves, or improves the interpolated solution; returns the bounds.
     fn improve(
         &mut self,
-        steps: usize,
+        params: &MultigridParams,
         has_solution: bool,
     ) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
         let law = self.adaption.law;
         let problem = law.with_load(&self.load.load);
-        let solved = match &self.y {
-            Some(start) if self.networks.len() > 1 => {
-                improve_on_nested_networks(&self.networks, problem, start, steps)
-            }
-            _ => solve_nested_networks(&self.networks, problem, &MultigridParams::default()),
-        };
+        let first = if self.is_stretched { self.networks.len() - 1 } else { 0 };
+        let start = self.y.as_deref().filter(|_| self.networks.len() > 1);
+        let usual = MultigridParams::default();
+        let params = if start.is_some() { params } else { &usual };
+        let solved = improve_on_nested_networks(&self.networks[first..], problem, start, params);
         (self.ended)(Step::Solver);
-        let (y, end) = match solved {
+        let Improved { y, end, is_slow } = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
                 return Ok(Err(reason.into()));
             }
             solved => solved?,
         };
-        // The bound is the goal, not the number of steps or a residual.
-        let stop = if end.stop == Stop::Diverged { end.stop } else { Stop::Converged };
+        self.is_stretched |= is_slow;
+        // The bound is the goal: rounding errors are small enough.
+        let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };
         let end = End { stop, ..end };
         let network = &self.networks[self.networks.len() - 1].network;
         let (mesh, sides, f) = (self.finest(), &self.sides, &self.load);
@@ -356,6 +363,7 @@ impl Refining for Meshes<'_> {
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
         let levels = Triangulations::of(nested, self.f, self.load).with_errors(errors);
         let run = Run {
+            solver: Solver::Multigrid,
             y,
             first_level: reached.tried - self.outcomes.len(),
             ends: self.outcomes,
