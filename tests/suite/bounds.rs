@@ -152,7 +152,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
             (Goal::RoundingFloor, 0),
             (Goal::RoundingFloor, 1),
         ] {
-            let params = MultigridParams { goal, max_cycles };
+            let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
             let (y, _) =
                 multigrid::solve_square(cells, Law::SIGNORINI.with_load(&load), None, &params)
                     .unwrap();
