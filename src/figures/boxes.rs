@@ -1,24 +1,12 @@
-//! Boxes around surfaces: panels with a floor, two walls and axes, a colour bar for each scale, and a key below all.
+//! Boxes around surfaces: a floor, two walls and axes.
 
-use super::axes::{colour_bar, key};
 use super::camera::{Camera, UNIT, View};
+use super::drawn::DrawnSolution;
 use super::floor::Floor;
-use super::palette::{ColourScale, INK, MUTED, RGBColor, RULE, SHADE};
-use super::picture::{END, LARGE, NORMAL, Picture, Place, SMALL, START, bold, italic, plain};
-use super::range_with_zero;
-use super::text::{Ticks, number_width, power_of_ten};
-use super::title::Title;
+use super::palette::{ColourScale, INK, MUTED, RULE, SHADE};
+use super::picture::{END, NORMAL, Picture, Place, SMALL, italic, plain};
+use super::text::{Ticks, number_width};
 
-/// Size of a panel in display pixels, where two are in a row.
-const PANEL: (f64, f64) = (390.0, 392.0);
-/// Height of the title and the colour bar of a panel, which do not shrink with it.
-const TEXT: f64 = 80.0;
-/// Height of the colour bar alone, which panels lack whose scale has one below.
-const BAR: f64 = 44.0;
-/// Widest colour bar common to several panels.
-const COMMON_BAR: f64 = 420.0;
-/// Height of a row of the key below the panels.
-const KEY: f64 = 22.0;
 /// Distance of the numbers from the vertical axis.
 const NUMBERS: f64 = 8.0;
 /// Room for the numbers to the right of the box.
@@ -32,164 +20,95 @@ const ROOMY_HALF: f64 = 0.36;
 /// Width of a number beside the floor that needs no more room than `-0.5`, over the size of the font.
 const SHORT_NUMBER: f64 = 2.5;
 
-/// Attributes of the lines between the cells of a surface: thin strokes both draw them and close the seams.
-pub(super) const CELL_LINES: &str = "stroke=\"#203038\" stroke-width=\"1\"";
-/// Width of the mark of contact in display pixels.
-pub(super) const CONTACT_WIDTH: f64 = 2.75;
-
-/// Panel with a surface in a box.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Boxed<'a> {
-    pub(super) title: &'a str,
-    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis.
-    pub(super) azimuth: f64,
-    /// Ends of the range of colours, ascending.
-    pub(super) values: (f64, f64),
+/// Surface in its box: its view, its floor, and the numbers along the vertical axis.
+pub(super) struct Boxed {
+    pub(super) view: View,
     pub(super) floor: Floor,
-}
-
-/// Box into which a surface is painted.
-pub(super) struct Inside<'a> {
-    /// Position of the panel.
-    pub(super) panel: usize,
-    pub(super) view: &'a View,
+    ticks: Ticks,
     pub(super) colours: ColourScale,
 }
 
-/// Returns a range, if none is given that of values and zero; around zero if the range is empty.
-pub(super) fn range_of_colours(given: Option<(f64, f64)>, values: &[f64]) -> (f64, f64) {
-    let range = given.unwrap_or_else(|| range_with_zero(values.iter().copied()));
-    if range.0 < range.1 { range } else { (-1.0, 1.0) }
-}
-
-/// Draws one box per panel, in rows of `columns`; `paint` draws what is inside, and the keys have the colours and words
-/// of the parts of the boundary that are marked.
-///
-/// Panels with scales of their own have a colour bar each; rows with one scale have one bar together.
-pub(super) fn in_boxes(
-    columns: usize,
-    (panels, keys): (&[Boxed], &[(RGBColor, &str)]),
-    paint: impl Fn(&mut Picture, &Inside),
-) -> Picture {
-    let columns = columns.min(panels.len());
-    let rows: Vec<PanelRow> = rows(columns, panels);
-    let scale = (2.0 / columns as f64).min(1.0);
-    let wide = scale * PANEL.0;
-    let titles: Vec<_> = panels.iter().map(|panel| Title::new(panel.title, wide)).collect();
-    let more = titles.iter().map(Title::more).fold(0.0, f64::max);
-    let high = scale * (PANEL.1 - TEXT) + TEXT + more;
-    let margin = 10.0;
-    let heights = rows.iter().map(|row| if row.bars == Bars::Below { high - BAR } else { high });
-    let width = 2.0 * margin + columns as f64 * wide;
-    let all: f64 = heights.clone().sum();
-    let mut picture = Picture::new(width, 2.0 * margin + all + KEY * keys.len() as f64);
-    let mut tops = Vec::new();
-    let mut top = margin;
-    for height in heights {
-        tops.push(top);
-        top += height;
-    }
-    for (k, panel) in panels.iter().enumerate() {
-        let left = margin + (k % columns) as f64 * wide;
-        let top = tops[k / columns] + more;
-        let bottom = top + high - more;
-        let data = panel.values;
-        let span = data.1 - data.0;
-        let heights = (data.0 - FLOOR_GAP * span, data.1 + CEILING_GAP * span);
+impl Boxed {
+    /// Places a surface between the left and the right end of its panel, whose title ends at `top`.
+    pub(super) fn new(
+        panel: &DrawnSolution,
+        (left, right): (f64, f64),
+        top: f64,
+        scale: f64,
+    ) -> Self {
+        let floor = Floor::around(panel.mesh.points());
+        let (low, high) = panel.range_of_colours();
+        let span = high - low;
+        let heights = (low - FLOOR_GAP * span, high + CEILING_GAP * span);
         let ticks = Ticks::inside(heights.0, heights.1, 5);
         let mut view = View {
             camera: Camera::new(panel.azimuth),
-            origin: (left + 0.5 * wide + 12.0, top + 24.0 + 160.0 * scale),
+            origin: (left + 0.5 * (right - left) + 12.0, top + 24.0 + 160.0 * scale),
             unit: UNIT * scale,
-            half: panel.floor.half,
+            half: floor.half,
             heights,
         };
-        make_room(&mut view, (left, left + wide), Room::around(&panel.floor, &ticks));
-        let colours = ColourScale::Viridis { low: data.0, high: data.1 };
-        titles[k].draw(&mut picture, (left + 0.5 * wide, top + 16.0), &bold(LARGE));
-        walls(&mut picture, &view, &panel.floor, &ticks);
-        paint(&mut picture, &Inside { panel: k, view: &view, colours });
-        axes(&mut picture, &view, &panel.floor, &ticks);
-        let power = panel.floor.power();
-        if power != 0 {
-            let text = format!("x, y / {}", power_of_ten(power));
-            picture.text(&text, (left + 8.0, bottom - 58.0), plain(SMALL).pos(START));
+        make_room(&mut view, (left, right), Room::around(&floor, &ticks));
+        Self { view, floor, ticks, colours: ColourScale::Viridis { low, high } }
+    }
+
+    /// Draws the floor and the two far walls, with rules at the ticks.
+    pub(super) fn walls(&self, picture: &mut Picture) {
+        let Self { view, floor, ticks, .. } = self;
+        let [nx, ny] = view.nearest_corner();
+        let [hx, hy] = view.half;
+        let (low, high) = view.heights;
+        let corners = [[-hx, -hy, low], [hx, -hy, low], [hx, hy, low], [-hx, hy, low]];
+        picture.polygon(corners.map(|point| view.place(point)), SHADE);
+        for v in ticks.values() {
+            let line = [[-nx, ny, v], [-nx, -ny, v], [nx, -ny, v]];
+            let (color, width) = if v == 0.0 { (MUTED, 1.0) } else { (RULE, 0.75) };
+            picture.path(line.map(|point| view.place(point)), color, width);
         }
-        let half = 0.5 * COMMON_BAR.min(width - 160.0);
-        let bar = match rows[k / columns].bars {
-            Bars::Each => (left + 76.0 * scale, left + wide - 36.0 * scale),
-            Bars::Common if k % columns == 0 => (0.5 * width - half, 0.5 * width + half),
-            Bars::Common | Bars::Below => continue,
-        };
-        colour_bar(&mut picture, bar, bottom - BAR, colours, "v");
-    }
-    picture.group("stroke-linecap=\"round\"", |picture| {
-        for (row, &(color, words)) in keys.iter().enumerate() {
-            let (x, y) = (margin + 76.0, top + 12.0 + KEY * row as f64);
-            picture.path([(x, y), (x + 28.0, y)], color, CONTACT_WIDTH);
-            key(picture, (x + 38.0, y), words);
+        for (x, y) in floor.marks(0).into_iter().zip(floor.marks(1)).skip(1).take(3) {
+            let across = [[x, ny, low], [x, -ny, low], [x, -ny, high]];
+            let along = [[nx, y, low], [-nx, y, low], [-nx, y, high]];
+            picture.path(across.map(|point| view.place(point)), RULE, 0.75);
+            picture.path(along.map(|point| view.place(point)), RULE, 0.75);
         }
-    });
-    picture
-}
-
-/// Row of panels.
-struct PanelRow {
-    /// Range of colours, if all panels of the row have the same one.
-    common: Option<(f64, f64)>,
-    bars: Bars,
-}
-
-/// Colour bars of a row.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Bars {
-    /// One below each panel.
-    Each,
-    /// One for the row, and for the rows above it with the same scale.
-    Common,
-    /// None: the row below has the same scale.
-    Below,
-}
-
-/// Returns the rows of panels, `columns` in each.
-fn rows(columns: usize, panels: &[Boxed]) -> Vec<PanelRow> {
-    let mut rows: Vec<PanelRow> = Vec::new();
-    for row in panels.chunks(columns) {
-        let is_common = row.len() > 1 && row.iter().all(|panel| panel.values == row[0].values);
-        let common = is_common.then_some(row[0].values);
-        if let Some(above) = rows.last_mut().filter(|above| is_common && above.common == common) {
-            above.bars = Bars::Below;
+        for [x, y] in [[-nx, ny], [-nx, -ny], [nx, -ny]] {
+            let edge = [[x, y, low], [x, y, high]];
+            picture.path(edge.map(|point| view.place(point)), MUTED, 0.75);
         }
-        rows.push(PanelRow { common, bars: if is_common { Bars::Common } else { Bars::Each } });
+        for v in [low, high] {
+            let edges = [[-nx, ny, v], [-nx, -ny, v], [nx, -ny, v]];
+            picture.path(edges.map(|point| view.place(point)), MUTED, 0.75);
+        }
     }
-    rows
-}
 
-/// Draws the floor and the two far walls, with rules at the ticks.
-fn walls(picture: &mut Picture, view: &View, floor: &Floor, ticks: &Ticks) {
-    let [nx, ny] = view.nearest_corner();
-    let [hx, hy] = view.half;
-    let (low, high) = view.heights;
-    let corners = [[-hx, -hy, low], [hx, -hy, low], [hx, hy, low], [-hx, hy, low]];
-    picture.polygon(corners.map(|point| view.place(point)), SHADE);
-    for v in ticks.values() {
-        let line = [[-nx, ny, v], [-nx, -ny, v], [nx, -ny, v]];
-        let (color, width) = if v == 0.0 { (MUTED, 1.0) } else { (RULE, 0.75) };
-        picture.path(line.map(|point| view.place(point)), color, width);
-    }
-    for (x, y) in floor.marks(0).into_iter().zip(floor.marks(1)).skip(1).take(3) {
-        let across = [[x, ny, low], [x, -ny, low], [x, -ny, high]];
-        let along = [[nx, y, low], [-nx, y, low], [-nx, y, high]];
-        picture.path(across.map(|point| view.place(point)), RULE, 0.75);
-        picture.path(along.map(|point| view.place(point)), RULE, 0.75);
-    }
-    for [x, y] in [[-nx, ny], [-nx, -ny], [nx, -ny]] {
-        let edge = [[x, y, low], [x, y, high]];
-        picture.path(edge.map(|point| view.place(point)), MUTED, 0.75);
-    }
-    for v in [low, high] {
-        let edges = [[-nx, ny, v], [-nx, -ny, v], [nx, -ny, v]];
-        picture.path(edges.map(|point| view.place(point)), MUTED, 0.75);
+    /// Draws the near edges of the floor and the vertical axis, with ticks, numbers and names.
+    pub(super) fn axes(&self, picture: &mut Picture) {
+        let Self { view, floor, ticks, .. } = self;
+        let [nx, ny] = view.nearest_corner();
+        let (low, high) = view.heights;
+        let edges = [
+            floor.marks(0).map(|t| view.place([t, ny, low])),
+            floor.marks(1).map(|t| view.place([nx, t, low])),
+        ];
+        for (d, marks) in edges.into_iter().enumerate() {
+            let name_mark = if floor.half[d] < ROOMY_HALF { 2 } else { 1 };
+            let out = outward(view, [[0.0, ny], [nx, 0.0]][d]);
+            let edge =
+                FloorEdge { name: ["x", "y"][d], name_mark, numbers: floor.numbers(d), marks, out };
+            edge.draw(picture);
+        }
+        let [cx, cy] = leftmost(view);
+        let (bottom, top) = (view.place([cx, cy, low]), view.place([cx, cy, high]));
+        picture.path([bottom, top], INK, 1.0);
+        for (v, text) in ticks.labelled() {
+            let (x, y) = view.place([cx, cy, v]);
+            picture.path([(x - 5.0, y), (x, y)], INK, 1.0);
+            // Too near the floor, a number would collide with the first one there.
+            if y < bottom.1 - SMALL {
+                picture.text(&text, (x - NUMBERS, y), plain(SMALL).pos(END));
+            }
+        }
+        picture.text("v", (top.0, top.1 - 14.0), italic(NORMAL));
     }
 }
 
@@ -232,35 +151,6 @@ fn leftmost(view: &View) -> [f64; 2] {
     let low = view.heights.0;
     let left = view.place([nx, -ny, low]).0 <= view.place([-nx, ny, low]).0;
     if left { [nx, -ny] } else { [-nx, ny] }
-}
-
-/// Draws the near edges of the floor and the vertical axis, with ticks, numbers and names.
-fn axes(picture: &mut Picture, view: &View, floor: &Floor, ticks: &Ticks) {
-    let [nx, ny] = view.nearest_corner();
-    let (low, high) = view.heights;
-    let edges = [
-        floor.marks(0).map(|t| view.place([t, ny, low])),
-        floor.marks(1).map(|t| view.place([nx, t, low])),
-    ];
-    for (d, marks) in edges.into_iter().enumerate() {
-        let name_mark = if floor.half[d] < ROOMY_HALF { 2 } else { 1 };
-        let out = outward(view, [[0.0, ny], [nx, 0.0]][d]);
-        let edge =
-            FloorEdge { name: ["x", "y"][d], name_mark, numbers: floor.numbers(d), marks, out };
-        edge.draw(picture);
-    }
-    let [cx, cy] = leftmost(view);
-    let (bottom, top) = (view.place([cx, cy, low]), view.place([cx, cy, high]));
-    picture.path([bottom, top], INK, 1.0);
-    for (v, text) in ticks.labelled() {
-        let (x, y) = view.place([cx, cy, v]);
-        picture.path([(x - 5.0, y), (x, y)], INK, 1.0);
-        // Too near the floor, a number would collide with the first one there.
-        if y < bottom.1 - SMALL {
-            picture.text(&text, (x - NUMBERS, y), plain(SMALL).pos(END));
-        }
-    }
-    picture.text("v", (top.0, top.1 - 14.0), italic(NORMAL));
 }
 
 /// Returns the direction of (dx, dy) on the floor as a step of one display pixel in the picture.

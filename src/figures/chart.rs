@@ -1,66 +1,223 @@
-//! Charts of measured numbers: panels side by side under one legend, logarithmic axes or a linear one across.
+//! Charts: panels of curves over linear or logarithmic axes.
 
-use super::axes::{Entry, Frame, LEGEND_ROW, LONE, Legend, Sample};
-use super::palette::{INK, MUTED, RULE, series, solver};
-use super::picture::{
-    END, LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain,
-};
+use super::axes::{Entry, Frame, LONE, Legend, Sample};
+use super::palette::{INK, MUTED, RGBColor, RULE, series, solver};
+use super::panels::{Head, Panels};
+use super::picture::{END, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, plain};
+use super::polyline::thinned;
 use super::table::of_charts;
 use super::text::{Ticks, power_of_ten};
-use super::{Chart, Curve, Scale, Stroke, decade};
+use super::title::Title;
 use signorini_mathematics::experiments::Range;
 
-/// Height of a plot in display pixels.
-const PLOT: f64 = 260.0;
-/// Room to the left of a plot, for numbers and the name of the axis.
-const LEFT: f64 = 66.0;
-/// Room to the right of a plot.
-const RIGHT: f64 = 18.0;
-/// Room above a plot, for its title.
-const ABOVE: f64 = 30.0;
-/// Room below a plot, for numbers and the name of the axis.
-const BELOW: f64 = 50.0;
+/// Panel with curves.
+#[derive(Clone, Debug)]
+pub(crate) struct Chart {
+    pub(crate) title: String,
+    /// Axes across and up.
+    pub(crate) axes: [Axis; 2],
+    /// Curves in the order in which they are drawn; one without points is left out.
+    pub(crate) curves: Vec<Curve>,
+    /// Legend; without entries, each label that is no reference has one.
+    pub(super) legend: Vec<Entry>,
+}
+
+impl Chart {
+    /// Chart with logarithmic axes, whose names, with their units, are given across and up.
+    pub(crate) fn new(title: impl Into<String>, names: [&str; 2], curves: Vec<Curve>) -> Self {
+        let scale = Scale::Logarithmic;
+        let axes = names.map(|name| Axis { name: name.into(), scale, ends: None });
+        Self { title: title.into(), axes, curves, legend: Vec::new() }
+    }
+
+    /// This chart with other scales across and up.
+    pub(crate) fn scaled(mut self, scales: [Scale; 2]) -> Self {
+        for (axis, scale) in self.axes.iter_mut().zip(scales) {
+            axis.scale = scale;
+        }
+        self
+    }
+
+    /// Returns the ends of an axis that some charts share, as numbers on it.
+    fn ends(charts: &[&Self], axis: usize) -> (f64, f64) {
+        let points = charts.iter().flat_map(|chart| &chart.curves).flat_map(|curve| &curve.points);
+        let Axis { scale, ends, .. } = charts[0].axes[axis];
+        ends.unwrap_or_else(|| scale.extent(points.map(|&(x, y)| [x, y][axis])))
+    }
+}
+
+/// Axis of a [`Chart`].
+#[derive(Clone, Debug)]
+pub(crate) struct Axis {
+    pub(crate) name: String,
+    pub(crate) scale: Scale,
+    /// Ends, as numbers on the axis, at which values beyond them are drawn; none for those of the data.
+    pub(super) ends: Option<(f64, f64)>,
+}
+
+/// Scale of an [`Axis`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scale {
+    Linear,
+    /// Linear, with whole numbers only.
+    Counts,
+    Logarithmic,
+}
+
+/// A curve of a [`Chart`].
+#[derive(Clone, Debug)]
+pub(crate) struct Curve {
+    /// Name in the legend; equal names share a colour across panels, and solvers across pictures.
+    pub(crate) label: String,
+    /// Points in the order in which they are joined.
+    pub(crate) points: Vec<(f64, f64)>,
+    pub(crate) stroke: Stroke,
+    /// Width of the line in display pixels.
+    pub(super) width: f64,
+}
+
+impl Curve {
+    pub(crate) fn new(
+        stroke: Stroke,
+        label: impl Into<String>,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let width = if matches!(stroke, Stroke::Marked | Stroke::Line) { 2.0 } else { 1.0 };
+        Self { label: label.into(), points: points.into_iter().collect(), stroke, width }
+    }
+}
+
+/// Stroke of a [`Curve`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stroke {
+    /// Line with a ring at each point.
+    Marked,
+    Line,
+    /// Thin dashed line.
+    Thin,
+    /// Rings without a line.
+    Rings,
+    /// Thin dashed line in secondary ink, named at its middle and not in the legend: a bound, a slope.
+    Reference,
+    /// Dotted line, named at the right end of the frame and not in the legend.
+    Limit,
+}
+
+impl Stroke {
+    /// Attributes of the line; none for a solid one.
+    pub(super) fn attributes(self) -> &'static str {
+        match self {
+            Self::Reference => "stroke-dasharray=\"16 12\"",
+            Self::Limit => "stroke-dasharray=\"4 8\"",
+            Self::Thin => "stroke-dasharray=\"18 10\"",
+            Self::Marked | Self::Line | Self::Rings => "",
+        }
+    }
+
+    /// True if the curve is in the legend.
+    fn is_measured(self) -> bool {
+        !matches!(self, Self::Reference | Self::Limit)
+    }
+}
+
+/// Sizes of panels with charts, in display pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    /// Most panels in a row.
+    pub(super) columns: usize,
+    /// Room to the left and right of a plot.
+    pub(super) beside: (f64, f64),
+    /// Distance of the middle of a title from the top of its panel.
+    pub(super) title: f64,
+    /// Distance of a title above a legend from the plot, without the legend.
+    pub(super) gap: f64,
+    /// Height of a plot, and of the room below it.
+    pub(super) high: f64,
+    pub(super) below: f64,
+    /// Distance of the name of the axis up from the plot.
+    pub(super) name: f64,
+    /// Room above and below all panels.
+    pub(super) head: f64,
+    pub(super) foot: f64,
+}
+
+/// Sizes of charts of measured numbers.
+const MEASURED: Sizes = Sizes {
+    columns: 2,
+    beside: (66.0, 18.0),
+    title: 16.0,
+    gap: 26.0,
+    high: 260.0,
+    below: 50.0,
+    name: 55.0,
+    head: 0.0,
+    foot: 0.0,
+};
+/// Distance of a title from the plot if there is no legend between them.
+const NEAR: f64 = 14.0;
+/// Greatest width of a legend.
+pub(super) const LEGEND: f64 = WIDTH - 90.0;
 
 /// Draws panels, two in a row, one legend above them all; with `alike`, all vertical axes have the same range.
 ///
 /// Panels without points are left out.
 pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
-    let panels: Vec<_> = panels.iter().filter(|panel| points(panel).next().is_some()).collect();
-    let curves: Vec<&Curve> = panels.iter().flat_map(|panel| &panel.curves).collect();
-    let entries = entries(&curves);
-    let columns = panels.len().clamp(1, 2);
-    let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
-    let head = 12.0 + LEGEND_ROW * legend.rows as f64;
-    // A legend for several panels is above their titles; that of a lone panel is below its title.
-    let (legend_top, titles_up) = if panels.len() > 1 { (18.0, 0.0) } else { (ABOVE + 10.0, head) };
-    let (wide, high) = (WIDTH / columns as f64, ABOVE + PLOT + BELOW);
-    let rows = panels.len().div_ceil(columns);
-    let mut picture = Picture::new(WIDTH, head + high * rows as f64);
-    legend.draw(&mut picture, (LEFT, legend_top));
-    let heights =
-        Scale::Logarithmic.extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
-    for (k, panel) in panels.iter().enumerate() {
-        let (left, top) = (wide * (k % columns) as f64, head + high * (k / columns) as f64);
-        let frame = Frame {
-            across: (left + LEFT, left + wide - RIGHT),
-            down: (top + ABOVE, top + ABOVE + PLOT),
-            x: panel.across.extent(points(panel).map(|p| p.0)),
-            y: if alike { heights } else { Scale::Logarithmic.extent(points(panel).map(|p| p.1)) },
-        };
-        let title = (frame.across.0, frame.down.0 - 14.0 - titles_up);
-        picture.text(&panel.title, title, bold(LARGE).pos(START));
-        draw(&mut picture, panel, &frame, &entries);
-    }
-    picture.table = Some(of_charts(&panels));
+    let mut shown: Vec<&Chart> = panels.iter().collect();
+    shown.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
+    let (_, mut picture) = in_panels(&shown, alike, MEASURED);
+    picture.table = Some(of_charts(&shown));
     picture
 }
 
-/// Returns an entry of the legend for each label: with the colour of its solver, or a colour that no solver in the
-/// picture has. The second and later labels of a solver are dashed; a label whose curves are single points is a ring.
-fn entries<'a>(curves: &[&'a Curve]) -> Vec<Entry<'a>> {
+/// Draws panels: in one column with a legend each, below its title, otherwise with a legend above them all. Returns the
+/// top of the foot too.
+pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> (f64, Picture) {
+    let Sizes { beside, title, gap, high, below, head, foot, .. } = sizes;
+    let columns = panels.len().clamp(1, sizes.columns);
+    let wide = WIDTH / columns as f64 - beside.0 - beside.1;
+    let (mut heads, mut entries) = (Vec::new(), Vec::new());
+    for (k, panel) in panels.iter().enumerate() {
+        let title = Title::new(&panel.title, wide + beside.1 - 8.0);
+        if columns == 1 {
+            entries.push(legend(&panels[k..=k]));
+            heads.push(Head { title, legend: Legend::of(entries[k].clone(), LEGEND), gap });
+        } else {
+            entries.push(legend(panels));
+            heads.push(Head { title, legend: Legend::default(), gap: NEAR });
+        }
+    }
+    let common = entries.first().filter(|_| columns > 1).cloned().unwrap_or_default();
+    let common = Legend::of(common, LEGEND);
+    let head = if columns > 1 { 12.0 + common.high() } else { head };
+    let heights = heads.iter().map(|head| [title + head.high(), high, below]).collect();
+    let layout = Panels { columns, wide, beside, margin: 0.0, head, foot, heights };
+    let mut picture = layout.picture();
+    common.draw(&mut picture, (beside.0, 18.0));
+    for (k, &chart) in panels.iter().enumerate() {
+        let up = if alike { panels } else { &panels[k..=k] };
+        let frame = layout.frame(k, Chart::ends(&panels[k..=k], 0), Chart::ends(up, 1));
+        heads[k].draw(&mut picture, &frame);
+        let plot = Plot { chart, frame, entries: &entries[k] };
+        plot.ground(&mut picture);
+        plot.names(&mut picture, sizes.name);
+        plot.draw(&mut picture);
+    }
+    (layout.foot_top(), picture)
+}
+
+/// Returns the legend that some panels have together.
+///
+/// If none is given, each label has an entry: with the colour of its solver, or a colour that no solver in the panels
+/// has. The second and later labels of a solver are dashed; a label whose curves are single points is a ring.
+pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = panels.iter().flat_map(|panel| panel.legend.clone()).collect();
+    if !entries.is_empty() {
+        return entries;
+    }
+    let curves: Vec<&Curve> = panels.iter().flat_map(|panel| &panel.curves).collect();
     let mut labels: Vec<&str> = Vec::new();
-    for curve in curves {
-        let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
+    for curve in &curves {
+        let named = curve.stroke.is_measured() && !curve.points.is_empty();
         if named && !labels.contains(&&*curve.label) {
             labels.push(&curve.label);
         }
@@ -68,7 +225,6 @@ fn entries<'a>(curves: &[&'a Curve]) -> Vec<Entry<'a>> {
     let taken: Vec<usize> = labels.iter().filter_map(|label| solver(label)).collect();
     let mut free = (0..).filter(|place| !taken.contains(place));
     let mut seen = Vec::new();
-    let mut entries = Vec::new();
     for label in labels {
         let place = solver(label).unwrap_or_else(|| free.next().unwrap_or(0));
         let has_line = curves.iter().any(|curve| curve.label == label && curve.points.len() > 1);
@@ -78,89 +234,148 @@ fn entries<'a>(curves: &[&'a Curve]) -> Vec<Entry<'a>> {
             (true, false) => Sample::Line,
         };
         seen.push(place);
-        entries.push(Entry { label, color: series(place), sample });
+        entries.push(Entry { label: label.into(), color: series(place), sample });
     }
     entries
 }
 
-/// Curve with its entry in the legend.
-struct Measured<'a> {
-    curve: &'a Curve,
-    entry: &'a Entry<'a>,
+/// Chart in its frame.
+pub(super) struct Plot<'a> {
+    pub(super) chart: &'a Chart,
+    /// Frame, with the ends of the axes as numbers on them.
+    pub(super) frame: Frame,
+    /// Entries of the legend, with the colours of the curves.
+    pub(super) entries: &'a [Entry],
 }
 
-fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) {
-    let (mut references, mut measured) = (Vec::new(), Vec::new());
-    for curve in panel.curves.iter().filter(|curve| !curve.points.is_empty()) {
-        if curve.stroke == Stroke::Reference {
-            references.push(curve);
+/// Attributes of the second and later lines of a solver.
+const SECOND: &str = "stroke-dasharray=\"28 16\"";
+
+impl Plot<'_> {
+    /// Draws rules and numbers of the axes.
+    pub(super) fn ground(&self, picture: &mut Picture) {
+        let Frame { across, down, x, y } = self.frame;
+        let [x_scale, y_scale] = [0, 1].map(|axis| self.chart.axes[axis].scale);
+        let x_ticks = x_scale.ticks(x, ((across.1 - across.0) / 62.0) as usize);
+        let y_ticks = y_scale.ticks(y, 8);
+        self.frame.rules(picture, y_ticks.iter().map(|tick| tick.0));
+        self.frame.verticals(picture, x_ticks.iter().map(|tick| tick.0), RULE);
+        self.frame.label_left(picture, y_ticks);
+        self.frame.label_below(picture, x_ticks);
+        for x in x_scale.multiples(x).map(|x| self.frame.right(x)) {
+            picture.path([(x, down.1), (x, down.1 + 2.5)], INK, 0.75);
         }
-        if let Some(entry) = entries.iter().find(|entry| entry.label == curve.label) {
-            measured.push(Measured { curve, entry });
+        for y in y_scale.multiples(y).map(|y| self.frame.up(y)) {
+            picture.path([(across.0 - 2.5, y), (across.0, y)], INK, 0.75);
         }
     }
-    ground(picture, panel, frame);
-    picture.group("stroke-dasharray=\"16 12\"", |picture| {
-        for curve in &references {
-            picture.path(panel.places(frame, curve), MUTED, 1.0);
+
+    /// Writes the names of the axes, that of the axis up at a distance from the frame.
+    fn names(&self, picture: &mut Picture, away: f64) {
+        let (x, y) = self.frame.middle();
+        let [across, up] = [0, 1].map(|axis| &self.chart.axes[axis].name);
+        picture.text(across, (x, self.frame.down.1 + 32.0), plain(NORMAL));
+        let left = (self.frame.across.0 - away, y);
+        picture.text(up, left, plain(NORMAL).transform(UPWARDS));
+    }
+
+    /// Draws curves, with dashes below solid ones, then rings, then the names of lines, and the frame around all.
+    pub(super) fn draw(&self, picture: &mut Picture) {
+        let below = [Stroke::Reference, Stroke::Limit, Stroke::Thin].map(Stroke::attributes);
+        for attributes in below.into_iter().chain([SECOND, Stroke::Line.attributes()]) {
+            picture.group(attributes, |picture| self.lines(picture, attributes));
         }
-    });
-    picture.group("stroke-dasharray=\"28 16\"", |picture| {
-        lines(picture, (panel, frame), &measured, Sample::Dashed);
-    });
-    lines(picture, (panel, frame), &measured, Sample::Line);
-    let mut marks = Vec::new();
-    for Measured { curve, entry } in measured {
-        marks.extend(panel.places(frame, curve));
-        if curve.stroke == Stroke::Marked {
-            let radius = if curve.points.len() > 1 { 3.5 } else { LONE };
-            for at in panel.places(frame, curve) {
-                picture.ring(at, radius, entry.color);
+        let mut marks = Vec::new();
+        for curve in self.chart.curves.iter().filter(|curve| curve.stroke.is_measured()) {
+            let places = self.places(curve);
+            marks.extend(places.clone());
+            let radius = match curve.stroke {
+                Stroke::Rings => 4.0,
+                Stroke::Marked if places.len() > 1 => 3.5,
+                Stroke::Marked => LONE,
+                Stroke::Line | Stroke::Thin | Stroke::Reference | Stroke::Limit => continue,
+            };
+            for at in places {
+                picture.ring(at, radius, self.color(curve));
+            }
+        }
+        // Names are above the curves that they meet, with a white edge that keeps them legible.
+        let edge = "stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"";
+        picture.group(edge, |picture| {
+            for curve in self.chart.curves.iter().filter(|one| one.stroke == Stroke::Reference) {
+                name_reference(picture, &curve.label, &self.places(curve), &marks);
+            }
+        });
+        self.name_limits(picture);
+        self.frame.outline(picture);
+    }
+
+    /// Draws the lines with these attributes.
+    fn lines(&self, picture: &mut Picture, attributes: &str) {
+        for curve in self.chart.curves.iter().filter(|curve| curve.stroke != Stroke::Rings) {
+            let is_second = self.entry(curve).is_some_and(|one| one.sample == Sample::Dashed);
+            let own = if is_second { SECOND } else { curve.stroke.attributes() };
+            if own == attributes && curve.points.len() > 1 {
+                picture.path(thinned(&self.places(curve)), self.color(curve), curve.width);
             }
         }
     }
-    // Names are above the curves that they meet, with a white edge that keeps them legible.
-    picture.group("stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"", |picture| {
-        for curve in references {
-            let ends = panel.places(frame, curve);
-            name_reference(picture, &curve.label, &ends, &marks);
-        }
-    });
-    frame.outline(picture);
-}
 
-/// Draws the lines of the curves whose entry has this sample.
-fn lines(
-    picture: &mut Picture,
-    (panel, frame): (&Chart, &Frame),
-    measured: &[Measured],
-    sample: Sample,
-) {
-    for Measured { curve, entry } in measured {
-        if entry.sample == sample && curve.points.len() > 1 {
-            picture.path(panel.places(frame, curve), entry.color, 2.0);
+    fn entry(&self, curve: &Curve) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.label == curve.label)
+    }
+
+    fn color(&self, curve: &Curve) -> RGBColor {
+        match curve.stroke {
+            Stroke::Reference => MUTED,
+            Stroke::Limit => INK,
+            _ => self.entry(curve).map_or(INK, |entry| entry.color),
+        }
+    }
+
+    /// Returns the places of the points of a curve.
+    fn places(&self, curve: &Curve) -> Vec<Place> {
+        let [x, y] = &self.chart.axes;
+        let points = curve.points.iter();
+        points.map(|point| self.frame.at(x.number(point.0), y.number(point.1))).collect()
+    }
+
+    /// Writes the names of limits to the right of the frame, from the lowest upwards, so that no name covers the one
+    /// below.
+    fn name_limits(&self, picture: &mut Picture) {
+        let limits = self.chart.curves.iter().filter(|curve| curve.stroke == Stroke::Limit);
+        let mut names: Vec<(f64, &str)> = Vec::new();
+        names.extend(limits.filter_map(|one| Some((self.places(one).last()?.1, &*one.label))));
+        names.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut lowest = f64::INFINITY;
+        for (y, name) in names {
+            lowest = y.min(lowest - SMALL);
+            let kind = plain(SMALL).pos(START).color(&MUTED);
+            picture.text(name, (self.frame.across.1 + 7.0, lowest), kind);
         }
     }
 }
 
-fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
-    panel.curves.iter().flat_map(|curve| &curve.points)
+impl Axis {
+    /// Returns the number on the axis that stands for a value; what is not positive is least on a logarithmic axis with
+    /// given ends.
+    fn number(&self, value: f64) -> f64 {
+        let number = if self.scale == Scale::Logarithmic { decade(value) } else { value };
+        match self.ends {
+            Some((low, _)) if number.is_nan() => low,
+            Some((low, high)) => number.clamp(low, high),
+            None => number,
+        }
+    }
 }
 
 impl Scale {
-    /// Number on the axis that stands for a value: its decimal logarithm, or the value itself.
-    fn number(self, value: f64) -> f64 {
-        match self {
-            Self::Linear => value,
-            Self::Logarithmic => decade(value),
-        }
-    }
-
     /// Returns the ends of an axis, as numbers on it: around all values with a margin; on a logarithmic axis whole
     /// decades if these are few.
     fn extent(self, values: impl Iterator<Item = f64>) -> (f64, f64) {
+        let axis = Axis { name: String::new(), scale: self, ends: None };
+        let numbers = Range::of(values.map(|value| axis.number(value)));
         let whole = Range { least: 0.0, greatest: 1.0 };
-        let numbers = Range::of(values.map(|value| self.number(value)));
         let Range { least: low, greatest: high } = numbers.unwrap_or(whole);
         let margin = 0.03 * (high - low);
         match self == Self::Logarithmic && high - low < 2.0 {
@@ -171,11 +386,29 @@ impl Scale {
 
     /// Returns the numbers to mark on an axis, with their texts, in at most about `most` steps.
     fn ticks(self, ends: (f64, f64), most: usize) -> Vec<(f64, String)> {
+        let mut ticks: Vec<_> = Ticks::inside(ends.0, ends.1, most).labelled().collect();
         match self {
-            Self::Linear => Ticks::inside(ends.0, ends.1, most).labelled().collect(),
-            Self::Logarithmic => powers(ends, most),
+            Self::Linear => {}
+            Self::Counts => ticks.retain(|(x, _)| x.fract() == 0.0),
+            Self::Logarithmic => ticks = powers(ends, most),
         }
+        ticks
     }
+
+    /// Returns the multiples of powers of ten on a logarithmic axis of fewer than three decades, which could pass for a
+    /// linear one without them; none on a longer axis.
+    fn multiples(self, (low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+        let is_short = self == Self::Logarithmic && high - low < 3.0;
+        let decades = if is_short { low.floor() as i32..high.ceil() as i32 } else { 0..0 };
+        let digits = (2..10).map(|digit| libm::log10(f64::from(digit)));
+        let all = decades.flat_map(move |e| digits.clone().map(move |log| f64::from(e) + log));
+        all.filter(move |x| (low..=high).contains(x))
+    }
+}
+
+/// Returns the decimal logarithm of a value; NaN if the value is not positive, so that the picture is refused.
+fn decade(value: f64) -> f64 {
+    if value > 0.0 { libm::log10(value) } else { f64::NAN }
 }
 
 /// Returns the powers of ten to mark on an axis, in at most about `most` steps.
@@ -187,44 +420,6 @@ fn powers((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
         .filter(|e| e.rem_euclid(step as i32) == 0)
         .map(|e| (f64::from(e), power_of_ten(e)))
         .collect()
-}
-
-/// Returns the multiples of powers of ten on an axis of fewer than three decades, which could pass for a linear one
-/// without them; none on a longer axis.
-fn multiples((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
-    let decades = if high - low < 3.0 { low.floor() as i32..high.ceil() as i32 } else { 0..0 };
-    let all = decades.flat_map(|e| (2..10).map(move |m| f64::from(e) + libm::log10(f64::from(m))));
-    all.filter(move |x| (low..=high).contains(x))
-}
-
-/// Draws rules, numbers and names of the axes.
-fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
-    let across = ((frame.across.1 - frame.across.0) / 62.0) as usize;
-    let x = panel.across.ticks(frame.x, across);
-    let y = Scale::Logarithmic.ticks(frame.y, 8);
-    frame.rules(picture, y.iter().map(|tick| tick.0));
-    frame.verticals(picture, x.iter().map(|tick| tick.0), RULE);
-    frame.label_left(picture, y);
-    frame.label_below(picture, x);
-    if panel.across == Scale::Logarithmic {
-        for x in multiples(frame.x).map(|x| frame.right(x)) {
-            picture.path([(x, frame.down.1), (x, frame.down.1 + 2.5)], INK, 0.75);
-        }
-    }
-    for y in multiples(frame.y).map(|y| frame.up(y)) {
-        picture.path([(frame.across.0 - 2.5, y), (frame.across.0, y)], INK, 0.75);
-    }
-    let (x, y) = frame.middle();
-    picture.text(panel.axes[0], (x, frame.down.1 + 32.0), plain(NORMAL));
-    picture.text(panel.axes[1], (frame.across.0 - 55.0, y), plain(NORMAL).transform(UPWARDS));
-}
-
-impl Chart {
-    /// Places of the points of a curve.
-    fn places(&self, frame: &Frame, curve: &Curve) -> Vec<Place> {
-        let points = curve.points.iter();
-        points.map(|p| frame.at(self.across.number(p.0), decade(p.1))).collect()
-    }
 }
 
 /// Writes the name of a reference beside its middle, on the side that has fewer of the `marks`.

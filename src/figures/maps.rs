@@ -1,6 +1,6 @@
 //! Figure 1: maps of right-hand sides.
 
-use super::axes::{Frame, colour_bar};
+use super::axes::{Bar, Frame};
 use super::extent::{Extent, MapFrame};
 use super::palette::{ColourScale, INK, legible_on};
 use super::panels::{Panels, above, draw_title};
@@ -36,44 +36,96 @@ type Point = [f64; 2];
 /// fits. A smooth f is painted as a raster, without values.
 pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
-    let limit = largest(&rasters.concat());
-    let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
-    let (layout, titles) = layout(panels.iter().map(|(title, _)| *title));
-    let (width, height) = layout.size();
-    let mut picture = Picture::new(width, height);
-    for (k, ((_, f), values)) in panels.iter().zip(&rasters).enumerate() {
-        let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
-        draw_title(&mut picture, &frame, &titles[k]);
-        draw_map(&mut picture, f, values, &frame, colours);
-    }
-    let (across, top) = below(&layout, 420.0);
-    colour_bar(&mut picture, across, top, colours, "f (x, y)");
+    let colours = colours_of_f(&rasters.concat());
+    let maps = Maps::of_square(panels.iter().map(|(title, _)| *title));
+    let mut picture = maps.draw(
+        |_| [(-0.5, 0.5); 2],
+        |picture, frame, k| draw_map(picture, panels[k].1, &rasters[k], frame, colours),
+    );
+    maps.bar(420.0).scale(&mut picture, colours, "f (x, y)");
     picture
 }
 
-/// Layout of one map whose frame is a square.
-pub(super) const ONE: Panels = Panels {
-    count: 1,
-    columns: 2,
-    frame: (SIDE, SIDE),
-    margin: 20.0,
-    beside: (66.0, 26.0),
-    above: 48.0,
-    below: 46.0,
-    foot: 66.0,
-};
-
-/// Returns the layout of maps of the square with these titles.
-pub(super) fn layout<'a>(texts: impl Iterator<Item = &'a str>) -> (Panels, Vec<Title>) {
-    let titles: Vec<Title> = texts.map(|text| Title::new(text, ONE.cell().0)).collect();
-    (Panels { count: titles.len(), above: above(&titles), ..ONE }, titles)
+/// Draws a mesh with the mean of f on each triangle in colour, below its title and above a colour bar symmetric about
+/// 0.
+///
+/// All triangles are drawn: a mesh of more than 2500 makes a large file.
+pub(crate) fn mesh_map(title: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
+    let colours = colours_of_f(f);
+    let (maps, ranges) = Maps::of_mesh(title, mesh);
+    let mut picture = maps.draw(
+        |_| ranges,
+        |picture, frame, _| {
+            frame.triangles(picture, mesh, f.iter().map(|&value| colours.color(value)));
+        },
+    );
+    maps.bar(420.0).scale(&mut picture, colours, "f (x, y)");
+    picture
 }
 
-/// Returns left and right end, and top, of a bar of this width below the maps.
-pub(super) fn below(layout: &Panels, width: f64) -> ((f64, f64), f64) {
-    let all = layout.size().0;
-    let (middle, half) = (0.5 * all + 10.0, 0.5 * (all - 160.0).min(width));
-    ((middle - half, middle + half), layout.foot_top() + 12.0)
+/// Maps of one size, two in a row, each below its title, with room for a bar of colours below all.
+pub(super) struct Maps {
+    layout: Panels,
+    titles: Vec<Title>,
+}
+
+impl Maps {
+    /// Lays out maps of the square with these titles.
+    pub(super) fn of_square<'a>(titles: impl Iterator<Item = &'a str>) -> Self {
+        Self::new(titles, (SIDE, SIDE))
+    }
+
+    /// Lays out the map of a mesh; returns the ranges of its axes too.
+    pub(super) fn of_mesh(title: &str, mesh: &PlaneMesh) -> (Self, [(f64, f64); 2]) {
+        let MapFrame { size, ranges } = Extent::of(mesh).frame(SIDE);
+        (Self::new(Some(title).into_iter(), size), ranges)
+    }
+
+    fn new<'a>(titles: impl Iterator<Item = &'a str>, (wide, high): (f64, f64)) -> Self {
+        // A narrow frame is in the middle of a picture that has room for the colour bar.
+        let room = 0.5 * (SIDE - wide).max(0.0);
+        let beside = (66.0 + room, 26.0 + room);
+        let titles = titles.map(|text| Title::new(text, beside.0 + wide + beside.1));
+        let titles: Vec<Title> = titles.collect();
+        let heights = vec![[above(&titles), high, 46.0]; titles.len()];
+        let (margin, head, foot) = (20.0, 0.0, 66.0);
+        let layout = Panels { columns: 2, wide, beside, margin, head, foot, heights };
+        Self { layout, titles }
+    }
+
+    /// Returns the frame of map `k`.
+    pub(super) fn frame(&self, k: usize, [x, y]: [(f64, f64); 2]) -> Frame {
+        self.layout.frame(k, x, y)
+    }
+
+    /// Draws titles, maps of these ranges by `paint`, and axes.
+    pub(super) fn draw(
+        &self,
+        ranges: impl Fn(usize) -> [(f64, f64); 2],
+        paint: impl Fn(&mut Picture, &Frame, usize),
+    ) -> Picture {
+        let mut picture = self.layout.picture();
+        for (k, title) in self.titles.iter().enumerate() {
+            let frame = self.frame(k, ranges(k));
+            draw_title(&mut picture, &frame, title);
+            paint(&mut picture, &frame, k);
+            draw_axes(&mut picture, &frame);
+        }
+        picture
+    }
+
+    /// Returns a bar of this width below the maps.
+    pub(super) fn bar(&self, width: f64) -> Bar {
+        let all = self.layout.width();
+        let (middle, half) = (0.5 * all + 10.0, 0.5 * (all - 160.0).min(width));
+        Bar { across: (middle - half, middle + half), top: self.layout.foot_top() + 12.0 }
+    }
+}
+
+/// Returns the colours of values of f, symmetric about 0.
+pub(super) fn colours_of_f(values: &[f64]) -> ColourScale {
+    let limit = largest(values);
+    ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } }
 }
 
 /// Draws the map of f, whose raster is `values`.
@@ -110,7 +162,6 @@ fn draw_map(
             frame.raster(picture, RASTER, &shades);
         }
     }
-    draw_axes(picture, frame);
 }
 
 /// Draws outline and axes of a map.
@@ -124,17 +175,6 @@ pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     let name = if widest > SHORT_NUMBER { 14.0 + SMALL * widest } else { 48.0 };
     picture.text("x", (x, frame.down.1 + 31.0), italic(NORMAL));
     picture.text("y", (frame.across.0 - name, y), italic(NORMAL));
-}
-
-/// Returns the layout of the map of a mesh below its title, with the ranges of its axes.
-pub(super) fn layout_around(mesh: &PlaneMesh, text: &str) -> (Panels, [(f64, f64); 2], Title) {
-    let MapFrame { size, ranges } = Extent::of(mesh).frame(SIDE);
-    // A narrow frame is in the middle of a picture that has room for the colour bar.
-    let beside = 0.5 * (SIDE - size.0).max(0.0);
-    let (left, right) = ONE.beside;
-    let layout = Panels { frame: size, beside: (left + beside, right + beside), ..ONE };
-    let title = Title::new(text, layout.cell().0);
-    (Panels { above: above([&title]), ..layout }, ranges, title)
 }
 
 /// Most steps between numbers along an axis of a map with these ends.
@@ -229,6 +269,8 @@ fn label_regions(picture: &mut Picture, frame: &Frame, values: &[f64], colours: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::samples::svg;
+    use signorini_mathematics::mesh::BuiltIn;
 
     #[test]
     fn borders_are_drawn_only_where_f_jumps() {
@@ -239,5 +281,13 @@ mod tests {
         // The line x = 0 lies between two pieces of the same value.
         assert!(drawn.iter().flatten().all(|p| p[0] > -0.002));
         assert!(!drawn.iter().any(|run| run.windows(2).any(|e| e[0][0] == 0.0 && e[1][0] == 0.0)));
+    }
+
+    #[test]
+    fn every_triangle_has_its_colour() {
+        let mesh = BuiltIn::Annulus.plane().unwrap();
+        let f: Vec<f64> = (0..mesh.cells().len()).map(|k| k as f64 - 12.0).collect();
+        let svg = svg(&mesh_map("annulus", &mesh, &f));
+        assert_eq!(svg.matches("<path").count(), mesh.cells().len());
     }
 }

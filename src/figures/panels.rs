@@ -1,25 +1,65 @@
-//! Panels in rows, each with room for its title and axes, above a foot common to all.
+//! Panels in rows, each with room for its title and axes, between a head and a foot common to all.
 
-use super::axes::Frame;
-use super::picture::{LARGE, Picture, bold};
+use super::axes::{Frame, Legend};
+use super::picture::{LARGE, Picture, START, bold};
 use super::title::Title;
 
 /// Layout, in display pixels.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Panels {
-    pub(super) count: usize,
     /// Most panels in a row.
     pub(super) columns: usize,
-    /// Width and height of the frame of a panel.
-    pub(super) frame: (f64, f64),
-    /// Empty width on the left and on the right of the picture.
-    pub(super) margin: f64,
+    /// Width of every frame.
+    pub(super) wide: f64,
     /// Room of a panel to the left and right of its frame.
     pub(super) beside: (f64, f64),
-    /// Room of a panel above its frame, by [`above`], and below.
-    pub(super) above: f64,
-    pub(super) below: f64,
+    /// Empty width on the left and on the right of the picture.
+    pub(super) margin: f64,
+    /// Heights above all panels and below them.
+    pub(super) head: f64,
     pub(super) foot: f64,
+    /// Heights of each panel: above its frame, of the frame, and below it.
+    pub(super) heights: Vec<[f64; 3]>,
+}
+
+impl Panels {
+    /// Width of a panel with its room.
+    pub(super) fn cell(&self) -> f64 {
+        self.beside.0 + self.wide + self.beside.1
+    }
+
+    /// Returns an empty picture for the panels.
+    pub(super) fn picture(&self) -> Picture {
+        Picture::new(self.width(), self.foot_top() + self.foot)
+    }
+
+    pub(super) fn width(&self) -> f64 {
+        2.0 * self.margin + self.heights.len().min(self.columns) as f64 * self.cell()
+    }
+
+    pub(super) fn foot_top(&self) -> f64 {
+        self.top(self.heights.len().div_ceil(self.columns))
+    }
+
+    /// Returns the top of a row of panels, or of the foot.
+    fn top(&self, row: usize) -> f64 {
+        let rows = self.heights.chunks(self.columns).take(row).map(highest);
+        rows.fold(self.head, |top, [above, high, below]| top + above + high + below)
+    }
+
+    /// Returns the frame of panel `k`, with the ranges of its axes.
+    pub(super) fn frame(&self, k: usize, x: (f64, f64), y: (f64, f64)) -> Frame {
+        let (row, column) = (k / self.columns, (k % self.columns) as f64);
+        let left = self.margin + column * self.cell() + self.beside.0;
+        let panels = self.heights.chunks(self.columns).nth(row).unwrap_or_default();
+        let top = self.top(row) + highest(panels)[0];
+        Frame { across: (left, left + self.wide), down: (top, top + self.heights[k][1]), x, y }
+    }
+}
+
+/// Returns the greatest heights of the panels of a row.
+fn highest(panels: &[[f64; 3]]) -> [f64; 3] {
+    panels.iter().fold([0.0; 3], |most, panel| [0, 1, 2].map(|k| panel[k].max(most[k])))
 }
 
 /// Room above a frame, for a title of one line.
@@ -32,32 +72,31 @@ pub(super) fn above<'a>(titles: impl IntoIterator<Item = &'a Title>) -> f64 {
     titles.into_iter().map(|title| TITLE + 16.0 + title.more()).fold(ABOVE, f64::max)
 }
 
-impl Panels {
-    /// Width and height of a panel.
-    pub(super) fn cell(&self) -> (f64, f64) {
-        let (wide, high) = self.frame;
-        (self.beside.0 + wide + self.beside.1, self.above + high + self.below)
-    }
-
-    pub(super) fn size(&self) -> (f64, f64) {
-        let columns = self.count.min(self.columns) as f64;
-        (2.0 * self.margin + columns * self.cell().0, self.foot_top() + self.foot)
-    }
-
-    pub(super) fn foot_top(&self) -> f64 {
-        self.count.div_ceil(self.columns) as f64 * self.cell().1
-    }
-
-    /// Returns the frame of panel `k`, with the ranges of its axes.
-    pub(super) fn frame(&self, k: usize, x: (f64, f64), y: (f64, f64)) -> Frame {
-        let left = self.margin + (k % self.columns) as f64 * self.cell().0 + self.beside.0;
-        let top = (k / self.columns) as f64 * self.cell().1 + self.above;
-        let (wide, high) = self.frame;
-        Frame { across: (left, left + wide), down: (top, top + high), x, y }
-    }
-}
-
-/// Writes the title of a panel above its frame.
+/// Writes the title of a panel above the middle of its frame.
 pub(super) fn draw_title(picture: &mut Picture, frame: &Frame, title: &Title) {
     title.draw(picture, (frame.middle().0, frame.down.0 - TITLE), &bold(LARGE));
+}
+
+/// Title of a panel and a legend below it, both above the left end of a frame.
+pub(super) struct Head {
+    pub(super) title: Title,
+    pub(super) legend: Legend,
+    /// Distance of the title from the frame, without the legend.
+    pub(super) gap: f64,
+}
+
+/// Distance of the first row of a legend from the title above it.
+const LEGEND: f64 = 24.0;
+
+impl Head {
+    /// Height from the middle of the first line of the title to the frame.
+    pub(super) fn high(&self) -> f64 {
+        self.title.more() + self.legend.high() + self.gap
+    }
+
+    pub(super) fn draw(&self, picture: &mut Picture, frame: &Frame) {
+        let (left, title) = (frame.across.0, frame.down.0 - self.gap - self.legend.high());
+        self.title.draw(picture, (left, title), &bold(LARGE).pos(START));
+        self.legend.draw(picture, (left, title + LEGEND));
+    }
 }

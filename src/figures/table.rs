@@ -1,9 +1,11 @@
 //! Tables of the data in pictures: CSV with a header line.
 
-use super::{
-    Chart, ContactLine, ContactPanel, GradientPanel, HistoryCurve, HistoryPanel,
-    IdentifiabilityPanel, Stroke, Surface,
-};
+use super::chart::{Chart, Stroke};
+use super::contact::{ContactLine, ContactPanel};
+use super::drawn::DrawnSolution;
+use super::gradient::GradientPanel;
+use super::history::{HistoryCurve, HistoryPanel};
+use super::identifiability::IdentifiabilityPanel;
 use crate::table::quoted;
 
 /// Returns the points of all curves but references.
@@ -11,7 +13,8 @@ pub(super) fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
     for Chart { title, axes: [across, up], curves, .. } in panels {
         for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
-            let names = [title, *across, *up, &curve.label].map(quoted).join(",");
+            let names =
+                [title, &across.name, &up.name, &curve.label].map(|name| quoted(name)).join(",");
             for (x, y) in &curve.points {
                 csv += &format!("{names},{x},{y}\n");
             }
@@ -43,7 +46,7 @@ pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     for panel in panels {
         for ContactLine { label, y, a, .. } in &panel.lines {
             let names = [&panel.title, label].map(|name| quoted(name)).join(",");
-            for ((s, y), a) in panel.places.iter().zip(y).zip(a) {
+            for ((s, y), a) in panel.curve.places.iter().zip(y).zip(a) {
                 csv += &format!("{names},{s},{y},{a}\n");
             }
         }
@@ -74,11 +77,11 @@ pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
 }
 
 /// Returns the values at the nodes of meshes, to four digits, which is more than a picture shows.
-pub(crate) fn of_surfaces(panels: &[Surface]) -> String {
+pub(crate) fn of_surfaces(panels: &[DrawnSolution]) -> String {
     let mut csv = "panel,x,y,v\n".to_owned();
-    for Surface { title, mesh, y, .. } in panels {
+    for DrawnSolution { title, mesh, y, .. } in panels {
         let title = quoted(title);
-        for (&[px, py], &v) in mesh.points().iter().zip(*y) {
+        for (&[px, py], &v) in mesh.points().iter().zip(y) {
             let [px, py, v] = [px, py, v].map(|value| rounded(value, 4));
             csv += &format!("{title},{px},{py},{v}\n");
         }
@@ -107,8 +110,8 @@ pub(super) fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Curve;
     use super::*;
+    use crate::figures::Curve;
 
     #[test]
     fn charts_are_listed_point_by_point_and_commas_are_quoted() {

@@ -247,10 +247,10 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> 
         let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
         let pair = solve::pair(inputs, scene, rule, &problem)?;
         let title = title_with_bound(inputs, scene)?;
-        drawn.push(DrawnSolution::of(title, &problem, &pair, 2)?);
+        let on = (problem.levels(), problem.law());
+        drawn.push(DrawnSolution::of(title, on, &pair, 2)?);
     }
-    let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
-    Ok(surfaces(2, &panels))
+    Ok(surfaces(2, &drawn))
 }
 
 /// Draws the map of the solution of one scene.
