@@ -81,22 +81,43 @@ impl Boxed {
         }
     }
 
+    /// Draws near edge `d` of the floor, with ticks at the first, the middle and the last mark, numbers and its name.
+    fn edge(&self, picture: &mut Picture, d: usize) {
+        let Self { view, floor, .. } = self;
+        let [nx, ny] = view.nearest_corner();
+        let low = view.heights.0;
+        let ends = floor.marks(d).map(|t| if d == 0 { [t, ny, low] } else { [nx, t, low] });
+        let marks = ends.map(|point| view.place(point));
+        let out = outward(view, [[0.0, ny], [nx, 0.0]][d]);
+        let name_mark = if floor.half[d] < ROOMY_HALF { 2 } else { 1 };
+        picture.path([marks[0], marks[4]], INK, 1.0);
+        let mut name_distance = 24.0;
+        for (k, text) in floor.numbers(d).iter().enumerate() {
+            let mark = marks[2 * k];
+            picture.path([mark, stepped(mark, out, 5.0)], INK, 1.0);
+            // Without room for a number in the middle, the name is there.
+            if 2 * k == name_mark {
+                continue;
+            }
+            let longer = SMALL * (number_width(text) - SHORT_NUMBER).max(0.0);
+            let (x, y) = stepped(mark, out, 17.0);
+            // The end towards the floor stays where that of a short number is.
+            let shift = 0.5 * longer * (2.0 * out.0).clamp(-1.0, 1.0);
+            picture.text(text, (x + shift, y), plain(SMALL));
+            if longer > 0.0 {
+                name_distance = 14.0;
+            }
+        }
+        let at = stepped(marks[name_mark], out, name_distance);
+        picture.text(["x", "y"][d], at, italic(NORMAL));
+    }
+
     /// Draws the near edges of the floor and the vertical axis, with ticks, numbers and names.
     pub(super) fn axes(&self, picture: &mut Picture) {
-        let Self { view, floor, ticks, .. } = self;
-        let [nx, ny] = view.nearest_corner();
+        let Self { view, ticks, .. } = self;
         let (low, high) = view.heights;
-        let edges = [
-            floor.marks(0).map(|t| view.place([t, ny, low])),
-            floor.marks(1).map(|t| view.place([nx, t, low])),
-        ];
-        for (d, marks) in edges.into_iter().enumerate() {
-            let name_mark = if floor.half[d] < ROOMY_HALF { 2 } else { 1 };
-            let out = outward(view, [[0.0, ny], [nx, 0.0]][d]);
-            let edge =
-                FloorEdge { name: ["x", "y"][d], name_mark, numbers: floor.numbers(d), marks, out };
-            edge.draw(picture);
-        }
+        self.edge(picture, 0);
+        self.edge(picture, 1);
         let [cx, cy] = leftmost(view);
         let (bottom, top) = (view.place([cx, cy, low]), view.place([cx, cy, high]));
         picture.path([bottom, top], INK, 1.0);
@@ -162,46 +183,7 @@ fn outward(view: &View, [dx, dy]: [f64; 2]) -> Place {
     (px / length, py / length)
 }
 
-/// Near edge of the floor.
-struct FloorEdge {
-    name: &'static str,
-    /// Position of the mark at which the name is written.
-    name_mark: usize,
-    /// Numbers at the first, the middle and the last mark.
-    numbers: [String; 3],
-    marks: [Place; 5],
-    /// Step of one display pixel away from the floor.
-    out: Place,
-}
-
-impl FloorEdge {
-    fn draw(&self, picture: &mut Picture) {
-        picture.path([self.marks[0], self.marks[4]], INK, 1.0);
-        let mut name_distance: f64 = 24.0;
-        for (k, text) in self.numbers.iter().enumerate() {
-            let mark = self.marks[2 * k];
-            picture.path([mark, self.stepped(mark, 5.0)], INK, 1.0);
-            // Without room for a number in the middle, the name is there.
-            if 2 * k == self.name_mark {
-                continue;
-            }
-            let longer = SMALL * (number_width(text) - SHORT_NUMBER).max(0.0);
-            let (x, y) = self.stepped(mark, 17.0);
-            // The end towards the floor stays where that of a short number is.
-            let shift = 0.5 * longer * (2.0 * self.out.0).clamp(-1.0, 1.0);
-            picture.text(text, (x + shift, y), plain(SMALL));
-            if longer > 0.0 {
-                name_distance = 14.0;
-            }
-        }
-        picture.text(
-            self.name,
-            self.stepped(self.marks[self.name_mark], name_distance),
-            italic(NORMAL),
-        );
-    }
-
-    fn stepped(&self, at: Place, by: f64) -> Place {
-        (at.0 + by * self.out.0, at.1 + by * self.out.1)
-    }
+/// Returns the place at so many steps from another one.
+fn stepped((x, y): Place, (dx, dy): Place, by: f64) -> Place {
+    (x + by * dx, y + by * dy)
 }

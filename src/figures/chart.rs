@@ -190,7 +190,7 @@ pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> (f64, P
     let common = Legend::of(common, LEGEND);
     let head = if columns > 1 { 12.0 + common.high() } else { head };
     let heights = heads.iter().map(|head| [title + head.high(), high, below]).collect();
-    let layout = Panels { columns, wide, beside, margin: 0.0, head, foot, heights };
+    let layout = Panels { columns, wide, beside, head, foot, heights, ..Panels::default() };
     let mut picture = layout.picture();
     common.draw(&mut picture, (beside.0, 18.0));
     for (k, &chart) in panels.iter().enumerate() {

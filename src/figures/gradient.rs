@@ -1,6 +1,6 @@
 //! Maps of the gradient where a stopping rule stops: the components that are beyond the tolerance, by size and sign.
 
-use super::maps::Maps;
+use super::maps::{SIDE, bar_below, draw_maps, layout};
 use super::palette::{ColourScale, RGBColor};
 use super::picture::{NORMAL, Picture, plain};
 use super::table::of_gradients;
@@ -24,10 +24,11 @@ pub(crate) struct GradientPanel<'a> {
 /// Draws one map per panel, a cell for each node: blue where the component is negative beyond the tolerance, red where
 /// it is positive beyond the tolerance.
 pub(crate) fn gradients(panels: &[GradientPanel]) -> Picture {
-    let maps = Maps::of_square(panels.iter().map(|panel| panel.title));
+    let layout = layout(panels.iter().map(|panel| panel.title), (SIDE, SIDE));
     // The cells of the outermost nodes stick out by half their width.
     let ends = panels.iter().map(|panel| 0.5 + 0.5 * panel.grid.h()).collect::<Vec<f64>>();
-    let mut picture = maps.draw(
+    let mut picture = draw_maps(
+        &layout,
         |k| [(-ends[k], ends[k]); 2],
         |picture, frame, k| {
             let GradientPanel { grid, tolerance, gradient, .. } = &panels[k];
@@ -39,7 +40,7 @@ pub(crate) fn gradients(panels: &[GradientPanel]) -> Picture {
     let shades = (-most..=most).enumerate().map(|(k, shade)| (k as f64, color(shade)));
     let steps = STEPS.iter().rev().map(|step| -step).chain(STEPS);
     let steps = (1..).zip(steps).map(|(k, step)| (f64::from(k), short(step)));
-    let bar = maps.bar(500.0);
+    let bar = bar_below(&layout, 500.0);
     bar.draw(&mut picture, (0.0, f64::from(2 * most + 1)), shades, steps);
     bar.name(&mut picture, "gradient / tolerance", plain(NORMAL));
     picture.table = Some(of_gradients(panels));

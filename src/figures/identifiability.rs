@@ -2,11 +2,10 @@
 
 use super::axes::{Bar, Frame, key};
 use super::palette::{CONTACT, ColourScale, INK, WHITE};
-use super::panels::{Panels, above, draw_title};
+use super::panels::Panels;
 use super::picture::{NORMAL, Picture, Place, SMALL, UPWARDS, plain, text_width};
 use super::table::of_identifiability;
 use super::text::Ticks;
-use super::title::Title;
 use signorini_mathematics::identify::Slice;
 
 /// One panel of [`identifiability`].
@@ -34,22 +33,14 @@ pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
     let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);
     let colours = ColourScale::Viridis { low: least.min(most) as f64, high: most as f64 };
 
-    let titles = panels.iter().map(|panel| Title::new(panel.title, 95.0 + SIDE));
-    let titles: Vec<Title> = titles.collect();
-    let layout = Panels {
-        columns: 2,
-        wide: SIDE,
-        beside: (78.0, 17.0),
-        margin: 10.0,
-        head: 0.0,
-        foot: 96.0,
-        heights: vec![[above(&titles), SIDE, 52.0]; panels.len()],
-    };
+    let (beside, foot) = ((78.0, 17.0), 96.0);
+    let layout = Panels { columns: 2, wide: SIDE, beside, margin: 10.0, foot, ..Panels::default() };
+    let layout = layout.titled(panels.iter().map(|panel| panel.title), [SIDE, 52.0]);
     let (width, mut picture) = (layout.width(), layout.picture());
     for (k, panel) in panels.iter().enumerate() {
-        let frame = layout.frame(k, ends(&panel.slice.x), ends(&panel.slice.y));
-        draw_title(&mut picture, &frame, &titles[k]);
-        draw_panel(&mut picture, panel, frame, colours);
+        let ranges = [ends(&panel.slice.x), ends(&panel.slice.y)];
+        let frame = layout.begin(&mut picture, k, ranges);
+        draw_panel(&mut picture, panel, &frame, colours);
     }
     let top = layout.foot_top() + 14.0;
     let (middle, half) = (0.5 * width + 60.0, 0.5 * (width - 260.0).min(420.0));
@@ -70,14 +61,14 @@ fn ends(values: &[f64]) -> (f64, f64) {
 fn draw_panel(
     picture: &mut Picture,
     panel: &IdentifiabilityPanel,
-    frame: Frame,
+    frame: &Frame,
     colours: ColourScale,
 ) {
     let slice = panel.slice;
     let counts = slice.exact.iter().flatten();
     let colors: Vec<_> = counts.map(|&count| colours.color(count as f64)).collect();
     frame.raster(picture, slice.x.len(), &colors);
-    outline_full(picture, panel, &frame);
+    outline_full(picture, panel, frame);
     for &[x, y] in &panel.others {
         if frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1 {
             cross(picture, frame.at(x, y));
@@ -95,26 +86,22 @@ fn draw_panel(
 /// Outlines the region in which every count comes out: draws each side between a cell inside and a cell outside.
 fn outline_full(picture: &mut Picture, panel: &IdentifiabilityPanel, frame: &Frame) {
     let cells = (panel.slice.x.len(), panel.slice.y.len());
-    for upright in [true, false] {
-        for j in 0..cells.1 + usize::from(!upright) {
-            for i in 0..cells.0 + usize::from(upright) {
-                let (before, to) = if upright {
-                    ((i.checked_sub(1), Some(j)), (i, j + 1))
-                } else {
-                    ((Some(i), j.checked_sub(1)), (i + 1, j))
-                };
-                if is_full(panel, before) != is_full(panel, (Some(i), Some(j))) {
-                    let side = [(i, j), to].map(|corner| frame.corner(corner, cells));
-                    picture.path(side, CONTACT, 1.75);
-                }
+    for d in 0..2 {
+        for (i, j) in (0..=cells.1).flat_map(|j| (0..=cells.0).map(move |i| (i, j))) {
+            let (before, end) = match d {
+                0 => ((i.wrapping_sub(1), j), (i, j + 1)),
+                _ => ((i, j.wrapping_sub(1)), (i + 1, j)),
+            };
+            if is_full(panel, before) != is_full(panel, (i, j)) {
+                let side = [(i, j), end].map(|corner| frame.corner(corner, cells));
+                picture.path(side, CONTACT, 1.75);
             }
         }
     }
 }
 
 /// True if there is a cell in this column and row and every count comes out there.
-fn is_full(panel: &IdentifiabilityPanel, (i, j): (Option<usize>, Option<usize>)) -> bool {
-    let (Some(i), Some(j)) = (i, j) else { return false };
+fn is_full(panel: &IdentifiabilityPanel, (i, j): (usize, usize)) -> bool {
     let count = panel.slice.exact.get(j).and_then(|row| row.get(i));
     count == Some(&panel.cells)
 }

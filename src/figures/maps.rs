@@ -1,13 +1,12 @@
 //! Figure 1: maps of right-hand sides.
 
 use super::axes::{Bar, Frame};
-use super::extent::{Extent, MapFrame};
+use super::extent::Extent;
 use super::palette::{ColourScale, INK, legible_on};
-use super::panels::{Panels, above, draw_title};
+use super::panels::Panels;
 use super::picture::{NORMAL, Picture, SMALL, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
-use super::title::Title;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::source::Source;
@@ -22,6 +21,8 @@ const BANDS: f64 = 20.0;
 ///
 /// A multiple of [`RASTER`], so that its cells fall on whole pixels.
 pub(super) const SIDE: f64 = 288.0;
+/// Width of the bar of colours.
+pub(super) const BAR: f64 = 420.0;
 /// Size of a value in a wide region.
 const LABEL: f64 = 18.0;
 
@@ -37,12 +38,13 @@ type Point = [f64; 2];
 pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
     let colours = colours_of_f(&rasters.concat());
-    let maps = Maps::of_square(panels.iter().map(|(title, _)| *title));
-    let mut picture = maps.draw(
+    let layout = layout(panels.iter().map(|(title, _)| *title), (SIDE, SIDE));
+    let mut picture = draw_maps(
+        &layout,
         |_| [(-0.5, 0.5); 2],
         |picture, frame, k| draw_map(picture, panels[k].1, &rasters[k], frame, colours),
     );
-    maps.bar(420.0).scale(&mut picture, colours, "f (x, y)");
+    bar_below(&layout, BAR).scale(&mut picture, colours, "f (x, y)");
     picture
 }
 
@@ -52,78 +54,60 @@ pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
 pub(crate) fn mesh_map(title: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
     let colours = colours_of_f(f);
-    let (maps, ranges) = Maps::of_mesh(title, mesh);
-    let mut picture = maps.draw(
+    let (layout, ranges) = layout_around(mesh, title);
+    let mut picture = draw_maps(
+        &layout,
         |_| ranges,
         |picture, frame, _| {
             frame.triangles(picture, mesh, f.iter().map(|&value| colours.color(value)));
         },
     );
-    maps.bar(420.0).scale(&mut picture, colours, "f (x, y)");
+    bar_below(&layout, BAR).scale(&mut picture, colours, "f (x, y)");
     picture
 }
 
-/// Maps of one size, two in a row, each below its title, with room for a bar of colours below all.
-pub(super) struct Maps {
-    layout: Panels,
-    titles: Vec<Title>,
+/// Lays out maps of this size, two in a row, with room for a bar of colours below all.
+pub(super) fn layout<'a>(
+    titles: impl IntoIterator<Item = &'a str>,
+    (wide, high): (f64, f64),
+) -> Panels {
+    // A narrow frame is in the middle of a picture that has room for the colour bar.
+    let room = 0.5 * (SIDE - wide).max(0.0);
+    let beside = (66.0 + room, 26.0 + room);
+    let layout = Panels { columns: 2, wide, beside, margin: 20.0, foot: 66.0, ..Panels::default() };
+    layout.titled(titles, [high, 46.0])
 }
 
-impl Maps {
-    /// Lays out maps of the square with these titles.
-    pub(super) fn of_square<'a>(titles: impl Iterator<Item = &'a str>) -> Self {
-        Self::new(titles, (SIDE, SIDE))
-    }
+/// Lays out the map of a mesh; returns the ranges of its axes too.
+pub(super) fn layout_around(mesh: &PlaneMesh, title: &str) -> (Panels, [(f64, f64); 2]) {
+    let (size, ranges) = Extent::of(mesh).frame(SIDE);
+    (layout([title], size), ranges)
+}
 
-    /// Lays out the map of a mesh; returns the ranges of its axes too.
-    pub(super) fn of_mesh(title: &str, mesh: &PlaneMesh) -> (Self, [(f64, f64); 2]) {
-        let MapFrame { size, ranges } = Extent::of(mesh).frame(SIDE);
-        (Self::new(Some(title).into_iter(), size), ranges)
+/// Draws maps of these ranges, each what `paint` draws in its frame, with axes.
+pub(super) fn draw_maps(
+    layout: &Panels,
+    ranges: impl Fn(usize) -> [(f64, f64); 2],
+    paint: impl Fn(&mut Picture, &Frame, usize),
+) -> Picture {
+    let mut picture = layout.picture();
+    for k in 0..layout.titles.len() {
+        let frame = layout.begin(&mut picture, k, ranges(k));
+        paint(&mut picture, &frame, k);
+        draw_axes(&mut picture, &frame);
     }
+    picture
+}
 
-    fn new<'a>(titles: impl Iterator<Item = &'a str>, (wide, high): (f64, f64)) -> Self {
-        // A narrow frame is in the middle of a picture that has room for the colour bar.
-        let room = 0.5 * (SIDE - wide).max(0.0);
-        let beside = (66.0 + room, 26.0 + room);
-        let titles = titles.map(|text| Title::new(text, beside.0 + wide + beside.1));
-        let titles: Vec<Title> = titles.collect();
-        let heights = vec![[above(&titles), high, 46.0]; titles.len()];
-        let (margin, head, foot) = (20.0, 0.0, 66.0);
-        let layout = Panels { columns: 2, wide, beside, margin, head, foot, heights };
-        Self { layout, titles }
-    }
-
-    /// Returns the frame of map `k`.
-    pub(super) fn frame(&self, k: usize, [x, y]: [(f64, f64); 2]) -> Frame {
-        self.layout.frame(k, x, y)
-    }
-
-    /// Draws titles, maps of these ranges by `paint`, and axes.
-    pub(super) fn draw(
-        &self,
-        ranges: impl Fn(usize) -> [(f64, f64); 2],
-        paint: impl Fn(&mut Picture, &Frame, usize),
-    ) -> Picture {
-        let mut picture = self.layout.picture();
-        for (k, title) in self.titles.iter().enumerate() {
-            let frame = self.frame(k, ranges(k));
-            draw_title(&mut picture, &frame, title);
-            paint(&mut picture, &frame, k);
-            draw_axes(&mut picture, &frame);
-        }
-        picture
-    }
-
-    /// Returns a bar of this width below the maps.
-    pub(super) fn bar(&self, width: f64) -> Bar {
-        let all = self.layout.width();
-        let (middle, half) = (0.5 * all + 10.0, 0.5 * (all - 160.0).min(width));
-        Bar { across: (middle - half, middle + half), top: self.layout.foot_top() + 12.0 }
-    }
+/// Returns a bar of this width below maps.
+pub(super) fn bar_below(layout: &Panels, width: f64) -> Bar {
+    let all = layout.width();
+    let (middle, half) = (0.5 * all + 10.0, 0.5 * (all - 160.0).min(width));
+    Bar { across: (middle - half, middle + half), top: layout.foot_top() + 12.0 }
 }
 
 /// Returns the colours of values of f, symmetric about 0.
-pub(super) fn colours_of_f(values: &[f64]) -> ColourScale {
+fn colours_of_f(values: &[f64]) -> ColourScale {
     let limit = largest(values);
     ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } }
 }

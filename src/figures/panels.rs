@@ -5,7 +5,7 @@ use super::picture::{LARGE, Picture, START, bold};
 use super::title::Title;
 
 /// Layout, in display pixels.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Panels {
     /// Most panels in a row.
     pub(super) columns: usize,
@@ -20,11 +20,38 @@ pub(super) struct Panels {
     pub(super) foot: f64,
     /// Heights of each panel: above its frame, of the frame, and below it.
     pub(super) heights: Vec<[f64; 3]>,
+    /// Titles above the middles of the frames; none where panels have a [`Head`].
+    pub(super) titles: Vec<Title>,
 }
 
+/// Least room above a frame with a title.
+const ABOVE: f64 = 48.0;
+/// Distance of the last line of a title from the frame, and of the first one from the top of the panel.
+const TITLE: [f64; 2] = [22.0, 16.0];
+
 impl Panels {
+    /// Returns this layout with a panel for each title, with frames of one height and the same room below them.
+    pub(super) fn titled<'a>(
+        mut self,
+        titles: impl IntoIterator<Item = &'a str>,
+        [high, below]: [f64; 2],
+    ) -> Self {
+        self.titles = titles.into_iter().map(|text| Title::new(text, self.cell())).collect();
+        let rooms = self.titles.iter().map(|title| TITLE[0] + TITLE[1] + title.more());
+        self.heights = vec![[rooms.fold(ABOVE, f64::max), high, below]; self.titles.len()];
+        self
+    }
+
+    /// Draws the title of panel `k`, and returns its frame.
+    pub(super) fn begin(&self, picture: &mut Picture, k: usize, ranges: [(f64, f64); 2]) -> Frame {
+        let frame = self.frame(k, ranges[0], ranges[1]);
+        let at = (frame.middle().0, frame.down.0 - TITLE[0]);
+        self.titles[k].draw(picture, at, &bold(LARGE));
+        frame
+    }
+
     /// Width of a panel with its room.
-    pub(super) fn cell(&self) -> f64 {
+    fn cell(&self) -> f64 {
         self.beside.0 + self.wide + self.beside.1
     }
 
@@ -60,21 +87,6 @@ impl Panels {
 /// Returns the greatest heights of the panels of a row.
 fn highest(panels: &[[f64; 3]]) -> [f64; 3] {
     panels.iter().fold([0.0; 3], |most, panel| [0, 1, 2].map(|k| panel[k].max(most[k])))
-}
-
-/// Room above a frame, for a title of one line.
-const ABOVE: f64 = 48.0;
-/// Distance of the last line of a title from the frame.
-const TITLE: f64 = 22.0;
-
-/// Returns the room above frames that these titles need.
-pub(super) fn above<'a>(titles: impl IntoIterator<Item = &'a Title>) -> f64 {
-    titles.into_iter().map(|title| TITLE + 16.0 + title.more()).fold(ABOVE, f64::max)
-}
-
-/// Writes the title of a panel above the middle of its frame.
-pub(super) fn draw_title(picture: &mut Picture, frame: &Frame, title: &Title) {
-    title.draw(picture, (frame.middle().0, frame.down.0 - TITLE), &bold(LARGE));
 }
 
 /// Title of a panel and a legend below it, both above the left end of a frame.

@@ -4,9 +4,8 @@ use super::axes::{Entry, Frame, Legend, Sample};
 use super::extent::Extent;
 use super::maps::draw_axes;
 use super::palette::{light, series};
-use super::panels::{Panels, above, draw_title};
+use super::panels::Panels;
 use super::picture::Picture;
-use super::title::Title;
 use signorini_mathematics::mesh::{Condition, PlaneMesh};
 
 /// Sides of a panel in display pixels, where two are in a row and where three are.
@@ -29,24 +28,14 @@ pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
         3 => ([SIDES[1], KEYS[1], 10.0], (62.0, 18.0)),
         _ => ([SIDES[0], KEYS[0], 20.0], (66.0, 26.0)),
     };
-    let width = beside.0 + side + beside.1;
-    let titles: Vec<Title> = panels.iter().map(|(text, _)| Title::new(text, width)).collect();
     let legends: Vec<_> = panels.iter().map(|(_, mesh)| Legend::of(entries(mesh), key)).collect();
     let below = KEY_GAP + legends.iter().map(Legend::high).fold(0.0, f64::max);
-    let layout = Panels {
-        columns: if panels.len() == 3 { 3 } else { 2 },
-        wide: side,
-        beside,
-        margin,
-        head: 0.0,
-        foot: 8.0,
-        heights: vec![[above(&titles), side, below]; panels.len()],
-    };
+    let columns = if panels.len() == 3 { 3 } else { 2 };
+    let layout = Panels { columns, wide: side, beside, margin, foot: 8.0, ..Panels::default() };
+    let layout = layout.titled(panels.iter().map(|(title, _)| *title), [side, below]);
     let mut picture = layout.picture();
     for (k, ((_, mesh), legend)) in panels.iter().zip(&legends).enumerate() {
-        let [x, y] = Extent::of(mesh).in_square(side);
-        let frame = layout.frame(k, x, y);
-        draw_title(&mut picture, &frame, &titles[k]);
+        let frame = layout.begin(&mut picture, k, Extent::of(mesh).in_square(side));
         draw_axes(&mut picture, &frame);
         draw_mesh(&mut picture, mesh, &frame);
         legend.draw(&mut picture, (frame.across.0 - 30.0, frame.down.1 + KEY_GAP));

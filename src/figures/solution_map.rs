@@ -3,7 +3,7 @@
 use super::axes::{Frame, key};
 use super::drawn::{DrawnSolution, contact_at_nodes};
 use super::isolines::{AtLevel, Loop};
-use super::maps::Maps;
+use super::maps::{BAR, bar_below, draw_maps, layout_around};
 use super::palette::{CONTACT, ColourScale, INK, RGBColor};
 use super::picture::{NORMAL, Picture, Place, SMALL, italic, text_width};
 use super::polyline::simplified;
@@ -67,13 +67,13 @@ impl SolutionMap {
 
     /// Draws the map below its title, above a colour bar and the words of the law.
     pub(crate) fn picture(&self) -> Picture {
-        let (maps, ranges) = Maps::of_mesh(&self.drawn.title, &self.drawn.mesh);
+        let (layout, ranges) = layout_around(&self.drawn.mesh, &self.drawn.title);
         let bands = Bands::of(&self.drawn);
         let mut picture =
-            maps.draw(|_| ranges, |picture, frame, _| self.draw(picture, frame, &bands));
+            draw_maps(&layout, |_| ranges, |picture, frame, _| self.draw(picture, frame, &bands));
         picture.refuse_unless_finite(&self.drawn.y);
         picture.height += KEY_HEIGHT;
-        let (bar, range) = (maps.bar(420.0), bands.colours.range());
+        let (bar, range) = (bar_below(&layout, BAR), bands.colours.range());
         let numbers = Ticks::inside(range.0, range.1, ISOLINES / 2);
         let lower = bands.levels().map(|(lower, color)| (lower.max(range.0), color));
         bar.draw(&mut picture, range, lower, numbers.labelled());
@@ -287,8 +287,8 @@ mod tests {
             map.held = vec![outer[..outer.len() / 2].to_vec()];
             map.fixed = vec![inner.clone()];
             map.boundary = vec![outer, inner];
-            let (maps, ranges) = Maps::of_mesh("t", &map.drawn.mesh);
-            let frame = maps.frame(0, ranges);
+            let (layout, [x, y]) = layout_around(&map.drawn.mesh, "t");
+            let frame = layout.frame(0, x, y);
             let svg = svg(&map.picture());
             for (given, color, width) in
                 [(&map.boundary, INK, thin), (&map.held, CONTACT, thick), (&map.fixed, INK, thick)]
@@ -319,8 +319,8 @@ mod tests {
     #[test]
     fn a_round_domain_has_its_contact_on_its_boundary() {
         let map = map(&on("disc", 6, "halfplane(0,1,0)=-3; else=1.5", Law::SIGNORINI));
-        let (maps, ranges) = Maps::of_mesh("t", &map.drawn.mesh);
-        let [centre, edge] = [0.0, 1.0].map(|x| maps.frame(0, ranges).at(x, 0.0));
+        let (layout, [x, y]) = layout_around(&map.drawn.mesh, "t");
+        let [centre, edge] = [0.0, 1.0].map(|at| layout.frame(0, x, y).at(at, 0.0));
         let contact = &lines(&svg(&map.picture()), CONTACT, BOUNDARY_WIDTHS[1])[0];
         for pair in contact.windows(2) {
             let middle = (0.5 * (pair[0].0 + pair[1].0), 0.5 * (pair[0].1 + pair[1].1));

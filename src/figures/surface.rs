@@ -49,11 +49,11 @@ pub(crate) fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
     let layout = Panels {
         columns,
         wide,
-        beside: (0.0, 0.0),
         margin: MARGIN,
         head: MARGIN,
         foot: MARGIN + KEY * keys.len() as f64,
         heights: heights.map(|high| [0.0, high, 0.0]).collect(),
+        ..Panels::default()
     };
     let (width, mut picture) = (layout.width(), layout.picture());
     for (k, panel) in panels.iter().enumerate() {
