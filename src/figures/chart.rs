@@ -164,27 +164,22 @@ pub(super) const LEGEND: f64 = WIDTH - 90.0;
 pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let mut shown: Vec<&Chart> = panels.iter().collect();
     shown.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
-    let (_, mut picture) = in_panels(&shown, alike, MEASURED);
+    let mut picture = in_panels(&shown, alike, MEASURED);
     picture.table = Some(of_charts(&shown));
     picture
 }
 
-/// Draws panels: in one column with a legend each, below its title, otherwise with a legend above them all. Returns the
-/// top of the foot too.
-pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> (f64, Picture) {
-    let Sizes { beside, title, gap, high, below, head, foot, .. } = sizes;
+/// Draws panels: in one column with a legend each, below its title, otherwise with a legend above them all.
+pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> Picture {
+    let Sizes { beside, title, high, below, head, foot, .. } = sizes;
     let columns = panels.len().clamp(1, sizes.columns);
     let wide = WIDTH / columns as f64 - beside.0 - beside.1;
     let (mut heads, mut entries) = (Vec::new(), Vec::new());
     for (k, panel) in panels.iter().enumerate() {
-        let title = Title::new(&panel.title, wide + beside.1 - 8.0);
-        if columns == 1 {
-            entries.push(legend(&panels[k..=k]));
-            heads.push(Head { title, legend: Legend::of(entries[k].clone(), LEGEND), gap });
-        } else {
-            entries.push(legend(panels));
-            heads.push(Head { title, legend: Legend::default(), gap: NEAR });
-        }
+        entries.push(legend(if columns == 1 { &panels[k..=k] } else { panels }));
+        let own = if columns == 1 { (entries[k].clone(), sizes.gap) } else { (Vec::new(), NEAR) };
+        let (legend, gap) = (Legend::of(own.0, LEGEND), own.1);
+        heads.push(Head { title: Title::new(&panel.title, wide + beside.1 - 8.0), legend, gap });
     }
     let common = entries.first().filter(|_| columns > 1).cloned().unwrap_or_default();
     let common = Legend::of(common, LEGEND);
@@ -198,11 +193,10 @@ pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> (f64, P
         let frame = layout.frame(k, Chart::ends(&panels[k..=k], 0), Chart::ends(up, 1));
         heads[k].draw(&mut picture, &frame);
         let plot = Plot { chart, frame, entries: &entries[k] };
-        plot.ground(&mut picture);
-        plot.names(&mut picture, sizes.name);
+        plot.ground(&mut picture, sizes.name);
         plot.draw(&mut picture);
     }
-    (layout.foot_top(), picture)
+    picture
 }
 
 /// Returns the legend that some panels have together.
@@ -252,8 +246,8 @@ pub(super) struct Plot<'a> {
 const SECOND: &str = "stroke-dasharray=\"28 16\"";
 
 impl Plot<'_> {
-    /// Draws rules and numbers of the axes.
-    pub(super) fn ground(&self, picture: &mut Picture) {
+    /// Draws rules, numbers and names of the axes, the name of the axis up at this distance from the frame.
+    fn ground(&self, picture: &mut Picture, name: f64) {
         let Frame { across, down, x, y } = self.frame;
         let [x_scale, y_scale] = [0, 1].map(|axis| self.chart.axes[axis].scale);
         let x_ticks = x_scale.ticks(x, ((across.1 - across.0) / 62.0) as usize);
@@ -268,15 +262,9 @@ impl Plot<'_> {
         for y in y_scale.multiples(y).map(|y| self.frame.up(y)) {
             picture.path([(across.0 - 2.5, y), (across.0, y)], INK, 0.75);
         }
-    }
-
-    /// Writes the names of the axes, that of the axis up at a distance from the frame.
-    fn names(&self, picture: &mut Picture, away: f64) {
-        let (x, y) = self.frame.middle();
-        let [across, up] = [0, 1].map(|axis| &self.chart.axes[axis].name);
-        picture.text(across, (x, self.frame.down.1 + 32.0), plain(NORMAL));
-        let left = (self.frame.across.0 - away, y);
-        picture.text(up, left, plain(NORMAL).transform(UPWARDS));
+        let ((x, y), [right, up]) = (self.frame.middle(), &self.chart.axes);
+        picture.text(&right.name, (x, down.1 + 32.0), plain(NORMAL));
+        picture.text(&up.name, (across.0 - name, y), plain(NORMAL).transform(UPWARDS));
     }
 
     /// Draws curves, with dashes below solid ones, then rings, then the names of lines, and the frame around all.
@@ -340,18 +328,16 @@ impl Plot<'_> {
         points.map(|point| self.frame.at(x.number(point.0), y.number(point.1))).collect()
     }
 
-    /// Writes the names of limits to the right of the frame, from the lowest upwards, so that no name covers the one
-    /// below.
+    /// Writes the names of limits, given from the highest downwards, to the right of the frame, so that none covers the
+    /// one below.
     fn name_limits(&self, picture: &mut Picture) {
         let limits = self.chart.curves.iter().filter(|curve| curve.stroke == Stroke::Limit);
-        let mut names: Vec<(f64, &str)> = Vec::new();
-        names.extend(limits.filter_map(|one| Some((self.places(one).last()?.1, &*one.label))));
-        names.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut lowest = f64::INFINITY;
-        for (y, name) in names {
-            lowest = y.min(lowest - SMALL);
+        let mut below = f64::INFINITY;
+        for (limit, place) in limits.rev().filter_map(|one| Some((one, *self.places(one).last()?)))
+        {
+            below = place.1.min(below - SMALL);
             let kind = plain(SMALL).pos(START).color(&MUTED);
-            picture.text(name, (self.frame.across.1 + 7.0, lowest), kind);
+            picture.text(&limit.label, (self.frame.across.1 + 7.0, below), kind);
         }
     }
 }
@@ -360,7 +346,7 @@ impl Axis {
     /// Returns the number on the axis that stands for a value; what is not positive is least on a logarithmic axis with
     /// given ends.
     fn number(&self, value: f64) -> f64 {
-        let number = if self.scale == Scale::Logarithmic { decade(value) } else { value };
+        let number = self.scale.number(value);
         match self.ends {
             Some((low, _)) if number.is_nan() => low,
             Some((low, high)) => number.clamp(low, high),
@@ -370,11 +356,20 @@ impl Axis {
 }
 
 impl Scale {
+    /// Returns the number on the axis that stands for a value: its decimal logarithm, or the value itself. What is not
+    /// positive has no logarithm, so that the picture is refused.
+    fn number(self, value: f64) -> f64 {
+        match self {
+            Self::Linear | Self::Counts => value,
+            Self::Logarithmic if value > 0.0 => libm::log10(value),
+            Self::Logarithmic => f64::NAN,
+        }
+    }
+
     /// Returns the ends of an axis, as numbers on it: around all values with a margin; on a logarithmic axis whole
     /// decades if these are few.
     fn extent(self, values: impl Iterator<Item = f64>) -> (f64, f64) {
-        let axis = Axis { name: String::new(), scale: self, ends: None };
-        let numbers = Range::of(values.map(|value| axis.number(value)));
+        let numbers = Range::of(values.map(|value| self.number(value)));
         let whole = Range { least: 0.0, greatest: 1.0 };
         let Range { least: low, greatest: high } = numbers.unwrap_or(whole);
         let margin = 0.03 * (high - low);
@@ -385,14 +380,17 @@ impl Scale {
     }
 
     /// Returns the numbers to mark on an axis, with their texts, in at most about `most` steps.
-    fn ticks(self, ends: (f64, f64), most: usize) -> Vec<(f64, String)> {
-        let mut ticks: Vec<_> = Ticks::inside(ends.0, ends.1, most).labelled().collect();
-        match self {
-            Self::Linear => {}
-            Self::Counts => ticks.retain(|(x, _)| x.fract() == 0.0),
-            Self::Logarithmic => ticks = powers(ends, most),
+    fn ticks(self, (low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
+        if self != Self::Logarithmic {
+            let ticks = Ticks::inside(low, high, most);
+            let ticks = ticks.labelled();
+            return ticks.filter(|(x, _)| self == Self::Linear || x.fract() == 0.0).collect();
         }
-        ticks
+        let (first, last) = (libm::ceil(low - 1e-9) as i32, libm::floor(high + 1e-9) as i32);
+        let step = ((last - first) as usize).div_ceil(most.max(1)).max(1);
+        // Counted from zero, so that panels with different ends are marked alike.
+        let marked = (first..=last).filter(|e| e.rem_euclid(step as i32) == 0);
+        marked.map(|e| (f64::from(e), power_of_ten(e))).collect()
     }
 
     /// Returns the multiples of powers of ten on a logarithmic axis of fewer than three decades, which could pass for a
@@ -404,22 +402,6 @@ impl Scale {
         let all = decades.flat_map(move |e| digits.clone().map(move |log| f64::from(e) + log));
         all.filter(move |x| (low..=high).contains(x))
     }
-}
-
-/// Returns the decimal logarithm of a value; NaN if the value is not positive, so that the picture is refused.
-fn decade(value: f64) -> f64 {
-    if value > 0.0 { libm::log10(value) } else { f64::NAN }
-}
-
-/// Returns the powers of ten to mark on an axis, in at most about `most` steps.
-fn powers((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
-    let (first, last) = (libm::ceil(low - 1e-9) as i32, libm::floor(high + 1e-9) as i32);
-    let step = ((last - first) as usize).div_ceil(most.max(1)).max(1);
-    // Counted from zero, so that panels with different ends are marked alike.
-    (first..=last)
-        .filter(|e| e.rem_euclid(step as i32) == 0)
-        .map(|e| (f64::from(e), power_of_ten(e)))
-        .collect()
 }
 
 /// Writes the name of a reference beside its middle, on the side that has fewer of the `marks`.

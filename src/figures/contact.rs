@@ -152,7 +152,10 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     // A curve without the law has no plot of a.
     let bottom = if panel.has(Condition::Contact) { lower + PLOT } else { lower };
 
-    let ranges = [range(lines.iter().map(|line| &line.y)), range(lines.iter().map(|line| &line.a))];
+    let values = [&charts[0], &charts[1]].map(|chart| {
+        chart.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1))
+    });
+    let ranges = values.map(range_with_zero);
     let ticks = ranges.map(|(low, high)| Ticks::inside(low, high, 5));
     let longest = SMALL * ticks[0].widest().max(ticks[1].widest());
     let across = (ACROSS.0.max(NAME + NAME_ROOM + longest), ACROSS.1);
@@ -187,11 +190,6 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
         name_start(picture, curve, &whole)
     }
     bottom + 56.0
-}
-
-/// Returns the range of the values of all lines, with zero, the one number on the axis if all are zero.
-fn range<'a>(lines: impl Iterator<Item = &'a Vec<f64>>) -> (f64, f64) {
-    range_with_zero(lines.flatten().copied())
 }
 
 /// Draws the bars of all lines, and that of the parts without the law, in the band between the plots.

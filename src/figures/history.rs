@@ -53,8 +53,8 @@ const MOST_NAMES: f64 = 450.0;
 /// edge. Rings mark the iteration at which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
 pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
     let charts: Vec<Chart> = panels.iter().map(chart).collect();
-    let (top, mut picture) = in_panels(&charts.iter().collect::<Vec<_>>(), false, SIZES);
-    let (x, y) = (SIZES.beside.0, top + 10.0);
+    let mut picture = in_panels(&charts.iter().collect::<Vec<_>>(), false, SIZES);
+    let (x, y) = (SIZES.beside.0, picture.height - 22.0);
     picture.path([(x, y), (x + 28.0, y)], MUTED, 2.0);
     key(&mut picture, (x + 35.0, y), "max \u{2202}M/\u{2202}y, signed");
     key(&mut picture, (x + 227.0, y), "max |\u{2202}M/\u{2202}y|, as printed");

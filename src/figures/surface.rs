@@ -4,7 +4,7 @@ use super::axes::{Bar, CELL_LINES, key};
 use super::boxes::Boxed;
 use super::camera::{Vector, View, between, cross, dot};
 use super::drawn::DrawnSolution;
-use super::palette::{CONTACT, ColourScale, INK, RGBColor, lit};
+use super::palette::{CONTACT, INK, RGBColor, lit};
 use super::panels::Panels;
 use super::picture::{LARGE, Picture, SMALL, START, bold, plain};
 use super::text::power_of_ten;
@@ -105,8 +105,7 @@ type Ends = [u32; 2];
 
 /// Surface in its box.
 struct PaintedMesh<'a> {
-    view: &'a View,
-    colours: ColourScale,
+    inside: &'a Boxed,
     panel: &'a DrawnSolution,
     /// (x, y, v) at the nodes, x and y in the box.
     nodes: Vec<Vector>,
@@ -118,7 +117,7 @@ struct PaintedMesh<'a> {
 
 impl<'a> PaintedMesh<'a> {
     fn new(panel: &'a DrawnSolution, inside: &'a Boxed) -> Self {
-        let Boxed { view, floor, colours, .. } = inside;
+        let Boxed { view, floor, .. } = inside;
         let mesh = &panel.mesh;
         let mut nodes = Vec::with_capacity(panel.y.len());
         for (&point, &v) in mesh.points().iter().zip(&panel.y) {
@@ -133,7 +132,7 @@ impl<'a> PaintedMesh<'a> {
         for (turn, &cell) in order.iter().enumerate() {
             mesh.cells()[cell].iter().for_each(|&node| last[node as usize] = turn);
         }
-        Self { view, colours: *colours, panel, nodes, order, last }
+        Self { inside, panel, nodes, order, last }
     }
 
     /// Paints triangles and the marks of the boundary in their order.
@@ -153,7 +152,7 @@ impl<'a> PaintedMesh<'a> {
         }
         for (turn, edges) in marks.iter().enumerate() {
             for &(edge, color) in edges {
-                let places = edge.map(|node| self.view.place(self.nodes[node as usize]));
+                let places = edge.map(|node| self.inside.view.place(self.nodes[node as usize]));
                 picture.path(places, color, CONTACT_WIDTH);
             }
             if let Some(&cell) = self.order.get(turn) {
@@ -182,14 +181,16 @@ impl<'a> PaintedMesh<'a> {
     fn triangle(&self, picture: &mut Picture, cell: [u32; 3]) {
         let corners = cell.map(|node| self.nodes[node as usize]);
         let mean = corners.iter().map(|[_, _, v]| v).sum::<f64>() / 3.0;
-        let light = self.view.brightness(self.upward(cell));
-        picture
-            .polygon(corners.map(|xyv| self.view.place(xyv)), lit(self.colours.color(mean), light));
+        let light = self.inside.view.brightness(self.upward(cell));
+        picture.polygon(
+            corners.map(|xyv| self.inside.view.place(xyv)),
+            lit(self.inside.colours.color(mean), light),
+        );
     }
 
     /// Normal of a triangle in the box, upwards.
     fn upward(&self, cell: [u32; 3]) -> Vector {
-        let [a, b, c] = cell.map(|node| self.view.point(self.nodes[node as usize]));
+        let [a, b, c] = cell.map(|node| self.inside.view.point(self.nodes[node as usize]));
         let normal = cross(between(a, b), between(a, c));
         if normal[2] < 0.0 { normal.map(|x| -x) } else { normal }
     }
@@ -199,7 +200,7 @@ impl<'a> PaintedMesh<'a> {
         let [p, q, r] = [a, b, opposite].map(|node| self.nodes[node as usize]);
         let (along, inwards) = (between(p, q), between(p, r));
         let turned = [along[1], -along[0], 0.0];
-        let toward = self.view.camera.toward;
+        let toward = self.inside.view.camera.toward;
         let is_far = dot(turned, toward) * dot(turned, inwards) > 0.0;
         is_far && dot(self.upward([a, b, opposite]), toward) < 0.0
     }
