@@ -48,7 +48,7 @@ impl Boxed {
             half: floor.half,
             heights,
         };
-        make_room(&mut view, (left, right), Room::around(&floor, &ticks));
+        make_room(&mut view, (left, right), &floor, &ticks);
         Self { view, floor, ticks, colours: ColourScale::Viridis { low, high } }
     }
 
@@ -133,36 +133,20 @@ impl Boxed {
     }
 }
 
-/// Room for numbers on both sides of a box.
-struct Room {
-    left: f64,
-    /// Room on the right; none is asked for if the numbers there are short.
-    right: Option<f64>,
-}
-
-impl Room {
-    fn around(floor: &Floor, ticks: &Ticks) -> Self {
-        let numbers = [floor.numbers(0), floor.numbers(1)].concat();
-        let widest = numbers.iter().map(|text| number_width(text)).fold(0.0, f64::max);
-        let left = NUMBERS + SMALL * ticks.widest();
-        if widest <= SHORT_NUMBER {
-            return Self { left, right: None };
-        }
-        let longer = SMALL * (widest - SHORT_NUMBER);
-        Self { left: left.max(NUMBER_RIGHT + longer), right: Some(NUMBER_RIGHT + longer) }
-    }
-}
-
 /// Moves and narrows the box if the numbers beside it would reach out of the panel.
-fn make_room(view: &mut View, (left, right): (f64, f64), room: Room) {
+fn make_room(view: &mut View, (left, right): (f64, f64), floor: &Floor, ticks: &Ticks) {
+    let numbers = [floor.numbers(0), floor.numbers(1)].concat();
+    let widest = numbers.iter().map(|text| number_width(text)).fold(0.0, f64::max);
+    let longer = SMALL * (widest - SHORT_NUMBER).max(0.0);
+    let (on_left, on_right) = (NUMBERS + SMALL * ticks.widest(), NUMBER_RIGHT + longer);
+    let on_left = if longer > 0.0 { on_left.max(on_right) } else { on_left };
     let [x, y] = leftmost(view);
     let half = view.origin.0 - view.place([x, y, view.heights.0]).0;
-    let is_cut = room.right.is_some_and(|room| view.origin.0 + half + room > right);
-    if is_cut || view.origin.0 - half - room.left < left {
-        let beside = room.left + room.right.unwrap_or(NUMBER_RIGHT);
-        let narrower = (0.5 * (right - left - beside) / half).min(1.0);
+    let is_cut = longer > 0.0 && view.origin.0 + half + on_right > right;
+    if is_cut || view.origin.0 - half - on_left < left {
+        let narrower = (0.5 * (right - left - (on_left + on_right)) / half).min(1.0);
         view.unit *= narrower;
-        view.origin.0 = left + room.left + narrower * half;
+        view.origin.0 = left + on_left + narrower * half;
     }
 }
 

@@ -85,28 +85,19 @@ pub(super) struct Disc {
 pub(super) fn widest(region: &[usize], values: &[f64]) -> Disc {
     let edge: Vec<RasterCell> =
         region.iter().filter(|&&k| is_at_edge(k, values)).map(|&k| cell(k)).collect();
-    let (mut greatest, mut candidates) = (0, Vec::new());
-    for &k in region {
+    let distances = region.iter().map(|&k| {
         let to_edge = edge.iter().map(|&other| squared_distance(cell(k), other));
-        let distance = to_edge.min().unwrap_or(0);
-        if distance > greatest {
-            greatest = distance;
-            candidates.clear();
-        }
-        if distance == greatest {
-            candidates.push(cell(k));
-        }
-    }
+        to_edge.min().unwrap_or(0)
+    });
+    let distances: Vec<i64> = distances.collect();
+    let greatest = distances.iter().copied().max().unwrap_or(0);
+    let candidates = region.iter().zip(&distances).filter(|(_, distance)| **distance == greatest);
+    let candidates: Vec<RasterCell> = candidates.map(|(&k, _)| cell(k)).collect();
     let count = candidates.len() as i64;
     let sum = candidates.iter().fold((0, 0), |sum: RasterCell, (i, j)| (sum.0 + i, sum.1 + j));
-    let mut nearest = (i64::MAX, (0, 0));
-    for &(i, j) in &candidates {
-        let distance = squared_distance((i * count, j * count), sum);
-        if distance < nearest.0 {
-            nearest = (distance, (i, j));
-        }
-    }
-    let (distance, (i, j)) = nearest;
+    let to_mean =
+        candidates.iter().map(|&(i, j)| (squared_distance((i * count, j * count), sum), (i, j)));
+    let (distance, (i, j)) = to_mean.min_by_key(|(distance, _)| *distance).unwrap_or_default();
     let at = if distance <= count * count {
         (sum.0 as f64 / count as f64, sum.1 as f64 / count as f64)
     } else {

@@ -68,14 +68,14 @@ impl SolutionMap {
     /// Draws the map below its title, above a colour bar and the words of the law.
     pub(crate) fn picture(&self) -> Picture {
         let (layout, ranges) = layout_around(&self.drawn.mesh, &self.drawn.title);
-        let bands = Bands::of(&self.drawn);
+        let bands = bands(&self.drawn);
         let mut picture =
             draw_maps(&layout, |_| ranges, |picture, frame, _| self.draw(picture, frame, &bands));
         picture.refuse_unless_finite(&self.drawn.y);
         picture.height += KEY_HEIGHT;
-        let (bar, range) = (bar_below(&layout, BAR), bands.colours.range());
+        let (bar, range) = (bar_below(&layout, BAR), self.drawn.range_of_colours());
         let numbers = Ticks::inside(range.0, range.1, ISOLINES / 2);
-        let lower = bands.levels().map(|(lower, color)| (lower.max(range.0), color));
+        let lower = bands.iter().map(|&(lower, color)| (lower.max(range.0), color));
         bar.draw(&mut picture, range, lower, numbers.labelled());
         bar.name(&mut picture, "v", italic(NORMAL));
         let middle = 0.5 * picture.width;
@@ -99,9 +99,9 @@ impl SolutionMap {
         });
     }
 
-    fn draw(&self, picture: &mut Picture, frame: &Frame, bands: &Bands) {
+    fn draw(&self, picture: &mut Picture, frame: &Frame, bands: &[(f64, RGBColor)]) {
         picture.group(BAND_LINES, |picture| {
-            for (level, color) in bands.levels() {
+            for &(level, color) in bands {
                 let borders =
                     AtLevel { mesh: &self.drawn.mesh, values: &self.drawn.y, level }.borders();
                 // A region is closed by itself.
@@ -158,30 +158,17 @@ fn closed(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
     points.iter().chain(points.first()).copied()
 }
 
-/// Bands of colour between isolines.
-struct Bands {
-    colours: ColourScale,
-    /// Values of v on the isolines, ascending.
-    isolines: Vec<f64>,
-}
-
-impl Bands {
-    fn of(drawn: &DrawnSolution) -> Self {
-        let (low, high) = drawn.range_of_colours();
-        let ticks = Ticks::inside(low, high, ISOLINES);
-        let isolines = ticks.values().filter(|value| low < *value && *value < high).collect();
-        Self { colours: ColourScale::Viridis { low, high }, isolines }
-    }
-
-    /// Lower end of each band, minus infinity for the first, with the colour of its middle.
-    fn levels(&self) -> impl Iterator<Item = (f64, RGBColor)> + '_ {
-        let (low, high) = self.colours.range();
-        let ends = self.isolines.iter().copied();
-        let lower = [f64::NEG_INFINITY].into_iter().chain(ends.clone());
-        lower
-            .zip(ends.chain([high]))
-            .map(move |(lower, upper)| (lower, self.colours.color(0.5 * (lower.max(low) + upper))))
-    }
+/// Returns the bands of colour between isolines: the lower end of each, minus infinity for the first, with the colour of
+/// its middle.
+fn bands(drawn: &DrawnSolution) -> Vec<(f64, RGBColor)> {
+    let (low, high) = drawn.range_of_colours();
+    let colours = ColourScale::Viridis { low, high };
+    let ticks = Ticks::inside(low, high, ISOLINES);
+    let isolines = ticks.values().filter(|value| low < *value && *value < high);
+    let isolines: Vec<f64> = isolines.collect();
+    let lower = [f64::NEG_INFINITY].into_iter().chain(isolines.clone());
+    let bands = lower.zip(isolines.into_iter().chain([high]));
+    bands.map(|(from, to)| (from, colours.color(0.5 * (from.max(low) + to)))).collect()
 }
 
 #[cfg(test)]
@@ -224,10 +211,10 @@ mod tests {
                 })
                 .sum();
             assert!((length(&all) - boundary).abs() < 1e-12 * boundary, "{name}");
-            let bands = Bands::of(&all.drawn);
-            assert!(bands.isolines.len() > 3, "{name}");
+            let bands = bands(&all.drawn);
+            assert!(bands.len() > 4, "{name}");
             let svg = svg(&all.picture());
-            assert_eq!(svg.matches("<path").count(), bands.isolines.len() + 1, "{name}");
+            assert_eq!(svg.matches("<path").count(), bands.len(), "{name}");
             assert!(svg.contains(">in contact (multiplier a &gt; 0)</text>"), "{name}");
             assert!(!svg.contains("dimensionless"));
         }

@@ -8,16 +8,23 @@ use super::history::{HistoryCurve, HistoryPanel};
 use super::identifiability::IdentifiabilityPanel;
 use crate::table::quoted;
 
+/// Adds a line for each row of numbers, each behind the same names.
+fn add<const N: usize>(csv: &mut String, names: &[&str], rows: impl Iterator<Item = [f64; N]>) {
+    let names: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+    for row in rows {
+        *csv += &names.join(",");
+        row.iter().for_each(|number| *csv += &format!(",{number}"));
+        csv.push('\n');
+    }
+}
+
 /// Returns the points of all curves but references.
 pub(super) fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
     for Chart { title, axes: [across, up], curves, .. } in panels {
         for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
-            let names =
-                [title, &across.name, &up.name, &curve.label].map(|name| quoted(name)).join(",");
-            for (x, y) in &curve.points {
-                csv += &format!("{names},{x},{y}\n");
-            }
+            let names = [title, &*across.name, &up.name, &curve.label];
+            add(&mut csv, &names, curve.points.iter().map(|&point| point.into()));
         }
     }
     csv
@@ -25,15 +32,14 @@ pub(super) fn of_charts(panels: &[&Chart]) -> String {
 
 pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
     let mut csv = "panel,run,cells,iteration,gradient_signed,gradient_abs,delta_a\n".to_owned();
-    for panel in panels {
-        for HistoryCurve { label, levels, .. } in &panel.runs {
-            let names = [panel.title, label].map(quoted).join(",");
-            for (grid, iterations) in panel.grids.iter().zip(levels) {
-                for i in iterations {
-                    let (n, signed, abs) = (i.number, i.gradient_signed, i.gradient_abs);
-                    let (cells, delta_a) = (grid.cells(), i.delta_a);
-                    csv += &format!("{names},{cells},{n},{signed},{abs},{delta_a}\n");
-                }
+    for HistoryPanel { title, grids, runs } in panels {
+        for HistoryCurve { label, levels, .. } in runs {
+            for (grid, iterations) in grids.iter().zip(levels) {
+                let numbers = iterations.iter().map(|i| {
+                    let [cells, number] = [grid.cells(), i.number].map(|count| count as f64);
+                    [cells, number, i.gradient_signed, i.gradient_abs, i.delta_a]
+                });
+                add(&mut csv, &[title, label], numbers);
             }
         }
     }
@@ -43,12 +49,10 @@ pub(super) fn of_histories(panels: &[HistoryPanel]) -> String {
 /// Returns trace and multiplier at the boundary nodes, by arc length.
 pub(super) fn of_contact(panels: &[ContactPanel]) -> String {
     let mut csv = "panel,run,s,y,a\n".to_owned();
-    for panel in panels {
-        for ContactLine { label, y, a, .. } in &panel.lines {
-            let names = [&panel.title, label].map(|name| quoted(name)).join(",");
-            for ((s, y), a) in panel.curve.places.iter().zip(y).zip(a) {
-                csv += &format!("{names},{s},{y},{a}\n");
-            }
+    for ContactPanel { title, curve, lines, .. } in panels {
+        for ContactLine { label, y, a, .. } in lines {
+            let numbers = curve.places.iter().zip(y).zip(a).map(|((&s, &y), &a)| [s, y, a]);
+            add(&mut csv, &[title, label], numbers);
         }
     }
     csv
@@ -80,11 +84,9 @@ pub(super) fn of_gradients(panels: &[GradientPanel]) -> String {
 pub(crate) fn of_surfaces(panels: &[DrawnSolution]) -> String {
     let mut csv = "panel,x,y,v\n".to_owned();
     for DrawnSolution { title, mesh, y, .. } in panels {
-        let title = quoted(title);
-        for (&[px, py], &v) in mesh.points().iter().zip(y) {
-            let [px, py, v] = [px, py, v].map(|value| rounded(value, 4));
-            csv += &format!("{title},{px},{py},{v}\n");
-        }
+        let nodes = mesh.points().iter().zip(y);
+        let numbers = nodes.map(|(&[x, y], &v)| [x, y, v].map(|value| rounded(value, 4)));
+        add(&mut csv, &[title], numbers);
     }
     csv
 }
@@ -97,12 +99,10 @@ fn rounded(value: f64, digits: usize) -> f64 {
 /// Returns the number of counts that come out for each f.
 pub(super) fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
     let mut csv = "panel,f on the quadrant,f elsewhere,counts\n".to_owned();
-    for panel in panels {
-        let title = quoted(panel.title);
-        for (y, row) in panel.slice.y.iter().zip(&panel.slice.exact) {
-            for (x, counts) in panel.slice.x.iter().zip(row) {
-                csv += &format!("{title},{x},{y},{counts}\n");
-            }
+    for IdentifiabilityPanel { title, slice, .. } in panels {
+        for (&y, row) in slice.y.iter().zip(&slice.exact) {
+            let counts = slice.x.iter().zip(row);
+            add(&mut csv, &[title], counts.map(|(&x, &counts)| [x, y, counts as f64]));
         }
     }
     csv
