@@ -1,10 +1,12 @@
 //! The boundary unrolled: solution, multiplier and contact along the four sides of the square, or a closed curve.
 
 use super::axes::{Entry, Frame, Legend, Sample, key};
-use super::chart::{Chart, Curve, LEGEND, Plot, Scale, Stroke, legend};
+use super::chart::{LEGEND, legend};
 use super::palette::{INK, MUTED, RGBColor, RULE, SHADE};
 use super::panels::Head;
 use super::picture::{END, NORMAL, Picture, SMALL, START, WIDTH, italic, plain};
+use super::plot::Plot;
+use super::series::{Chart, Curve, Scale, Stroke};
 use super::table::of_contact;
 use super::text::{Ticks, short};
 use super::title::Title;
@@ -163,7 +165,7 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     head.draw(picture, &Frame { across: ACROSS, ..whole });
     let everywhere: Vec<bool> =
         (0..curve.places.len()).map(|b| lines.iter().all(|line| line.in_contact[b])).collect();
-    for arc in arcs(&runs(&everywhere), curve) {
+    for arc in arcs(&everywhere, curve) {
         whole.band(picture, arc, SHADE);
     }
     for (k, (name, top)) in [("y", upper), ("a", lower)].into_iter().enumerate() {
@@ -197,14 +199,13 @@ fn draw_bars(picture: &mut Picture, panel: &ContactPanel, entries: &[Entry], ban
     let ContactPanel { curve, lines, law, .. } = panel;
     let mut bars = Vec::new();
     for (k, (line, Entry { color, .. })) in lines.iter().zip(entries).enumerate() {
-        bars.extend(arcs(&runs(&line.in_contact), curve).into_iter().map(|arc| (k, arc, *color)));
+        bars.extend(arcs(&line.in_contact, curve).into_iter().map(|arc| (k, arc, *color)));
     }
     for (condition, _, color) in WITHOUT_LAW {
-        let edges: Vec<bool> = curve.conditions.iter().map(|given| *given == condition).collect();
-        for [first, end] in runs(&edges) {
-            let to = curve.places.get(end).copied().unwrap_or(curve.length);
-            bars.push((lines.len(), (curve.places[first], to), color));
-        }
+        let edges = (0..curve.places.len()).filter(|&k| curve.conditions[k] == condition);
+        let edges =
+            edges.map(|k| (curve.places[k], *curve.places.get(k + 1).unwrap_or(&curve.length)));
+        bars.extend(joined(edges).into_iter().map(|edges| (lines.len(), edges, color)));
     }
     for (row, (from, to), color) in bars {
         let y = band.down.0 + 8.0 + ROW * row as f64;
@@ -252,43 +253,33 @@ fn name_sides(picture: &mut Picture, whole: &Frame) {
     picture.text("s", (whole.right(0.5), bottom + 15.0), italic(NORMAL));
 }
 
-/// Returns the runs of boundary nodes in contact, or of edges with a condition: the first of each run, and one past its
-/// last.
-fn runs(in_contact: &[bool]) -> Vec<[usize; 2]> {
-    let mut runs: Vec<[usize; 2]> = Vec::new();
-    for (b, _) in in_contact.iter().enumerate().filter(|(_, in_contact)| **in_contact) {
-        match runs.last_mut() {
-            Some(run) if run[1] == b => run[1] = b + 1,
-            _ => runs.push([b, b + 1]),
-        }
-    }
-    runs
+/// Returns the intervals of s in which the boundary is in contact: each node stands for the half cells on both of its
+/// sides, and the first node is also the last.
+fn arcs(in_contact: &[bool], curve: &ClosedCurve) -> Vec<(f64, f64)> {
+    let count = in_contact.len();
+    let nodes = (0..=count).filter(|node| in_contact[node % count]);
+    joined(nodes.map(|node| (half_cell_before(node, curve), half_cell_before(node + 1, curve))))
 }
 
-/// Returns the intervals of s in which the boundary is in contact, from the [`runs`] of nodes.
-///
-/// Each node stands for the half cells on both of its sides; the first node is also the last.
-fn arcs(runs: &[[usize; 2]], curve: &ClosedCurve) -> Vec<(f64, f64)> {
-    let mut arcs = Vec::new();
-    for [first, end] in runs {
-        arcs.push((half_cell_before(*first, curve), half_cell_before(*end, curve)));
-    }
-    if runs.first().is_some_and(|run| run[0] == 0) {
-        let half = half_cell_before(curve.places.len(), curve);
-        match arcs.last_mut() {
-            Some(last) if last.1 == half => last.1 = curve.length,
-            _ => arcs.push((half, curve.length)),
-        }
-    }
-    arcs
-}
-
-/// Returns s at the middle of the cell before a node, or 0 before the first; the last cell ends at the first node.
+/// Returns s at the middle of the cell before a node, or an end of the curve; the last cell ends at the first node.
 fn half_cell_before(node: usize, ClosedCurve { places, length, .. }: &ClosedCurve) -> f64 {
     match node.checked_sub(1) {
         None => 0.0,
+        Some(before) if before == places.len() => *length,
         Some(before) => 0.5 * (places[before] + places.get(node).unwrap_or(length)),
     }
+}
+
+/// Joins ascending intervals that meet.
+fn joined(pieces: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut joined: Vec<(f64, f64)> = Vec::new();
+    for (from, to) in pieces {
+        match joined.last_mut() {
+            Some(last) if last.1 == from => last.1 = to,
+            _ => joined.push((from, to)),
+        }
+    }
+    joined
 }
 
 #[cfg(test)]
@@ -305,10 +296,13 @@ mod tests {
     fn contact_wraps_around_the_first_corner() {
         let problem = on_grid(Grid::new(4).unwrap());
         let square = &ContactPanel::of("t", &problem, &[]).unwrap()[0].curve;
-        assert!(arcs(&[], square).is_empty());
-        assert_eq!(arcs(&[[0, 1]], square), [(0.0, 0.125), (3.875, 4.0)]);
-        assert_eq!(arcs(&[[0, 1], [5, 7]], square)[1], (1.125, 1.625));
-        assert_eq!(arcs(&[[0, 16]], square), [(0.0, 4.0)]);
+        assert!(arcs(&[false; 16], square).is_empty());
+        assert_eq!(arcs(&[true; 16], square), [(0.0, 4.0)]);
+        let mut in_contact = [false; 16];
+        in_contact[0] = true;
+        assert_eq!(arcs(&in_contact, square), [(0.0, 0.125), (3.875, 4.0)]);
+        in_contact[5..7].fill(true);
+        assert_eq!(arcs(&in_contact, square)[1], (1.125, 1.625));
     }
 
     #[test]
@@ -337,7 +331,8 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_disjoint_and_ascend() {
-        assert_eq!(runs(&[true, false, true, true, false]), [[0, 1], [2, 4]]);
+    fn intervals_that_meet_are_joined() {
+        let pieces = [(0.0, 1.0), (2.0, 3.0), (3.0, 4.0)];
+        assert_eq!(joined(pieces.into_iter()), [(0.0, 1.0), (2.0, 4.0)]);
     }
 }

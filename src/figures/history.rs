@@ -1,9 +1,10 @@
 //! Convergence histories: both readings of the stopping criterion against the iterations.
 
 use super::axes::{Entry, Sample, key};
-use super::chart::{Axis, Chart, Curve, Scale, Sizes, Stroke, in_panels};
+use super::chart::{Sizes, in_panels};
 use super::palette::{INK, MUTED, RGBColor, series};
 use super::picture::{Picture, SMALL, text_width};
+use super::series::{Axis, Chart, Curve, Scale, Stroke};
 use super::table::of_histories;
 use super::text::power_of_ten;
 use signorini_mathematics::discrete::grid::Grid;

@@ -1,6 +1,6 @@
 //! Meshes in the plane from above: triangles, parts of the boundary, regions.
 
-use super::axes::{Entry, Frame, Legend, Sample};
+use super::axes::{Entry, Legend, Sample};
 use super::extent::Extent;
 use super::maps::draw_axes;
 use super::palette::{light, series};
@@ -37,25 +37,18 @@ pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
     for (k, ((_, mesh), legend)) in panels.iter().zip(&legends).enumerate() {
         let frame = layout.begin(&mut picture, k, Extent::of(mesh).in_square(side));
         draw_axes(&mut picture, &frame);
-        draw_mesh(&mut picture, mesh, &frame);
+        let regions = mesh.regions().iter();
+        let shades = regions.map(|&region| light(FIRST_SHADE + usize::from(region)));
+        frame.triangles(&mut picture, mesh, shades);
+        picture.group("stroke-linecap=\"round\"", |picture| {
+            for facet in mesh.facets() {
+                let ends = mesh.corners(facet).map(|[x, y]| frame.at(x, y));
+                picture.path(ends, series(facet.part as usize), 2.5);
+            }
+        });
         legend.draw(&mut picture, (frame.across.0 - 30.0, frame.down.1 + KEY_GAP));
     }
     picture
-}
-
-fn draw_mesh(picture: &mut Picture, mesh: &PlaneMesh, frame: &Frame) {
-    let regions = mesh.regions().iter();
-    let shades = regions.map(|&region| light(FIRST_SHADE + usize::from(region)));
-    frame.triangles(picture, mesh, shades);
-    picture.group("stroke-linecap=\"round\"", |picture| {
-        for facet in mesh.facets() {
-            picture.path(
-                mesh.corners(facet).map(|[x, y]| frame.at(x, y)),
-                series(facet.part as usize),
-                2.5,
-            );
-        }
-    });
 }
 
 /// Returns the entries of the key of a mesh: its parts with their conditions, and its regions if there are several.

@@ -1,11 +1,11 @@
 //! Tables of the data in pictures: CSV with a header line.
 
-use super::chart::{Chart, Stroke};
 use super::contact::{ContactLine, ContactPanel};
 use super::drawn::DrawnSolution;
 use super::gradient::GradientPanel;
 use super::history::{HistoryCurve, HistoryPanel};
 use super::identifiability::IdentifiabilityPanel;
+use super::series::{Chart, Stroke};
 use crate::table::quoted;
 
 /// Adds a line for each row of numbers, each behind the same names.
