@@ -35,14 +35,14 @@ type Point = [f64; 2];
 ///
 /// Pieces are painted as exact polygons in their order; each value is printed in the widest place of its region, if it
 /// fits. A smooth f is painted as a raster, without values.
-pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
+pub(crate) fn maps_of_f(panels: &[(&str, Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
     let colours = colours_of_f(&rasters.concat());
     let layout = layout(panels.iter().map(|(title, _)| *title), (SIDE, SIDE));
     let mut picture = draw_maps(
         &layout,
         |_| [(-0.5, 0.5); 2],
-        |picture, frame, k| draw_map(picture, panels[k].1, &rasters[k], frame, colours),
+        |picture, frame, k| draw_map(picture, &panels[k].1, &rasters[k], frame, colours),
     );
     bar_below(&layout, BAR).scale(&mut picture, colours, "f (x, y)");
     picture

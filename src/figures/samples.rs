@@ -112,9 +112,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let shapes =
         "disc(0.1,0.1,0.3)=1; rect(-0.5,-0.2,-0.1,0.02)=-1.5; halfplane(1,1,-0.4)=2; else=-1";
     let texts = ["else=0", "exact(full-contact)", shapes];
-    let fs = texts.map(|text| text.parse::<Source>().unwrap());
-    let maps: Vec<_> =
-        texts.iter().zip(&fs).map(|(title, f)| (&title[..title.len().min(30)], f)).collect();
+    let maps = texts.map(|text| (&text[..text.len().min(30)], text.parse::<Source>().unwrap()));
     figures.push(("maps".into(), svg(&maps_of_f(&maps))));
     figures.push(("map".into(), svg(&maps_of_f(&maps[2..]))));
     let grids = nested(&[4, 8]).unwrap();

@@ -174,7 +174,7 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let run = HistoryCurve { label: "r".into(), is_drawn: true, levels };
     let history = HistoryPanel { title: "t", grids, runs: vec![run] };
     [
-        ("source", maps_of_f(&[("t", &f), ("u", &f)])),
+        ("source", maps_of_f(&[("t", f.clone()), ("u", f)])),
         ("surface", surfaces(2, &[front])),
         ("surfaces", surfaces(3, &[lower_left, lower_right, upper_right])),
         ("contact", contact(&panels)),
@@ -273,7 +273,7 @@ fn values_are_written_inside_their_regions() {
     for value in [-6.0, 123_456.789, 1e6, 1e9, 2.5e9, 1e150] {
         let f: Source =
             format!("rect(-0.25,0.25,-0.25,0.25)={value:?}; else={:?}", -value).parse().unwrap();
-        let drawn = svg(&maps_of_f(&[("t", &f)]));
+        let drawn = svg(&maps_of_f(&[("t", f)]));
         let label = text::short(value);
         let (_, texts) = texts(&drawn);
         // Half of the side of the panel, in canvas pixels.
