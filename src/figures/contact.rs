@@ -2,6 +2,7 @@
 
 use super::axes::{Entry, Frame, Legend, Sample, key};
 use super::chart::{LEGEND, legend};
+use super::drawn::contact_at_nodes;
 use super::palette::{INK, MUTED, RGBColor, RULE, SHADE};
 use super::panels::Head;
 use super::picture::{END, NORMAL, Picture, SMALL, START, WIDTH, italic, plain};
@@ -47,16 +48,14 @@ impl ContactPanel {
     ) -> Result<Vec<Self>, String> {
         let mut panels = Vec::new();
         for curve in problem.levels().curves().ok_or(IN_SPACE)? {
-            let lines = solutions.iter().map(|(label, pair)| {
-                let in_contact = problem.levels().in_contact(problem.law(), pair);
-                ContactLine {
-                    label: label.clone(),
-                    y: at(&pair.y, &curve.nodes),
-                    a: at(&problem.at_nodes(&pair.a, 0.0), &curve.nodes),
-                    in_contact: at(&problem.at_nodes(&in_contact, false), &curve.nodes),
-                }
+            let (on, nodes) = ((problem.levels(), problem.law()), &curve.nodes);
+            let lines = solutions.iter().map(|(label, pair)| ContactLine {
+                label: label.clone(),
+                y: at(&pair.y, nodes),
+                a: at(&problem.at_nodes(&pair.a, 0.0), nodes),
+                in_contact: at(&contact_at_nodes(on, pair), nodes),
             });
-            let (law, lines) = (problem.law(), lines.collect());
+            let (law, lines) = (on.1, lines.collect());
             let parts = curve.parts.as_ref();
             let title = parts.map_or(title.to_owned(), |parts| format!("{title}: {parts}"));
             panels.push(Self { title, curve, law, lines });

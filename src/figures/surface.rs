@@ -2,7 +2,7 @@
 
 use super::axes::{Bar, CELL_LINES, key};
 use super::boxes::Boxed;
-use super::camera::{Vector, View, between, cross, dot};
+use super::camera::{Vector, between, cross, dot};
 use super::drawn::DrawnSolution;
 use super::palette::{CONTACT, INK, RGBColor, lit};
 use super::panels::Panels;
@@ -117,15 +117,14 @@ struct PaintedMesh<'a> {
 
 impl<'a> PaintedMesh<'a> {
     fn new(panel: &'a DrawnSolution, inside: &'a Boxed) -> Self {
-        let Boxed { view, floor, .. } = inside;
         let mesh = &panel.mesh;
         let mut nodes = Vec::with_capacity(panel.y.len());
         for (&point, &v) in mesh.points().iter().zip(&panel.y) {
-            let [x, y] = floor.inside(point);
+            let [x, y] = inside.floor.inside(point);
             nodes.push([x, y, v]);
         }
         let cells = mesh.cells().iter();
-        let depths: Vec<f64> = cells.map(|&cell| nearness(view, &nodes, cell)).collect();
+        let depths: Vec<f64> = cells.map(|&cell| nearness(inside, &nodes, cell)).collect();
         let mut order: Vec<usize> = (0..depths.len()).collect();
         order.sort_by(|&a, &b| depths[a].total_cmp(&depths[b]));
         let mut last = vec![0; nodes.len()];
@@ -152,7 +151,7 @@ impl<'a> PaintedMesh<'a> {
         }
         for (turn, edges) in marks.iter().enumerate() {
             for &(edge, color) in edges {
-                let places = edge.map(|node| self.inside.view.place(self.nodes[node as usize]));
+                let places = edge.map(|node| self.inside.place(self.nodes[node as usize]));
                 picture.path(places, color, CONTACT_WIDTH);
             }
             if let Some(&cell) = self.order.get(turn) {
@@ -181,16 +180,16 @@ impl<'a> PaintedMesh<'a> {
     fn triangle(&self, picture: &mut Picture, cell: [u32; 3]) {
         let corners = cell.map(|node| self.nodes[node as usize]);
         let mean = corners.iter().map(|[_, _, v]| v).sum::<f64>() / 3.0;
-        let light = self.inside.view.brightness(self.upward(cell));
+        let light = self.inside.brightness(self.upward(cell));
         picture.polygon(
-            corners.map(|xyv| self.inside.view.place(xyv)),
+            corners.map(|xyv| self.inside.place(xyv)),
             lit(self.inside.colours.color(mean), light),
         );
     }
 
     /// Normal of a triangle in the box, upwards.
     fn upward(&self, cell: [u32; 3]) -> Vector {
-        let [a, b, c] = cell.map(|node| self.inside.view.point(self.nodes[node as usize]));
+        let [a, b, c] = cell.map(|node| self.inside.point(self.nodes[node as usize]));
         let normal = cross(between(a, b), between(a, c));
         if normal[2] < 0.0 { normal.map(|x| -x) } else { normal }
     }
@@ -200,7 +199,7 @@ impl<'a> PaintedMesh<'a> {
         let [p, q, r] = [a, b, opposite].map(|node| self.nodes[node as usize]);
         let (along, inwards) = (between(p, q), between(p, r));
         let turned = [along[1], -along[0], 0.0];
-        let toward = self.inside.view.camera.toward;
+        let toward = self.inside.camera.toward;
         let is_far = dot(turned, toward) * dot(turned, inwards) > 0.0;
         is_far && dot(self.upward([a, b, opposite]), toward) < 0.0
     }
@@ -208,10 +207,10 @@ impl<'a> PaintedMesh<'a> {
 
 /// Distance of the centroid of a triangle towards the viewer, on the floor: along a ray from the viewer, the place
 /// there only becomes farther, whatever the heights.
-fn nearness(view: &View, nodes: &[Vector], cell: [u32; 3]) -> f64 {
+fn nearness(inside: &Boxed, nodes: &[Vector], cell: [u32; 3]) -> f64 {
     let corners = cell.map(|node| nodes[node as usize]);
     let [x, y] = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
-    dot([x, y, 0.0], view.camera.toward)
+    dot([x, y, 0.0], inside.camera.toward)
 }
 
 #[cfg(test)]
