@@ -5,8 +5,8 @@ use super::palette::{series, solver};
 use super::panels::{Head, Panels};
 use super::picture::{Picture, WIDTH};
 use super::plot::Plot;
-use super::series::{Chart, Curve};
-use super::table::of_charts;
+use super::series::{Chart, Curve, Stroke};
+use super::table::add;
 use super::title::Title;
 
 /// Sizes of panels with charts, in display pixels.
@@ -120,4 +120,35 @@ pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
         entries.push(Entry { label: label.into(), color: series(place), sample });
     }
     entries
+}
+
+/// Returns the points of all curves but references.
+fn of_charts(panels: &[&Chart]) -> String {
+    let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
+    for Chart { title, axes: [across, up], curves, .. } in panels {
+        for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
+            let names = [title, &*across.name, &up.name, &curve.label];
+            add(&mut csv, &names, curve.points.iter().map(|&point| point.into()));
+        }
+    }
+    csv
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn charts_are_listed_point_by_point_and_commas_are_quoted() {
+        let points = [(1.0, 0.5), (2.0, 1e-300)];
+        let marked = Curve::new(Stroke::Marked, "multigrid, two threads", points);
+        let slope = Curve::new(Stroke::Reference, "order 1", [(1.0, 1.0)]);
+        let line = Curve::new(Stroke::Line, "a \"b\"", [(3.0, 4.0)]);
+        let text = of_charts(&[&Chart::new("T", ["x", "y"], vec![marked, slope, line])]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "panel,x axis,y axis,curve,x,y");
+        assert_eq!(lines[1], "T,x,y,\"multigrid, two threads\",1,0.5");
+        assert_eq!((lines.len(), lines[3]), (4, "T,x,y,\"a \"\"b\"\"\",3,4"));
+        assert!(lines[2].split(',').next_back().unwrap().parse::<f64>() == Ok(1e-300));
+    }
 }

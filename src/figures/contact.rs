@@ -8,7 +8,7 @@ use super::panels::Head;
 use super::picture::{END, NORMAL, Picture, SMALL, START, WIDTH, italic, plain};
 use super::plot::Plot;
 use super::series::{Chart, Curve, Scale, Stroke};
-use super::table::of_contact;
+use super::table::add;
 use super::text::{Ticks, short};
 use super::title::Title;
 use super::{FIXED, IN_SPACE, range_with_zero};
@@ -279,6 +279,18 @@ fn joined(pieces: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
         }
     }
     joined
+}
+
+/// Returns trace and multiplier at the boundary nodes, by arc length.
+fn of_contact(panels: &[ContactPanel]) -> String {
+    let mut csv = "panel,run,s,y,a\n".to_owned();
+    for ContactPanel { title, curve, lines, .. } in panels {
+        for ContactLine { label, y, a, .. } in lines {
+            let numbers = curve.places.iter().zip(y).zip(a).map(|((&s, &y), &a)| [s, y, a]);
+            add(&mut csv, &[title, label], numbers);
+        }
+    }
+    csv
 }
 
 #[cfg(test)]

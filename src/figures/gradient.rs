@@ -3,8 +3,9 @@
 use super::maps::{SIDE, bar_below, draw_maps, layout};
 use super::palette::{ColourScale, RGBColor};
 use super::picture::{NORMAL, Picture, plain};
-use super::table::of_gradients;
+use super::table::rounded;
 use super::text::short;
+use crate::table::quoted;
 use signorini_mathematics::discrete::grid::Grid;
 
 /// Multiples of the tolerance at which the shade changes; below the first, the rule takes a component for zero.
@@ -55,6 +56,28 @@ fn shade(ratio: f64) -> i32 {
 
 fn color(shade: i32) -> RGBColor {
     ColourScale::Diverging { limit: STEPS.len() as f64 }.color(f64::from(shade))
+}
+
+/// Returns the components of the gradient, a row for each node and a column for each panel; columns of the grid are
+/// counted from the left, rows from below.
+fn of_gradients(panels: &[GradientPanel]) -> String {
+    let mut csv = "column,row".to_owned();
+    for panel in panels {
+        csv += &format!(",{}", quoted(panel.title));
+    }
+    let side = panels.iter().map(|panel| panel.grid.side()).max().unwrap_or(0);
+    for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
+        csv += &format!("\n{column},{row}");
+        for GradientPanel { grid, gradient, .. } in panels {
+            csv.push(',');
+            if column.max(row) < grid.side() {
+                // Six digits: a map needs no more, and the book carries the file.
+                csv += &rounded(gradient[grid.index(column, row)], 6).to_string();
+            }
+        }
+    }
+    csv.push('\n');
+    csv
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::chart::{Sizes, in_panels};
 use super::palette::{INK, MUTED, RGBColor, series};
 use super::picture::{Picture, SMALL, text_width};
 use super::series::{Axis, Chart, Curve, Scale, Stroke};
-use super::table::of_histories;
+use super::table::add;
 use super::text::power_of_ten;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::saddle::{Iteration, tolerance};
@@ -118,4 +118,20 @@ fn chart(panel: &HistoryPanel) -> Chart {
     chart.legend =
         entries.map(|(label, color)| Entry { label, color, sample: Sample::Line }).collect();
     chart
+}
+
+fn of_histories(panels: &[HistoryPanel]) -> String {
+    let mut csv = "panel,run,cells,iteration,gradient_signed,gradient_abs,delta_a\n".to_owned();
+    for HistoryPanel { title, grids, runs } in panels {
+        for HistoryCurve { label, levels, .. } in runs {
+            for (grid, iterations) in grids.iter().zip(levels) {
+                let numbers = iterations.iter().map(|i| {
+                    let [cells, number] = [grid.cells(), i.number].map(|count| count as f64);
+                    [cells, number, i.gradient_signed, i.gradient_abs, i.delta_a]
+                });
+                add(&mut csv, &[title, label], numbers);
+            }
+        }
+    }
+    csv
 }

@@ -4,7 +4,7 @@ use super::axes::{Bar, Frame, key};
 use super::palette::{CONTACT, ColourScale, INK, WHITE};
 use super::panels::Panels;
 use super::picture::{NORMAL, Picture, Place, SMALL, UPWARDS, plain, text_width};
-use super::table::of_identifiability;
+use super::table::add;
 use super::text::Ticks;
 use signorini_mathematics::identify::Slice;
 
@@ -133,4 +133,16 @@ fn legend(picture: &mut Picture, (middle, y): Place, most: usize, width: f64) {
         }
         x = key(picture, (x + 22.0, y), text) + 14.0;
     }
+}
+
+/// Returns the number of counts that come out for each f.
+fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
+    let mut csv = "panel,f on the quadrant,f elsewhere,counts\n".to_owned();
+    for IdentifiabilityPanel { title, slice, .. } in panels {
+        for (&y, row) in slice.y.iter().zip(&slice.exact) {
+            let counts = slice.x.iter().zip(row);
+            add(&mut csv, &[title], counts.map(|(&x, &counts)| [x, y, counts as f64]));
+        }
+    }
+    csv
 }

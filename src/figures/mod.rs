@@ -27,7 +27,7 @@ mod series;
 mod solution_map;
 mod square;
 mod surface;
-pub(crate) mod table;
+mod table;
 mod text;
 mod title;
 
@@ -43,8 +43,7 @@ pub(crate) use plan::mesh_picture;
 pub(crate) use series::{Chart, Curve, Scale, Stroke};
 pub(crate) use solution_map::SolutionMap;
 pub(crate) use square::{grid, membrane};
-pub(crate) use surface::surfaces;
-pub(crate) use table::of_surfaces as table_of_surfaces;
+pub(crate) use surface::{surfaces, table_of_surfaces};
 
 use signorini_mathematics::problem::law::Law;
 

@@ -158,8 +158,8 @@ fn closed(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
     points.iter().chain(points.first()).copied()
 }
 
-/// Returns the bands of colour between isolines: the lower end of each, minus infinity for the first, with the colour of
-/// its middle.
+/// Returns the bands of colour between isolines: the lower end of each, minus infinity for the first, with the colour
+/// of its middle.
 fn bands(drawn: &DrawnSolution) -> Vec<(f64, RGBColor)> {
     let (low, high) = drawn.range_of_colours();
     let colours = ColourScale::Viridis { low, high };

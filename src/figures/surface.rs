@@ -7,6 +7,7 @@ use super::drawn::DrawnSolution;
 use super::palette::{CONTACT, INK, RGBColor, lit};
 use super::panels::Panels;
 use super::picture::{LARGE, Picture, SMALL, START, bold, plain};
+use super::table::{add, rounded};
 use super::text::power_of_ten;
 use super::title::Title;
 use super::{FIXED, held};
@@ -211,6 +212,17 @@ fn nearness(inside: &Boxed, nodes: &[Vector], cell: [u32; 3]) -> f64 {
     let corners = cell.map(|node| nodes[node as usize]);
     let [x, y] = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
     dot([x, y, 0.0], inside.camera.toward)
+}
+
+/// Returns the values at the nodes of meshes, to four digits, which is more than a picture shows.
+pub(crate) fn table_of_surfaces(panels: &[DrawnSolution]) -> String {
+    let mut csv = "panel,x,y,v\n".to_owned();
+    for DrawnSolution { title, mesh, y, .. } in panels {
+        let nodes = mesh.points().iter().zip(y);
+        let numbers = nodes.map(|(&[x, y], &v)| [x, y, v].map(|value| rounded(value, 4)));
+        add(&mut csv, &[title], numbers);
+    }
+    csv
 }
 
 #[cfg(test)]
