@@ -103,11 +103,7 @@ impl Frame {
         }
     }
 
-    pub(super) fn label_below(
-        &self,
-        picture: &mut Picture,
-        ticks: impl IntoIterator<Item = (f64, String)>,
-    ) {
+    pub(super) fn label_below(&self, picture: &mut Picture, ticks: Vec<(f64, String)>) {
         let y = self.down.1;
         let labels: Vec<_> = ticks.into_iter().map(|(x, text)| (self.right(x), text)).collect();
         let step = every(&labels);
@@ -120,11 +116,7 @@ impl Frame {
         }
     }
 
-    pub(super) fn label_left(
-        &self,
-        picture: &mut Picture,
-        ticks: impl IntoIterator<Item = (f64, String)>,
-    ) {
+    pub(super) fn label_left(&self, picture: &mut Picture, ticks: Vec<(f64, String)>) {
         let x = self.across.0;
         for (value, text) in ticks {
             let y = self.up(value);
@@ -185,7 +177,7 @@ impl Bar {
         picture: &mut Picture,
         range: (f64, f64),
         bands: impl IntoIterator<Item = (f64, RGBColor)>,
-        ticks: impl IntoIterator<Item = (f64, String)>,
+        ticks: Vec<(f64, String)>,
     ) {
         let Self { across, top } = self;
         let frame = Frame { across, down: (top, top + 12.0), x: range, y: (0.0, 1.0) };

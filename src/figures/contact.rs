@@ -186,9 +186,9 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     }
     draw_bars(picture, panel, &entries, &Frame { down: (upper + PLOT, lower), ..whole });
     if curve.parts.is_none() {
-        name_sides(picture, &whole)
+        name_sides(picture, &whole);
     } else {
-        name_start(picture, curve, &whole)
+        name_start(picture, curve, &whole);
     }
     bottom + 56.0
 }

@@ -42,7 +42,7 @@ pub(crate) fn gradients(panels: &[GradientPanel]) -> Picture {
     let steps = STEPS.iter().rev().map(|step| -step).chain(STEPS);
     let steps = (1..).zip(steps).map(|(k, step)| (f64::from(k), short(step)));
     let bar = bar_below(&layout, 500.0);
-    bar.draw(&mut picture, (0.0, f64::from(2 * most + 1)), shades, steps);
+    bar.draw(&mut picture, (0.0, f64::from(2 * most + 1)), shades, steps.collect());
     bar.name(&mut picture, "gradient / tolerance", plain(NORMAL));
     picture.table = Some(of_gradients(panels));
     picture

@@ -154,8 +154,7 @@ impl Scale {
     /// Returns the numbers to mark on an axis, with their texts, in at most about `most` steps.
     pub(super) fn ticks(self, (low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
         if self != Self::Logarithmic {
-            let ticks = Ticks::inside(low, high, most);
-            let ticks = ticks.labelled();
+            let ticks = Ticks::inside(low, high, most).labelled().into_iter();
             return ticks.filter(|(x, _)| self == Self::Linear || x.fract() == 0.0).collect();
         }
         let (first, last) = (libm::ceil(low - 1e-9) as i32, libm::floor(high + 1e-9) as i32);
