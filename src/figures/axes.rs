@@ -1,8 +1,14 @@
 //! Parts that several figures share: plot frames with ticks, colour bars and legends.
 
 use super::palette::{ColourScale, INK, MUTED, RGBColor, RULE};
-use super::picture::{END, NORMAL, Picture, Place, SMALL, START, italic, plain, text_width};
+use super::picture::{
+    END, NORMAL, Picture, Place, SMALL, START, TextStyle, italic, plain, text_width,
+};
 use super::text::{Ticks, number_width};
+use signorini_mathematics::mesh::PlaneMesh;
+
+/// Attributes of the lines between the cells of a mesh: thin strokes both draw them and close the seams.
+pub(super) const CELL_LINES: &str = "stroke=\"#203038\" stroke-width=\"1\"";
 
 /// Rectangle of the picture with a linear scale along each side.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +68,20 @@ impl Frame {
         }
     }
 
+    /// Paints the triangles of a mesh, each with its colour.
+    pub(super) fn triangles(
+        &self,
+        picture: &mut Picture,
+        mesh: &PlaneMesh,
+        colors: impl Iterator<Item = RGBColor>,
+    ) {
+        picture.group(CELL_LINES, |picture| {
+            for (cell, color) in mesh.cells().iter().zip(colors) {
+                picture.polygon(mesh.vertices(cell).map(|[x, y]| self.at(x, y)), color);
+            }
+        });
+    }
+
     /// Draws vertical lines from top to bottom at `values`.
     pub(super) fn verticals(
         &self,
@@ -83,11 +103,7 @@ impl Frame {
         }
     }
 
-    pub(super) fn label_below(
-        &self,
-        picture: &mut Picture,
-        ticks: impl IntoIterator<Item = (f64, String)>,
-    ) {
+    pub(super) fn label_below(&self, picture: &mut Picture, ticks: Vec<(f64, String)>) {
         let y = self.down.1;
         let labels: Vec<_> = ticks.into_iter().map(|(x, text)| (self.right(x), text)).collect();
         let step = every(&labels);
@@ -100,11 +116,7 @@ impl Frame {
         }
     }
 
-    pub(super) fn label_left(
-        &self,
-        picture: &mut Picture,
-        ticks: impl IntoIterator<Item = (f64, String)>,
-    ) {
+    pub(super) fn label_left(&self, picture: &mut Picture, ticks: Vec<(f64, String)>) {
         let x = self.across.0;
         for (value, text) in ticks {
             let y = self.up(value);
@@ -151,34 +163,56 @@ const SHADES: usize = 128;
 /// Least width of a step in display pixels.
 const SHADE_WIDTH: f64 = 3.0;
 
-/// Draws a horizontal colour bar with numbers below it and its name to the left.
-pub(super) fn colour_bar(
-    picture: &mut Picture,
-    across: (f64, f64),
-    top: f64,
-    colours: ColourScale,
-    name: &str,
-) {
-    let range = colours.range();
-    let frame = Frame { across, down: (top, top + 12.0), x: range, y: (0.0, 1.0) };
-    let shades = (((across.1 - across.0) / SHADE_WIDTH) as usize).min(SHADES);
-    for k in 0..shades {
-        let [from, to] = [k, k + 1].map(|k| grid_line(k, shades, range));
-        // Each shade reaches to the end: the next covers the rest, and no seam shows.
-        frame.band(picture, (from, range.1), colours.color(0.5 * (from + to)));
+/// Place of a bar of colours: left and right end, and top.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bar {
+    pub(super) across: (f64, f64),
+    pub(super) top: f64,
+}
+
+impl Bar {
+    /// Draws bands of colour side by side, each given by its lower end, with numbers below them.
+    pub(super) fn draw(
+        self,
+        picture: &mut Picture,
+        range: (f64, f64),
+        bands: impl IntoIterator<Item = (f64, RGBColor)>,
+        ticks: Vec<(f64, String)>,
+    ) {
+        let Self { across, top } = self;
+        let frame = Frame { across, down: (top, top + 12.0), x: range, y: (0.0, 1.0) };
+        for (from, color) in bands {
+            // Each band reaches to the end: the next covers the rest, and no seam shows.
+            frame.band(picture, (from, range.1), color);
+        }
+        frame.outline(picture);
+        frame.label_below(picture, ticks);
     }
-    frame.outline(picture);
-    let most = ((across.1 - across.0) / 42.0) as usize;
-    frame.label_below(picture, Ticks::inside(range.0, range.1, most).labelled());
-    let kind = italic(NORMAL).pos(END);
-    picture.text(name, (across.0 - 10.0, top + 6.0), kind);
+
+    /// Draws a scale of colours with its numbers and its name.
+    pub(super) fn scale(self, picture: &mut Picture, colours: ColourScale, name: &str) {
+        let (range, wide) = (colours.range(), self.across.1 - self.across.0);
+        let shades = ((wide / SHADE_WIDTH) as usize).min(SHADES);
+        let bands = (0..shades).map(|k| {
+            let [from, to] = [k, k + 1].map(|k| grid_line(k, shades, range));
+            (from, colours.color(0.5 * (from + to)))
+        });
+        let ticks = Ticks::inside(range.0, range.1, (wide / 42.0) as usize);
+        self.draw(picture, range, bands, ticks.labelled());
+        self.name(picture, name, italic(NORMAL));
+    }
+
+    /// Writes a name to the left.
+    pub(super) fn name(self, picture: &mut Picture, name: &str, style: TextStyle) {
+        picture.text(name, (self.across.0 - 10.0, self.top + 6.0), style.pos(END));
+    }
 }
 
 /// Height of one row of a legend.
 pub(super) const LEGEND_ROW: f64 = 19.0;
 
 /// Drawing in a legend beside a label.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sample {
     Line,
     Dashed,
@@ -187,9 +221,9 @@ pub(super) enum Sample {
 }
 
 /// Entry of a legend.
-#[derive(Clone, Copy)]
-pub(super) struct Entry<'a> {
-    pub(super) label: &'a str,
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) label: String,
     pub(super) color: RGBColor,
     pub(super) sample: Sample,
 }
@@ -197,49 +231,50 @@ pub(super) struct Entry<'a> {
 /// Radius of the ring at a point without a line, larger than that of other rings to be seen.
 pub(super) const LONE: f64 = 6.0;
 
-/// Legend of coloured samples.
-pub(super) struct Legend<'a> {
-    /// Entries with the places where they begin, relative to the first one.
-    entries: Vec<(Entry<'a>, Place)>,
-    pub(super) rows: usize,
-}
-
 /// Length of a sample.
 const STROKE: f64 = 22.0;
 
-impl<'a> Legend<'a> {
+/// Legend of coloured samples.
+#[derive(Default)]
+pub(super) struct Legend {
+    /// Entries with the places where they begin, relative to the first one.
+    entries: Vec<(Entry, Place)>,
+}
+
+impl Legend {
     /// Lays out entries in rows no wider than `width`.
-    pub(super) fn of(given: impl IntoIterator<Item = Entry<'a>>, width: f64) -> Self {
-        let (mut x, mut row) = (0.0, 0);
+    pub(super) fn of(given: impl IntoIterator<Item = Entry>, width: f64) -> Self {
+        let (mut x, mut y) = (0.0, 0.0);
         let mut entries = Vec::new();
         for entry in given {
-            let wide = STROKE + 6.0 + text_width(entry.label, SMALL) + 16.0;
+            let wide = STROKE + 6.0 + text_width(&entry.label, SMALL) + 16.0;
             if x > 0.0 && x + wide > width {
-                (x, row) = (0.0, row + 1);
+                (x, y) = (0.0, y + LEGEND_ROW);
             }
-            entries.push((entry, (x, LEGEND_ROW * row as f64)));
+            entries.push((entry, (x, y)));
             x += wide;
         }
-        Self { entries, rows: row + 1 }
+        Self { entries }
+    }
+
+    /// Height of all rows.
+    pub(super) fn high(&self) -> f64 {
+        self.entries.last().map_or(0.0, |(_, (_, y))| y + LEGEND_ROW)
     }
 
     /// Draws the legend; the place is the left end of the first entry, at its middle height.
     pub(super) fn draw(&self, picture: &mut Picture, (left, top): Place) {
-        for &(Entry { label, color, sample }, (x, y)) in &self.entries {
+        for (Entry { label, color, sample }, (x, y)) in &self.entries {
             let (x, y) = (left + x, top + y);
-            let parts: &[(f64, f64)] = match sample {
-                Sample::Line => &[(0.0, 1.0)],
-                Sample::Dashed => &[(0.0, 0.4), (0.6, 1.0)],
-                Sample::Ring | Sample::Swatch => &[],
-            };
-            if sample == Sample::Ring {
-                picture.ring((x + 0.5 * STROKE, y), LONE, color);
-            }
-            if sample == Sample::Swatch {
-                picture.rect((x, y - 6.0), (x + STROKE, y + 6.0), color);
-            }
-            for (from, to) in parts {
-                picture.path([(x + STROKE * from, y), (x + STROKE * to, y)], color, 2.5);
+            let dashes: &[f64] =
+                if *sample == Sample::Line { &[0.0, 1.0] } else { &[0.0, 0.4, 0.6, 1.0] };
+            match sample {
+                Sample::Line | Sample::Dashed => dashes.chunks(2).for_each(|ends| {
+                    let places = ends.iter().map(|end| (x + STROKE * end, y));
+                    picture.path(places, *color, 2.5);
+                }),
+                Sample::Ring => picture.ring((x + 0.5 * STROKE, y), LONE, *color),
+                Sample::Swatch => picture.rect((x, y - 6.0), (x + STROKE, y + 6.0), *color),
             }
             picture.text(label, (x + STROKE + 6.0, y), plain(SMALL).pos(START));
         }

@@ -1,14 +1,6 @@
-//! Parallel projection of a surface: places and light.
+//! Directions in the picture of a surface.
 
-use super::picture::Place;
 use signorini_mathematics::mesh::{Element, PlaneMesh};
-
-/// Height of the box, its sides being 1.
-const BOX_HEIGHT: f64 = 0.66;
-/// Display pixels per unit of length, where two panels are in a row.
-pub(super) const UNIT: f64 = 205.0;
-/// Light that every side receives; the rest comes from the lamp.
-const AMBIENT: f64 = 0.62;
 
 /// Azimuth of the viewer above the lower left corner, in degrees anticlockwise from the negative y axis.
 const AZIMUTH: f64 = -37.5;
@@ -78,51 +70,6 @@ impl Camera {
             toward,
             near: [toward[0], toward[1]].map(|t| if t < 0.0 { -1.0 } else { 1.0 }),
         }
-    }
-}
-
-/// Map from space to a panel.
-pub(super) struct View {
-    pub(super) camera: Camera,
-    /// Place of the middle of the box, in display pixels.
-    pub(super) origin: Place,
-    /// Display pixels per unit of length.
-    pub(super) unit: f64,
-    /// Half of each side of the floor.
-    pub(super) half: [f64; 2],
-    /// Values at the floor and the ceiling of the box.
-    pub(super) heights: (f64, f64),
-}
-
-impl View {
-    /// Returns the point of the box for (x, y, v): heights scaled, centre at the origin.
-    pub(super) fn point(&self, [x, y, v]: Vector) -> Vector {
-        let (low, high) = self.heights;
-        [x, y, BOX_HEIGHT * ((v - low) / (high - low) - 0.5)]
-    }
-
-    /// Returns the place of (x, y, v) in the picture.
-    pub(super) fn place(&self, xyv: Vector) -> Place {
-        let point = self.point(xyv);
-        (
-            self.origin.0 + self.unit * dot(point, self.camera.right),
-            self.origin.1 - self.unit * dot(point, self.camera.up),
-        )
-    }
-
-    /// Returns the corner of the floor nearest to the viewer.
-    pub(super) fn nearest_corner(&self) -> [f64; 2] {
-        [0, 1].map(|d| self.camera.near[d] * self.half[d])
-    }
-
-    /// Returns the light reflected by a part of the surface with this upward normal.
-    pub(super) fn brightness(&self, normal: Vector) -> f64 {
-        // Over the viewer's left shoulder, so that slopes to either side differ.
-        let camera = &self.camera;
-        let lamp = [0, 1, 2].map(|d| camera.toward[d] + 0.9 * camera.up[d] - 0.8 * camera.right[d]);
-        let cosine = dot(normal, lamp) / (dot(normal, normal) * dot(lamp, lamp)).sqrt();
-        let facing = if dot(normal, camera.toward) < 0.0 { 0.8 } else { 1.0 };
-        facing * (AMBIENT + (1.06 - AMBIENT) * cosine.abs())
     }
 }
 

@@ -1,66 +1,106 @@
-//! Charts of measured numbers: panels side by side under one legend, logarithmic axes or a linear one across.
+//! Charts in rows of panels, with their titles and legends.
 
-use super::axes::{Entry, Frame, LEGEND_ROW, LONE, Legend, Sample};
-use super::palette::{INK, MUTED, RULE, series, solver};
-use super::picture::{
-    END, LARGE, NORMAL, Picture, Place, SMALL, START, UPWARDS, WIDTH, bold, plain,
+use super::axes::{Entry, Legend, Sample};
+use super::palette::{series, solver};
+use super::panels::{Head, Panels};
+use super::picture::{Picture, WIDTH};
+use super::plot::Plot;
+use super::series::{Chart, Curve, Stroke};
+use super::table::add;
+use super::title::Title;
+
+/// Sizes of panels with charts, in display pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    /// Most panels in a row.
+    pub(super) columns: usize,
+    /// Room to the left and right of a plot.
+    pub(super) beside: (f64, f64),
+    /// Distance of the middle of a title from the top of its panel.
+    pub(super) title: f64,
+    /// Distance of a title above a legend from the plot, without the legend.
+    pub(super) gap: f64,
+    /// Height of a plot, and of the room below it.
+    pub(super) high: f64,
+    pub(super) below: f64,
+    /// Distance of the name of the axis up from the plot.
+    pub(super) name: f64,
+    /// Room above and below all panels.
+    pub(super) head: f64,
+    pub(super) foot: f64,
+}
+
+/// Sizes of charts of measured numbers.
+const MEASURED: Sizes = Sizes {
+    columns: 2,
+    beside: (66.0, 18.0),
+    title: 16.0,
+    gap: 26.0,
+    high: 260.0,
+    below: 50.0,
+    name: 55.0,
+    head: 0.0,
+    foot: 0.0,
 };
-use super::table::of_charts;
-use super::text::{Ticks, power_of_ten};
-use super::{Chart, Curve, Scale, Stroke, decade};
-use signorini_mathematics::experiments::Range;
-
-/// Height of a plot in display pixels.
-const PLOT: f64 = 260.0;
-/// Room to the left of a plot, for numbers and the name of the axis.
-const LEFT: f64 = 66.0;
-/// Room to the right of a plot.
-const RIGHT: f64 = 18.0;
-/// Room above a plot, for its title.
-const ABOVE: f64 = 30.0;
-/// Room below a plot, for numbers and the name of the axis.
-const BELOW: f64 = 50.0;
+/// Distance of a title from the plot if there is no legend between them.
+const NEAR: f64 = 14.0;
+/// Greatest width of a legend.
+pub(super) const LEGEND: f64 = WIDTH - 90.0;
 
 /// Draws panels, two in a row, one legend above them all; with `alike`, all vertical axes have the same range.
 ///
 /// Panels without points are left out.
 pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
-    let panels: Vec<_> = panels.iter().filter(|panel| points(panel).next().is_some()).collect();
-    let curves: Vec<&Curve> = panels.iter().flat_map(|panel| &panel.curves).collect();
-    let entries = entries(&curves);
-    let columns = panels.len().clamp(1, 2);
-    let legend = Legend::of(entries.iter().copied(), WIDTH - LEFT - RIGHT);
-    let head = 12.0 + LEGEND_ROW * legend.rows as f64;
-    // A legend for several panels is above their titles; that of a lone panel is below its title.
-    let (legend_top, titles_up) = if panels.len() > 1 { (18.0, 0.0) } else { (ABOVE + 10.0, head) };
-    let (wide, high) = (WIDTH / columns as f64, ABOVE + PLOT + BELOW);
-    let rows = panels.len().div_ceil(columns);
-    let mut picture = Picture::new(WIDTH, head + high * rows as f64);
-    legend.draw(&mut picture, (LEFT, legend_top));
-    let heights =
-        Scale::Logarithmic.extent(panels.iter().flat_map(|panel| points(panel)).map(|p| p.1));
-    for (k, panel) in panels.iter().enumerate() {
-        let (left, top) = (wide * (k % columns) as f64, head + high * (k / columns) as f64);
-        let frame = Frame {
-            across: (left + LEFT, left + wide - RIGHT),
-            down: (top + ABOVE, top + ABOVE + PLOT),
-            x: panel.across.extent(points(panel).map(|p| p.0)),
-            y: if alike { heights } else { Scale::Logarithmic.extent(points(panel).map(|p| p.1)) },
-        };
-        let title = (frame.across.0, frame.down.0 - 14.0 - titles_up);
-        picture.text(&panel.title, title, bold(LARGE).pos(START));
-        draw(&mut picture, panel, &frame, &entries);
-    }
-    picture.table = Some(of_charts(&panels));
+    let mut shown: Vec<&Chart> = panels.iter().collect();
+    shown.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
+    let mut picture = in_panels(&shown, alike, MEASURED);
+    picture.table = Some(of_charts(&shown));
     picture
 }
 
-/// Returns an entry of the legend for each label: with the colour of its solver, or a colour that no solver in the
-/// picture has. The second and later labels of a solver are dashed; a label whose curves are single points is a ring.
-fn entries<'a>(curves: &[&'a Curve]) -> Vec<Entry<'a>> {
+/// Draws panels: in one column with a legend each, below its title, otherwise with a legend above them all.
+pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> Picture {
+    let Sizes { beside, title, high, below, head, foot, .. } = sizes;
+    let columns = panels.len().clamp(1, sizes.columns);
+    let wide = WIDTH / columns as f64 - beside.0 - beside.1;
+    let (mut heads, mut entries) = (Vec::new(), Vec::new());
+    for (k, panel) in panels.iter().enumerate() {
+        entries.push(legend(if columns == 1 { &panels[k..=k] } else { panels }));
+        let own = if columns == 1 { (entries[k].clone(), sizes.gap) } else { (Vec::new(), NEAR) };
+        let (legend, gap) = (Legend::of(own.0, LEGEND), own.1);
+        heads.push(Head { title: Title::new(&panel.title, wide + beside.1 - 8.0), legend, gap });
+    }
+    let common = entries.first().filter(|_| columns > 1).cloned().unwrap_or_default();
+    let common = Legend::of(common, LEGEND);
+    let head = if columns > 1 { 12.0 + common.high() } else { head };
+    let heights = heads.iter().map(|head| [title + head.high(), high, below]).collect();
+    let layout = Panels { columns, wide, beside, head, foot, heights, ..Panels::default() };
+    let mut picture = layout.picture();
+    common.draw(&mut picture, (beside.0, 18.0));
+    for (k, &chart) in panels.iter().enumerate() {
+        let up = if alike { panels } else { &panels[k..=k] };
+        let frame = layout.frame(k, Chart::ends(&panels[k..=k], 0), Chart::ends(up, 1));
+        heads[k].draw(&mut picture, &frame);
+        let plot = Plot { chart, frame, entries: &entries[k] };
+        plot.ground(&mut picture, sizes.name);
+        plot.draw(&mut picture);
+    }
+    picture
+}
+
+/// Returns the legend that some panels have together.
+///
+/// If none is given, each label has an entry: with the colour of its solver, or a colour that no solver in the panels
+/// has. The second and later labels of a solver are dashed; a label whose curves are single points is a ring.
+pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = panels.iter().flat_map(|panel| panel.legend.clone()).collect();
+    if !entries.is_empty() {
+        return entries;
+    }
+    let curves: Vec<&Curve> = panels.iter().flat_map(|panel| &panel.curves).collect();
     let mut labels: Vec<&str> = Vec::new();
-    for curve in curves {
-        let named = curve.stroke != Stroke::Reference && !curve.points.is_empty();
+    for curve in &curves {
+        let named = curve.stroke.is_measured() && !curve.points.is_empty();
         if named && !labels.contains(&&*curve.label) {
             labels.push(&curve.label);
         }
@@ -68,7 +108,6 @@ fn entries<'a>(curves: &[&'a Curve]) -> Vec<Entry<'a>> {
     let taken: Vec<usize> = labels.iter().filter_map(|label| solver(label)).collect();
     let mut free = (0..).filter(|place| !taken.contains(place));
     let mut seen = Vec::new();
-    let mut entries = Vec::new();
     for label in labels {
         let place = solver(label).unwrap_or_else(|| free.next().unwrap_or(0));
         let has_line = curves.iter().any(|curve| curve.label == label && curve.points.len() > 1);
@@ -78,167 +117,38 @@ fn entries<'a>(curves: &[&'a Curve]) -> Vec<Entry<'a>> {
             (true, false) => Sample::Line,
         };
         seen.push(place);
-        entries.push(Entry { label, color: series(place), sample });
+        entries.push(Entry { label: label.into(), color: series(place), sample });
     }
     entries
 }
 
-/// Curve with its entry in the legend.
-struct Measured<'a> {
-    curve: &'a Curve,
-    entry: &'a Entry<'a>,
-}
-
-fn draw(picture: &mut Picture, panel: &Chart, frame: &Frame, entries: &[Entry]) {
-    let (mut references, mut measured) = (Vec::new(), Vec::new());
-    for curve in panel.curves.iter().filter(|curve| !curve.points.is_empty()) {
-        if curve.stroke == Stroke::Reference {
-            references.push(curve);
-        }
-        if let Some(entry) = entries.iter().find(|entry| entry.label == curve.label) {
-            measured.push(Measured { curve, entry });
+/// Returns the points of all curves but references.
+fn of_charts(panels: &[&Chart]) -> String {
+    let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
+    for Chart { title, axes: [across, up], curves, .. } in panels {
+        for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
+            let names = [title, &*across.name, &up.name, &curve.label];
+            add(&mut csv, &names, curve.points.iter().map(|&point| point.into()));
         }
     }
-    ground(picture, panel, frame);
-    picture.group("stroke-dasharray=\"16 12\"", |picture| {
-        for curve in &references {
-            picture.path(panel.places(frame, curve), MUTED, 1.0);
-        }
-    });
-    picture.group("stroke-dasharray=\"28 16\"", |picture| {
-        lines(picture, (panel, frame), &measured, Sample::Dashed);
-    });
-    lines(picture, (panel, frame), &measured, Sample::Line);
-    let mut marks = Vec::new();
-    for Measured { curve, entry } in measured {
-        marks.extend(panel.places(frame, curve));
-        if curve.stroke == Stroke::Marked {
-            let radius = if curve.points.len() > 1 { 3.5 } else { LONE };
-            for at in panel.places(frame, curve) {
-                picture.ring(at, radius, entry.color);
-            }
-        }
-    }
-    // Names are above the curves that they meet, with a white edge that keeps them legible.
-    picture.group("stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"", |picture| {
-        for curve in references {
-            let ends = panel.places(frame, curve);
-            name_reference(picture, &curve.label, &ends, &marks);
-        }
-    });
-    frame.outline(picture);
+    csv
 }
 
-/// Draws the lines of the curves whose entry has this sample.
-fn lines(
-    picture: &mut Picture,
-    (panel, frame): (&Chart, &Frame),
-    measured: &[Measured],
-    sample: Sample,
-) {
-    for Measured { curve, entry } in measured {
-        if entry.sample == sample && curve.points.len() > 1 {
-            picture.path(panel.places(frame, curve), entry.color, 2.0);
-        }
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn points(panel: &Chart) -> impl Iterator<Item = &(f64, f64)> {
-    panel.curves.iter().flat_map(|curve| &curve.points)
-}
-
-impl Scale {
-    /// Number on the axis that stands for a value: its decimal logarithm, or the value itself.
-    fn number(self, value: f64) -> f64 {
-        match self {
-            Self::Linear => value,
-            Self::Logarithmic => decade(value),
-        }
-    }
-
-    /// Returns the ends of an axis, as numbers on it: around all values with a margin; on a logarithmic axis whole
-    /// decades if these are few.
-    fn extent(self, values: impl Iterator<Item = f64>) -> (f64, f64) {
-        let whole = Range { least: 0.0, greatest: 1.0 };
-        let numbers = Range::of(values.map(|value| self.number(value)));
-        let Range { least: low, greatest: high } = numbers.unwrap_or(whole);
-        let margin = 0.03 * (high - low);
-        match self == Self::Logarithmic && high - low < 2.0 {
-            true => (libm::floor(low), libm::ceil(high).max(libm::floor(low) + 1.0)),
-            false => (low - margin, high + margin),
-        }
-    }
-
-    /// Returns the numbers to mark on an axis, with their texts, in at most about `most` steps.
-    fn ticks(self, ends: (f64, f64), most: usize) -> Vec<(f64, String)> {
-        match self {
-            Self::Linear => Ticks::inside(ends.0, ends.1, most).labelled().collect(),
-            Self::Logarithmic => powers(ends, most),
-        }
-    }
-}
-
-/// Returns the powers of ten to mark on an axis, in at most about `most` steps.
-fn powers((low, high): (f64, f64), most: usize) -> Vec<(f64, String)> {
-    let (first, last) = (libm::ceil(low - 1e-9) as i32, libm::floor(high + 1e-9) as i32);
-    let step = ((last - first) as usize).div_ceil(most.max(1)).max(1);
-    // Counted from zero, so that panels with different ends are marked alike.
-    (first..=last)
-        .filter(|e| e.rem_euclid(step as i32) == 0)
-        .map(|e| (f64::from(e), power_of_ten(e)))
-        .collect()
-}
-
-/// Returns the multiples of powers of ten on an axis of fewer than three decades, which could pass for a linear one
-/// without them; none on a longer axis.
-fn multiples((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
-    let decades = if high - low < 3.0 { low.floor() as i32..high.ceil() as i32 } else { 0..0 };
-    let all = decades.flat_map(|e| (2..10).map(move |m| f64::from(e) + libm::log10(f64::from(m))));
-    all.filter(move |x| (low..=high).contains(x))
-}
-
-/// Draws rules, numbers and names of the axes.
-fn ground(picture: &mut Picture, panel: &Chart, frame: &Frame) {
-    let across = ((frame.across.1 - frame.across.0) / 62.0) as usize;
-    let x = panel.across.ticks(frame.x, across);
-    let y = Scale::Logarithmic.ticks(frame.y, 8);
-    frame.rules(picture, y.iter().map(|tick| tick.0));
-    frame.verticals(picture, x.iter().map(|tick| tick.0), RULE);
-    frame.label_left(picture, y);
-    frame.label_below(picture, x);
-    if panel.across == Scale::Logarithmic {
-        for x in multiples(frame.x).map(|x| frame.right(x)) {
-            picture.path([(x, frame.down.1), (x, frame.down.1 + 2.5)], INK, 0.75);
-        }
-    }
-    for y in multiples(frame.y).map(|y| frame.up(y)) {
-        picture.path([(frame.across.0 - 2.5, y), (frame.across.0, y)], INK, 0.75);
-    }
-    let (x, y) = frame.middle();
-    picture.text(panel.axes[0], (x, frame.down.1 + 32.0), plain(NORMAL));
-    picture.text(panel.axes[1], (frame.across.0 - 55.0, y), plain(NORMAL).transform(UPWARDS));
-}
-
-impl Chart {
-    /// Places of the points of a curve.
-    fn places(&self, frame: &Frame, curve: &Curve) -> Vec<Place> {
-        let points = curve.points.iter();
-        points.map(|p| frame.at(self.across.number(p.0), decade(p.1))).collect()
-    }
-}
-
-/// Writes the name of a reference beside its middle, on the side that has fewer of the `marks`.
-fn name_reference(picture: &mut Picture, name: &str, ends: &[Place], marks: &[Place]) {
-    let (&[(x0, y0), ..], &[.., (x1, y1)]) = (ends, ends) else { return };
-    let slope = if x1 == x0 { 0.0 } else { (y1 - y0) / (x1 - x0) };
-    let above = marks.iter().filter(|(x, y)| *y < y0 + slope * (x - x0)).count();
-    let is_below = 2 * above > marks.len();
-    let (x, y) = (0.5 * (x0 + x1), 0.5 * (y0 + y1) + if is_below { 11.0 } else { -9.0 });
-    let kind = plain(SMALL).color(&MUTED);
-    // Left of a line that falls, in the picture, is below it; left of one that rises is above it.
-    if (slope > 0.0) == is_below {
-        picture.text(name, (x - 6.0, y), kind.pos(END));
-    } else {
-        picture.text(name, (x + 6.0, y), kind.pos(START));
+    #[test]
+    fn charts_are_listed_point_by_point_and_commas_are_quoted() {
+        let points = [(1.0, 0.5), (2.0, 1e-300)];
+        let marked = Curve::new(Stroke::Marked, "multigrid, two threads", points);
+        let slope = Curve::new(Stroke::Reference, "order 1", [(1.0, 1.0)]);
+        let line = Curve::new(Stroke::Line, "a \"b\"", [(3.0, 4.0)]);
+        let text = of_charts(&[&Chart::new("T", ["x", "y"], vec![marked, slope, line])]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "panel,x axis,y axis,curve,x,y");
+        assert_eq!(lines[1], "T,x,y,\"multigrid, two threads\",1,0.5");
+        assert_eq!((lines.len(), lines[3]), (4, "T,x,y,\"a \"\"b\"\"\",3,4"));
+        assert!(lines[2].split(',').next_back().unwrap().parse::<f64>() == Ok(1e-300));
     }
 }

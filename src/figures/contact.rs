@@ -1,13 +1,93 @@
 //! The boundary unrolled: solution, multiplier and contact along the four sides of the square, or a closed curve.
 
-use super::axes::{Entry, Frame, LEGEND_ROW, Legend, Sample, key};
-use super::palette::{INK, MUTED, RGBColor, RULE, SHADE, series};
-use super::picture::{END, LARGE, NORMAL, Picture, SMALL, START, WIDTH, bold, italic, plain};
-use super::table::of_contact;
+use super::axes::{Entry, Frame, Legend, Sample, key};
+use super::chart::{LEGEND, legend};
+use super::drawn::contact_at_nodes;
+use super::palette::{INK, MUTED, RGBColor, RULE, SHADE};
+use super::panels::Head;
+use super::picture::{END, NORMAL, Picture, SMALL, START, WIDTH, italic, plain};
+use super::plot::Plot;
+use super::series::{Chart, Curve, Scale, Stroke};
+use super::table::add;
 use super::text::{Ticks, short};
 use super::title::Title;
-use super::{ContactLine, ContactPanel, FIXED, range_with_zero};
+use super::{FIXED, IN_SPACE, range_with_zero};
+use signorini_mathematics::levels::{ClosedCurve, Problem};
 use signorini_mathematics::mesh::Condition;
+use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::saddle::Pair;
+
+/// One panel of [`contact`].
+pub(crate) struct ContactPanel {
+    pub(super) title: String,
+    pub(super) curve: ClosedCurve,
+    law: Law,
+    /// Solutions compared.
+    pub(super) lines: Vec<ContactLine>,
+}
+
+/// Solution along the boundary, at the nodes of the curve.
+pub(super) struct ContactLine {
+    /// Name in the legend.
+    pub(super) label: String,
+    pub(super) y: Vec<f64>,
+    /// Multiplier, or flux dy/dn.
+    pub(super) a: Vec<f64>,
+    in_contact: Vec<bool>,
+}
+
+impl ContactPanel {
+    /// Panels of the solutions of a problem, each with its label: one for each closed curve of the boundary.
+    ///
+    /// # Errors
+    /// A sentence if the domain lies in space.
+    pub(crate) fn of(
+        title: &str,
+        problem: &Problem,
+        solutions: &[(String, Pair)],
+    ) -> Result<Vec<Self>, String> {
+        let mut panels = Vec::new();
+        for curve in problem.levels().curves().ok_or(IN_SPACE)? {
+            let (on, nodes) = ((problem.levels(), problem.law()), &curve.nodes);
+            let lines = solutions.iter().map(|(label, pair)| ContactLine {
+                label: label.clone(),
+                y: at(&pair.y, nodes),
+                a: at(&problem.at_nodes(&pair.a, 0.0), nodes),
+                in_contact: at(&contact_at_nodes(on, pair), nodes),
+            });
+            let (law, lines) = (on.1, lines.collect());
+            let parts = curve.parts.as_ref();
+            let title = parts.map_or(title.to_owned(), |parts| format!("{title}: {parts}"));
+            panels.push(Self { title, curve, law, lines });
+        }
+        Ok(panels)
+    }
+
+    /// Chart of one quantity.
+    fn chart(&self, values: fn(&ContactLine) -> &Vec<f64>) -> Chart {
+        let mut curves = Vec::new();
+        for (k, line) in self.lines.iter().enumerate() {
+            // Closed: the end of the curve is the first node again.
+            let end = values(line).first().map(|&value| (self.curve.length, value));
+            let inner = self.curve.places.iter().copied().zip(values(line).iter().copied());
+            let mut curve = Curve::new(Stroke::Line, &line.label, inner.chain(end));
+            // The first lines are thicker, so that a later one on top does not hide them.
+            curve.width = 1.5 + 0.75 * (self.lines.len() - 1 - k).min(3) as f64;
+            curves.push(curve);
+        }
+        Chart::new(&self.title, ["", ""], curves).scaled([Scale::Linear; 2])
+    }
+
+    /// True if a part of the curve has this condition.
+    fn has(&self, condition: Condition) -> bool {
+        self.curve.conditions.contains(&condition)
+    }
+}
+
+/// Values at some nodes.
+fn at<T: Copy>(values: &[T], nodes: &[usize]) -> Vec<T> {
+    nodes.iter().map(|&node| values[node]).collect()
+}
 
 /// Left and right end of the plots; long numbers move the left one.
 const ACROSS: (f64, f64) = (82.0, 780.0);
@@ -19,6 +99,11 @@ const NAME_ROOM: f64 = 13.0;
 const PLOT: f64 = 128.0;
 /// Height of one line's row in the band between the plots.
 const ROW: f64 = 9.0;
+/// Coordinate over the length of a curve that is shown as zero.
+const ROUNDING: f64 = 1e-9;
+/// Conditions other than the law, with their words and colours.
+const WITHOUT_LAW: [(Condition, &str, RGBColor); 2] =
+    [(Condition::Free, "free (a = 0)", RULE), (Condition::Fixed, FIXED, INK)];
 
 /// Draws y and the multiplier a along the boundary, one panel below the other.
 ///
@@ -46,150 +131,104 @@ pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
     picture
 }
 
-/// Plot of one quantity along the boundary.
-struct Plot {
-    frame: Frame,
-    ticks: Ticks,
-}
-
-impl Plot {
-    /// Lays out a plot of `values` between `across`, from `top` downwards.
-    fn new(across: (f64, f64), top: f64, axes: [(f64, f64); 2], ticks: Ticks) -> Self {
-        let [x, (low, high)] = axes;
-        // All values may be zero, the one number on the axis then.
-        let high = if high > low { high } else { low + 1.0 };
-        // A margin, so that the frame does not hide a curve at zero.
-        let margin = 0.08 * (high - low);
-        let y = (low - margin, high + margin);
-        Self { frame: Frame { across, down: (top, top + PLOT), x, y }, ticks }
-    }
-}
-
-/// Returns the range of the values of all lines, with zero.
-fn range<'a>(lines: impl Iterator<Item = &'a Vec<f64>>) -> (f64, f64) {
-    range_with_zero(lines.flatten().copied())
-}
-
-/// Coordinate over the length of a curve that is shown as zero.
-const ROUNDING: f64 = 1e-9;
-
-/// Conditions other than the law, with their words and colours.
-const WITHOUT_LAW: [(Condition, &str, RGBColor); 2] =
-    [(Condition::Free, "free (a = 0)", RULE), (Condition::Fixed, FIXED, INK)];
-
 /// Draws a panel, and returns the top of the next one.
 fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
-    let title = Title::new(&panel.title, WIDTH - ACROSS.0 - 8.0);
-    let top = top + title.more();
-    title.draw(picture, (ACROSS.0, top + 14.0), &bold(LARGE).pos(START));
-    let legend = legend(panel);
-    legend.draw(picture, (ACROSS.0, top + 38.0));
-    let top = top + 54.0 + LEGEND_ROW * legend.rows as f64;
-    let lines = &panel.lines;
-    let bars = lines.len() + usize::from(panel.conditions.iter().any(|c| *c != Condition::Contact));
-    let band = ROW * bars as f64 + 16.0;
-    let has_law = panel.conditions.contains(&Condition::Contact);
-    let range_y = range(lines.iter().map(|line| &line.y));
-    let range_a = range(lines.iter().map(|line| &line.a));
-    let ticks_y = Ticks::inside(range_y.0, range_y.1, 5);
-    let ticks_a = Ticks::inside(range_a.0, range_a.1, 5);
-    let longest = SMALL * ticks_y.widest().max(ticks_a.widest());
-    let across = (ACROSS.0.max(NAME + NAME_ROOM + longest), ACROSS.1);
-    let x = (0.0, panel.length);
-    let upper = Plot::new(across, top, [x, range_y], ticks_y);
-    let lower_top = top + PLOT + band;
-    let lower = Plot::new(across, lower_top, [x, range_a], ticks_a);
-    let bottom = if has_law { lower_top + PLOT } else { lower_top };
+    let ContactPanel { curve, lines, .. } = panel;
+    let charts = [panel.chart(|line| &line.y), panel.chart(|line| &line.a)];
+    let entries = legend(&[&charts[0]]);
+    let parts = WITHOUT_LAW.iter().filter(|(condition, ..)| panel.has(*condition));
+    let parts = parts.map(|&(_, label, color)| Entry {
+        label: label.into(),
+        color,
+        sample: Sample::Swatch,
+    });
+    let head = Head {
+        title: Title::new(&panel.title, WIDTH - ACROSS.0 - 8.0),
+        legend: Legend::of(entries.iter().cloned().chain(parts), LEGEND),
+        gap: 40.0,
+    };
+    let upper = top + 14.0 + head.high();
+    let bars = lines.len() + usize::from(curve.conditions.iter().any(|c| *c != Condition::Contact));
+    let lower = upper + PLOT + ROW * bars as f64 + 16.0;
+    // A curve without the law has no plot of a.
+    let bottom = if panel.has(Condition::Contact) { lower + PLOT } else { lower };
 
+    let values = [&charts[0], &charts[1]].map(|chart| {
+        chart.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1))
+    });
+    let ranges = values.map(range_with_zero);
+    let ticks = ranges.map(|(low, high)| Ticks::inside(low, high, 5));
+    let longest = SMALL * ticks[0].widest().max(ticks[1].widest());
+    let across = (ACROSS.0.max(NAME + NAME_ROOM + longest), ACROSS.1);
+    let whole = Frame { across, down: (upper, bottom), x: (0.0, curve.length), y: (0.0, 1.0) };
+    head.draw(picture, &Frame { across: ACROSS, ..whole });
     let everywhere: Vec<bool> =
-        (0..panel.places.len()).map(|b| lines.iter().all(|line| line.in_contact[b])).collect();
-    let whole = Frame { down: (top, bottom), ..upper.frame };
-    for arc in arcs(&runs(&everywhere), panel) {
+        (0..curve.places.len()).map(|b| lines.iter().all(|line| line.in_contact[b])).collect();
+    for arc in arcs(&everywhere, curve) {
         whole.band(picture, arc, SHADE);
     }
-    draw_plot(picture, "y", &upper, panel, |line| &line.y);
-    if has_law {
-        draw_plot(picture, "a", &lower, panel, |line| &line.a);
+    for (k, (name, top)) in [("y", upper), ("a", lower)].into_iter().enumerate() {
+        if top == bottom {
+            continue;
+        }
+        // All values may be zero; a margin, so that the frame does not hide a curve at zero.
+        let (low, span) = (ranges[k].0, ranges[k].1 - ranges[k].0);
+        let span = if span > 0.0 { span } else { 1.0 };
+        let y = (low - 0.08 * span, low + span + 0.08 * span);
+        let frame = Frame { down: (top, top + PLOT), y, ..whole };
+        frame.rules(picture, ticks[k].values());
+        frame.label_left(picture, ticks[k].labelled());
+        picture.text(name, (NAME, frame.middle().1), italic(NORMAL));
+        if curve.parts.is_none() {
+            frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
+        }
+        Plot { chart: &charts[k], frame, entries: &entries }.draw(picture);
     }
-    draw_bars(picture, panel, &Frame { down: (top + PLOT, lower_top), ..whole });
-    match panel.start {
-        None => name_sides(picture, &whole),
-        Some(start) => name_start(picture, panel, &whole, start),
+    draw_bars(picture, panel, &entries, &Frame { down: (upper + PLOT, lower), ..whole });
+    if curve.parts.is_none() {
+        name_sides(picture, &whole);
+    } else {
+        name_start(picture, curve, &whole);
     }
-    whole.down.1 + 56.0
-}
-
-/// Returns the legend of a panel: its lines, and the parts of its curve without the law.
-fn legend(panel: &ContactPanel) -> Legend<'_> {
-    let lines = panel.lines.iter().enumerate();
-    let lines =
-        lines.map(|(k, line)| Entry { label: &line.label, color: series(k), sample: Sample::Line });
-    let parts = WITHOUT_LAW.iter().filter(|(condition, ..)| panel.conditions.contains(condition));
-    let parts = parts.map(|&(_, label, color)| Entry { label, color, sample: Sample::Swatch });
-    Legend::of(lines.chain(parts), WIDTH - 100.0)
+    bottom + 56.0
 }
 
 /// Draws the bars of all lines, and that of the parts without the law, in the band between the plots.
-fn draw_bars(picture: &mut Picture, panel: &ContactPanel, band: &Frame) {
+fn draw_bars(picture: &mut Picture, panel: &ContactPanel, entries: &[Entry], band: &Frame) {
+    let ContactPanel { curve, lines, law, .. } = panel;
     let mut bars = Vec::new();
-    for (k, line) in panel.lines.iter().enumerate() {
-        bars.extend(
-            arcs(&runs(&line.in_contact), panel).into_iter().map(|arc| (k, arc, series(k))),
-        );
+    for (k, (line, Entry { color, .. })) in lines.iter().zip(entries).enumerate() {
+        bars.extend(arcs(&line.in_contact, curve).into_iter().map(|arc| (k, arc, *color)));
     }
     for (condition, _, color) in WITHOUT_LAW {
-        let edges: Vec<bool> = panel.conditions.iter().map(|given| *given == condition).collect();
-        for [first, end] in runs(&edges) {
-            let to = panel.places.get(end).copied().unwrap_or(panel.length);
-            bars.push((panel.lines.len(), (panel.places[first], to), color));
-        }
+        let edges = (0..curve.places.len()).filter(|&k| curve.conditions[k] == condition);
+        let edges =
+            edges.map(|k| (curve.places[k], *curve.places.get(k + 1).unwrap_or(&curve.length)));
+        bars.extend(joined(edges).into_iter().map(|edges| (lines.len(), edges, color)));
     }
     for (row, (from, to), color) in bars {
         let y = band.down.0 + 8.0 + ROW * row as f64;
         picture.rect((band.right(from), y + 1.5), (band.right(to), y + ROW - 1.5), color);
     }
-    let holds = if panel.law.is_signorini() { "contact" } else { "sticks" };
-    if panel.conditions.contains(&Condition::Contact) {
+    let holds = if law.is_signorini() { "contact" } else { "sticks" };
+    if panel.has(Condition::Contact) {
         let at = (band.across.0 - 8.0, band.middle().1);
         picture.text(holds, at, plain(SMALL).pos(END).color(&MUTED));
     }
 }
 
 /// Writes the numbers along the arc length, and below its zero where that is.
-fn name_start(picture: &mut Picture, panel: &ContactPanel, whole: &Frame, [x, y]: [f64; 2]) {
-    whole.label_below(picture, Ticks::inside(0.0, panel.length, 8).labelled());
+fn name_start(
+    picture: &mut Picture,
+    ClosedCurve { points, length, .. }: &ClosedCurve,
+    whole: &Frame,
+) {
+    whole.label_below(picture, Ticks::inside(0.0, *length, 8).labelled());
     let (middle, below) = (whole.middle().0, whole.down.1 + 31.0);
     picture.text("s", (middle, below), italic(NORMAL));
-    let [x, y] = [x, y].map(|at| short(if at.abs() < ROUNDING * panel.length { 0.0 } else { at }));
+    let [x, y] = points[0].map(|at| short(if at.abs() < ROUNDING * length { 0.0 } else { at }));
     let start = format!("from ({x}, {y}), domain on the left");
     key(picture, (whole.across.0 - 8.0, below), &start);
-}
-
-/// Draws the curves of one quantity.
-fn draw_plot(
-    picture: &mut Picture,
-    name: &str,
-    plot: &Plot,
-    panel: &ContactPanel,
-    values: fn(&ContactLine) -> &Vec<f64>,
-) {
-    let Plot { frame, ticks } = plot;
-    frame.rules(picture, ticks.values());
-    frame.label_left(picture, ticks.labelled());
-    picture.text(name, (NAME, frame.middle().1), italic(NORMAL));
-    if panel.start.is_none() {
-        frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
-    }
-    for (k, line) in panel.lines.iter().enumerate() {
-        // Closed: the end of the curve is the first node again.
-        let ends = values(line).first().map(|&value| (panel.length, value));
-        let inner = panel.places.iter().copied().zip(values(line).iter().copied());
-        let places = inner.chain(ends).map(|(s, value)| frame.at(s, value));
-        // The first lines are thicker, so that a later one on top does not hide them.
-        let thick = 1.5 + 0.75 * (panel.lines.len() - 1 - k).min(3) as f64;
-        picture.path(places, series(k), thick);
-    }
-    frame.outline(picture);
 }
 
 fn name_sides(picture: &mut Picture, whole: &Frame) {
@@ -213,43 +252,45 @@ fn name_sides(picture: &mut Picture, whole: &Frame) {
     picture.text("s", (whole.right(0.5), bottom + 15.0), italic(NORMAL));
 }
 
-/// Returns the runs of boundary nodes in contact, or of edges with a condition: the first of each run, and one past its
-/// last.
-fn runs(in_contact: &[bool]) -> Vec<[usize; 2]> {
-    let mut runs: Vec<[usize; 2]> = Vec::new();
-    for (b, _) in in_contact.iter().enumerate().filter(|(_, in_contact)| **in_contact) {
-        match runs.last_mut() {
-            Some(run) if run[1] == b => run[1] = b + 1,
-            _ => runs.push([b, b + 1]),
-        }
-    }
-    runs
+/// Returns the intervals of s in which the boundary is in contact: each node stands for the half cells on both of its
+/// sides, and the first node is also the last.
+fn arcs(in_contact: &[bool], curve: &ClosedCurve) -> Vec<(f64, f64)> {
+    let count = in_contact.len();
+    let nodes = (0..=count).filter(|node| in_contact[node % count]);
+    joined(nodes.map(|node| (half_cell_before(node, curve), half_cell_before(node + 1, curve))))
 }
 
-/// Returns the intervals of s in which the boundary is in contact, from the [`runs`] of nodes.
-///
-/// Each node stands for the half cells on both of its sides; the first node is also the last.
-fn arcs(runs: &[[usize; 2]], panel: &ContactPanel) -> Vec<(f64, f64)> {
-    let mut arcs = Vec::new();
-    for [first, end] in runs {
-        arcs.push((half_cell_before(*first, panel), half_cell_before(*end, panel)));
-    }
-    if runs.first().is_some_and(|run| run[0] == 0) {
-        let half = half_cell_before(panel.places.len(), panel);
-        match arcs.last_mut() {
-            Some(last) if last.1 == half => last.1 = panel.length,
-            _ => arcs.push((half, panel.length)),
-        }
-    }
-    arcs
-}
-
-/// Returns s at the middle of the cell before a node, or 0 before the first; the last cell ends at the first node.
-fn half_cell_before(node: usize, ContactPanel { places, length, .. }: &ContactPanel) -> f64 {
+/// Returns s at the middle of the cell before a node, or an end of the curve; the last cell ends at the first node.
+fn half_cell_before(node: usize, ClosedCurve { places, length, .. }: &ClosedCurve) -> f64 {
     match node.checked_sub(1) {
         None => 0.0,
+        Some(before) if before == places.len() => *length,
         Some(before) => 0.5 * (places[before] + places.get(node).unwrap_or(length)),
     }
+}
+
+/// Joins ascending intervals that meet.
+fn joined(pieces: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut joined: Vec<(f64, f64)> = Vec::new();
+    for (from, to) in pieces {
+        match joined.last_mut() {
+            Some(last) if last.1 == from => last.1 = to,
+            _ => joined.push((from, to)),
+        }
+    }
+    joined
+}
+
+/// Returns trace and multiplier at the boundary nodes, by arc length.
+fn of_contact(panels: &[ContactPanel]) -> String {
+    let mut csv = "panel,run,s,y,a\n".to_owned();
+    for ContactPanel { title, curve, lines, .. } in panels {
+        for ContactLine { label, y, a, .. } in lines {
+            let numbers = curve.places.iter().zip(y).zip(a).map(|((&s, &y), &a)| [s, y, a]);
+            add(&mut csv, &[title, label], numbers);
+        }
+    }
+    csv
 }
 
 #[cfg(test)]
@@ -265,11 +306,14 @@ mod tests {
     #[test]
     fn contact_wraps_around_the_first_corner() {
         let problem = on_grid(Grid::new(4).unwrap());
-        let square = &ContactPanel::of("t", &problem, &[]).unwrap()[0];
-        assert!(arcs(&[], square).is_empty());
-        assert_eq!(arcs(&[[0, 1]], square), [(0.0, 0.125), (3.875, 4.0)]);
-        assert_eq!(arcs(&[[0, 1], [5, 7]], square)[1], (1.125, 1.625));
-        assert_eq!(arcs(&[[0, 16]], square), [(0.0, 4.0)]);
+        let square = &ContactPanel::of("t", &problem, &[]).unwrap()[0].curve;
+        assert!(arcs(&[false; 16], square).is_empty());
+        assert_eq!(arcs(&[true; 16], square), [(0.0, 4.0)]);
+        let mut in_contact = [false; 16];
+        in_contact[0] = true;
+        assert_eq!(arcs(&in_contact, square), [(0.0, 0.125), (3.875, 4.0)]);
+        in_contact[5..7].fill(true);
+        assert_eq!(arcs(&in_contact, square)[1], (1.125, 1.625));
     }
 
     #[test]
@@ -298,7 +342,8 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_disjoint_and_ascend() {
-        assert_eq!(runs(&[true, false, true, true, false]), [[0, 1], [2, 4]]);
+    fn intervals_that_meet_are_joined() {
+        let pieces = [(0.0, 1.0), (2.0, 3.0), (3.0, 4.0)];
+        assert_eq!(joined(pieces.into_iter()), [(0.0, 1.0), (2.0, 4.0)]);
     }
 }

@@ -1,10 +1,10 @@
 //! Solutions on the meshes of pictures, whose triangles can be told apart.
 
-use super::Surface;
 use super::camera::uphill;
+use super::{IN_SPACE, range_with_zero};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::levels::{Drawing, Lattices, Levels, Problem};
+use signorini_mathematics::levels::{Drawing, Lattices, Levels};
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
@@ -15,28 +15,39 @@ use signorini_mathematics::saddle::Pair;
 pub(crate) const MOST_CELLS: usize = 32;
 
 /// Solution on the mesh of a picture.
+#[derive(Clone, Debug)]
 pub(crate) struct DrawnSolution {
-    title: String,
-    law: Law,
-    mesh: PlaneMesh,
+    pub(super) title: String,
+    /// Law on the boundary.
+    pub(super) law: Law,
+    pub(super) mesh: PlaneMesh,
     /// Heights at the nodes.
     pub(crate) y: Vec<f64>,
     /// Nodes with v = 0 by the law.
-    in_contact: Vec<bool>,
+    pub(super) in_contact: Vec<bool>,
+    /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis: that from which the surface hides
+    /// least, unless [`seen`](Self::seen) otherwise.
+    pub(crate) azimuth: f64,
+    /// Range of heights and colours; `None` for that of the data and zero.
+    pub(super) range: Option<(f64, f64)>,
 }
 
 impl DrawnSolution {
-    /// Solution of a problem, as a panel in rows of `columns`.
+    /// Pair of the finest level under a law, as a panel in rows of `columns`.
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
     pub(crate) fn of(
         title: String,
-        problem: &Problem,
+        (levels, law): (&dyn Levels, Law),
         pair: &Pair,
         columns: usize,
     ) -> Result<Self, String> {
-        Self::on_levels(title, (problem.levels(), problem.law()), pair, columns)
+        let Drawing { mesh, nodes } = levels.drawing(MOST_CELLS * 2 / columns).ok_or(IN_SPACE)?;
+        let at_nodes = contact_at_nodes((levels, law), pair);
+        let y: Vec<f64> = nodes.iter().map(|&node| pair.y[node]).collect();
+        let in_contact = nodes.iter().map(|&node| at_nodes[node]).collect();
+        Ok(Self { title, law, azimuth: uphill(&mesh, &y), mesh, y, in_contact, range: None })
     }
 
     /// Pair on a grid of the square under a law, as a panel in rows of `columns`.
@@ -48,29 +59,7 @@ impl DrawnSolution {
     ) -> Self {
         let f = Source::constant(0.0);
         let lattices = Lattices::new(vec![grid], f, LoadRule::default());
-        Self::on_levels(title, (&lattices, law), pair, columns).expect("the square has pictures")
-    }
-
-    /// Pair of the finest level under a law, as a panel in rows of `columns`.
-    ///
-    /// # Errors
-    /// A sentence if the domain lies in space.
-    pub(crate) fn on_levels(
-        title: String,
-        (levels, law): (&dyn Levels, Law),
-        pair: &Pair,
-        columns: usize,
-    ) -> Result<Self, String> {
-        let Some(Drawing { mesh, nodes }) = levels.drawing(MOST_CELLS * 2 / columns.max(2)) else {
-            return Err("a solution in space has no picture".into());
-        };
-        let mut in_contact = vec![false; pair.y.len()];
-        for (contact, touches) in levels.contact().iter().zip(levels.in_contact(law, pair)) {
-            in_contact[contact.node] = touches;
-        }
-        let y = nodes.iter().map(|&node| pair.y[node]).collect();
-        let in_contact = nodes.iter().map(|&node| in_contact[node]).collect();
-        Ok(Self { title, law, mesh, y, in_contact })
+        Self::of(title, (&lattices, law), pair, columns).expect("the square has pictures")
     }
 
     /// This surface without marks of contact.
@@ -79,14 +68,27 @@ impl DrawnSolution {
         self
     }
 
-    /// Azimuth of the viewer from which the surface hides least.
-    pub(crate) fn azimuth(&self) -> f64 {
-        uphill(&self.mesh, &self.y)
+    /// These surfaces under the same azimuth, with one range of heights and colours.
+    pub(crate) fn seen(mut all: Vec<Self>, azimuth: f64) -> Vec<Self> {
+        let range = range_with_zero(all.iter().flat_map(|one| one.y.iter().copied()));
+        for one in &mut all {
+            (one.azimuth, one.range) = (azimuth, Some(range));
+        }
+        all
     }
 
-    /// Panel with a range of heights and colours, none for that of the data and zero.
-    pub(crate) fn panel(&self, azimuth: f64, range: Option<(f64, f64)>) -> Surface<'_> {
-        let Self { title, law, mesh, y, in_contact } = self;
-        Surface { title, mesh, law: *law, y, in_contact, azimuth, range }
+    /// Returns the range of heights and colours; around zero if the range is empty.
+    pub(super) fn range_of_colours(&self) -> (f64, f64) {
+        let range = self.range.unwrap_or_else(|| range_with_zero(self.y.iter().copied()));
+        if range.0 < range.1 { range } else { (-1.0, 1.0) }
     }
+}
+
+/// Returns the contact at the nodes of the finest level, false where no law holds.
+pub(super) fn contact_at_nodes((levels, law): (&dyn Levels, Law), pair: &Pair) -> Vec<bool> {
+    let mut at_nodes = vec![false; pair.y.len()];
+    for (contact, touches) in levels.contact().iter().zip(levels.in_contact(law, pair)) {
+        at_nodes[contact.node] = touches;
+    }
+    at_nodes
 }

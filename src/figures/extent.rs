@@ -16,29 +16,21 @@ pub(super) struct Extent {
     ends: [(f64, f64); 2],
 }
 
-/// Frame of a map of a mesh.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MapFrame {
-    /// Width and height in display pixels.
-    pub(super) size: (f64, f64),
-    /// Values of x at the left and right end, and of y at the bottom and the top.
-    pub(super) ranges: [(f64, f64); 2],
-}
-
 impl Extent {
     pub(super) fn of(mesh: &PlaneMesh) -> Self {
         Self { ends: [0, 1].map(|d| super::range(mesh.points().iter().map(|point| point[d]))) }
     }
 
-    /// Returns the frame of a map alone in its picture: as large as a square of this side, unless that is too long.
-    pub(super) fn frame(self, side: f64) -> MapFrame {
+    /// Returns width and height of the frame of a map alone in its picture, as large as a square of this side unless
+    /// that is too long, and the ranges of its axes.
+    pub(super) fn frame(self, side: f64) -> ((f64, f64), [(f64, f64); 2]) {
         let room = room(side);
         let lengths = self.lengths();
         let alike = (side - room) / (lengths[0] * lengths[1]).sqrt();
         let longest = [0, 1].map(|d| (MOST[d] - room) / lengths[d]);
         let pixels = alike.min(longest[0]).min(longest[1]);
         let [wide, high] = lengths.map(|length| (length * pixels + room).max(LEAST));
-        MapFrame { size: (wide, high), ranges: self.ranges([wide, high], pixels) }
+        ((wide, high), self.ranges([wide, high], pixels))
     }
 
     /// Returns the ranges of x and y in a square frame.
@@ -79,7 +71,7 @@ mod tests {
         for (wide, high) in
             [(1.0, 1.0), (2.0, 1.0), (10.0, 1.0), (1.0, 20.0), (1e-3, 1.0), (1e6, 1.0)]
         {
-            let MapFrame { size, ranges } = extent(wide, high).frame(288.0);
+            let (size, ranges) = extent(wide, high).frame(288.0);
             let sides = [size.0, size.1];
             let lengths = [wide, high];
             let scales = [0, 1].map(|d| (ranges[d].1 - ranges[d].0) / sides[d]);
@@ -93,7 +85,7 @@ mod tests {
                 assert!((low + high - ranges[d].0 - ranges[d].1).abs() < 1e-9 * (high - low));
             }
         }
-        let MapFrame { size, ranges } = extent(2.0, 2.0).frame(288.0);
+        let (size, ranges) = extent(2.0, 2.0).frame(288.0);
         assert!((size.0 - 288.0).abs() < 1e-9 && (size.1 - 288.0).abs() < 1e-9);
         assert!((ranges[0].0 - 2.9).abs() < 1e-12);
         assert_eq!(format!("{:.9?}", extent(2.0, 2.0).in_square(288.0)), format!("{ranges:.9?}"));

@@ -1,35 +1,49 @@
 //! Maps of the gradient where a stopping rule stops: the components that are beyond the tolerance, by size and sign.
 
-use super::GradientPanel;
-use super::axes::Frame;
-use super::maps::{below, draw_axes, layout};
+use super::maps::{SIDE, bar_below, draw_maps, layout};
 use super::palette::{ColourScale, RGBColor};
-use super::panels::draw_title;
-use super::picture::{END, NORMAL, Picture, plain};
-use super::table::of_gradients;
+use super::picture::{NORMAL, Picture, plain};
+use super::table::rounded;
 use super::text::short;
+use crate::table::quoted;
+use signorini_mathematics::discrete::grid::Grid;
 
 /// Multiples of the tolerance at which the shade changes; below the first, the rule takes a component for zero.
 const STEPS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 
+/// One panel of [`gradients`].
+#[derive(Clone, Debug)]
+pub(crate) struct GradientPanel<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) grid: Grid,
+    /// Bound of the stopping rule for the components.
+    pub(crate) tolerance: f64,
+    /// Components of the gradient with respect to y, at the nodes.
+    pub(crate) gradient: Vec<f64>,
+}
+
 /// Draws one map per panel, a cell for each node: blue where the component is negative beyond the tolerance, red where
 /// it is positive beyond the tolerance.
 pub(crate) fn gradients(panels: &[GradientPanel]) -> Picture {
-    let (layout, titles) = layout(panels.iter().map(|panel| panel.title));
-    let (width, height) = layout.size();
-    let mut picture = Picture::new(width, height);
-    for (k, panel) in panels.iter().enumerate() {
-        // The cells of the outermost nodes stick out by half their width.
-        let end = 0.5 + 0.5 * panel.grid.h();
-        let frame = layout.frame(k, (-end, end), (-end, end));
-        draw_title(&mut picture, &frame, &titles[k]);
-        let ratios = panel.gradient.iter().map(|component| component / panel.tolerance);
-        let colors: Vec<RGBColor> = ratios.map(|ratio| color(shade(ratio))).collect();
-        frame.raster(&mut picture, panel.grid.side(), &colors);
-        draw_axes(&mut picture, &frame);
-    }
-    let (across, top) = below(&layout, 500.0);
-    draw_bar(&mut picture, across, top);
+    let layout = layout(panels.iter().map(|panel| panel.title), (SIDE, SIDE));
+    // The cells of the outermost nodes stick out by half their width.
+    let ends = panels.iter().map(|panel| 0.5 + 0.5 * panel.grid.h()).collect::<Vec<f64>>();
+    let mut picture = draw_maps(
+        &layout,
+        |k| [(-ends[k], ends[k]); 2],
+        |picture, frame, k| {
+            let GradientPanel { grid, tolerance, gradient, .. } = &panels[k];
+            let colors = gradient.iter().map(|component| color(shade(component / tolerance)));
+            frame.raster(picture, grid.side(), &colors.collect::<Vec<_>>());
+        },
+    );
+    let most = STEPS.len() as i32;
+    let shades = (-most..=most).enumerate().map(|(k, shade)| (k as f64, color(shade)));
+    let steps = STEPS.iter().rev().map(|step| -step).chain(STEPS);
+    let steps = (1..).zip(steps).map(|(k, step)| (f64::from(k), short(step)));
+    let bar = bar_below(&layout, 500.0);
+    bar.draw(&mut picture, (0.0, f64::from(2 * most + 1)), shades, steps.collect());
+    bar.name(&mut picture, "gradient / tolerance", plain(NORMAL));
     picture.table = Some(of_gradients(panels));
     picture
 }
@@ -44,27 +58,31 @@ fn color(shade: i32) -> RGBColor {
     ColourScale::Diverging { limit: STEPS.len() as f64 }.color(f64::from(shade))
 }
 
-/// Draws the shades side by side, from the most negative one, with the steps between them.
-fn draw_bar(picture: &mut Picture, across: (f64, f64), top: f64) {
-    let most = STEPS.len() as i32;
-    let shades = f64::from(2 * most + 1);
-    let frame = Frame { across, down: (top, top + 12.0), x: (0.0, shades), y: (0.0, 1.0) };
-    let mut steps: Vec<f64> = STEPS.iter().rev().map(|step| -step).collect();
-    steps.extend(STEPS);
-    for (k, shade) in (-most..=most).enumerate() {
-        // Each shade reaches to the end: the next covers the rest, and no seam shows.
-        frame.band(picture, (k as f64, shades), color(shade));
+/// Returns the components of the gradient, a row for each node and a column for each panel; columns of the grid are
+/// counted from the left, rows from below.
+fn of_gradients(panels: &[GradientPanel]) -> String {
+    let mut csv = "column,row".to_owned();
+    for panel in panels {
+        csv += &format!(",{}", quoted(panel.title));
     }
-    frame.outline(picture);
-    frame.label_below(picture, (1..).zip(steps).map(|(k, step)| (f64::from(k), short(step))));
-    let name = "gradient / tolerance";
-    picture.text(name, (across.0 - 10.0, top + 6.0), plain(NORMAL).pos(END));
+    let side = panels.iter().map(|panel| panel.grid.side()).max().unwrap_or(0);
+    for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
+        csv += &format!("\n{column},{row}");
+        for GradientPanel { grid, gradient, .. } in panels {
+            csv.push(',');
+            if column.max(row) < grid.side() {
+                // Six digits: a map needs no more, and the book carries the file.
+                csv += &rounded(gradient[grid.index(column, row)], 6).to_string();
+            }
+        }
+    }
+    csv.push('\n');
+    csv
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use signorini_mathematics::discrete::grid::Grid;
 
     #[test]
     fn components_within_the_tolerance_have_no_colour_and_the_others_that_of_their_sign() {

@@ -1,13 +1,24 @@
 //! Map of the published counts that come out, over the plane of two values of f.
 
-use super::IdentifiabilityPanel;
-use super::axes::{Frame, colour_bar, key};
+use super::axes::{Bar, Frame, key};
 use super::palette::{CONTACT, ColourScale, INK, WHITE};
-use super::panels::{Panels, above, draw_title};
+use super::panels::Panels;
 use super::picture::{NORMAL, Picture, Place, SMALL, UPWARDS, plain, text_width};
-use super::table::of_identifiability;
+use super::table::add;
 use super::text::Ticks;
-use super::title::Title;
+use signorini_mathematics::identify::Slice;
+
+/// One panel of [`identifiability`].
+#[derive(Clone, Debug)]
+pub(crate) struct IdentifiabilityPanel<'a> {
+    pub(crate) title: &'a str,
+    /// Counts that come out around the recovered f, which is in the middle.
+    pub(crate) slice: &'a Slice,
+    /// Number of published counts.
+    pub(crate) cells: usize,
+    /// Other f to mark, as points of the plane.
+    pub(crate) others: Vec<[f64; 2]>,
+}
 
 /// Side of a panel in display pixels.
 const SIDE: f64 = 290.0;
@@ -22,30 +33,19 @@ pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
     let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);
     let colours = ColourScale::Viridis { low: least.min(most) as f64, high: most as f64 };
 
-    let titles = panels.iter().map(|panel| Title::new(panel.title, 95.0 + SIDE));
-    let titles: Vec<Title> = titles.collect();
-    let layout = Panels {
-        count: panels.len(),
-        columns: 2,
-        frame: (SIDE, SIDE),
-        margin: 10.0,
-        beside: (78.0, 17.0),
-        above: above(&titles),
-        below: 52.0,
-        foot: 96.0,
-    };
-    let (width, height) = layout.size();
-    let mut picture = Picture::new(width, height);
+    let (beside, foot) = ((78.0, 17.0), 96.0);
+    let layout = Panels { columns: 2, wide: SIDE, beside, margin: 10.0, foot, ..Panels::default() };
+    let layout = layout.titled(panels.iter().map(|panel| panel.title), [SIDE, 52.0]);
+    let (width, mut picture) = (layout.width(), layout.picture());
     for (k, panel) in panels.iter().enumerate() {
-        let frame = layout.frame(k, ends(&panel.slice.x), ends(&panel.slice.y));
-        draw_title(&mut picture, &frame, &titles[k]);
-        draw_panel(&mut picture, panel, frame, colours);
+        let ranges = [ends(&panel.slice.x), ends(&panel.slice.y)];
+        let frame = layout.begin(&mut picture, k, ranges);
+        draw_panel(&mut picture, panel, &frame, colours);
     }
     let top = layout.foot_top() + 14.0;
-    let middle = 0.5 * width + 60.0;
-    let half = 0.5 * (width - 260.0).min(420.0);
-    let across = (middle - half, middle + half);
-    colour_bar(&mut picture, across, top, colours, "counts that come out");
+    let (middle, half) = (0.5 * width + 60.0, 0.5 * (width - 260.0).min(420.0));
+    let bar = Bar { across: (middle - half, middle + half), top };
+    bar.scale(&mut picture, colours, "counts that come out");
     legend(&mut picture, (0.5 * width, top + 56.0), most, width);
     picture.table = Some(of_identifiability(panels));
     picture
@@ -61,14 +61,14 @@ fn ends(values: &[f64]) -> (f64, f64) {
 fn draw_panel(
     picture: &mut Picture,
     panel: &IdentifiabilityPanel,
-    frame: Frame,
+    frame: &Frame,
     colours: ColourScale,
 ) {
     let slice = panel.slice;
     let counts = slice.exact.iter().flatten();
     let colors: Vec<_> = counts.map(|&count| colours.color(count as f64)).collect();
     frame.raster(picture, slice.x.len(), &colors);
-    outline_full(picture, panel, &frame);
+    outline_full(picture, panel, frame);
     for &[x, y] in &panel.others {
         if frame.x.0 < x && x < frame.x.1 && frame.y.0 < y && y < frame.y.1 {
             cross(picture, frame.at(x, y));
@@ -86,26 +86,22 @@ fn draw_panel(
 /// Outlines the region in which every count comes out: draws each side between a cell inside and a cell outside.
 fn outline_full(picture: &mut Picture, panel: &IdentifiabilityPanel, frame: &Frame) {
     let cells = (panel.slice.x.len(), panel.slice.y.len());
-    for j in 0..cells.1 {
-        for i in 0..=cells.0 {
-            if (i > 0 && is_full(panel, i - 1, j)) != is_full(panel, i, j) {
-                let side = [frame.corner((i, j), cells), frame.corner((i, j + 1), cells)];
-                picture.path(side, CONTACT, 1.75);
-            }
-        }
-    }
-    for j in 0..=cells.1 {
-        for i in 0..cells.0 {
-            if (j > 0 && is_full(panel, i, j - 1)) != is_full(panel, i, j) {
-                let side = [frame.corner((i, j), cells), frame.corner((i + 1, j), cells)];
+    for d in 0..2 {
+        for (i, j) in (0..=cells.1).flat_map(|j| (0..=cells.0).map(move |i| (i, j))) {
+            let (before, end) = match d {
+                0 => ((i.wrapping_sub(1), j), (i, j + 1)),
+                _ => ((i, j.wrapping_sub(1)), (i + 1, j)),
+            };
+            if is_full(panel, before) != is_full(panel, (i, j)) {
+                let side = [(i, j), end].map(|corner| frame.corner(corner, cells));
                 picture.path(side, CONTACT, 1.75);
             }
         }
     }
 }
 
-/// True if there is a cell in column `i` and row `j` and every count comes out there.
-fn is_full(panel: &IdentifiabilityPanel, i: usize, j: usize) -> bool {
+/// True if there is a cell in this column and row and every count comes out there.
+fn is_full(panel: &IdentifiabilityPanel, (i, j): (usize, usize)) -> bool {
     let count = panel.slice.exact.get(j).and_then(|row| row.get(i));
     count == Some(&panel.cells)
 }
@@ -137,4 +133,16 @@ fn legend(picture: &mut Picture, (middle, y): Place, most: usize, width: f64) {
         }
         x = key(picture, (x + 22.0, y), text) + 14.0;
     }
+}
+
+/// Returns the number of counts that come out for each f.
+fn of_identifiability(panels: &[IdentifiabilityPanel]) -> String {
+    let mut csv = "panel,f on the quadrant,f elsewhere,counts\n".to_owned();
+    for IdentifiabilityPanel { title, slice, .. } in panels {
+        for (&y, row) in slice.y.iter().zip(&slice.exact) {
+            let counts = slice.x.iter().zip(row);
+            add(&mut csv, &[title], counts.map(|(&x, &counts)| [x, y, counts as f64]));
+        }
+    }
+    csv
 }

@@ -1,13 +1,12 @@
 //! Figure 1: maps of right-hand sides.
 
-use super::axes::{Frame, colour_bar};
-use super::extent::{Extent, MapFrame};
+use super::axes::{Bar, Frame};
+use super::extent::Extent;
 use super::palette::{ColourScale, INK, legible_on};
-use super::panels::{Panels, above, draw_title};
+use super::panels::Panels;
 use super::picture::{NORMAL, Picture, SMALL, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
-use super::title::Title;
 use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::source::Source;
@@ -22,6 +21,8 @@ const BANDS: f64 = 20.0;
 ///
 /// A multiple of [`RASTER`], so that its cells fall on whole pixels.
 pub(super) const SIDE: f64 = 288.0;
+/// Width of the bar of colours.
+pub(super) const BAR: f64 = 420.0;
 /// Size of a value in a wide region.
 const LABEL: f64 = 18.0;
 
@@ -34,46 +35,81 @@ type Point = [f64; 2];
 ///
 /// Pieces are painted as exact polygons in their order; each value is printed in the widest place of its region, if it
 /// fits. A smooth f is painted as a raster, without values.
-pub(crate) fn maps_of_f(panels: &[(&str, &Source)]) -> Picture {
+pub(crate) fn maps_of_f(panels: &[(&str, Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
-    let limit = largest(&rasters.concat());
-    let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
-    let (layout, titles) = layout(panels.iter().map(|(title, _)| *title));
-    let (width, height) = layout.size();
-    let mut picture = Picture::new(width, height);
-    for (k, ((_, f), values)) in panels.iter().zip(&rasters).enumerate() {
-        let frame = layout.frame(k, (-0.5, 0.5), (-0.5, 0.5));
-        draw_title(&mut picture, &frame, &titles[k]);
-        draw_map(&mut picture, f, values, &frame, colours);
-    }
-    let (across, top) = below(&layout, 420.0);
-    colour_bar(&mut picture, across, top, colours, "f (x, y)");
+    let colours = colours_of_f(&rasters.concat());
+    let layout = layout(panels.iter().map(|(title, _)| *title), (SIDE, SIDE));
+    let mut picture = draw_maps(
+        &layout,
+        |_| [(-0.5, 0.5); 2],
+        |picture, frame, k| draw_map(picture, &panels[k].1, &rasters[k], frame, colours),
+    );
+    bar_below(&layout, BAR).scale(&mut picture, colours, "f (x, y)");
     picture
 }
 
-/// Layout of one map whose frame is a square.
-pub(super) const ONE: Panels = Panels {
-    count: 1,
-    columns: 2,
-    frame: (SIDE, SIDE),
-    margin: 20.0,
-    beside: (66.0, 26.0),
-    above: 48.0,
-    below: 46.0,
-    foot: 66.0,
-};
-
-/// Returns the layout of maps of the square with these titles.
-pub(super) fn layout<'a>(texts: impl Iterator<Item = &'a str>) -> (Panels, Vec<Title>) {
-    let titles: Vec<Title> = texts.map(|text| Title::new(text, ONE.cell().0)).collect();
-    (Panels { count: titles.len(), above: above(&titles), ..ONE }, titles)
+/// Draws a mesh with the mean of f on each triangle in colour, below its title and above a colour bar symmetric about
+/// 0.
+///
+/// All triangles are drawn: a mesh of more than 2500 makes a large file.
+pub(crate) fn mesh_map(title: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
+    let colours = colours_of_f(f);
+    let (layout, ranges) = layout_around(mesh, title);
+    let mut picture = draw_maps(
+        &layout,
+        |_| ranges,
+        |picture, frame, _| {
+            frame.triangles(picture, mesh, f.iter().map(|&value| colours.color(value)));
+        },
+    );
+    bar_below(&layout, BAR).scale(&mut picture, colours, "f (x, y)");
+    picture
 }
 
-/// Returns left and right end, and top, of a bar of this width below the maps.
-pub(super) fn below(layout: &Panels, width: f64) -> ((f64, f64), f64) {
-    let all = layout.size().0;
+/// Lays out maps of this size, two in a row, with room for a bar of colours below all.
+pub(super) fn layout<'a>(
+    titles: impl IntoIterator<Item = &'a str>,
+    (wide, high): (f64, f64),
+) -> Panels {
+    // A narrow frame is in the middle of a picture that has room for the colour bar.
+    let room = 0.5 * (SIDE - wide).max(0.0);
+    let beside = (66.0 + room, 26.0 + room);
+    let layout = Panels { columns: 2, wide, beside, margin: 20.0, foot: 66.0, ..Panels::default() };
+    layout.titled(titles, [high, 46.0])
+}
+
+/// Lays out the map of a mesh; returns the ranges of its axes too.
+pub(super) fn layout_around(mesh: &PlaneMesh, title: &str) -> (Panels, [(f64, f64); 2]) {
+    let (size, ranges) = Extent::of(mesh).frame(SIDE);
+    (layout([title], size), ranges)
+}
+
+/// Draws maps of these ranges, each what `paint` draws in its frame, with axes.
+pub(super) fn draw_maps(
+    layout: &Panels,
+    ranges: impl Fn(usize) -> [(f64, f64); 2],
+    paint: impl Fn(&mut Picture, &Frame, usize),
+) -> Picture {
+    let mut picture = layout.picture();
+    for k in 0..layout.titles.len() {
+        let frame = layout.begin(&mut picture, k, ranges(k));
+        paint(&mut picture, &frame, k);
+        draw_axes(&mut picture, &frame);
+    }
+    picture
+}
+
+/// Returns a bar of this width below maps.
+pub(super) fn bar_below(layout: &Panels, width: f64) -> Bar {
+    let all = layout.width();
     let (middle, half) = (0.5 * all + 10.0, 0.5 * (all - 160.0).min(width));
-    ((middle - half, middle + half), layout.foot_top() + 12.0)
+    Bar { across: (middle - half, middle + half), top: layout.foot_top() + 12.0 }
+}
+
+/// Returns the colours of values of f, symmetric about 0.
+fn colours_of_f(values: &[f64]) -> ColourScale {
+    let limit = largest(values);
+    ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } }
 }
 
 /// Draws the map of f, whose raster is `values`.
@@ -110,7 +146,6 @@ fn draw_map(
             frame.raster(picture, RASTER, &shades);
         }
     }
-    draw_axes(picture, frame);
 }
 
 /// Draws outline and axes of a map.
@@ -124,17 +159,6 @@ pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     let name = if widest > SHORT_NUMBER { 14.0 + SMALL * widest } else { 48.0 };
     picture.text("x", (x, frame.down.1 + 31.0), italic(NORMAL));
     picture.text("y", (frame.across.0 - name, y), italic(NORMAL));
-}
-
-/// Returns the layout of the map of a mesh below its title, with the ranges of its axes.
-pub(super) fn layout_around(mesh: &PlaneMesh, text: &str) -> (Panels, [(f64, f64); 2], Title) {
-    let MapFrame { size, ranges } = Extent::of(mesh).frame(SIDE);
-    // A narrow frame is in the middle of a picture that has room for the colour bar.
-    let beside = 0.5 * (SIDE - size.0).max(0.0);
-    let (left, right) = ONE.beside;
-    let layout = Panels { frame: size, beside: (left + beside, right + beside), ..ONE };
-    let title = Title::new(text, layout.cell().0);
-    (Panels { above: above([&title]), ..layout }, ranges, title)
 }
 
 /// Most steps between numbers along an axis of a map with these ends.
@@ -229,6 +253,8 @@ fn label_regions(picture: &mut Picture, frame: &Frame, values: &[f64], colours: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::samples::svg;
+    use signorini_mathematics::mesh::BuiltIn;
 
     #[test]
     fn borders_are_drawn_only_where_f_jumps() {
@@ -239,5 +265,13 @@ mod tests {
         // The line x = 0 lies between two pieces of the same value.
         assert!(drawn.iter().flatten().all(|p| p[0] > -0.002));
         assert!(!drawn.iter().any(|run| run.windows(2).any(|e| e[0][0] == 0.0 && e[1][0] == 0.0)));
+    }
+
+    #[test]
+    fn every_triangle_has_its_colour() {
+        let mesh = BuiltIn::Annulus.plane().unwrap();
+        let f: Vec<f64> = (0..mesh.cells().len()).map(|k| k as f64 - 12.0).collect();
+        let svg = svg(&mesh_map("annulus", &mesh, &f));
+        assert_eq!(svg.matches("<path").count(), mesh.cells().len());
     }
 }

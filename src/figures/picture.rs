@@ -36,7 +36,7 @@ fn filled(color: RGBColor) -> ShapeStyle {
 /// Shapes, given in display pixels.
 #[derive(Default)]
 pub(crate) struct Picture {
-    width: f64,
+    pub(super) width: f64,
     /// Height, which may be set after all is drawn.
     pub(super) height: f64,
     body: String,
@@ -82,11 +82,14 @@ impl Picture {
         self.body += &(shape + "\n");
     }
 
-    /// Adds shapes that inherit `attributes`, such as a dash pattern, in canvas pixels.
+    /// Adds shapes that inherit `attributes`, such as a dash pattern, in canvas pixels; no group without any.
     pub(super) fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Self)) {
-        self.body += &format!("<g {attributes}>\n");
+        let before = self.body.len();
         draw(self);
-        self.body += "</g>\n";
+        if !attributes.is_empty() && self.body.len() > before {
+            self.body.insert_str(before, &format!("<g {attributes}>\n"));
+            self.body += "</g>\n";
+        }
     }
 
     /// Draws an open polygon, `width` display pixels thick.

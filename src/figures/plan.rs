@@ -1,13 +1,11 @@
 //! Meshes in the plane from above: triangles, parts of the boundary, regions.
 
-use super::axes::{Entry, Frame, LEGEND_ROW, Legend, Sample};
-use super::boxes::CELL_LINES;
+use super::axes::{Entry, Legend, Sample};
 use super::extent::Extent;
 use super::maps::draw_axes;
 use super::palette::{light, series};
-use super::panels::{Panels, above, draw_title};
+use super::panels::Panels;
 use super::picture::Picture;
-use super::title::Title;
 use signorini_mathematics::mesh::{Condition, PlaneMesh};
 
 /// Sides of a panel in display pixels, where two are in a row and where three are.
@@ -26,93 +24,51 @@ const FIRST_SHADE: usize = 4;
 ///
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
 pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
-    let keys: Vec<_> = panels.iter().map(|(_, mesh)| MeshKey::new(mesh)).collect();
     let ([side, key, margin], beside) = match panels.len() {
         3 => ([SIDES[1], KEYS[1], 10.0], (62.0, 18.0)),
         _ => ([SIDES[0], KEYS[0], 20.0], (66.0, 26.0)),
     };
-    let width = beside.0 + side + beside.1;
-    let titles: Vec<Title> = panels.iter().map(|(text, _)| Title::new(text, width)).collect();
-    let legends: Vec<_> = keys.iter().map(|one| one.legend(key)).collect();
-    let rows = legends.iter().map(|legend| legend.rows).max().unwrap_or(0);
-    let layout = Panels {
-        count: panels.len(),
-        columns: if panels.len() == 3 { 3 } else { 2 },
-        frame: (side, side),
-        margin,
-        beside,
-        above: above(&titles),
-        below: KEY_GAP + LEGEND_ROW * rows as f64,
-        foot: 8.0,
-    };
-    let (width, height) = layout.size();
-    let mut picture = Picture::new(width, height);
+    let legends: Vec<_> = panels.iter().map(|(_, mesh)| Legend::of(entries(mesh), key)).collect();
+    let below = KEY_GAP + legends.iter().map(Legend::high).fold(0.0, f64::max);
+    let columns = if panels.len() == 3 { 3 } else { 2 };
+    let layout = Panels { columns, wide: side, beside, margin, foot: 8.0, ..Panels::default() };
+    let layout = layout.titled(panels.iter().map(|(title, _)| *title), [side, below]);
+    let mut picture = layout.picture();
     for (k, ((_, mesh), legend)) in panels.iter().zip(&legends).enumerate() {
-        let [x, y] = Extent::of(mesh).in_square(side);
-        let frame = layout.frame(k, x, y);
-        draw_title(&mut picture, &frame, &titles[k]);
+        let frame = layout.begin(&mut picture, k, Extent::of(mesh).in_square(side));
         draw_axes(&mut picture, &frame);
-        draw_mesh(&mut picture, mesh, &frame);
+        let regions = mesh.regions().iter();
+        let shades = regions.map(|&region| light(FIRST_SHADE + usize::from(region)));
+        frame.triangles(&mut picture, mesh, shades);
+        picture.group("stroke-linecap=\"round\"", |picture| {
+            for facet in mesh.facets() {
+                let ends = mesh.corners(facet).map(|[x, y]| frame.at(x, y));
+                picture.path(ends, series(facet.part as usize), 2.5);
+            }
+        });
         legend.draw(&mut picture, (frame.across.0 - 30.0, frame.down.1 + KEY_GAP));
     }
     picture
 }
 
-fn draw_mesh(picture: &mut Picture, mesh: &PlaneMesh, frame: &Frame) {
-    picture.group(CELL_LINES, |picture| {
-        for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
-            let color = light(FIRST_SHADE + region as usize);
-            picture.polygon(mesh.vertices(cell).map(|[x, y]| frame.at(x, y)), color);
-        }
-    });
-    picture.group("stroke-linecap=\"round\"", |picture| {
-        for facet in mesh.facets() {
-            picture.path(
-                mesh.corners(facet).map(|[x, y]| frame.at(x, y)),
-                series(facet.part as usize),
-                2.5,
-            );
-        }
-    });
-}
-
-/// Texts of the key of a mesh.
-struct MeshKey {
-    /// Name and condition of each part.
-    parts: Vec<String>,
-    /// Names of the regions, if there are more than one.
-    regions: Vec<String>,
-}
-
-impl MeshKey {
-    fn new(mesh: &PlaneMesh) -> Self {
-        let parts = mesh.parts().iter().map(|part| {
-            let condition = match part.condition {
-                Condition::Contact => "contact",
-                Condition::Free => "free",
-                Condition::Fixed => "fixed",
-            };
-            format!("{}: {condition}", cut(&part.names.to_string()))
-        });
-        let regions = mesh.region_names().iter().map(|names| cut(&names.to_string()));
-        let regions = if mesh.region_names().len() > 1 { regions.collect() } else { Vec::new() };
-        Self { parts: parts.collect(), regions }
+/// Returns the entries of the key of a mesh: its parts with their conditions, and its regions if there are several.
+fn entries(mesh: &PlaneMesh) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for (k, part) in mesh.parts().iter().enumerate() {
+        let condition = match part.condition {
+            Condition::Contact => "contact",
+            Condition::Free => "free",
+            Condition::Fixed => "fixed",
+        };
+        let label = format!("{}: {condition}", cut(&part.names.to_string()));
+        entries.push(Entry { label, color: series(k), sample: Sample::Line });
     }
-
-    /// Returns the legend, no wider than `width`.
-    fn legend(&self, width: f64) -> Legend<'_> {
-        let parts = self.parts.iter().enumerate().map(|(k, label)| Entry {
-            label,
-            color: series(k),
-            sample: Sample::Line,
-        });
-        let regions = self.regions.iter().enumerate().map(|(k, label)| Entry {
-            label,
-            color: light(FIRST_SHADE + k),
-            sample: Sample::Swatch,
-        });
-        Legend::of(parts.chain(regions), width)
+    let regions = mesh.region_names().iter().filter(|_| mesh.region_names().len() > 1);
+    for (k, names) in regions.enumerate() {
+        let (label, color) = (cut(&names.to_string()), light(FIRST_SHADE + k));
+        entries.push(Entry { label, color, sample: Sample::Swatch });
     }
+    entries
 }
 
 /// Returns a name, without its end if it is long.

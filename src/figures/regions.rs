@@ -2,6 +2,7 @@
 
 use super::picture::Place;
 use signorini_mathematics::problem::source::Source;
+use std::collections::BTreeMap;
 
 /// Cells per side of the raster for the places of labels and for pictures of a smooth f.
 pub(super) const RASTER: usize = 72;
@@ -17,30 +18,25 @@ pub(super) fn raster(f: &Source) -> Vec<f64> {
 }
 
 /// Returns the connected sets of raster cells with equal values, each in ascending order.
+///
+/// Each cell takes the least number of its neighbours with its value, until none changes.
 pub(super) fn regions(values: &[f64]) -> Vec<Vec<usize>> {
-    let mut seen = vec![false; values.len()];
-    let mut regions = Vec::new();
-    for start in 0..values.len() {
-        if seen[start] {
-            continue;
-        }
-        seen[start] = true;
-        let mut region = vec![start];
-        let mut next = 0;
-        while next < region.len() {
-            let k = region[next];
-            next += 1;
-            for neighbour in neighbours(k).into_iter().flatten() {
-                if !seen[neighbour] && values[neighbour] == values[k] {
-                    seen[neighbour] = true;
-                    region.push(neighbour);
-                }
+    let mut least: Vec<usize> = (0..values.len()).collect();
+    let mut is_changed = true;
+    while is_changed {
+        is_changed = false;
+        for k in (0..values.len()).chain((0..values.len()).rev()) {
+            for n in neighbours(k).into_iter().flatten().filter(|&n| values[n] == values[k]) {
+                is_changed |= least[n] < least[k];
+                least[k] = least[k].min(least[n]);
             }
         }
-        region.sort_unstable();
-        regions.push(region);
     }
-    regions
+    let mut regions: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (k, least) in least.into_iter().enumerate() {
+        regions.entry(least).or_default().push(k);
+    }
+    regions.into_values().collect()
 }
 
 /// Returns the neighbours of raster cell `k` to the west, east, south and north.
@@ -89,28 +85,19 @@ pub(super) struct Disc {
 pub(super) fn widest(region: &[usize], values: &[f64]) -> Disc {
     let edge: Vec<RasterCell> =
         region.iter().filter(|&&k| is_at_edge(k, values)).map(|&k| cell(k)).collect();
-    let (mut greatest, mut candidates) = (0, Vec::new());
-    for &k in region {
+    let distances = region.iter().map(|&k| {
         let to_edge = edge.iter().map(|&other| squared_distance(cell(k), other));
-        let distance = to_edge.min().unwrap_or(0);
-        if distance > greatest {
-            greatest = distance;
-            candidates.clear();
-        }
-        if distance == greatest {
-            candidates.push(cell(k));
-        }
-    }
+        to_edge.min().unwrap_or(0)
+    });
+    let distances: Vec<i64> = distances.collect();
+    let greatest = distances.iter().copied().max().unwrap_or(0);
+    let candidates = region.iter().zip(&distances).filter(|(_, distance)| **distance == greatest);
+    let candidates: Vec<RasterCell> = candidates.map(|(&k, _)| cell(k)).collect();
     let count = candidates.len() as i64;
     let sum = candidates.iter().fold((0, 0), |sum: RasterCell, (i, j)| (sum.0 + i, sum.1 + j));
-    let mut nearest = (i64::MAX, (0, 0));
-    for &(i, j) in &candidates {
-        let distance = squared_distance((i * count, j * count), sum);
-        if distance < nearest.0 {
-            nearest = (distance, (i, j));
-        }
-    }
-    let (distance, (i, j)) = nearest;
+    let to_mean =
+        candidates.iter().map(|&(i, j)| (squared_distance((i * count, j * count), sum), (i, j)));
+    let (distance, (i, j)) = to_mean.min_by_key(|(distance, _)| *distance).unwrap_or_default();
     let at = if distance <= count * count {
         (sum.0 as f64 / count as f64, sum.1 as f64 / count as f64)
     } else {

@@ -2,13 +2,13 @@
 
 use super::Stroke::{Line, Marked, Reference};
 use super::*;
-use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::mesh::{AnyMesh, PlaneMesh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::saddle::{Iteration, Pair};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// A picture under a title that needs escaping.
@@ -42,7 +42,8 @@ fn solved(domain: Domain, times: u8, f: &str) -> DrawnSolution {
     let fineness = Fineness::Refined(times);
     let statement = Statement { fineness, ..Statement::usual(domain, f) };
     let solved = statement.solved(file.as_deref()).unwrap();
-    DrawnSolution::of(name, &solved.problem, &solved.pair(), 2).unwrap()
+    let on = (solved.problem.levels(), solved.problem.law());
+    DrawnSolution::of(name, on, &solved.pair(), 2).unwrap()
 }
 
 /// Problem on one grid of the square.
@@ -54,6 +55,19 @@ pub(super) fn on_grid(grid: Grid) -> Problem {
 /// Surface of a pair on a grid of the square.
 pub(super) fn solution(title: &str, grid: Grid, pair: &Pair) -> DrawnSolution {
     DrawnSolution::on_grid(title.into(), (grid, Law::SIGNORINI), pair, 2)
+}
+
+/// Surface on a mesh under the law of Signorini.
+pub(super) fn panel(mesh: &PlaneMesh, y: &[f64], in_contact: &[bool]) -> DrawnSolution {
+    DrawnSolution {
+        title: "t".into(),
+        law: Law::SIGNORINI,
+        mesh: mesh.clone(),
+        y: y.into(),
+        in_contact: in_contact.into(),
+        azimuth: -37.5,
+        range: None,
+    }
 }
 
 /// File with a gear.
@@ -78,8 +92,7 @@ fn meshes() -> Vec<(String, String)> {
     ];
     let mut figures = Vec::new();
     for (name, one) in &drawn {
-        let picture = surfaces(2, &[one.panel(one.azimuth(), None)]);
-        figures.push(((*name).to_owned(), svg(&picture)));
+        figures.push(((*name).to_owned(), svg(&surfaces(2, std::slice::from_ref(one)))));
     }
     let coarse = [("disc", &disc), ("L-shape", &lshape), ("annulus", &annulus), ("gear", &gear)];
     let plans: Vec<_> = coarse
@@ -99,9 +112,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let shapes =
         "disc(0.1,0.1,0.3)=1; rect(-0.5,-0.2,-0.1,0.02)=-1.5; halfplane(1,1,-0.4)=2; else=-1";
     let texts = ["else=0", "exact(full-contact)", shapes];
-    let fs = texts.map(|text| text.parse::<Source>().unwrap());
-    let maps: Vec<_> =
-        texts.iter().zip(&fs).map(|(title, f)| (&title[..title.len().min(30)], f)).collect();
+    let maps = texts.map(|text| (&text[..text.len().min(30)], text.parse::<Source>().unwrap()));
     figures.push(("maps".into(), svg(&maps_of_f(&maps))));
     figures.push(("map".into(), svg(&maps_of_f(&maps[2..]))));
     let grids = nested(&[4, 8]).unwrap();
@@ -111,7 +122,7 @@ fn unusual_scenes() -> Vec<(String, String)> {
     let pair = Pair { y, a };
     let surface = solution(title, grid, &pair);
     for azimuth in [0.0, 52.5, 90.0] {
-        let picture = surfaces(2, &[surface.panel(azimuth, None)]);
+        let picture = surfaces(2, &[DrawnSolution { azimuth, ..surface.clone() }]);
         figures.push((format!("view{azimuth}"), svg(&picture)));
     }
     let lines =

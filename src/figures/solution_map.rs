@@ -1,17 +1,16 @@
 //! Maps of solutions on domains in the plane: v in bands of colour between isolines, and the boundary by its state.
 
 use super::axes::{Frame, key};
-use super::drawn::MOST_CELLS;
+use super::drawn::{DrawnSolution, contact_at_nodes};
 use super::isolines::{AtLevel, Loop};
-use super::maps::{below, draw_axes, layout_around};
+use super::maps::{BAR, bar_below, draw_maps, layout_around};
 use super::palette::{CONTACT, ColourScale, INK, RGBColor};
-use super::panels::draw_title;
-use super::picture::{END, NORMAL, Picture, Place, SMALL, italic, text_width};
+use super::picture::{NORMAL, Picture, Place, SMALL, italic, text_width};
 use super::polyline::simplified;
 use super::text::Ticks;
-use super::{FIXED, held, range_with_zero};
-use signorini_mathematics::levels::{ClosedCurve, Drawing, Levels};
-use signorini_mathematics::mesh::{Condition, PlaneMesh};
+use super::{FIXED, IN_SPACE, held};
+use signorini_mathematics::levels::{ClosedCurve, Levels};
+use signorini_mathematics::mesh::Condition;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
@@ -22,16 +21,14 @@ const BAND_LINES: &str =
     "fill-rule=\"evenodd\" stroke=\"#FEFEFE\" stroke-opacity=\"0.6\" stroke-width=\"2\"";
 /// Widths of the boundary, and of the parts of it that are held, in display pixels.
 const BOUNDARY_WIDTHS: [f64; 2] = [1.0, 4.0];
+/// Height of the key.
+const KEY_HEIGHT: f64 = 22.0;
 /// Length of a line of the key, and the room behind it and behind its words.
 const KEY: [f64; 3] = [28.0, 10.0, 24.0];
 
 /// Solution on the mesh of a picture, with the boundary of the finest level.
 pub(crate) struct SolutionMap {
-    title: String,
-    law: Law,
-    mesh: PlaneMesh,
-    /// v at the nodes of the mesh.
-    v: Vec<f64>,
+    drawn: DrawnSolution,
     /// Closed curves of the boundary.
     boundary: Vec<Loop>,
     /// Parts of the boundary with v = 0 by the law, each as the corners of a line.
@@ -45,19 +42,11 @@ impl SolutionMap {
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
-    pub(crate) fn of(
-        title: String,
-        (levels, law): (&dyn Levels, Law),
-        pair: &Pair,
-    ) -> Result<Self, String> {
-        let in_space = "a solution in space has no picture";
-        let Drawing { mesh, nodes } = levels.drawing(2 * MOST_CELLS).ok_or(in_space)?;
-        let mut is_held = vec![false; pair.y.len()];
-        for (contact, holds) in levels.contact().iter().zip(levels.in_contact(law, pair)) {
-            is_held[contact.node] = holds;
-        }
+    pub(crate) fn of(title: String, on: (&dyn Levels, Law), pair: &Pair) -> Result<Self, String> {
+        let drawn = DrawnSolution::of(title, on, pair, 1)?;
+        let is_held = contact_at_nodes(on, pair);
         let (mut held, mut fixed, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
-        for curve in levels.curves().ok_or(in_space)? {
+        for curve in on.0.curves().ok_or(IN_SPACE)? {
             let ClosedCurve { points, nodes, conditions, .. } = &curve;
             for (k, condition) in conditions.iter().enumerate() {
                 let ends = [k, (k + 1) % points.len()];
@@ -73,31 +62,31 @@ impl SolutionMap {
             }
             boundary.push(curve.points);
         }
-        let v = nodes.iter().map(|&node| pair.y[node]).collect();
-        Ok(Self { title, law, mesh, v, boundary, held, fixed })
+        Ok(Self { drawn, boundary, held, fixed })
     }
 
     /// Draws the map below its title, above a colour bar and the words of the law.
     pub(crate) fn picture(&self) -> Picture {
-        let (layout, [x, y], title) = layout_around(&self.mesh, &self.title);
-        let (width, height) = layout.size();
-        let mut picture = Picture::new(width, height + 22.0);
-        picture.refuse_unless_finite(&self.v);
-        let frame = layout.frame(0, x, y);
-        draw_title(&mut picture, &frame, &title);
-        let bands = Bands::of(&self.v);
-        self.draw(&mut picture, &frame, &bands);
-        draw_axes(&mut picture, &frame);
-        let (across, top) = below(&layout, 420.0);
-        bands.draw_bar(&mut picture, across, top);
-        self.draw_key(&mut picture, (0.5 * width, top + 46.0));
+        let (layout, ranges) = layout_around(&self.drawn.mesh, &self.drawn.title);
+        let bands = bands(&self.drawn);
+        let mut picture =
+            draw_maps(&layout, |_| ranges, |picture, frame, _| self.draw(picture, frame, &bands));
+        picture.refuse_unless_finite(&self.drawn.y);
+        picture.height += KEY_HEIGHT;
+        let (bar, range) = (bar_below(&layout, BAR), self.drawn.range_of_colours());
+        let numbers = Ticks::inside(range.0, range.1, ISOLINES / 2);
+        let lower = bands.iter().map(|&(lower, color)| (lower.max(range.0), color));
+        bar.draw(&mut picture, range, lower, numbers.labelled());
+        bar.name(&mut picture, "v", italic(NORMAL));
+        let middle = 0.5 * picture.width;
+        self.draw_key(&mut picture, (middle, bar.top + 46.0));
         picture
     }
 
     /// Draws the words for the parts of the boundary that are held, centred.
     fn draw_key(&self, picture: &mut Picture, (middle, y): Place) {
         let fixed = Some((INK, FIXED)).filter(|_| !self.fixed.is_empty());
-        let entries: Vec<_> = [(CONTACT, held(self.law))].into_iter().chain(fixed).collect();
+        let entries: Vec<_> = [(CONTACT, held(self.drawn.law))].into_iter().chain(fixed).collect();
         let [line, gap, behind] = KEY;
         let widths =
             entries.iter().map(|(_, words)| line + gap + text_width(words, SMALL) + behind);
@@ -110,10 +99,11 @@ impl SolutionMap {
         });
     }
 
-    fn draw(&self, picture: &mut Picture, frame: &Frame, bands: &Bands) {
+    fn draw(&self, picture: &mut Picture, frame: &Frame, bands: &[(f64, RGBColor)]) {
         picture.group(BAND_LINES, |picture| {
-            for (level, color) in bands.levels() {
-                let borders = AtLevel { mesh: &self.mesh, values: &self.v, level }.borders();
+            for &(level, color) in bands {
+                let borders =
+                    AtLevel { mesh: &self.drawn.mesh, values: &self.drawn.y, level }.borders();
                 // A region is closed by itself.
                 let loops = borders.iter().map(|border| {
                     let mut places = places(frame, closed(border));
@@ -168,46 +158,17 @@ fn closed(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
     points.iter().chain(points.first()).copied()
 }
 
-/// Bands of colour between isolines.
-struct Bands {
-    colours: ColourScale,
-    /// Values of v on the isolines, ascending.
-    isolines: Vec<f64>,
-}
-
-impl Bands {
-    fn of(v: &[f64]) -> Self {
-        let (low, high) = match range_with_zero(v.iter().copied()) {
-            range if range.0 < range.1 => range,
-            _ => (-1.0, 1.0),
-        };
-        let ticks = Ticks::inside(low, high, ISOLINES);
-        let isolines = ticks.values().filter(|value| low < *value && *value < high).collect();
-        Self { colours: ColourScale::Viridis { low, high }, isolines }
-    }
-
-    /// Lower end of each band, minus infinity for the first, with the colour of its middle.
-    fn levels(&self) -> impl Iterator<Item = (f64, RGBColor)> + '_ {
-        let (low, high) = self.colours.range();
-        let ends = self.isolines.iter().copied();
-        let lower = [f64::NEG_INFINITY].into_iter().chain(ends.clone());
-        lower
-            .zip(ends.chain([high]))
-            .map(move |(lower, upper)| (lower, self.colours.color(0.5 * (lower.max(low) + upper))))
-    }
-
-    /// Draws the bands side by side, with numbers below and the name of v to the left.
-    fn draw_bar(&self, picture: &mut Picture, across: (f64, f64), top: f64) {
-        let range = self.colours.range();
-        let frame = Frame { across, down: (top, top + 12.0), x: range, y: (0.0, 1.0) };
-        for (lower, color) in self.levels() {
-            // Each band reaches to the end: the next covers the rest, and no seam shows.
-            frame.band(picture, (lower.max(range.0), range.1), color);
-        }
-        frame.outline(picture);
-        frame.label_below(picture, Ticks::inside(range.0, range.1, ISOLINES / 2).labelled());
-        picture.text("v", (across.0 - 10.0, top + 6.0), italic(NORMAL).pos(END));
-    }
+/// Returns the bands of colour between isolines: the lower end of each, minus infinity for the first, with the colour
+/// of its middle.
+fn bands(drawn: &DrawnSolution) -> Vec<(f64, RGBColor)> {
+    let (low, high) = drawn.range_of_colours();
+    let colours = ColourScale::Viridis { low, high };
+    let ticks = Ticks::inside(low, high, ISOLINES);
+    let isolines = ticks.values().filter(|value| low < *value && *value < high);
+    let isolines: Vec<f64> = isolines.collect();
+    let lower = [f64::NEG_INFINITY].into_iter().chain(isolines.clone());
+    let bands = lower.zip(isolines.into_iter().chain([high]));
+    bands.map(|(from, to)| (from, colours.color(0.5 * (from.max(low) + to)))).collect()
 }
 
 #[cfg(test)]
@@ -250,10 +211,10 @@ mod tests {
                 })
                 .sum();
             assert!((length(&all) - boundary).abs() < 1e-12 * boundary, "{name}");
-            let bands = Bands::of(&all.v);
-            assert!(bands.isolines.len() > 3, "{name}");
+            let bands = bands(&all.drawn);
+            assert!(bands.len() > 4, "{name}");
             let svg = svg(&all.picture());
-            assert_eq!(svg.matches("<path").count(), bands.isolines.len() + 1, "{name}");
+            assert_eq!(svg.matches("<path").count(), bands.len(), "{name}");
             assert!(svg.contains(">in contact (multiplier a &gt; 0)</text>"), "{name}");
             assert!(!svg.contains("dimensionless"));
         }
@@ -313,7 +274,7 @@ mod tests {
             map.held = vec![outer[..outer.len() / 2].to_vec()];
             map.fixed = vec![inner.clone()];
             map.boundary = vec![outer, inner];
-            let (layout, [x, y], _) = layout_around(&map.mesh, "t");
+            let (layout, [x, y]) = layout_around(&map.drawn.mesh, "t");
             let frame = layout.frame(0, x, y);
             let svg = svg(&map.picture());
             for (given, color, width) in
@@ -345,9 +306,8 @@ mod tests {
     #[test]
     fn a_round_domain_has_its_contact_on_its_boundary() {
         let map = map(&on("disc", 6, "halfplane(0,1,0)=-3; else=1.5", Law::SIGNORINI));
-        let (layout, [x, y], _) = layout_around(&map.mesh, "t");
-        let (centre, edge) =
-            (layout.frame(0, x, y).at(0.0, 0.0), layout.frame(0, x, y).at(1.0, 0.0));
+        let (layout, [x, y]) = layout_around(&map.drawn.mesh, "t");
+        let [centre, edge] = [0.0, 1.0].map(|at| layout.frame(0, x, y).at(at, 0.0));
         let contact = &lines(&svg(&map.picture()), CONTACT, BOUNDARY_WIDTHS[1])[0];
         for pair in contact.windows(2) {
             let middle = (0.5 * (pair[0].0 + pair[1].0), 0.5 * (pair[0].1 + pair[1].1));
@@ -380,10 +340,10 @@ mod tests {
     #[test]
     fn a_constant_solution_has_one_colour() {
         let mut flat = map(&on("disc", 1, "else=-1", Law::SIGNORINI));
-        flat.v.fill(0.0);
+        flat.drawn.y.fill(0.0);
         let svg = svg(&flat.picture());
         assert!(svg.contains("<path"));
-        flat.v[0] = f64::NAN;
+        flat.drawn.y[0] = f64::NAN;
         assert!(flat.picture().svg("t", "d").is_err());
     }
 }

@@ -3,9 +3,7 @@
 
 use super::axes::Frame;
 use super::palette::{CONTACT, INK, series};
-use super::panels::draw_title;
-use super::picture::{NORMAL, Picture, Place, SMALL, START, italic, plain};
-use super::title::Title;
+use super::picture::{LARGE, NORMAL, Picture, Place, SMALL, START, bold, italic, plain};
 use signorini_mathematics::discrete::grid::Grid;
 
 /// Side of the square in display pixels.
@@ -23,14 +21,13 @@ pub(crate) fn membrane() -> Picture {
     let [lower_left, lower_right] = [-0.5, 0.5].map(|x| frame.at(x, -0.5));
     let [upper_left, upper_right] = [-0.5, 0.5].map(|x| frame.at(x, 0.5));
     picture.path([upper_left, lower_left, lower_right], CONTACT, 3.0);
-    dashed(&mut picture, [upper_left, upper_right, lower_right]);
+    picture.group("stroke-dasharray=\"14 10\"", |picture| {
+        picture.path([upper_left, upper_right, lower_right], INK, 2.0);
+    });
     for k in 0..5 {
         let along = -0.4 + 0.2 * f64::from(k);
-        let reach = 34.0;
-        let (x, y) = frame.at(-0.5, along);
-        arrow(&mut picture, (x - reach, y), (x + 6.0, y));
-        let (x, y) = frame.at(along, -0.5);
-        arrow(&mut picture, (x, y + reach), (x, y - 6.0));
+        arrow(&mut picture, frame.at(-0.5, along), (1.0, 0.0));
+        arrow(&mut picture, frame.at(along, -0.5), (0.0, -1.0));
     }
     let (x, y) = frame.middle();
     picture.text("−Δv = f", (x, y), italic(NORMAL));
@@ -48,7 +45,7 @@ pub(crate) fn membrane() -> Picture {
 pub(crate) fn grid() -> Picture {
     let grid = Grid::new(CELLS).expect("fine enough");
     let (mut picture, frame) = square();
-    draw_title(&mut picture, &frame, &Title::new("h = 1/4", SIDE));
+    picture.text("h = 1/4", (frame.middle().0, MARGIN - 22.0), bold(LARGE));
     let at = |k: usize| grid.coordinate(k);
     for k in 0..=CELLS {
         picture.path([frame.at(at(k), -0.5), frame.at(at(k), 0.5)], INK, 0.6);
@@ -87,21 +84,12 @@ fn square() -> (Picture, Frame) {
     (picture, Frame { across, down, x: (-0.5, 0.5), y: (-0.5, 0.5) })
 }
 
-/// Draws a dashed line.
-fn dashed(picture: &mut Picture, places: impl IntoIterator<Item = Place>) {
-    picture.group("stroke-dasharray=\"14 10\"", |picture| picture.path(places, INK, 2.0));
-}
-
-/// Draws an arrow along an axis of the picture, with its head at `to`.
-fn arrow(picture: &mut Picture, from: Place, to: Place) {
-    let (length, width) = (9.0, 4.0);
-    let (dx, dy) = ((to.0 - from.0).signum(), (to.1 - from.1).signum());
-    let (dx, dy) = if from.1 == to.1 { (dx, 0.0) } else { (0.0, dy) };
-    let base = (to.0 - length * dx, to.1 - length * dy);
+/// Draws an arrow along an axis of the picture, whose head is a little beyond a place in this direction.
+fn arrow(picture: &mut Picture, (x, y): Place, (dx, dy): Place) {
+    let [from, base, tip] = [-34.0, -3.0, 6.0].map(|along| (x + along * dx, y + along * dy));
+    let [left, right] = [4.0, -4.0].map(|side| (base.0 - side * dy, base.1 + side * dx));
     picture.path([from, base], series(0), 1.5);
-    let (left, right) =
-        ((base.0 - width * dy, base.1 + width * dx), (base.0 + width * dy, base.1 - width * dx));
-    picture.polygon([left, to, right], series(0));
+    picture.polygon([left, tip, right], series(0));
 }
 
 /// Writes explanations below each other beside the square, each in two lines: what is drawn, and what it means.

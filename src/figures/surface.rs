@@ -1,38 +1,103 @@
 //! Figure 2: solutions on domains in the plane as shaded surfaces, painted from the far triangles to the near ones.
 
-use super::boxes::{Boxed, CELL_LINES, CONTACT_WIDTH, Inside, in_boxes, range_of_colours};
-use super::camera::{Vector, View, between, cross, dot};
-use super::floor::Floor;
-use super::palette::{CONTACT, ColourScale, INK, RGBColor, lit};
-use super::picture::Picture;
-use super::{FIXED, Surface, held};
+use super::axes::{Bar, CELL_LINES, key};
+use super::boxes::Boxed;
+use super::camera::{Vector, between, cross, dot};
+use super::drawn::DrawnSolution;
+use super::palette::{CONTACT, INK, RGBColor, lit};
+use super::panels::Panels;
+use super::picture::{LARGE, Picture, SMALL, START, bold, plain};
+use super::table::{add, rounded};
+use super::text::power_of_ten;
+use super::title::Title;
+use super::{FIXED, held};
 use signorini_mathematics::mesh::Condition;
 use std::collections::BTreeMap;
 
-/// Draws one surface per panel, in rows of `columns`, each with a scale and a colour bar.
+/// Size of a panel in display pixels, where two are in a row.
+const PANEL: (f64, f64) = (390.0, 392.0);
+/// Height of the title and the colour bar of a panel, which do not shrink with it.
+const TEXT: f64 = 80.0;
+/// Height of the colour bar alone, which panels lack whose scale has one below.
+const BAR: f64 = 44.0;
+/// Widest colour bar common to several panels.
+const COMMON_BAR: f64 = 420.0;
+/// Space around all panels.
+const MARGIN: f64 = 10.0;
+/// Height of a row of the key below the panels.
+const KEY: f64 = 22.0;
+/// Width of the mark of contact in display pixels.
+const CONTACT_WIDTH: f64 = 2.75;
+
+/// Draws one surface per panel, in rows of `columns`.
 ///
 /// Heights are shaded by Lambert's law and coloured by value. Edges of the boundary in contact, those with both ends in
 /// contact, and those of fixed parts are marked on the surface. All triangles are drawn: a fine mesh makes a large
-/// file.
-pub(crate) fn surfaces(columns: usize, panels: &[Surface]) -> Picture {
-    let boxes: Vec<_> = panels.iter().map(boxed).collect();
+/// file. Panels with scales of their own have a colour bar each; rows with one scale have one bar together.
+pub(crate) fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
+    let columns = columns.min(panels.len());
+    let scale = (2.0 / columns as f64).min(1.0);
+    let wide = scale * PANEL.0;
+    let titles: Vec<_> = panels.iter().map(|panel| Title::new(&panel.title, wide)).collect();
+    let more = titles.iter().map(Title::more).fold(0.0, f64::max);
+    let high = scale * (PANEL.1 - TEXT) + TEXT + more;
+    let ranges: Vec<_> = panels.iter().map(DrawnSolution::range_of_colours).collect();
+    let scales: Vec<_> = ranges.chunks(columns).map(common).collect();
+    let is_below = |row: usize| scales[row].is_some() && scales.get(row + 1) == Some(&scales[row]);
+    let heights = (0..panels.len()).map(|k| if is_below(k / columns) { high - BAR } else { high });
     let mut keys: Vec<_> = panels.iter().take(1).map(|panel| (CONTACT, held(panel.law))).collect();
     keys.extend(Some((INK, FIXED)).filter(|_| panels.iter().any(has_fixed)));
-    in_boxes(columns, (&boxes, &keys), |picture, inside| {
-        let floor = &boxes[inside.panel].floor;
-        let surface = PaintedMesh::new(&panels[inside.panel], floor, inside);
+    let layout = Panels {
+        columns,
+        wide,
+        margin: MARGIN,
+        head: MARGIN,
+        foot: MARGIN + KEY * keys.len() as f64,
+        heights: heights.map(|high| [0.0, high, 0.0]).collect(),
+        ..Panels::default()
+    };
+    let (width, mut picture) = (layout.width(), layout.picture());
+    for (k, panel) in panels.iter().enumerate() {
+        let frame = layout.frame(k, (0.0, 1.0), (0.0, 1.0));
+        let (left, right) = frame.across;
+        let top = frame.down.0 + more;
+        let bottom = top + high - more;
+        let inside = Boxed::new(panel, frame.across, top, scale);
+        titles[k].draw(&mut picture, (left + 0.5 * wide, top + 16.0), &bold(LARGE));
+        inside.walls(&mut picture);
         let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
-        picture.group(&lines, |picture| surface.paint(picture));
-    })
+        picture.group(&lines, |picture| PaintedMesh::new(panel, &inside).paint(picture));
+        inside.axes(&mut picture);
+        let power = inside.floor.power();
+        if power != 0 {
+            let text = format!("x, y / {}", power_of_ten(power));
+            picture.text(&text, (left + 8.0, bottom - 58.0), plain(SMALL).pos(START));
+        }
+        let half = 0.5 * COMMON_BAR.min(width - 160.0);
+        let across = match scales[k / columns] {
+            None => (left + 76.0 * scale, right - 36.0 * scale),
+            Some(_) if is_below(k / columns) || k % columns > 0 => continue,
+            Some(_) => (0.5 * width - half, 0.5 * width + half),
+        };
+        Bar { across, top: bottom - BAR }.scale(&mut picture, inside.colours, "v");
+    }
+    picture.group("stroke-linecap=\"round\"", |picture| {
+        for (row, &(color, words)) in keys.iter().enumerate() {
+            let (x, y) = (MARGIN + 76.0, layout.foot_top() + 12.0 + KEY * row as f64);
+            picture.path([(x, y), (x + 28.0, y)], color, CONTACT_WIDTH);
+            key(picture, (x + 38.0, y), words);
+        }
+    });
+    picture
 }
 
-fn boxed<'a>(&Surface { title, mesh, azimuth, range, y, .. }: &Surface<'a>) -> Boxed<'a> {
-    let values = range_of_colours(range, y);
-    Boxed { title, azimuth, values, floor: Floor::around(mesh.points()) }
+/// Returns the range of colours that the panels of a row have together; none if there is one panel, or if they differ.
+fn common(row: &[(f64, f64)]) -> Option<(f64, f64)> {
+    row.first().copied().filter(|first| row.len() > 1 && row.iter().all(|range| range == first))
 }
 
 /// True if a part of the boundary is fixed.
-fn has_fixed(panel: &Surface) -> bool {
+fn has_fixed(panel: &DrawnSolution) -> bool {
     panel.mesh.facets().iter().any(|facet| panel.mesh.condition(facet) == Condition::Fixed)
 }
 
@@ -41,9 +106,8 @@ type Ends = [u32; 2];
 
 /// Surface in its box.
 struct PaintedMesh<'a> {
-    view: &'a View,
-    colours: ColourScale,
-    panel: &'a Surface<'a>,
+    inside: &'a Boxed,
+    panel: &'a DrawnSolution,
     /// (x, y, v) at the nodes, x and y in the box.
     nodes: Vec<Vector>,
     /// Triangles from the farthest to the nearest.
@@ -53,23 +117,22 @@ struct PaintedMesh<'a> {
 }
 
 impl<'a> PaintedMesh<'a> {
-    fn new(panel: &'a Surface<'a>, floor: &Floor, inside: &Inside<'a>) -> Self {
-        let &Inside { view, colours, .. } = inside;
-        let mesh = panel.mesh;
+    fn new(panel: &'a DrawnSolution, inside: &'a Boxed) -> Self {
+        let mesh = &panel.mesh;
         let mut nodes = Vec::with_capacity(panel.y.len());
-        for (&point, &v) in mesh.points().iter().zip(panel.y) {
-            let [x, y] = floor.inside(point);
+        for (&point, &v) in mesh.points().iter().zip(&panel.y) {
+            let [x, y] = inside.floor.inside(point);
             nodes.push([x, y, v]);
         }
         let cells = mesh.cells().iter();
-        let depths: Vec<f64> = cells.map(|&cell| nearness(view, &nodes, cell)).collect();
+        let depths: Vec<f64> = cells.map(|&cell| nearness(inside, &nodes, cell)).collect();
         let mut order: Vec<usize> = (0..depths.len()).collect();
         order.sort_by(|&a, &b| depths[a].total_cmp(&depths[b]));
         let mut last = vec![0; nodes.len()];
         for (turn, &cell) in order.iter().enumerate() {
             mesh.cells()[cell].iter().for_each(|&node| last[node as usize] = turn);
         }
-        Self { view, colours, panel, nodes, order, last }
+        Self { inside, panel, nodes, order, last }
     }
 
     /// Paints triangles and the marks of the boundary in their order.
@@ -89,7 +152,7 @@ impl<'a> PaintedMesh<'a> {
         }
         for (turn, edges) in marks.iter().enumerate() {
             for &(edge, color) in edges {
-                let places = edge.map(|node| self.view.place(self.nodes[node as usize]));
+                let places = edge.map(|node| self.inside.place(self.nodes[node as usize]));
                 picture.path(places, color, CONTACT_WIDTH);
             }
             if let Some(&cell) = self.order.get(turn) {
@@ -100,7 +163,7 @@ impl<'a> PaintedMesh<'a> {
 
     /// Edges of the boundary that are marked, with their colours: those in contact, and fixed ones.
     fn marked(&self) -> BTreeMap<Ends, RGBColor> {
-        let Surface { mesh, in_contact, .. } = self.panel;
+        let DrawnSolution { mesh, in_contact, .. } = self.panel;
         let mut marked = BTreeMap::new();
         for facet in mesh.facets() {
             let [a, b] = facet.nodes;
@@ -118,14 +181,16 @@ impl<'a> PaintedMesh<'a> {
     fn triangle(&self, picture: &mut Picture, cell: [u32; 3]) {
         let corners = cell.map(|node| self.nodes[node as usize]);
         let mean = corners.iter().map(|[_, _, v]| v).sum::<f64>() / 3.0;
-        let light = self.view.brightness(self.upward(cell));
-        picture
-            .polygon(corners.map(|xyv| self.view.place(xyv)), lit(self.colours.color(mean), light));
+        let light = self.inside.brightness(self.upward(cell));
+        picture.polygon(
+            corners.map(|xyv| self.inside.place(xyv)),
+            lit(self.inside.colours.color(mean), light),
+        );
     }
 
     /// Normal of a triangle in the box, upwards.
     fn upward(&self, cell: [u32; 3]) -> Vector {
-        let [a, b, c] = cell.map(|node| self.view.point(self.nodes[node as usize]));
+        let [a, b, c] = cell.map(|node| self.inside.point(self.nodes[node as usize]));
         let normal = cross(between(a, b), between(a, c));
         if normal[2] < 0.0 { normal.map(|x| -x) } else { normal }
     }
@@ -135,7 +200,7 @@ impl<'a> PaintedMesh<'a> {
         let [p, q, r] = [a, b, opposite].map(|node| self.nodes[node as usize]);
         let (along, inwards) = (between(p, q), between(p, r));
         let turned = [along[1], -along[0], 0.0];
-        let toward = self.view.camera.toward;
+        let toward = self.inside.camera.toward;
         let is_far = dot(turned, toward) * dot(turned, inwards) > 0.0;
         is_far && dot(self.upward([a, b, opposite]), toward) < 0.0
     }
@@ -143,18 +208,28 @@ impl<'a> PaintedMesh<'a> {
 
 /// Distance of the centroid of a triangle towards the viewer, on the floor: along a ray from the viewer, the place
 /// there only becomes farther, whatever the heights.
-fn nearness(view: &View, nodes: &[Vector], cell: [u32; 3]) -> f64 {
+fn nearness(inside: &Boxed, nodes: &[Vector], cell: [u32; 3]) -> f64 {
     let corners = cell.map(|node| nodes[node as usize]);
     let [x, y] = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0);
-    dot([x, y, 0.0], view.camera.toward)
+    dot([x, y, 0.0], inside.camera.toward)
+}
+
+/// Returns the values at the nodes of meshes, to four digits, which is more than a picture shows.
+pub(crate) fn table_of_surfaces(panels: &[DrawnSolution]) -> String {
+    let mut csv = "panel,x,y,v\n".to_owned();
+    for DrawnSolution { title, mesh, y, .. } in panels {
+        let nodes = mesh.points().iter().zip(y);
+        let numbers = nodes.map(|(&[x, y], &v)| [x, y, v].map(|value| rounded(value, 4)));
+        add(&mut csv, &[title], numbers);
+    }
+    csv
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::samples::svg;
+    use crate::figures::samples::{panel, svg};
     use signorini_mathematics::mesh::{BuiltIn, PlaneMesh, refine};
-    use signorini_mathematics::problem::law::Law;
 
     fn refined(domain: BuiltIn, times: usize) -> PlaneMesh {
         let coarse = domain.plane().unwrap();
@@ -162,9 +237,7 @@ mod tests {
     }
 
     fn drawn(mesh: &PlaneMesh, y: &[f64], in_contact: &[bool]) -> String {
-        let law = Law::SIGNORINI;
-        let panel = Surface { title: "t", mesh, law, y, in_contact, azimuth: -37.5, range: None };
-        svg(&surfaces(2, &[panel]))
+        svg(&surfaces(2, &[panel(mesh, y, in_contact)]))
     }
 
     /// True if a line of a picture draws a line in the colour of contact.

@@ -1,10 +1,12 @@
 //! Tests that hold for every figure.
 
-use super::samples::{committed, every, on_grid, solution, svg, unusual};
+use super::samples::{committed, every, on_grid, panel, solution, svg, unusual};
 use super::*;
-use signorini_mathematics::mesh::{MeshData, PlaneMesh};
+use signorini_mathematics::discrete::grid::Grid;
+use signorini_mathematics::identify::Slice;
+use signorini_mathematics::mesh::{Condition, MeshData, PlaneMesh};
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::saddle::{Iteration, Pair};
 use std::collections::BTreeMap;
 
 /// Tags nest and close, attributes are quoted, and no `<` or bare `&` is left in text.
@@ -165,14 +167,14 @@ fn scaled(low: f64, high: f64) -> [(&'static str, Picture); 5] {
     let pair = Pair { y, a };
     let drawn = solution("t", grid, &pair);
     let [front, lower_left, lower_right, upper_right] =
-        [0.0, -37.5, 52.5, 142.5].map(|azimuth| drawn.panel(azimuth, None));
+        [0.0, -37.5, 52.5, 142.5].map(|azimuth| DrawnSolution { azimuth, ..drawn.clone() });
     let panels = ContactPanel::of("t", &on_grid(grid), &[("l".into(), pair.clone())]).unwrap();
     let finest = (1..=2_000_000).step_by(1000).map(|number| iteration(number, high.abs()));
     let levels = vec![vec![iteration(1, high.abs())], finest.collect()];
     let run = HistoryCurve { label: "r".into(), is_drawn: true, levels };
     let history = HistoryPanel { title: "t", grids, runs: vec![run] };
     [
-        ("source", maps_of_f(&[("t", &f), ("u", &f)])),
+        ("source", maps_of_f(&[("t", f.clone()), ("u", f)])),
         ("surface", surfaces(2, &[front])),
         ("surfaces", surfaces(3, &[lower_left, lower_right, upper_right])),
         ("contact", contact(&panels)),
@@ -221,22 +223,16 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
             for shift in [-0.5, 0.0, 3.0] {
                 let low = [shift * size, -shift * size];
                 let mesh = &rectangle(low, [low[0] + wide * size, low[1] + high * size]);
-                let (y, in_contact) = (&[0.0, 1.0, 0.3, 0.0], &[true; 4]);
-                let panels = [-37.5, 52.5, 142.5].map(|azimuth| Surface {
-                    title: "t",
-                    mesh,
-                    law: Law::SIGNORINI,
-                    y,
-                    in_contact,
-                    azimuth,
-                    range: None,
-                });
+                let one = panel(mesh, &[0.0, 1.0, 0.3, 0.0], &[true; 4]);
+                let panels =
+                    [-37.5, 52.5, 142.5].map(|azimuth| DrawnSolution { azimuth, ..one.clone() });
                 let name = format!("{wide} x {high} times {size:e} at {shift}");
                 readable(&name, &surfaces(2, &panels[..1]));
                 readable(&name, &surfaces(3, &panels));
                 readable(&name, &mesh_picture(&[("t", mesh), ("u", mesh)]));
                 readable(&name, &mesh_map(LONG, mesh, &[1.0, -2.0]));
-                let map = readable(&name, &surfaces(2, &[Surface { title: LONG, ..panels[0] }]));
+                let long = DrawnSolution { title: LONG.into(), ..one };
+                let map = readable(&name, &surfaces(2, &[long]));
                 assert!(map.iter().any(|text| text.words == "error at most 4.31 %"), "{map:?}");
             }
         }
@@ -248,9 +244,8 @@ fn words_of_fixed_parts_are_inside_the_picture() {
     let mut mesh = rectangle([0.0, 0.0], [1.0, 1.0]);
     mesh.parts_mut()[0].condition = Condition::Fixed;
     for law in [Law::SIGNORINI, Law::friction(1.0).unwrap()] {
-        let (y, in_contact) = (&[0.0, 1.0, 0.3, 0.0], &[true; 4]);
-        let panel =
-            Surface { title: LONG, mesh: &mesh, law, y, in_contact, azimuth: 0.0, range: None };
+        let one = panel(&mesh, &[0.0, 1.0, 0.3, 0.0], &[true; 4]);
+        let panel = DrawnSolution { title: LONG.into(), law, azimuth: 0.0, ..one };
         let texts = readable("fixed", &surfaces(2, &[panel]));
         assert!(texts.iter().any(|text| text.words == FIXED), "{texts:?}");
     }
@@ -278,7 +273,7 @@ fn values_are_written_inside_their_regions() {
     for value in [-6.0, 123_456.789, 1e6, 1e9, 2.5e9, 1e150] {
         let f: Source =
             format!("rect(-0.25,0.25,-0.25,0.25)={value:?}; else={:?}", -value).parse().unwrap();
-        let drawn = svg(&maps_of_f(&[("t", &f)]));
+        let drawn = svg(&maps_of_f(&[("t", f)]));
         let label = text::short(value);
         let (_, texts) = texts(&drawn);
         // Half of the side of the panel, in canvas pixels.
@@ -306,7 +301,7 @@ fn refusal(picture: &Picture) -> &'static str {
 }
 
 fn surface(grid: Grid, pair: &Pair) -> Picture {
-    surfaces(2, &[solution("t", grid, pair).panel(0.0, None)])
+    surfaces(2, &[DrawnSolution { azimuth: 0.0, ..solution("t", grid, pair) }])
 }
 
 /// Chart of one curve with at most one point.

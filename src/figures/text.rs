@@ -101,10 +101,11 @@ impl Ticks {
         self.multiples.clone().map(|k| k as f64 * self.step)
     }
 
-    pub(super) fn labelled(&self) -> impl Iterator<Item = (f64, String)> + '_ {
+    /// Returns the values with their texts.
+    pub(super) fn labelled(&self) -> Vec<(f64, String)> {
         let decimals = usize::try_from(-self.power).unwrap_or(0);
         let plain = decimals <= 4 && self.values().all(|value| value.abs() < LARGE);
-        self.values().map(move |value| {
+        let labels = self.values().map(|value| {
             let label = match plain {
                 _ if value == 0.0 => "0".into(),
                 // The text has as many decimals as the step: the rounding error of k * step is not printed.
@@ -115,12 +116,13 @@ impl Ticks {
                 }
             };
             (value, label)
-        })
+        });
+        labels.collect()
     }
 
     /// Width of the longest label, over the size of its font.
     pub(super) fn widest(&self) -> f64 {
-        self.labelled().map(|(_, label)| number_width(&label)).fold(0.0, f64::max)
+        self.labelled().iter().map(|(_, label)| number_width(label)).fold(0.0, f64::max)
     }
 }
 
@@ -166,6 +168,6 @@ mod tests {
     }
 
     fn labels(lo: f64, hi: f64, most: usize) -> Vec<String> {
-        Ticks::inside(lo, hi, most).labelled().map(|(_, text)| text).collect()
+        Ticks::inside(lo, hi, most).labelled().into_iter().map(|(_, text)| text).collect()
     }
 }

@@ -102,10 +102,8 @@ impl Solution<'_> {
                     PictureKind::Map => {
                         SolutionMap::of(title.into(), on, pair).map(|map| map.picture())
                     }
-                    PictureKind::Surface => {
-                        DrawnSolution::on_levels(title.into(), on, pair, COLUMNS)
-                            .map(|drawn| surfaces(COLUMNS, &[drawn.panel(drawn.azimuth(), None)]))
-                    }
+                    PictureKind::Surface => DrawnSolution::of(title.into(), on, pair, COLUMNS)
+                        .map(|drawn| surfaces(COLUMNS, &[drawn])),
                 };
                 let picture = picture.map_err(Error::input)?;
                 let svg = picture.svg(title, "Made by `signorini solve`.");

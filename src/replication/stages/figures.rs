@@ -221,24 +221,16 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
 
 /// Draws f: on the square by the borders of its pieces, on a mesh by its means over the triangles.
 fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
-    let mut maps = Vec::new();
-    for scene in scenes.iter().filter(|scene| scene.statement.domain.is_square()) {
-        maps.push((&*scene.title, scene.source()));
+    if let [scene] = scenes
+        && !scene.statement.domain.is_square()
+    {
+        let problem = mesh_files::problem(&scene.statement.on_usual_meshes(), inputs.files)?;
+        let map = problem.levels().map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
+        let (drawing, f) = map.ok_or("a domain in space has no picture")?;
+        return Ok(mesh_map(&scene.title, &drawing.mesh, &f));
     }
-    match scenes {
-        _ if maps.len() == scenes.len() => {
-            let maps: Vec<_> = maps.iter().map(|(title, f)| (*title, f)).collect();
-            Ok(maps_of_f(&maps))
-        }
-        [scene] => {
-            let usual = scene.statement.on_usual_meshes();
-            let problem = mesh_files::problem(&usual, inputs.files)?;
-            let map = problem.levels().map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
-            let (drawing, f) = map.ok_or("a domain in space has no picture")?;
-            Ok(mesh_map(&scene.title, &drawing.mesh, &f))
-        }
-        _ => Err("scenes on meshes have a picture each".into()),
-    }
+    let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, scene.source())).collect();
+    Ok(maps_of_f(&maps))
 }
 
 fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
@@ -247,10 +239,10 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> 
         let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
         let pair = solve::pair(inputs, scene, rule, &problem)?;
         let title = title_with_bound(inputs, scene)?;
-        drawn.push(DrawnSolution::of(title, &problem, &pair, 2)?);
+        let on = (problem.levels(), problem.law());
+        drawn.push(DrawnSolution::of(title, on, &pair, 2)?);
     }
-    let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
-    Ok(surfaces(2, &panels))
+    Ok(surfaces(2, &drawn))
 }
 
 /// Draws the map of the solution of one scene.

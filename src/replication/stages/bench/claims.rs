@@ -1,7 +1,7 @@
 //! Pictures of the experiments on the paper's claims and on friction.
 
 use crate::figures::Stroke::{Line, Marked, Reference};
-use crate::figures::{Chart, Curve, Picture, charts};
+use crate::figures::{Chart, Curve, Picture, Scale, charts};
 use crate::replication::paper::Paper;
 use signorini_mathematics::experiments::claims::{
     ClaimMeasure, Claims, Count, KktTarget, UzawaCell, VARIANTS,
@@ -94,7 +94,7 @@ pub(super) fn sticking(found: &StickingFindings) -> Picture {
         Curve::new(Reference, format!("h = 1/{FINE}"), ends.map(|x| (x, 1.0 / FINE))),
     ];
     let chart = Chart::new(format!("f = {}", found.f), ["1/g", "length"], curves);
-    charts(false, &[chart.linear_across()])
+    charts(false, &[chart.scaled([Scale::Linear, Scale::Logarithmic])])
 }
 
 /// Returns points (r, count) of the runs that reached their end.

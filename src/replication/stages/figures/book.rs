@@ -3,7 +3,7 @@
 use super::{Draw, Drawing, drawing, shown, surface};
 use crate::figures::{
     DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, grid, membrane,
-    mesh_picture, range_with_zero, surfaces, table_of_surfaces,
+    mesh_picture, surfaces, table_of_surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
@@ -26,22 +26,16 @@ pub(super) fn stops(scenes: &[&Scene]) -> Task {
     let needs = scenes.iter().map(|scene| surface(scene)).collect();
     let title = "Where the paper stopped, where the solution is, and the difference";
     drawing("stops", &of_surfaces(title, scenes), needs, |it, inputs| {
-        let mut rows = Vec::new();
-        for scene in &it.scenes {
-            rows.push(row_of_stops(inputs, scene)?);
-        }
         let mut panels = Vec::new();
-        for row in &rows {
-            let heights = row.iter().flat_map(|one| one.y.iter().copied());
-            let (azimuth, range) = (row[1].azimuth(), Some(range_with_zero(heights)));
-            panels.extend(row.iter().map(|one| one.panel(azimuth, range)));
+        for scene in &it.scenes {
+            panels.extend(row_of_stops(inputs, scene)?);
         }
         it.made(inputs, surfaces(3, &panels))
     })
 }
 
 /// Surfaces of one problem: where the paper stopped, the solution, and the difference.
-fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<[DrawnSolution; 3], Failure> {
+fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<Vec<DrawnSolution>, Failure> {
     let on = (scene.finest(), Law::SIGNORINI);
     let stop = solve::pair_on_grid(inputs, scene)?;
     let solution = solve::solution(scene)?;
@@ -53,7 +47,8 @@ fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<[DrawnSolution; 3], Fa
     let [stop, solution] = [("where it stopped", &stop), ("the solution", &solution)]
         .map(|(name, pair)| DrawnSolution::on_grid(title(name), on, pair, 3));
     let difference = DrawnSolution::on_grid(title("the difference"), on, &difference, 3);
-    Ok([stop, solution, difference.without_contact()])
+    let azimuth = solution.azimuth;
+    Ok(DrawnSolution::seen(vec![stop, solution, difference.without_contact()], azimuth))
 }
 
 /// The task that draws the surfaces where the paper stopped on each grid, and the solution.
@@ -76,11 +71,8 @@ pub(super) fn iterates(scene: &Scene) -> Task {
             };
             drawn.push(DrawnSolution::on_grid(title, (*grid, Law::SIGNORINI), pair, 3));
         }
-        let heights = drawn.iter().flat_map(|one| one.y.iter().copied());
-        let range = Some(range_with_zero(heights));
-        let azimuth = drawn[drawn.len() - 1].azimuth();
-        let panels: Vec<_> = drawn.iter().map(|one| one.panel(azimuth, range)).collect();
-        it.made(inputs, surfaces(3, &panels))
+        let azimuth = drawn[drawn.len() - 1].azimuth;
+        it.made(inputs, surfaces(3, &DrawnSolution::seen(drawn, azimuth)))
     })
 }
 
@@ -152,12 +144,12 @@ fn on_domains() -> Result<Picture, String> {
         let (domain, fineness) = (Domain::named(name), Fineness::Refined(refinements));
         let statement = Statement { fineness, ..Statement::usual(domain, f) };
         let solved = statement.solved(None).map_err(|e| format!("{name}: {e}"))?;
-        drawn.push(DrawnSolution::of(name.into(), &solved.problem, &solved.pair(), 3)?);
+        let on = (solved.problem.levels(), solved.problem.law());
+        drawn.push(DrawnSolution::of(name.into(), on, &solved.pair(), 3)?);
     }
-    let panels: Vec<_> = drawn.iter().map(|one| one.panel(one.azimuth(), None)).collect();
-    let mut picture = surfaces(3, &panels);
+    let mut picture = surfaces(3, &drawn);
     // No page offers these solutions as files.
-    picture.table = Some(table_of_surfaces(&panels));
+    picture.table = Some(table_of_surfaces(&drawn));
     Ok(picture)
 }
 

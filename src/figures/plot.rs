@@ -1,0 +1,132 @@
+//! Charts in their frames: axes, curves, and names beside them.
+
+use super::axes::{Entry, Frame, LONE, Sample};
+use super::palette::{INK, MUTED, RGBColor, RULE};
+use super::picture::{END, NORMAL, Picture, Place, SMALL, START, UPWARDS, plain};
+use super::polyline::thinned;
+use super::series::{Chart, Curve, Stroke};
+
+/// Chart in its frame.
+pub(super) struct Plot<'a> {
+    pub(super) chart: &'a Chart,
+    /// Frame, with the ends of the axes as numbers on them.
+    pub(super) frame: Frame,
+    /// Entries of the legend, with the colours of the curves.
+    pub(super) entries: &'a [Entry],
+}
+
+/// Attributes of the second and later lines of a solver.
+const SECOND: &str = "stroke-dasharray=\"28 16\"";
+
+impl Plot<'_> {
+    /// Draws rules, numbers and names of the axes, the name of the axis up at this distance from the frame.
+    pub(super) fn ground(&self, picture: &mut Picture, name: f64) {
+        let Frame { across, down, x, y } = self.frame;
+        let [x_scale, y_scale] = [0, 1].map(|axis| self.chart.axes[axis].scale);
+        let x_ticks = x_scale.ticks(x, ((across.1 - across.0) / 62.0) as usize);
+        let y_ticks = y_scale.ticks(y, 8);
+        self.frame.rules(picture, y_ticks.iter().map(|tick| tick.0));
+        self.frame.verticals(picture, x_ticks.iter().map(|tick| tick.0), RULE);
+        self.frame.label_left(picture, y_ticks);
+        self.frame.label_below(picture, x_ticks);
+        for x in x_scale.multiples(x).map(|x| self.frame.right(x)) {
+            picture.path([(x, down.1), (x, down.1 + 2.5)], INK, 0.75);
+        }
+        for y in y_scale.multiples(y).map(|y| self.frame.up(y)) {
+            picture.path([(across.0 - 2.5, y), (across.0, y)], INK, 0.75);
+        }
+        let ((x, y), [right, up]) = (self.frame.middle(), &self.chart.axes);
+        picture.text(&right.name, (x, down.1 + 32.0), plain(NORMAL));
+        picture.text(&up.name, (across.0 - name, y), plain(NORMAL).transform(UPWARDS));
+    }
+
+    /// Draws curves, with dashes below solid ones, then rings, then the names of lines, and the frame around all.
+    pub(super) fn draw(&self, picture: &mut Picture) {
+        let below = [Stroke::Reference, Stroke::Limit, Stroke::Thin].map(Stroke::attributes);
+        for attributes in below.into_iter().chain([SECOND, Stroke::Line.attributes()]) {
+            picture.group(attributes, |picture| self.lines(picture, attributes));
+        }
+        let mut marks = Vec::new();
+        for curve in self.chart.curves.iter().filter(|curve| curve.stroke.is_measured()) {
+            let places = self.places(curve);
+            marks.extend(places.clone());
+            let radius = match curve.stroke {
+                Stroke::Rings => 4.0,
+                Stroke::Marked if places.len() > 1 => 3.5,
+                Stroke::Marked => LONE,
+                Stroke::Line | Stroke::Thin | Stroke::Reference | Stroke::Limit => continue,
+            };
+            for at in places {
+                picture.ring(at, radius, self.color(curve));
+            }
+        }
+        // Names are above the curves that they meet, with a white edge that keeps them legible.
+        let edge = "stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"";
+        picture.group(edge, |picture| {
+            for curve in self.chart.curves.iter().filter(|one| one.stroke == Stroke::Reference) {
+                name_reference(picture, &curve.label, &self.places(curve), &marks);
+            }
+        });
+        self.name_limits(picture);
+        self.frame.outline(picture);
+    }
+
+    /// Draws the lines with these attributes.
+    fn lines(&self, picture: &mut Picture, attributes: &str) {
+        for curve in self.chart.curves.iter().filter(|curve| curve.stroke != Stroke::Rings) {
+            let is_second = self.entry(curve).is_some_and(|one| one.sample == Sample::Dashed);
+            let own = if is_second { SECOND } else { curve.stroke.attributes() };
+            if own == attributes && curve.points.len() > 1 {
+                picture.path(thinned(&self.places(curve)), self.color(curve), curve.width);
+            }
+        }
+    }
+
+    fn entry(&self, curve: &Curve) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.label == curve.label)
+    }
+
+    fn color(&self, curve: &Curve) -> RGBColor {
+        match curve.stroke {
+            Stroke::Reference => MUTED,
+            Stroke::Limit => INK,
+            _ => self.entry(curve).map_or(INK, |entry| entry.color),
+        }
+    }
+
+    /// Returns the places of the points of a curve.
+    fn places(&self, curve: &Curve) -> Vec<Place> {
+        let [x, y] = &self.chart.axes;
+        let points = curve.points.iter();
+        points.map(|point| self.frame.at(x.number(point.0), y.number(point.1))).collect()
+    }
+
+    /// Writes the names of limits, given from the highest downwards, to the right of the frame, so that none covers the
+    /// one below.
+    fn name_limits(&self, picture: &mut Picture) {
+        let limits = self.chart.curves.iter().filter(|curve| curve.stroke == Stroke::Limit);
+        let mut below = f64::INFINITY;
+        for (limit, place) in limits.rev().filter_map(|one| Some((one, *self.places(one).last()?)))
+        {
+            below = place.1.min(below - SMALL);
+            let kind = plain(SMALL).pos(START).color(&MUTED);
+            picture.text(&limit.label, (self.frame.across.1 + 7.0, below), kind);
+        }
+    }
+}
+
+/// Writes the name of a reference beside its middle, on the side that has fewer of the `marks`.
+fn name_reference(picture: &mut Picture, name: &str, ends: &[Place], marks: &[Place]) {
+    let (&[(x0, y0), ..], &[.., (x1, y1)]) = (ends, ends) else { return };
+    let slope = if x1 == x0 { 0.0 } else { (y1 - y0) / (x1 - x0) };
+    let above = marks.iter().filter(|(x, y)| *y < y0 + slope * (x - x0)).count();
+    let is_below = 2 * above > marks.len();
+    let (x, y) = (0.5 * (x0 + x1), 0.5 * (y0 + y1) + if is_below { 11.0 } else { -9.0 });
+    let kind = plain(SMALL).color(&MUTED);
+    // Left of a line that falls, in the picture, is below it; left of one that rises is above it.
+    if (slope > 0.0) == is_below {
+        picture.text(name, (x - 6.0, y), kind.pos(END));
+    } else {
+        picture.text(name, (x + 6.0, y), kind.pos(START));
+    }
+}
