@@ -8,7 +8,7 @@ mod reviewer;
 
 use super::diff::comparisons;
 use super::output::{is_there, refuse_tilde, say, talk};
-use super::pipeline::{Scope, Workplace, outside_report};
+use super::pipeline::{Scope, Workplace, edited, outside_report};
 use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, temporary_folder};
@@ -102,14 +102,17 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
 /// Refuses a folder in which there is something, and one to be made in a folder that does not exist.
 fn refuse_taken(folder: &Path) -> Result<()> {
     refuse_tilde(folder)?;
-    match fs::read_dir(folder) {
-        Ok(mut entries) if entries.next().is_none() => Ok(()),
-        Err(e) if e.kind() == ErrorKind::NotFound => is_there(folder_of(folder)),
-        _ => Err(Error::input(format!(
-            "{} is there already; move it away, or name a new folder with --output",
-            folder.display()
-        ))),
+    let is_empty = match fs::read_dir(folder) {
+        Err(e) if e.kind() == ErrorKind::NotFound => return is_there(folder_of(folder)),
+        entries => entries.is_ok_and(|entries| entries.count() == 0),
+    };
+    if is_empty {
+        return Ok(());
     }
+    Err(Error::input(format!(
+        "{} is there already; move it away, or name a new folder with --output",
+        folder.display()
+    )))
 }
 
 /// Writes the files of a bundle to its folder, after an error none.
@@ -194,8 +197,8 @@ fn up_to_date(workplace: &Workplace, plan: &Plan) -> Result<Summary> {
             first.task,
             first.verdict
         )
-    } else if let Some(edited) = summary.exports.edited.first() {
-        return Err(Error::input(super::pipeline::edited(edited)));
+    } else if let Some(file) = summary.exports.edited.first() {
+        return Err(Error::input(edited(file.by, &[&file.path])));
     } else if !summary.exports.is_empty() {
         "files in figures/ or report/ are missing or old".into()
     } else {

@@ -132,7 +132,10 @@ mod tests {
         let all = "title = \"T\"\ndescription = \"D\"\nauthors = [\"A\", \"B\"]\nlanguage = \"ru\"\n\
                    css = [\"theme/a.css\"]\njs = [\"theme/a.js\"]\n";
         let config = Settings::read(all.as_bytes()).unwrap().of_mdbook(["a.md"].into_iter());
-        assert_eq!((config.book.title.as_deref(), config.book.language.as_deref()), (Some("T"), Some("ru")));
+        assert_eq!(
+            (config.book.title.as_deref(), config.book.language.as_deref()),
+            (Some("T"), Some("ru"))
+        );
         let css: Vec<String> = config.get("output.html.additional-css").unwrap().unwrap();
         assert_eq!(css, ["theme/a.css"]);
         let six = "expected one of `title`, `description`, `authors`, `language`, `css`, `js`";
