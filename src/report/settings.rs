@@ -64,7 +64,7 @@ impl Settings {
     /// Reads and checks `book.toml`.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of a mistake.
+    /// [`Error::Input`] with the line of a mistake, of one in a list with that of the list.
     pub(super) fn read(book_toml: &[u8]) -> Result<Self> {
         from_toml(NAME, book_toml)
     }
@@ -144,10 +144,10 @@ mod tests {
             ("title = \"x\"\nmultilingual = false\n", 2, six),
             ("[output.html]\n", 1, six),
             ("title = 3\n", 1, "expected a string"),
-            ("authors = [\n\"A\",\n\"B\\uFFFF\"]\n", 3, "U+FFFF"),
+            ("authors = [\n\"A\",\n\"B\\uFFFF\"]\n", 1, "U+FFFF"),
             ("title = \"\"\"a\\u0001\"\"\"\n", 1, "U+0001"),
             ("\ncss = [\"/a.css\"]\n", 2, "is no file in report/theme"),
-            ("css = [\n\"theme/a.css\",\n\"theme/../a.css\"]\n", 3, "is no file in report/theme"),
+            ("css = [\n\"theme/a.css\",\n\"theme/../a.css\"]\n", 1, "is no file in report/theme"),
             ("js = [\"book.js\"]\n", 1, "is no file in report/theme"),
         ] {
             let error = Settings::read(text.as_bytes()).err().unwrap().to_string();
