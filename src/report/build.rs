@@ -2,8 +2,9 @@
 
 use super::labels::Labels;
 use super::mathml::convert;
-use super::outputs::{self, PAGES, Pages, SUMMARY};
+use super::outputs::{self, PAGES, Pages};
 use super::settings::{Settings, THEME};
+use super::summary::{SUMMARY, listed};
 use super::{includes, links};
 use crate::pipeline::error::Error;
 use crate::pipeline::files::{read_tree, temporary_folder};
@@ -58,9 +59,9 @@ pub fn build(
                 .into(),
         );
     };
-    let listed = outputs::listed(summary)?;
+    let listed = listed(summary)?;
     outputs::check_names(&pages, &listed)?;
-    let labels = Labels::of(&pages)?;
+    let labels = Labels::of(&pages, &listed)?;
     for name in pages.keys() {
         includes::check(name, files)?;
     }
@@ -99,7 +100,7 @@ fn check_links(
 ) -> Result<(), String> {
     let site = links::Site::new(built);
     for (name, text) in pages {
-        let page = links::page(name);
+        let page = outputs::html(name);
         // A page that no list names is not built.
         if let Some(html) = built.get(&page) {
             includes::refuse_left(name, text, html)?;

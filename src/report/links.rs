@@ -16,11 +16,6 @@ static SPACED: LazyLock<Regex> = LazyLock::new(|| {
     Regex::new(pattern).expect("the pattern is tested")
 });
 
-/// Returns the path in the book of the page that mdBook makes of a chapter.
-pub(super) fn page(chapter: &str) -> String {
-    html(chapter.strip_prefix("src/").unwrap_or(chapter))
-}
-
 /// Refuses a link or a picture of a chapter without a target in the built book; `page` is the page of the chapter.
 ///
 /// Links to other sites and to the top of this one are not followed, and tags of HTML are not read.
@@ -62,11 +57,6 @@ fn refuse_spaces(chapter: &str, markdown: &str, text: Range<usize>) -> Result<()
     let at = place(chapter, markdown, text.start + found.get(1).map_or(0, |name| name.start()));
     let name = &found[1];
     Err(format!("{at}: a space ends the link to `{name}`; write (<{name}>)"))
-}
-
-/// Returns the file that mdBook makes of a page.
-fn html(file: &str) -> String {
-    file.strip_suffix(".md").map_or(file.into(), |stem| format!("{stem}.html"))
 }
 
 /// Returns the target of a link as mdBook writes it: links to pages in Markdown become links to their HTML. Of what

@@ -16,6 +16,7 @@ mod outputs;
 mod pages;
 mod prices;
 mod settings;
+mod summary;
 
 pub use build::build;
 pub(crate) use build::{FIRST, check_settings};

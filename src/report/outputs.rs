@@ -1,19 +1,14 @@
 //! Names of the files of a built book. mdBook writes one file over another of the same name without a word.
 
-use super::markdown::{parse, place};
+use super::summary::ListedPage;
 use crate::pipeline::names::alike;
 use mdbook_driver::errors::Result;
 use mdbook_html::HtmlHandlebars;
 use mdbook_renderer::{RenderContext, Renderer};
-use pulldown_cmark::{Event, Tag};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// Folder with the pages alone. From there mdBook copies no other files: those beside the pages would replace its own.
 pub(super) const PAGES: &str = "templates";
-
-/// List of the pages.
-pub(super) const SUMMARY: &str = "src/SUMMARY.md";
 
 /// Pages that mdBook makes of all pages. It also copies the first page to `index.html`, unless the book has a page of
 /// this name.
@@ -34,63 +29,10 @@ impl Renderer for Pages {
     }
 }
 
-/// A page that `SUMMARY.md` lists.
-pub(super) struct ListedPage {
-    /// Path among the pages.
-    pub path: String,
-    /// Place in `SUMMARY.md`.
-    place: String,
-}
-
-/// Returns the pages that `SUMMARY.md` lists, in its order.
-///
-/// # Errors
-/// A sentence if there is none, or one is no page in the folder of the pages.
-pub(super) fn listed(summary: &str) -> std::result::Result<Vec<ListedPage>, String> {
-    let mut listed = Vec::new();
-    for (event, range) in parse(summary) {
-        let Event::Start(Tag::Link { dest_url, .. }) = event else { continue };
-        // mdBook decodes spaces alone.
-        let target = dest_url.replace("%20", " ");
-        let place = place(SUMMARY, summary, range.start);
-        if target.is_empty() {
-            continue;
-        }
-        let Some(path) = below(&target) else {
-            return Err(format!(
-                "{place}: `{dest_url}` is no page in report/templates; copy it there, and list the copy"
-            ));
-        };
-        if !path.ends_with(".md") {
-            return Err(format!(
-                "{place}: `{dest_url}` is listed, but is no page `*.md`; rename it, here too"
-            ));
-        }
-        listed.push(ListedPage { path, place });
-    }
-    match listed.is_empty() {
-        true => Err(format!("{SUMMARY}:1: it lists no page; list one, as `- [Title](page.md)`")),
-        false => Ok(listed),
-    }
-}
-
-/// Returns the path without steps upwards; `None` for one that leads out of the folder where it begins.
-fn below(path: &str) -> Option<String> {
-    let mut steps = Vec::new();
-    for step in path.split('/') {
-        match step {
-            "" if steps.is_empty() => return None,
-            "" | "." => (),
-            ".." => _ = steps.pop()?,
-            step => steps.push(step),
-        }
-    }
-    Some(steps.join("/"))
-}
-
-/// Returns the path in the book of the HTML of a page, given by its path among the pages.
-fn html(page: &str) -> String {
-    Path::new(page).with_extension("html").to_string_lossy().into_owned()
+/// Returns the path in the book of the page that mdBook makes of a page in Markdown.
+pub(super) fn html(page: &str) -> String {
+    let page = page.strip_prefix("src/").unwrap_or(page);
+    page.strip_suffix(".md").unwrap_or(page).to_owned() + ".html"
 }
 
 /// Refuses pages that would make one file of the book twice.
@@ -98,13 +40,10 @@ pub(super) fn check_names(
     pages: &BTreeMap<&str, &str>,
     listed: &[ListedPage],
 ) -> std::result::Result<(), String> {
-    for name in pages.keys() {
-        let page = name.strip_prefix("src/").unwrap_or(name);
-        if OWN.contains(&&*alike(&html(page))) {
-            return Err(format!(
-                "{name}:1: mdBook makes a page of this name itself; rename this one, also in SUMMARY.md"
-            ));
-        }
+    if let Some(name) = pages.keys().find(|name| OWN.contains(&&*alike(&html(name)))) {
+        return Err(format!(
+            "{name}:1: mdBook makes a page of this name itself; rename this one, also in SUMMARY.md"
+        ));
     }
     let mut by_name: BTreeMap<String, &ListedPage> = BTreeMap::new();
     for page in listed {
