@@ -80,7 +80,7 @@ pub fn build(
             write(&root.join(PAGES).join(path), page.as_bytes())?;
         }
     }
-    fs::create_dir(root.join(THEME)).map_err(|source| io(root, source))?;
+    fs::create_dir_all(root.join(THEME)).map_err(|source| io(root, source))?;
     for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("theme/fonts/")) {
         write(&root.join(name.replacen("theme", THEME, 1)), bytes)?;
     }

@@ -10,8 +10,9 @@ use std::path::PathBuf;
 /// Name of the file in messages.
 const NAME: &str = "report/book.toml";
 
-/// Folder of mdBook's theme. Of `report/theme` it has the fonts alone: other files would replace mdBook's own.
-pub(super) const THEME: &str = "theme-of-mdbook";
+/// Folder of mdBook's theme, from that of `book.toml`. Of `report/theme` it has the fonts alone: other files would
+/// replace mdBook's own.
+pub(super) const THEME: &str = "../theme-of-mdbook";
 
 /// Ends of the names of pages with numbers and hashes, which nobody looks for by words: the search leaves them out.
 const NOT_SEARCHED: [&str; 2] = ["-tables.md", "provenance.md"];
