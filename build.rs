@@ -1,24 +1,12 @@
 //! Hands the program its compiler's version, for certificates, and a digest of what it is built from.
 
-#[path = "src/sources.rs"]
-mod sources;
-
 use std::collections::BTreeSet;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Files from which the compiler starts, of the program, its packages and this script; what they name lies in `src`.
-const ROOTS: [&str; 5] = [
-    "src/lib.rs",
-    "src/main.rs",
-    "src/mathematics/src/lib.rs",
-    "src/pipeline/src/lib.rs",
-    "build.rs",
-];
-
-/// Files that cargo reads.
-const PACKAGES: [&str; 4] =
-    ["Cargo.toml", "src/mathematics/Cargo.toml", "src/pipeline/Cargo.toml", "Cargo.lock"];
+/// Files outside of `src` from which the program is built.
+const OUTSIDE: [&str; 3] = ["Cargo.toml", "Cargo.lock", "build.rs"];
 
 /// The compiler's options and the features and target it builds for, as cargo tells a build script.
 const OPTIONS: [&str; 6] =
@@ -43,19 +31,32 @@ fn main() {
         add(name.as_bytes());
         add(std::env::var(name).unwrap_or_default().as_bytes());
     }
-    let mut files: BTreeSet<PathBuf> = PACKAGES.iter().map(PathBuf::from).collect();
-    for root in ROOTS {
-        let found = sources::files(Path::new(root), Path::new("src"));
-        files.extend(found.expect("the sources can be read"));
-    }
+    let mut files: BTreeSet<PathBuf> = OUTSIDE.iter().map(PathBuf::from).collect();
+    add_sources(Path::new("src"), &mut files);
     for file in files {
         // File by file: cargo would take a folder for changed when an editor leaves something there. A new source is
         // named by one that is there already.
         println!("cargo::rerun-if-changed={}", file.display());
         add(file.to_string_lossy().replace('\\', "/").as_bytes());
-        add(&std::fs::read(&file).expect("the sources can be read"));
+        add(&fs::read(&file).expect("the sources can be read"));
     }
     println!("cargo::rustc-env=SIGNORINI_PROGRAM={}", digest.finalize().to_hex());
+}
+
+/// Adds every file below a folder that the compiler may read, tests as well: all but hidden files and copies that
+/// editors leave, which end with `~`.
+fn add_sources(folder: &Path, files: &mut BTreeSet<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("the sources can be read") {
+        let path = entry.expect("the sources can be read").path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with('.') || name.ends_with('~') {
+            continue;
+        }
+        match path.is_dir() {
+            true => add_sources(&path, files),
+            false => _ = files.insert(path),
+        }
+    }
 }
 
 /// Links the program for one place in memory where the linker can: else the loader patches 290 000 addresses of code

@@ -7,8 +7,6 @@ pub mod cli;
 pub(crate) mod figures;
 pub mod replication;
 pub mod report;
-#[cfg(test)]
-mod sources;
 pub(crate) mod table;
 pub mod timing;
 

@@ -1,17 +1,17 @@
 //! `certificate`: a record of the run for a reviewer to attach to a review: a page on it, an RO-Crate, and a CODECHECK
 //! manifest if the run has a table of the paper.
 
-mod bundle;
 mod checkout;
 mod contents;
 mod machine;
 mod reviewer;
 
 use super::diff::comparisons;
-use super::output::{is_there, say, talk};
-use super::pipeline::{Scope, Workplace, outside_report};
+use super::output::{is_there, refuse_tilde, say, talk};
+use super::pipeline::{Scope, Workplace, edited, outside_report};
 use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
+use crate::pipeline::files::{folder_of, temporary_folder};
 use crate::pipeline::{InputFiles, LockFile, Plan, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::stages::{files_of, report};
@@ -21,6 +21,7 @@ use clap::Args;
 use contents::{File, differing, files, inputs, reservations, sentences};
 use reviewer::{NOBODY, Reviewer};
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use tera::{Context, Kwargs, State, Tera};
 
@@ -39,7 +40,7 @@ const COMMANDS: [(&str, &str, bool); 3] = [
 
 #[derive(Args)]
 pub(super) struct CertificateArgs {
-    /// Folder for the bundle, which must exist [default: codecheck in the project]
+    /// New or empty folder for the bundle [default: codecheck in the project]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Who checked
@@ -51,9 +52,6 @@ pub(super) struct CertificateArgs {
     /// Where the code is published
     #[arg(long, value_name = "URL", default_value = "not published yet")]
     repository: String,
-    /// Replace an earlier bundle, or what is left of one; files edited since stay, but for codecheck.yml
-    #[arg(short, long)]
-    force: bool,
     #[command(flatten)]
     cache: CacheArgs,
 }
@@ -61,14 +59,9 @@ pub(super) struct CertificateArgs {
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let reviewer = Reviewer::read(args)?;
     let workplace = Workplace::open(&args.cache)?.verifying(true);
-    let folder = match &args.output {
-        Some(folder) => is_there(folder).map(|()| folder.clone())?,
-        None => workplace.project.root.join("codecheck"),
-    };
+    let folder = args.output.clone().unwrap_or(workplace.project.root.join("codecheck"));
     outside_report(&workplace.project.root, &folder, "the certificate")?;
-    if !args.force {
-        refuse_earlier(&folder)?;
-    }
+    refuse_taken(&folder)?;
     let plan = workplace.tasks(&[], None)?;
     let summary = up_to_date(&workplace, &plan)?;
     let read = files_of(&workplace.project, plan.tasks());
@@ -82,7 +75,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let count = files.len();
     let inputs = inputs(&workplace.project, &read)?;
     let bundle = bundle(files, inputs, context, !tables.is_empty());
-    bundle::write(&folder, &bundle, args.force)?;
+    write(&bundle, &folder)?;
     let here = current_folder()?;
     let shown = folder.strip_prefix(&here).unwrap_or(&folder);
     let named = [PAGE, MANIFEST, RECORD].into_iter();
@@ -106,15 +99,36 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     Ok(0)
 }
 
-/// Refuses a folder with an earlier bundle.
-fn refuse_earlier(folder: &Path) -> Result<()> {
-    match [MANIFEST, RECORD].map(|name| folder.join(name)).iter().find(|path| path.exists()) {
-        Some(path) => Err(Error::input(format!(
-            "{} is there already; move it away, or overwrite it with --force",
-            path.display()
-        ))),
-        None => Ok(()),
+/// Refuses a folder in which there is something, and one to be made in a folder that does not exist.
+fn refuse_taken(folder: &Path) -> Result<()> {
+    refuse_tilde(folder)?;
+    let is_empty = match fs::read_dir(folder) {
+        Err(e) if e.kind() == ErrorKind::NotFound => return is_there(folder_of(folder)),
+        entries => entries.is_ok_and(|entries| entries.count() == 0),
+    };
+    if is_empty {
+        return Ok(());
     }
+    Err(Error::input(format!(
+        "{} is there already; move it away, or name a new folder with --output",
+        folder.display()
+    )))
+}
+
+/// Writes the files of a bundle to its folder, after an error none.
+fn write(bundle: &[File], folder: &Path) -> Result<()> {
+    let whole = temporary_folder(folder).context("write to", folder)?;
+    for file in bundle {
+        let path = whole.path().join(&file.path);
+        fs::create_dir_all(folder_of(&path))
+            .and_then(|()| fs::write(&path, &file.bytes))
+            .context("write", &folder.join(&file.path))?;
+    }
+    for entry in fs::read_dir(whole.path()).context("read", whole.path())?.flatten() {
+        let path = folder.join(entry.file_name());
+        fs::rename(entry.path(), &path).context("write", &path)?;
+    }
+    Ok(())
 }
 
 /// Adds the commit to the data of the templates, or the reason why none can be named, and returns the reason.
@@ -183,8 +197,8 @@ fn up_to_date(workplace: &Workplace, plan: &Plan) -> Result<Summary> {
             first.task,
             first.verdict
         )
-    } else if let Some(edited) = summary.exports.edited.first() {
-        return Err(Error::input(super::pipeline::edited(edited)));
+    } else if let Some(file) = summary.exports.edited.first() {
+        return Err(Error::input(edited(file.by, &[&file.path])));
     } else if !summary.exports.is_empty() {
         "files in figures/ or report/ are missing or old".into()
     } else {

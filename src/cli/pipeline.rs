@@ -6,8 +6,8 @@ use super::{CacheArgs, current_folder, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
-    Edited, Editor, Exports, Interrupt, KnownHashes, LockFile, Manifest, Options, Plan, Progress,
-    Rights, Store, Summary, WalkResults, execute, work,
+    Editor, Exports, Interrupt, KnownHashes, LockFile, Manifest, Options, Plan, Progress, Rights,
+    Store, Summary, WalkResults, execute, work,
 };
 use crate::replication::project::{Project, refuse_broken};
 use crate::replication::stages::{Stage, plan, scene_of};
@@ -333,52 +333,33 @@ pub(super) fn outside_report(root: &Path, path: &Path, what: &str) -> Result<()>
 /// Names the files that were not written because they have other bytes than signorini wrote.
 fn refuse_edited(summary: &Summary) -> Result<()> {
     let Some(first) = summary.exports.edited.first() else { return Ok(()) };
-    let alike: Vec<&str> = summary
-        .exports
-        .edited
-        .iter()
-        .filter(|file| file.by == first.by)
-        .map(|file| &*file.path)
-        .collect();
-    let count = alike.len();
-    Err(Error::input(match first.by {
-        _ if count == 1 => edited(first),
-        Editor::Hand => format!(
-            "{count} files were edited by hand: {}; move them away, or overwrite them by `signorini run --force`",
-            alike.join(", ")
-        ),
-        Editor::Merge => format!(
-            "{count} files have a {CONFLICT}: {}; delete them and run again",
-            alike.join(", ")
-        ),
-        Editor::LineEnds => format!(
-            "{count} files have other line ends than signorini wrote, as git may change them: {}; {LINE_ENDS}",
-            alike.join(", ")
-        ),
-        Editor::Unknown => format!(
-            "nothing is on record of {count} files: {}; move them away, or overwrite them by `signorini run --force`",
-            alike.join(", ")
-        ),
-    }))
+    let alike = summary.exports.edited.iter().filter(|file| file.by == first.by);
+    let alike: Vec<&str> = alike.map(|file| &*file.path).collect();
+    Err(Error::input(edited(first.by, &alike)))
 }
 
 /// Remedy for files whose line ends were changed.
 const LINE_ENDS: &str = "clone again with `git clone -c core.autocrlf=false` (with `* -text` in .gitattributes \
     nobody need do so), or overwrite by `signorini run --force`";
 
-/// Returns a line on a file that was not written.
-pub(super) fn edited(file: &Edited) -> String {
-    let path = &file.path;
-    match file.by {
-        Editor::Hand => format!(
-            "{path} was edited by hand; move it away, or overwrite it by `signorini run --force`"
-        ),
-        Editor::Merge => format!("{path} has a {CONFLICT}; delete it and run again"),
+/// Returns a line on files that were not written because of this editor.
+pub(super) fn edited(by: Editor, paths: &[&str]) -> String {
+    let (files, was, has, it, names) = match paths {
+        [path] => ((*path).to_owned(), "was", "has", "it", String::new()),
+        _ => {
+            let names = format!(": {}", paths.join(", "));
+            (format!("{} files", paths.len()), "were", "have", "them", names)
+        }
+    };
+    let force = format!("move {it} away, or overwrite {it} by `signorini run --force`");
+    match by {
+        Editor::Hand => format!("{files} {was} edited by hand{names}; {force}"),
+        Editor::Merge => {
+            format!("{files} {has} a {CONFLICT}{names}; delete {it} and run again")
+        }
         Editor::LineEnds => format!(
-            "{path} has other line ends than signorini wrote, as git may change them; {LINE_ENDS}"
+            "{files} {has} other line ends than signorini wrote, as git may change them{names}; {LINE_ENDS}"
         ),
-        Editor::Unknown => format!(
-            "nothing is on record of {path}; move it away, or overwrite it by `signorini run --force`"
-        ),
+        Editor::Unknown => format!("nothing is on record of {files}{names}; {force}"),
     }
 }

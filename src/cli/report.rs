@@ -5,6 +5,7 @@ use super::output::say;
 use super::pipeline::Workplace;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::stages::Stage;
+use crate::report::FIRST;
 use clap::Args;
 use std::path::Path;
 use std::process::Command;
@@ -26,8 +27,8 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     let made: Vec<String> = made.map(|name| format!("report/{name}")).collect();
     let page = first_page(made.iter()).ok_or_else(|| {
         Error::input(
-            "the project has no pages; they need report/book.toml with [output.html] and \
-             report/templates/SUMMARY.md, as `signorini init` writes them",
+            "the project has no pages; they need report/book.toml and report/templates/SUMMARY.md, as \
+             `signorini init` writes them",
         )
     })?;
     let book = workplace.project.root.join(page);
@@ -37,11 +38,10 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     say(&format!("{}\n", book.display()))
 }
 
-/// Returns the path of the first page of the book among the paths of exported files.
-pub(super) fn first_page<'a>(exported: impl Iterator<Item = &'a String> + Clone) -> Option<String> {
-    const BOOK: &str = "report/book/";
-    let page = crate::report::first_page(exported.filter_map(|path| path.strip_prefix(BOOK)))?;
-    Some(format!("{BOOK}{page}"))
+/// Returns the path of the first page of the book, if it is among the paths of exported files.
+pub(super) fn first_page<'a>(mut exported: impl Iterator<Item = &'a String>) -> Option<String> {
+    let page = format!("report/book/{FIRST}");
+    exported.any(|path| *path == page).then_some(page)
 }
 
 fn open(page: &Path) -> Result<()> {

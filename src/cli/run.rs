@@ -355,6 +355,8 @@ pub(super) fn exports(summary: &Summary) -> String {
     if let Some(files) = to_remove(summary) {
         text += &format!("to be removed: {files}\n");
     }
-    summary.exports.edited.iter().for_each(|file| text += &(edited(file) + "\n"));
+    for file in &summary.exports.edited {
+        text += &(edited(file.by, &[&file.path]) + "\n");
+    }
     text
 }

@@ -1,15 +1,16 @@
 //! Build of the book from bytes to bytes, by mdBook in this process and in a temporary folder.
 
-use super::backend::Backend;
 use super::labels::Labels;
 use super::mathml::convert;
-use super::outputs::{self, Own, PAGES, Pages};
-use super::settings::Settings;
-use super::{includes, links, programs};
+use super::outputs::{self, PAGES, Pages};
+use super::settings::{Settings, THEME};
+use super::summary::{SUMMARY, listed};
+use super::{includes, links};
 use crate::pipeline::error::Error;
 use crate::pipeline::files::{read_tree, temporary_folder};
 use crate::pipeline::names::described;
 use mdbook_driver::MDBook;
+use mdbook_driver::config::Config;
 use rayon::prelude::*;
 use signorini_mathematics::problem::text::is_forbidden;
 use std::collections::BTreeMap;
@@ -17,28 +18,15 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Returns the first page of a book with these files, by path from its folder.
-///
-/// In a book with further outputs, mdBook makes a folder for each output.
-pub(crate) fn first_page<'a>(built: impl Iterator<Item = &'a str> + Clone) -> Option<&'static str> {
-    ["index.html", "html/index.html"]
-        .into_iter()
-        .find(|page| built.clone().any(|path| path == *page))
-}
+/// Page with which the book opens.
+pub(crate) const FIRST: &str = "index.html";
 
-/// Refuses a `book.toml` with a mistake, or with a path that leads out of its folder.
+/// Refuses a `book.toml` with a mistake.
 ///
 /// # Errors
-/// [`Error::Input`](crate::pipeline::error::Error::Input) with the line of the mistake.
+/// [`Error::Input`] with the line of the mistake.
 pub(crate) fn check_settings(book_toml: &[u8]) -> Result<(), Error> {
-    checked(book_toml).map(|_| ())
-}
-
-/// Reads and checks `book.toml`.
-fn checked(book_toml: &[u8]) -> Result<Settings<'_>, Error> {
-    let settings = Settings::read(book_toml)?;
-    programs::check(&settings)?;
-    Ok(settings)
+    Settings::read(book_toml).map(|_| ())
 }
 
 /// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
@@ -56,9 +44,8 @@ pub fn build(
     let Some(book_toml) = files.get("book.toml") else {
         return Err("report/book.toml is missing; the book needs one, if only with a title".into());
     };
-    let settings = checked(book_toml).map_err(|e| e.to_string())?;
-    settings.check_files(files).map_err(|e| e.to_string())?;
-    programs::check_files(&settings, files).map_err(|e| e.to_string())?;
+    let settings = Settings::read(book_toml).map_err(|e| e.to_string())?;
+    settings.check_files(files)?;
     let mut pages = BTreeMap::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
         let text = std::str::from_utf8(bytes);
@@ -66,17 +53,17 @@ pub fn build(
         refuse_forbidden(name, text)?;
         pages.insert(name.as_str(), text);
     }
-    if !pages.contains_key("src/SUMMARY.md") {
+    let Some(summary) = pages.get(SUMMARY) else {
         return Err(
             "report/templates has no SUMMARY.md; list the pages there, as `- [Title](page.md)`"
                 .into(),
         );
-    }
-    let labels = Labels::of(&pages)?;
-    if settings.is_on("links") {
-        for name in pages.keys() {
-            includes::check(name, files)?;
-        }
+    };
+    let listed = listed(summary)?;
+    outputs::check_names(&pages, &listed)?;
+    let labels = Labels::of(&pages, &listed)?;
+    for name in pages.keys() {
+        includes::check(name, files)?;
     }
 
     let set: Vec<_> =
@@ -93,41 +80,30 @@ pub fn build(
             write(&root.join(PAGES).join(path), page.as_bytes())?;
         }
     }
-    for program in programs::own(&settings).map_err(|e| e.to_string())? {
-        allow_to_run(&root.join(program))?;
+    fs::create_dir_all(root.join(THEME)).map_err(|source| io(root, source))?;
+    for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("theme/fonts/")) {
+        write(&root.join(name.replacen("theme", THEME, 1)), bytes)?;
     }
-    let listed = outputs::listed(&pages, &settings)?;
-    if settings.has_html() {
-        let own = Own::of(root, &settings, &scratch.path().join("own"))
-            .map_err(|e| in_templates(e, root))?;
-        outputs::check_names(&pages, &listed, &settings, &own)?;
-    }
-    with_mdbook(root, &settings).map_err(|error| in_templates(error, root))?;
-    let folder = root.join(&settings.config.build.build_dir);
-    let mut built = read_tree(&folder, |_| false).map_err(|(path, source)| io(&path, source))?;
-    if let Some(inside) = settings.html_folder() {
-        outputs::add_files(&mut built, files, inside)?;
-        check_links(&pages, &built, inside)?;
-    }
+    let config = settings.of_mdbook(listed.iter().map(|page| page.path.as_str()));
+    with_mdbook(root, config).map_err(|error| in_templates(error, root))?;
+    let mut built =
+        read_tree(&root.join("book"), |_| false).map_err(|(path, source)| io(&path, source))?;
+    outputs::add_files(&mut built, files)?;
+    check_links(&pages, &built)?;
     Ok(built)
 }
 
-/// Refuses links and directives of pages that lead to nothing in the HTML, which is in the folder `inside` of the book.
+/// Refuses links and directives of pages that lead to nothing in the built book.
 fn check_links(
     pages: &BTreeMap<&str, &str>,
     built: &BTreeMap<String, Vec<u8>>,
-    inside: &str,
 ) -> Result<(), String> {
-    let mut html: BTreeMap<&str, &[u8]> = BTreeMap::new();
-    for (name, bytes) in built {
-        if let Some(name) = name.strip_prefix(inside) {
-            html.insert(name, bytes);
-        }
-    }
-    let site = links::Site::new(&html);
+    let site = links::Site::new(built);
     for (name, text) in pages {
-        if let Some(page) = links::page(name, &html) {
-            includes::refuse_left(name, text, html[page.as_str()])?;
+        let page = outputs::html(name);
+        // A page that no list names is not built.
+        if let Some(html) = built.get(&page) {
+            includes::refuse_left(name, text, html)?;
             links::check(name, text, &page, &site)?;
         }
     }
@@ -162,27 +138,11 @@ fn refuse_forbidden(name: &str, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Builds all outputs of the book in this folder by mdBook.
-fn with_mdbook(folder: &Path, settings: &Settings<'_>) -> mdbook_driver::errors::Result<()> {
-    let mut book = MDBook::load_with_config(folder, settings.config.clone())?;
-    for (name, table) in &settings.outputs {
-        book.with_renderer(Backend::new(name, table)?);
-    }
-    if settings.has_html() {
-        book.with_renderer(Pages);
-    }
+/// Builds the book in this folder by mdBook.
+fn with_mdbook(folder: &Path, config: Config) -> mdbook_driver::errors::Result<()> {
+    let mut book = MDBook::load_with_config(folder, config)?;
+    book.with_renderer(Pages);
     book.build()
-}
-
-/// Marks a file as a program.
-fn allow_to_run(path: &Path) -> Result<(), String> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(path, fs::Permissions::from_mode(0o755))
-            .map_err(|source| io(path, source))?;
-    }
-    Ok(())
 }
 
 fn io(path: &Path, error: std::io::Error) -> String {

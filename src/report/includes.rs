@@ -141,8 +141,7 @@ pub(super) fn refuse_left(chapter: &str, markdown: &str, built: &[u8]) -> Result
     let line = markdown[left.start()..].lines().next().unwrap_or_default();
     let end = line.find("}}").map_or(line.len(), |end| end + 2);
     Err(format!(
-        "{at}: `{}` is replaced by nothing; use a directive of mdBook, with its preprocessors on in \
-         report/book.toml, or write `\\{{{{#` for the text itself",
+        "{at}: `{}` is replaced by nothing; use a directive of mdBook, or write `\\{{{{#` for the text itself",
         &line[..end]
     ))
 }

@@ -5,7 +5,8 @@
 //! is not taken for one of a paper that it speaks of. Pages without a number are chapter 0.
 
 use super::markdown::{parse, place, split_tag};
-use pulldown_cmark::{Event, Tag, TagEnd};
+use super::summary::ListedPage;
+use pulldown_cmark::Event;
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -14,9 +15,6 @@ use std::sync::LazyLock;
 static FIGURE: LazyLock<Regex> = LazyLock::new(|| {
     Regex::new(r#"<figure id="(figure|table)-([A-Za-z0-9_.-]+)""#).expect("the pattern is tested")
 });
-
-/// Path of the list of the pages.
-const SUMMARY: &str = "src/SUMMARY.md";
 
 /// Part of a page to which links may lead.
 struct Label {
@@ -34,16 +32,16 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    /// Collects the labels of all pages, Markdown by path.
-    pub(super) fn of(pages: &BTreeMap<&str, &str>) -> Result<Self, String> {
+    /// Collects the labels of all pages, Markdown by path, of which some are listed.
+    pub(super) fn of(pages: &BTreeMap<&str, &str>, listed: &[ListedPage]) -> Result<Self, String> {
         let mut labels = Self::default();
         for (name, text) in pages {
             labels.add_equations(name, text)?;
         }
         let mut counts = Counts::new();
-        for (name, chapter) in listed(pages) {
-            if let Some((name, text)) = pages.get_key_value(name.as_str()) {
-                labels.add_figures(name, text, |kind| numbered(&mut counts, kind, &chapter))?;
+        for ListedPage { path, number, .. } in listed {
+            if let Some((name, text)) = pages.get_key_value(&*format!("src/{path}")) {
+                labels.add_figures(name, text, |kind| numbered(&mut counts, kind, number))?;
             }
         }
         Ok(labels)
@@ -127,39 +125,17 @@ fn numbered(counts: &mut Counts, kind: &str, chapter: &str) -> String {
     format!("{what} {chapter}.{count}")
 }
 
-/// Returns the paths of the pages in the order of `SUMMARY.md`, each with the number that mdBook gives to its chapter,
-/// or 0.
-fn listed(pages: &BTreeMap<&str, &str>) -> Vec<(String, String)> {
-    let (mut listed, mut depth) = (Vec::new(), 0);
-    // Numbers of the chapter and of those in which it is. The first goes on after the title of a part.
-    let mut numbers: Vec<usize> = Vec::new();
-    for (event, _) in parse(pages.get(SUMMARY).unwrap_or(&"")) {
-        match event {
-            Event::Start(Tag::List(_)) => depth += 1,
-            Event::End(TagEnd::List(_)) => depth -= 1,
-            Event::Start(Tag::Item) => {
-                numbers.resize(depth, 0);
-                numbers[depth - 1] += 1;
-            }
-            Event::Start(Tag::Link { dest_url, .. }) => {
-                let texts: Vec<String> = numbers.iter().map(usize::to_string).collect();
-                let number = if depth == 0 { "0".into() } else { texts.join(".") };
-                listed.push((format!("src/{}", dest_url.trim_start_matches("./")), number));
-            }
-            _ => {}
-        }
-    }
-    listed
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::summary::{SUMMARY, listed};
     use super::*;
 
     const PICTURE: &str = "<figure id=\"figure-a\">\n</figure>\n";
 
     fn of(pages: &[(&'static str, &'static str)]) -> Result<Labels, String> {
-        Labels::of(&pages.iter().copied().collect())
+        let pages: BTreeMap<&str, &str> = pages.iter().copied().collect();
+        let listed = pages.get(SUMMARY).map_or(Ok(Vec::new()), |summary| listed(summary))?;
+        Labels::of(&pages, &listed)
     }
 
     #[test]

@@ -16,18 +16,6 @@ static SPACED: LazyLock<Regex> = LazyLock::new(|| {
     Regex::new(pattern).expect("the pattern is tested")
 });
 
-/// Returns the built page of a chapter, if the book has one.
-pub(super) fn page(chapter: &str, built: &BTreeMap<&str, &[u8]>) -> Option<String> {
-    let file = chapter.strip_prefix("src/").unwrap_or(chapter);
-    // mdBook makes a readme the first page of its folder.
-    let readme = file.len().saturating_sub("readme.md".len());
-    let index = match file.get(readme..).is_some_and(|end| end.eq_ignore_ascii_case("readme.md")) {
-        true => format!("{}index.html", &file[..readme]),
-        false => String::new(),
-    };
-    [html(file), index].into_iter().find(|page| built.contains_key(page.as_str()))
-}
-
 /// Refuses a link or a picture of a chapter without a target in the built book; `page` is the page of the chapter.
 ///
 /// Links to other sites and to the top of this one are not followed, and tags of HTML are not read.
@@ -71,11 +59,6 @@ fn refuse_spaces(chapter: &str, markdown: &str, text: Range<usize>) -> Result<()
     Err(format!("{at}: a space ends the link to `{name}`; write (<{name}>)"))
 }
 
-/// Returns the file that mdBook makes of a page.
-fn html(file: &str) -> String {
-    file.strip_suffix(".md").map_or(file.into(), |stem| format!("{stem}.html"))
-}
-
 /// Returns the target of a link as mdBook writes it: links to pages in Markdown become links to their HTML. Of what
 /// follows the ending, only an anchor is kept.
 fn written(target: &str) -> String {
@@ -96,13 +79,13 @@ fn has_scheme(target: &str) -> bool {
 
 /// Built book in which links are followed.
 pub(super) struct Site<'a> {
-    built: &'a BTreeMap<&'a str, &'a [u8]>,
+    built: &'a BTreeMap<String, Vec<u8>>,
     /// Names of places in the pages to which links led.
     anchors: RefCell<BTreeMap<String, BTreeSet<String>>>,
 }
 
 impl<'a> Site<'a> {
-    pub(super) fn new(built: &'a BTreeMap<&'a str, &'a [u8]>) -> Self {
+    pub(super) fn new(built: &'a BTreeMap<String, Vec<u8>>) -> Self {
         Self { built, anchors: RefCell::default() }
     }
 
@@ -130,13 +113,10 @@ impl<'a> Site<'a> {
             true => format!("{file}/index.html").trim_start_matches('/').to_owned(),
             false => file,
         };
-        let Some(bytes) = self.built.get(file.as_str()) else {
-            let remedy = match file.to_lowercase() {
-                name if name.ends_with("readme.html") => {
-                    "; mdBook makes index.html of a readme, so link to index.md"
-                }
-                name if name.ends_with(".html") => "; its pages are those in SUMMARY.md",
-                _ => "",
+        let Some(bytes) = self.built.get(&file) else {
+            let remedy = match file.ends_with(".html") {
+                true => "; its pages are those in SUMMARY.md",
+                false => "",
             };
             return Err(format!("the book has no {file}{remedy}"));
         };
@@ -191,7 +171,7 @@ mod tests {
     fn checked(page: &str, link: &str) -> Result<(), String> {
         let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2><a name=\"x1\"></a>".as_bytes();
         let files = ["index.html", "a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
-        let built = BTreeMap::from(files.map(|name| (name, html)));
+        let built = BTreeMap::from(files.map(|name| (name.to_owned(), html.to_vec())));
         let markdown = format!("# One\n\n{link}\n");
         check(&format!("src/{page}.md"), &markdown, &format!("{page}.html"), &Site::new(&built))
     }
@@ -220,7 +200,6 @@ mod tests {
             ("[x](../a.md)", "leads out of the book"),
             ("[x](#One)", "has no heading"),
             ("[x](sub/)", "the book has no sub/index.html"),
-            ("[x](README.md)", "so link to index.md"),
         ] {
             let error = checked("a", link).unwrap_err();
             assert!(error.starts_with("src/a.md:3: ") && error.contains(why), "{error}");
@@ -238,20 +217,6 @@ mod tests {
             "[x](results.csv \"a b.c\")",
         ] {
             assert_eq!(checked("a", prose), Ok(()), "{prose}");
-        }
-    }
-
-    #[test]
-    fn a_chapter_has_the_page_that_mdbook_makes_of_it() {
-        let built =
-            BTreeMap::from(["a.html", "index.html", "sub/index.html"].map(|name| (name, &b""[..])));
-        for (chapter, html) in [
-            ("src/a.md", Some("a.html")),
-            ("src/README.md", Some("index.html")),
-            ("src/sub/Readme.md", Some("sub/index.html")),
-            ("src/SUMMARY.md", None),
-        ] {
-            assert_eq!(page(chapter, &built).as_deref(), html, "{chapter}");
         }
     }
 }

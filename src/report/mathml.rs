@@ -202,11 +202,12 @@ fn shield(mathml: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::summary::listed;
     use super::*;
     use std::collections::BTreeMap;
 
     fn converted(markdown: &str) -> Result<String, String> {
-        let labels = Labels::of(&BTreeMap::from([("src/a.md", markdown)]))?;
+        let labels = Labels::of(&BTreeMap::from([("src/a.md", markdown)]), &[])?;
         convert("src/a.md", markdown, &labels)
     }
 
@@ -273,8 +274,9 @@ mod tests {
         assert!(equation.contains(r#"id="eq-7""#) && equation.contains("(7)</span>"));
         assert!(equation.ends_with("see [(7)](<a.md#eq-7>)."), "{equation}");
         let page = "<figure id=\"figure-x\">\n\n**[](figure:x).** Text\n\n</figure>\n";
-        let pages = BTreeMap::from([("src/SUMMARY.md", "[A](a.md)"), ("src/a.md", page)]);
-        let shown = convert("src/a.md", page, &Labels::of(&pages).unwrap()).unwrap();
+        let listed = listed("[A](a.md)").unwrap();
+        let labels = Labels::of(&BTreeMap::from([("src/a.md", page)]), &listed).unwrap();
+        let shown = convert("src/a.md", page, &labels).unwrap();
         assert!(shown.contains("**[Figure 0.1](<a.md#figure-x>).** Text"), "{shown}");
     }
 

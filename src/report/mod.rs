@@ -4,25 +4,21 @@
 //! Central are [`pages`] and [`build`].
 
 mod anchors;
-mod backend;
 mod build;
 mod data;
 mod filters;
 mod includes;
 mod labels;
-mod line;
 mod links;
 mod markdown;
 mod mathml;
 mod outputs;
 mod pages;
-mod paths;
 mod prices;
-mod programs;
 mod settings;
+mod summary;
 
 pub use build::build;
-pub(crate) use build::{check_settings, first_page};
+pub(crate) use build::{FIRST, check_settings};
 pub use pages::pages;
 pub(crate) use pages::{PAGE as TEMPLATE, in_template, stubs};
-pub(crate) use programs::hashes as program_hashes;

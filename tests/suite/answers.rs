@@ -438,35 +438,35 @@ fn searches_check_their_numbers_first() {
 }
 
 #[test]
-fn a_certificate_overwrites_nothing_but_its_own() {
-    let project = Project::with(
-        &(TABLE.replace("[\"table\"]", "[\"table\", \"source\"]") + "paper_table = 1\n"),
-    );
+fn a_certificate_is_written_to_a_new_or_an_empty_folder_as_a_whole() {
+    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
     project.run(&["run"]).lines();
-    fs::create_dir_all(project.path("review/figures")).unwrap();
-    project.write("review/figures/figure1.svg", "my own figure");
-    let refused = project.run(&["certificate", "--output", "review"]);
-    assert!(refused.refusal().contains("review/figures/figure1.svg is there already"));
-    assert_eq!(project.files("review").len(), 1, "nothing is written beside it");
-    fs::remove_file(project.path("review/figures/figure1.svg")).unwrap();
-    project.run(&["certificate", "--output", "review"]).lines();
-    // Its own files are its own until somebody writes into them.
-    project.run(&["certificate", "--output", "review", "--force"]).lines();
-    let page = fs::read_to_string(project.path("review/certificate.md")).unwrap();
-    project.write("review/certificate.md", page.clone() + "MY NOTES\n");
-    for with in [
-        &["certificate", "--output", "review", "--force"][..],
-        &["certificate", "--output", "review"],
-    ] {
-        assert!(project.run(with).refusal().contains("is there already"));
+    let certify = |folder: &str| project.run(&["certificate", "--output", folder]);
+    fs::create_dir(project.path("review")).unwrap();
+    project.write("review/notes.txt", "mine");
+    project.write("file", "mine");
+    for taken in ["review", "file"] {
+        let said = certify(taken);
+        let remedy = "is there already; move it away, or name a new folder with --output";
+        assert!(said.refusal().ends_with(&format!("{taken} {remedy}")), "{said:?}");
     }
-    fs::rename(project.path("review/codecheck.yml"), project.path("old.yml")).unwrap();
-    let said = project.run(&["certificate", "--output", "review"]);
-    assert!(said.refusal().contains("move it away"), "{said:?}");
-    assert!(
-        fs::read_to_string(project.path("review/certificate.md")).unwrap().contains("MY NOTES")
-    );
+    assert_eq!(project.files("review").len(), 1, "nothing is written beside it");
+    fs::remove_file(project.path("review/notes.txt")).unwrap();
+    certify("review").lines();
+    let page = fs::read_to_string(project.path("review/certificate.md")).unwrap();
     assert!(page.contains("| program built from | `"), "{page}");
+    certify("new").lines();
+    assert!(certify("new").refusal().contains("new is there already"));
+    #[cfg(unix)]
+    {
+        fs::create_dir(project.path("empty")).unwrap();
+        std::os::unix::fs::symlink("empty", project.path("link")).unwrap();
+        certify("link/").lines();
+        assert!(project.path("empty/certificate.md").exists());
+    }
+    let left = fs::read_dir(project.path(".")).unwrap().flatten();
+    let names = left.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    assert_eq!(names.filter(|name| name.ends_with(".tmp")).count(), 0);
 }
 
 #[test]
@@ -479,7 +479,7 @@ fn remedies_lead_out_of_the_trouble() {
     // No pages to open, and then no program that opens them.
     let said = project.run(&["report"]);
     assert!(said.refusal().contains("the project has no pages; they need"), "{said:?}");
-    project.write("report/book.toml", "[output.html]\n");
+    project.write("report/book.toml", "");
     fs::create_dir(project.path("report/templates")).unwrap();
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
     project.write("report/templates/one.md", "# One\n");

@@ -1,6 +1,6 @@
 //! The book of this project, built by a run from the committed templates, and then inspected.
 
-use crate::common::{Project, TABLE, files_below};
+use crate::common::files_below;
 use crate::explore::book;
 use polars::prelude::{CsvReadOptions, CsvReader, SerReader};
 use signorini::report::{build, pages};
@@ -10,27 +10,6 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::Command;
 use tera::Context;
-
-#[test]
-fn a_book_to_be_built_elsewhere_is_refused_and_nothing_there_is_lost() {
-    let project = Project::with(TABLE);
-    fs::create_dir(project.path("www")).unwrap();
-    project.write("www/thesis.txt", "precious");
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md.tera", "# One\n");
-    let www = project.path("www");
-    for folder in [www.to_str().unwrap(), "../www"] {
-        let build = format!("[book]\ntitle = \"Elsewhere\"\n[build]\nbuild-dir = \"{folder}\"\n");
-        project.write("report/book.toml", build + "[output.html]\n");
-        let said = project.run(&["run"]);
-        assert!(said.refusal().contains("must be `book`"), "{said:?}");
-        assert_eq!(project.files("www")["thesis.txt"], b"precious");
-    }
-    project.write("report/book.toml", "[book\n");
-    let said = project.run(&["run"]);
-    assert!(said.refusal().contains("report/book.toml: line 1: "), "{said:?}");
-}
 
 #[test]
 fn the_book_opens_from_a_folder_without_any_request() {

@@ -3,55 +3,35 @@
 use crate::common::{PAPER, Project, TABLE, files_below};
 use crate::pages::{PAGE, Study};
 use std::fs;
-use std::os::unix::fs::{PermissionsExt, symlink};
+use std::os::unix::fs::symlink;
 
 #[test]
-fn settings_that_lead_out_of_the_folder_are_refused_and_nothing_is_written_there() {
+fn settings_beyond_the_six_keys_and_files_elsewhere_are_refused() {
     let study = Study::new();
     let settings = study.read("report/book.toml");
     let line = settings.lines().count() + 1;
     fs::write(study.0.path("x.css"), "a{}").unwrap();
-    let outside = study.0.path("x.css");
-    let outside = outside.to_str().unwrap();
     let before = files_below(&study.0.path(""));
     for setting in [
-        &format!("additional-css = [\"{outside}\"]"),
-        "additional-css = [\"../../x.css\"]",
-        "additional-js = [\"theme/../../../x.css\"]",
-        "theme = \"../..\"",
-        "input-404 = \"../../../x.md\"",
-        "redirect = { \"/../../../y.html\" = \"plate.html\" }",
-        "redirect = { \"../../../y.html#part\" = \"plate.html\" }",
-        "[output.\"../../y\"]",
+        "css = [\"../x.css\"]",
+        "css = [\"theme/../../../x.css\"]",
+        "js = [\"/x.js\"]",
+        "src = \"pages\"",
+        "[build]\nbuild-dir = \"../x\"",
+        "[output.html]\nredirect = { \"/../../../y.html\" = \"plate.html\" }",
         "[output.y]\ncommand = \"/bin/sh -c true\"",
-        &format!("[output.y]\ncommand = \"sh -c 'cat {outside}'\""),
         "[preprocessor.y]\ncommand = \"../y\"",
     ] {
         study.write("report/book.toml", format!("{settings}{setting}\n"));
         let said = study.run(&["run"]);
-        let line = line + setting.matches('\n').count();
         let place = format!("error: report/book.toml: line {line}: ");
         assert!(said.refusal().starts_with(&place), "{setting}: {said:?}");
     }
     study.write("report/book.toml", &settings);
     assert_eq!(files_below(&study.0.path("")), before);
-    for (setting, why) in [
-        ("additional-css = [\"no.css\"]", "no such file in report/"),
-        ("theme = \"none\"", "no such folder with files"),
-        ("[output.y]\ncommand = \"tools/y\"", "no such file in report/"),
-        ("additional-css = [\"css/general.css\"]", "mdBook makes a file of this name"),
-        ("redirect = { \"/plate.html\" = \"x.html\" }", "a page that the book has"),
-        ("redirect = { \"/print.html\" = \"x.html\" }", "a page that the book has"),
-    ] {
-        if setting.contains("general") {
-            study.write("report/css/general.css", "a{}");
-        }
-        study.write("report/book.toml", format!("{settings}{setting}\n"));
-        let line = line + setting.matches('\n').count();
-        let error = study.refusal(&study.read(PAGE));
-        assert!(error.starts_with(&format!("report/book.toml: line {line}: ")), "{error}");
-        assert!(error.contains(why), "{error}");
-    }
+    study.write("report/book.toml", format!("{settings}css = [\"theme/no.css\"]\n"));
+    let error = study.refusal(&study.read(PAGE));
+    assert!(error.contains("report/book.toml names `theme/no.css`, but there is no"), "{error}");
 }
 
 #[test]
@@ -59,48 +39,44 @@ fn what_the_book_is_made_from_is_an_input_wherever_it_lies() {
     let study = Study::new();
     let outside = study.0.path("x.css");
     fs::write(&outside, "a{}").unwrap();
-    symlink(&outside, study.0.path("study/report/x.css")).unwrap();
-    let programs = study.0.path("programs");
-    fs::create_dir(&programs).unwrap();
-    let write_program = |text: &str| {
-        fs::write(programs.join("installed"), format!("#!/bin/sh\n{text}")).unwrap();
-        fs::set_permissions(programs.join("installed"), fs::Permissions::from_mode(0o755)).unwrap();
-    };
-    write_program("echo one > made.txt\n");
-    study.write("report/tools/own", "#!/bin/sh\necho own one > made.txt\n");
+    fs::create_dir(study.0.path("study/report/theme")).unwrap();
+    symlink(&outside, study.0.path("study/report/theme/x.css")).unwrap();
+    // Nothing of the theme replaces a file of mdBook, but for fonts.
+    study.write("report/theme/index.hbs", "mine");
+    study.write("report/theme/book.js", "mine");
+    study.write("report/theme/fonts/own.woff2", "font");
     let settings = study.read("report/book.toml");
-    let added = "additional-css = [\"x.css\"]\n[output.html.search.chapter]\n\"plate.md\" = { enable = false \
-        }\n[output.installed]\ncommand = \"installed\"\n[output.own]\ncommand = \"./tools/own\"\n";
+    let added = "css = [\"theme/x.css\"]\njs = [\"theme/book.js\"]\n";
     study.write("report/book.toml", settings + added);
-    let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
     let run = || {
         let mut command = study.0.command(&["run"]);
-        let command = command.env("PATH", &path).env("MDBOOK_BOOK__TITLE", "of the environment");
+        let command = command.env("MDBOOK_BOOK__TITLE", "of the environment");
         let said: crate::common::Said =
             command.current_dir(study.0.path("study")).output().unwrap().into();
         said.lines().concat()
     };
     run();
     assert!(run().starts_with("nothing to do"));
-    assert_eq!(study.read("report/book/own/made.txt"), "own one\n");
-    assert!(!study.read("report/book/html/plate.html").contains("of the environment"));
-    write_program("echo two > made.txt\n");
-    assert!(!run().starts_with("nothing to do"));
-    assert_eq!(study.read("report/book/installed/made.txt"), "two\n");
-    study.write("report/tools/own", "#!/bin/sh\necho own two > made.txt\n");
-    assert!(!run().starts_with("nothing to do"));
-    assert_eq!(study.read("report/book/own/made.txt"), "own two\n");
+    let page = study.read("report/book/plate.html");
+    assert!(page.contains("<main>") && !page.contains("of the environment"), "{page}");
+    let book = files_below(&study.0.path("study/report/book"));
+    let texts = |beginning: &str| {
+        let named = book.iter().filter(|(name, _)| name.starts_with(beginning));
+        named.map(|(_, bytes)| String::from_utf8_lossy(bytes)).collect::<Vec<_>>()
+    };
+    assert_eq!([texts("theme/book-"), texts("fonts/own-")].concat(), ["mine", "font"]);
+    assert!(texts("book-").iter().all(|text| text != "mine"));
     fs::write(&outside, "b{}").unwrap();
     assert!(!run().starts_with("nothing to do"));
     // A folder that is a link might lead anywhere.
-    symlink(&programs, study.0.path("study/report/theme")).unwrap();
+    symlink(study.0.path("study/report/book"), study.0.path("study/report/theme/more")).unwrap();
     assert!(study.run(&["run"]).refusal().contains("links to a folder"));
 }
 
 #[test]
 fn a_mistake_in_a_file_of_settings_is_told_in_one_line_with_its_place() {
     let project = Project::with(TABLE);
-    let book = "[book]\ntitle = \"x\"\n";
+    let book = "title = \"x\"\n";
     project.write("report/book.toml", book);
     let wrong = "zzz = \"\"\"a\nb\"\"\"\n";
     for (path, good, line) in [
@@ -109,18 +85,10 @@ fn a_mistake_in_a_file_of_settings_is_told_in_one_line_with_its_place() {
         (
             "report/book.toml",
             format!("{book}multilingual = false\n"),
-            "line 3: unknown field `multilingual`",
+            "line 2: unknown field `multilingual`, expected one of `title`, `description`, `authors`, `language`, \
+             `css`, `js`",
         ),
-        (
-            "report/book.toml",
-            format!("{book}[output.html]\ncurly-quotes = true\n"),
-            "line 4: unknown field `curly-quotes`",
-        ),
-        (
-            "report/book.toml",
-            format!("{book}[output.html.fold]\nlevel = \"\"\"a\nb\"\"\"\n"),
-            "line 4: ",
-        ),
+        ("report/book.toml", format!("{book}language = [\"\"\"a\nb\"\"\"]\n"), "line 2: "),
         ("pipeline/timings.toml", "schema = \"\"\"a\nb\"\"\"\n".into(), "line 1"),
         ("pipeline/lock.toml", wrong.into(), "pipeline/lock.toml"),
     ] {
@@ -150,8 +118,8 @@ fn characters_that_no_line_of_text_may_have_are_refused_wherever_the_user_writes
             ("report/book.toml", "title = \"", format!("title = \"\\u{:04X}", u32::from(c))),
             (
                 "report/book.toml",
-                "[book]\n",
-                format!("[book]\nauthors = [\"A\\u{:04X}\"]\n", u32::from(c)),
+                "language = ",
+                format!("authors = [\"A\\u{:04X}\"]\nlanguage = ", u32::from(c)),
             ),
         ] {
             let kept = study.read(path);

@@ -31,7 +31,8 @@ impl Place {
 
     /// The page of a certificate for the project in `folder`, and what is said on standard error.
     fn certificate(&self, folder: &str, env: &[(&str, &str)]) -> (String, String) {
-        let said = self.signorini(folder, &["certificate", "--force"], env);
+        let _ = fs::remove_dir_all(self.path(folder).join("codecheck"));
+        let said = self.signorini(folder, &["certificate"], env);
         said.lines();
         let page = fs::read_to_string(self.path(folder).join("codecheck/certificate.md")).unwrap();
         (page, said.err)

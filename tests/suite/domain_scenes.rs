@@ -33,7 +33,7 @@ fn project() -> Project {
     fs::create_dir(project.path("pipeline/meshes")).unwrap();
     project.write("pipeline/meshes/gear.msh", gear());
     fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "[book]\ntitle = \"Domains\"\n");
+    project.write("report/book.toml", "title = \"Domains\"\n");
     project.write("report/templates/SUMMARY.md", "- [Domains](domains.md)\n");
     project
         .write("report/templates/domains.md", "# Domains\n\n![the disc](figures/a-surface.svg)\n");
@@ -290,7 +290,7 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
         project.scene(name, &format!("{plate}{keys}{outputs}"));
     }
     fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "[book]\ntitle = \"Plates\"\n");
+    project.write("report/book.toml", "title = \"Plates\"\n");
     project.write("report/templates/SUMMARY.md", "- [Plates](plates.md)\n");
     project.write("report/templates/plates.md", "# Plates\n\n![v](figures/close-surface.svg)\n");
     project.run(&["run"]).lines();

@@ -131,7 +131,7 @@ pub(crate) fn study() -> Files {
 /// A book of one page; with it, a run also makes the table of all results.
 pub(crate) fn book() -> Files {
     let files = [
-        ("report/book.toml", "[book]\ntitle = \"Mine\"\n"),
+        ("report/book.toml", "title = \"Mine\"\n"),
         ("report/templates/SUMMARY.md", "- [One](one.md)\n"),
         ("report/templates/one.md", "# One\n\nText.\n"),
     ];

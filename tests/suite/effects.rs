@@ -26,7 +26,7 @@ fn published() -> String {
 fn with_pages(scene: &str) -> Project {
     let project = Project::with(scene);
     fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"Mine\"\n");
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
     project.write("report/templates/one.md", "# One\n");
     project
@@ -95,10 +95,10 @@ fn the_dry_run_refuses_what_the_run_refuses_and_nothing_else() {
     fs::remove_file(project.path("pipeline/timings.toml")).unwrap();
     assert_eq!(alike(&["run"]), Some(0));
     // A mistake that no task would read.
-    project.write("report/book.toml", "[book]\nsrc = \"elsewhere\"\n");
+    project.write("report/book.toml", "src = \"elsewhere\"\n");
     assert_eq!(alike(&["run", "b"]), Some(0));
     assert_eq!(alike(&["run"]), Some(2));
-    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"Mine\"\n");
     project.write("figures/a-source.svg", "<svg>mine</svg>");
     assert_eq!(alike(&["run"]), Some(2));
     assert_eq!(alike(&["run", "b"]), Some(0));

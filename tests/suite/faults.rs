@@ -165,7 +165,7 @@ fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
 fn pages_of_a_task_that_fails_stay() {
     let project = Project::with(&wanting("[\"source\"]"));
     fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n");
+    project.write("report/book.toml", "title = \"Mine\"\n");
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
     project.write("report/templates/one.md", "# One\n");
     project.run(&["run"]).lines();
@@ -277,7 +277,7 @@ fn a_second_scene_for_a_published_table_is_refused() {
 #[test]
 fn a_project_without_a_problem_or_with_a_third_table_runs_and_its_book_says_what_is_left_out() {
     let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
-    project.write("report/book.toml", "[book]\ntitle = \"Short\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"Short\"\n");
     fs::create_dir(project.path("report/templates")).unwrap();
     project.write("report/templates/SUMMARY.md", "- [What came out](verdict.md)\n");
     project.write("report/templates/verdict.md.tera", "# What came out\n{{ problems[1].title }}\n");

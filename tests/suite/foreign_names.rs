@@ -32,7 +32,7 @@ fn names_are_found_whichever_way_they_write_accents() {
              domain = {{ name = \"{of_user}/{of_user}.msh\", refine = 2, fixed = [\"{of_user}\"] }}\n"
         );
         project.scene(of_file, &scene);
-        project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+        project.write("report/book.toml", "title = \"Mine\"\n");
         project.write("report/templates/SUMMARY.md", format!("- [One]({of_user}.md)\n"));
         let page = format!(
             "# One\n\n[here]({of_user}.md) ![x]({of_user}.png)\n\n\
@@ -67,7 +67,7 @@ fn the_mathematics_and_the_pipeline_forbid_the_same_characters() {
 #[test]
 fn files_of_the_book_that_are_one_name_elsewhere_are_refused() {
     let project = Project::with(TABLE);
-    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"Mine\"\n");
     fs::create_dir_all(project.path("report/templates/Figures")).unwrap();
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
     project.write("report/templates/one.md", "# One\n");

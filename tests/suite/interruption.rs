@@ -34,7 +34,7 @@ fn long() -> Project {
         "b",
         &wanting("[\"surface\", \"source\"]").replace("else=-1", "disc(0,0,0.3)=1; else=-2"),
     );
-    project.write("report/book.toml", "[book]\ntitle = \"Killed\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"Killed\"\n");
     fs::create_dir(project.path("report/templates")).unwrap();
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n- [Two](two.md)\n");
     for name in ["one", "two"] {

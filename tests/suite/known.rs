@@ -12,7 +12,7 @@ const NOTES: &str = "pipeline/.hashes";
 fn project() -> (Project, [PathBuf; 3]) {
     let project = Project::with(&wanting(EVERYTHING));
     fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"Mine\"\n");
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
     project.write("report/templates/one.md", "# One\n");
     project.run(&["run"]).lines();

@@ -8,7 +8,6 @@ mod answers;
 mod book;
 mod book_settings;
 mod bounds;
-mod bundle;
 mod cache;
 mod captions;
 mod certificate;

@@ -49,7 +49,7 @@ fn a_conflict_is_named_with_a_remedy_that_works() {
 #[test]
 fn a_page_with_a_conflict_is_not_published() {
     let project = project();
-    project.write("report/book.toml", "[book]\ntitle = \"T\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"T\"\n");
     fs::create_dir(project.path("report/templates")).unwrap();
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
     project.write("report/templates/one.md", format!("# One\n\n{}", conflict("a\n", "b\n")));

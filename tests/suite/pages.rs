@@ -1,4 +1,4 @@
-//! Pages of a study: what they include, what lies beside them, and what else the book becomes.
+//! Pages of a study: what they include, and what lies beside them.
 
 use crate::common::{Project, Said, TABLE};
 use std::fs;
@@ -98,17 +98,9 @@ fn a_directive_that_nothing_replaces_is_named_with_its_line() {
         error.starts_with("report/templates/plate.md:3: a space ends the link to `my photo.png`"),
         "{error}"
     );
-    // Without mdBook's preprocessors nothing is replaced.
     study.write(PAGE, "# Plate\n\n{{#title Other}}\n");
     study.run(&["run"]).lines();
     assert!(study.read("report/book/plate.html").contains("<title>Other"));
-    let settings = study.read("report/book.toml");
-    study.write("report/book.toml", settings + "\n[build]\nuse-default-preprocessors = false\n");
-    let error = study.refusal("# Plate\n\n{{#title Other}}\n");
-    assert!(
-        error.starts_with("report/templates/plate.md:3: `{{#title Other}}` is replaced"),
-        "{error}"
-    );
 }
 
 #[test]
@@ -136,23 +128,16 @@ fn names_of_pages_and_files_that_the_book_makes_itself_are_refused() {
         replaced(name, "a run makes a file of this name");
     }
     let by_mdbook = "the book has a file of this name that mdBook makes";
-    for name in
-        ["index.html", "INDEX.html", "print.html", "toc.html", "404.html", "plate.html", "css"]
-    {
+    for name in ["index.html", "INDEX.html", "print.html", "toc.html", "plate.html", "css"] {
         replaced(name, by_mdbook);
     }
-    // Files of the theme have hashes in their names unless the settings say otherwise.
-    let settings = study.read("report/book.toml");
-    study.write("report/book.toml", format!("{settings}hash-files = false\n"));
-    for name in ["book.js", "searchindex.js", "css/chrome.css", "CSS/chrome.css", "fonts/fonts.css"]
-    {
-        replaced(name, by_mdbook);
+    // These are names like any other.
+    for name in ["404", "README"] {
+        study.write(&format!("report/templates/{name}.md"), "# Lost\n");
+        study.write("report/templates/SUMMARY.md", format!("- [Lost]({name}.md)\n"));
+        study.run(&["run"]).lines();
+        assert!(study.read(&format!("report/book/{name}.html")).contains("Lost"));
     }
-    study.write("report/book.toml", settings);
-    // The source of mdBook's own page on errors is a page of the user.
-    study.write("report/templates/404.md", "# Lost\n");
-    study.run(&["run"]).lines();
-    assert!(study.read("report/book/404.html").contains("Lost"));
 }
 
 #[test]
@@ -179,14 +164,6 @@ fn pages_that_become_one_file_or_none_are_refused_with_their_line() {
         assert!(error.contains(why), "{error}");
         fs::remove_file(study.0.path("study/report/templates").join(name)).unwrap();
     }
-    for name in ["README.md", "index.md"] {
-        study.write(&format!("report/templates/{name}"), "# Mine\n");
-    }
-    study
-        .write("report/templates/SUMMARY.md", format!("- [A](README.md)\n{list}- [B](index.md)\n"));
-    assert!(study.refusal(&page).contains("`README.md` and `index.md` become one file"));
-    study.write("report/templates/SUMMARY.md", format!("{list}- [A](README.md)\n"));
-    study.run(&["run"]).lines();
     study.write("report/templates/SUMMARY.md", "# Summary\n\n- [A](plate.md\n");
     assert!(study.refusal(&page).contains("SUMMARY.md:1: it lists no page"));
 }
@@ -234,39 +211,6 @@ fn what_editors_leave_is_no_input_and_in_no_book() {
     for name in own {
         assert_eq!(study.read(&format!("report/book/{name}")), "mine");
     }
-}
-
-#[test]
-fn further_outputs_of_the_book_lie_beside_its_pages_and_talk_on_standard_error() {
-    let study = Study::new();
-    let settings = study.read("report/book.toml");
-    let with = |output: &str| study.write("report/book.toml", format!("{settings}\n{output}\n"));
-    with("[output.mine]\ncommand = \"sh -c 'echo LOUD; cat > /dev/null; echo made > made.txt'\"");
-    let said = study.run(&["report"]);
-    let index = said.lines()[0].to_owned();
-    assert!(said.lines().len() == 1 && index.ends_with("report/book/html/index.html"), "{said:?}");
-    assert!(fs::read_to_string(index).unwrap().contains("<main>") && said.err.contains("LOUD"));
-    assert_eq!(study.read("report/book/mine/made.txt"), "made\n");
-    let said = study.run(&["run", "--force"]);
-    assert_eq!(said.lines().last(), Some(&"the book: report/book/html/index.html"));
-    // Links are looked at here too.
-    let page = study.read(PAGE);
-    assert!(
-        study
-            .refusal(&format!("{page}\n[x](nowhere.md)\n"))
-            .contains("the book has no nowhere.html")
-    );
-    with("[output.mine]\ncommand = \"no-such-program\"\noptional = true");
-    study.write(PAGE, &page);
-    study.run(&["run"]).lines();
-    with("[output.mine]\ncommand = \"no-such-program\"");
-    let error = study.refusal(&page);
-    assert!(
-        error.contains("its program cannot be started") && error.contains("mend [output.mine]"),
-        "{error}"
-    );
-    with("[output.mine]\ncommand = \"false\"");
-    assert!(study.refusal(&page).contains("its program ended with exit status: 1"));
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn the_files_of_the_book_are_read_only_for_the_book() {
     let project = Project::with(&wanting("[\"table\", \"source\"]"));
     project.scene("b", TABLE);
     fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "[book]\ntitle = \"Mine\"\n[output.html]\n");
+    project.write("report/book.toml", "title = \"Mine\"\n");
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
     project.write("report/templates/one.md", "# One\n");
     project.run(&["run"]).lines();

@@ -79,11 +79,12 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
         assert!(page.contains(part), "{part} is not in {page}");
     }
     assert!(page.lines().count() <= 60, "more than one page: {page}");
-    // The same again is the same but for the clock, and nothing is overwritten unasked.
-    let first = project.files("codecheck");
-    assert!(command(&args).refusal().contains("codecheck.yml is there already; move it away"));
-    command(&[&args[..], &["--force"]].concat()).lines();
-    assert_same(&project.files("codecheck"), &first);
+    // The same again is the same but for the clock, and nothing is overwritten.
+    let said = command(&args);
+    assert!(said.refusal().contains("codecheck is there already; move it away"), "{said:?}");
+    command(&[&args[..], &["--output", "again"]].concat()).lines();
+    assert_same(&project.files("again"), &project.files("codecheck"));
+    fs::remove_dir_all(project.path("again")).unwrap();
     // It is no part of the run.
     project.run(&["run"]).nothing_to_do();
 }
@@ -111,7 +112,7 @@ fn a_certificate_is_refused_unless_everything_is_up_to_date() {
     project.write("pipeline/lock.toml", lock.replace("[exports]", "\"more\" = \"0\"\n[exports]"));
     refused(&project, "pipeline/lock.toml differs from this run in 1 hashes (more: 0 -> absent)");
     project.write("pipeline/lock.toml", lock);
-    let said = project.run(&["certificate", "--output", "nowhere"]);
+    let said = project.run(&["certificate", "--output", "nowhere/new"]);
     assert!(said.refusal().contains("--output nowhere: no such folder; make it with `mkdir"));
     let said = project.run(&["certificate", "--output", "report"]);
     assert!(said.refusal().contains("the certificate would lie in report/"), "{said:?}");
@@ -127,7 +128,8 @@ fn a_run_without_a_published_table_has_a_record_without_a_manifest() {
     project.run(&["certificate"]).lines();
     project.scene("a", TABLE);
     project.run(&["run"]).lines();
-    let said = project.run(&["certificate", "--force"]);
+    fs::remove_dir_all(project.path("codecheck")).unwrap();
+    let said = project.run(&["certificate"]);
     assert_eq!(said.lines(), ["codecheck/certificate.md", "codecheck/ro-crate-metadata.json"]);
     let files = project.files("codecheck");
     let wanted = [
@@ -143,6 +145,5 @@ fn a_run_without_a_published_table_has_a_record_without_a_manifest() {
         assert!(text.contains("Scenes: a. No published table is compared."), "{text}");
         assert!(!text.contains("Maksimova") && !text.contains("signorini diff"), "{text}");
     }
-    assert!(project.run(&["certificate"]).refusal().contains("overwrite it with --force"));
     assert!(project.run(&["diff"]).refusal().contains("no scene has a `paper_table`"));
 }

@@ -1,8 +1,7 @@
 //! The record of a run for programs, an RO-Crate: complete and true, and read by the tools of others.
 
-use crate::common::{EVERYTHING, Project, assert_same, skip, wanting};
+use crate::common::{EVERYTHING, Project, Said, assert_same, skip, wanting};
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
@@ -23,8 +22,14 @@ fn certified(options: &[&str]) -> Project {
     let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
     project.scene("Поле 50%", &wanting("[\"surface\"]"));
     project.run(&["run"]).lines();
-    project.run(&[&["certificate"], options].concat()).lines();
+    certify(&project, options).lines();
     project
+}
+
+/// Writes the certificate of a project anew.
+fn certify(project: &Project, options: &[&str]) -> Said {
+    let _ = fs::remove_dir_all(project.path("codecheck"));
+    project.run(&[&["certificate"], options].concat())
 }
 
 /// The entities of the crate of a project, by their addresses.
@@ -55,10 +60,8 @@ fn the_record_of_a_run_has_its_inputs_results_and_program() {
         let entity = &entities[part];
         let path = part.replace("%20", " ").replace("%25", "%");
         let bytes = fs::read(project.path("codecheck").join(&path)).unwrap();
-        let hash = entity["sha256"].as_str().unwrap().as_bytes();
-        let hash = hash.chunks(2).map(|two| str::from_utf8(two).unwrap());
-        let hash: Vec<u8> = hash.map(|two| u8::from_str_radix(two, 16).unwrap()).collect();
-        assert_eq!(hash, Sha256::digest(&bytes).to_vec(), "{path}");
+        let hash = format!("blake3:{}", signorini::pipeline::hash(&bytes));
+        assert_eq!(entity["identifier"], hash.as_str(), "{path}");
         assert_eq!(entity["contentSize"], bytes.len().to_string().as_str(), "{path}");
         let media_type = entity["encodingFormat"].as_str().unwrap();
         assert_ne!(media_type, "application/octet-stream", "{path}");
@@ -107,7 +110,8 @@ fn the_record_of_a_run_names_the_authors_and_the_licence_of_the_citation() {
 fn the_record_of_a_run_is_that_of_its_copy() {
     let project = certified(&[]);
     let record = || {
-        let mut command = project.command(&["certificate", "--force"]);
+        let _ = fs::remove_dir_all(project.path("codecheck"));
+        let mut command = project.command(&["certificate"]);
         let said = command.env("SOURCE_DATE_EPOCH", "1795245605").output().unwrap();
         assert!(said.status.success(), "{said:?}");
         project.files("codecheck")
@@ -154,13 +158,13 @@ fn no_text_of_the_user_is_the_address_of_an_entity() {
     for text in
         ["./", "ro-crate-metadata.json", "#run", "git@github.com:a/b.git", "file:///x", "a/b"]
     {
-        project.run(&["certificate", "--force", "--repository", text]).lines();
+        certify(&project, &["--repository", text]).lines();
         assert!(entities(&project)["#signorini"].get("url").is_none(), "{text}");
         let manifest = fs::read_to_string(project.path("codecheck/codecheck.yml")).unwrap();
         assert!(manifest.contains(&format!("\nrepository: \"{text}\"\n")), "{manifest}");
     }
     let other = "https://spdx.org/licenses/MIT";
-    project.run(&["certificate", "--force", "--repository", other, "--orcid", NAMED[3]]).lines();
+    certify(&project, &["--repository", other, "--orcid", NAMED[3]]).lines();
     let entities = entities(&project);
     assert_eq!(entities["#signorini"]["url"], other);
     assert_eq!(
@@ -173,7 +177,7 @@ fn no_text_of_the_user_is_the_address_of_an_entity() {
         ("--repository", " "),
         ("--name", "a\nb"),
     ] {
-        let said = project.run(&["certificate", "--force", option, text]);
+        let said = certify(&project, &[option, text]);
         assert!(said.refusal().contains(option), "{said:?}");
     }
 }
@@ -199,7 +203,7 @@ fn others_open_and_validate_the_record_of_a_run() {
             // A study of something else, without a manifest.
             project.scene("a", &wanting("[\"table\"]"));
             project.run(&["run"]).lines();
-            project.run(&["certificate", "--force"]).lines();
+            certify(&project, &[]).lines();
             assert!(!project.path("codecheck/codecheck.yml").exists());
         }
         let mut command = Command::new(&python);

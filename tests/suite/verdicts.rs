@@ -27,7 +27,7 @@ fn a_run_judges_its_solves_as_solve_does() {
     project.scene("lifted", LIFTED);
     project.scene("solved", SOLVED);
     std::fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "[book]\ntitle = \"t\"\n");
+    project.write("report/book.toml", "title = \"t\"\n");
     project.write("report/templates/SUMMARY.md", "[All](all.md)\n");
     project.write("report/templates/all.md", "# All\n");
     let ran = project.run(&["run"]);

@@ -13,9 +13,7 @@ use crate::timing::recorded;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde::Serialize;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use signorini_mathematics::saddle::StopRule;
-use std::fmt::Write;
 use std::fs;
 
 /// A file of the bundle, with its description.
@@ -28,10 +26,8 @@ pub(super) struct File {
     media_type: &'static str,
     /// Number of bytes.
     size: usize,
-    /// Hash in the cache, the lock file and the manifest: blake3.
+    /// Hash in the cache, the lock file and the records: blake3.
     hash: String,
-    /// Hash in RO-Crates.
-    sha256: String,
     #[serde(skip)]
     pub(super) bytes: Vec<u8>,
 }
@@ -45,20 +41,10 @@ impl File {
             media_type: media_type(&path),
             size: bytes.len(),
             hash: hash(&bytes),
-            sha256: sha256(&bytes),
             path,
             bytes,
         }
     }
-}
-
-/// Returns the SHA-256 of some bytes in hexadecimal digits.
-pub(super) fn sha256(bytes: &[u8]) -> String {
-    let mut digits = String::new();
-    for byte in Sha256::digest(bytes) {
-        write!(digits, "{byte:02x}").expect("a string takes every text");
-    }
-    digits
 }
 
 /// ASCII characters that a relative address cannot have as they are.
@@ -223,7 +209,7 @@ fn is_scene(project: &Project, path: &str) -> bool {
 }
 
 /// Folder of the inputs in the bundle. Their paths in it are those in the project, so that the folder is a project.
-pub(super) const INPUTS: &str = "inputs/";
+const INPUTS: &str = "inputs/";
 
 /// Returns all tables, and all figures with their data, each with a comment on its contents.
 pub(super) fn files(

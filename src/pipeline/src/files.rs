@@ -121,7 +121,7 @@ pub fn remove(leftovers: &[PathBuf]) {
 ///
 /// # Errors
 /// [`Error::Io`](crate::error::Error::Io).
-pub fn remove_from(top: &Path, file: &Path) -> Result<()> {
+pub(super) fn remove_from(top: &Path, file: &Path) -> Result<()> {
     fs::remove_file(file).context("remove", file)?;
     for folder in file.ancestors().skip(1).take_while(|folder| *folder != top) {
         // Fails for a folder that is not empty.
@@ -137,7 +137,7 @@ pub fn remove_from(top: &Path, file: &Path) -> Result<()> {
 ///
 /// # Errors
 /// Those of the system, and for such a path.
-pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     read_in_pieces(path, |piece| bytes.extend_from_slice(piece))?;
     Ok(bytes)

@@ -73,7 +73,7 @@ fn missing_setting(scene: &Scene) -> Option<String> {
     Some(format!("\"{missing}\" to `outputs`"))
 }
 
-/// Scenes, tasks and programs that the pages show, besides artifacts and files.
+/// Scenes and tasks that the pages show, besides artifacts and files.
 #[derive(Serialize, Deserialize)]
 struct BookParts {
     /// The paper's problems.
@@ -86,8 +86,6 @@ struct BookParts {
     graph: Graph,
     /// Origin of each figure.
     origins: Vec<FigureOrigin>,
-    /// Programs that the settings of the book name, by their hashes.
-    programs: BTreeMap<String, String>,
 }
 
 /// A figure, and what it is drawn from.
@@ -111,17 +109,12 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
     graph.0.push(GraphNode::new(ID, &needs));
-    let programs = project.templates.get("book.toml").map(|book_toml| {
-        // A file that cannot be read is refused when the task runs.
-        report::program_hashes(book_toml.bytes().unwrap_or_default())
-    });
     let pages = BookParts {
         problems: project.problems().into_iter().cloned().collect(),
         others,
         left_out: left_out(project),
         graph,
         origins: earlier.iter().filter_map(FigureOrigin::of).collect(),
-        programs: programs.into_iter().flatten().collect(),
     };
     Task::new(ID, &pages, needs, made).with_files(files).exported_to("report")
 }
@@ -130,7 +123,7 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     // The book takes the most memory of all tasks: what those before have left would add to it.
     give_back();
-    let BookParts { problems, others, left_out, graph, origins, .. } = pages;
+    let BookParts { problems, others, left_out, graph, origins } = pages;
     if let Some(reason) = left_out {
         return book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)?));
     }
