@@ -294,13 +294,9 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
 fn the_bound_of_the_error_is_effective() {
     for (text, energy) in energies() {
         let f: Source = text.parse().unwrap();
-        for (n, rule) in
-            [64, 128, 256].into_iter().flat_map(|n| [(n, EXACT), (n, LoadRule::Bilinear {})])
-        {
-            // Where arcs leave the square, what a load against linear hats differs by is left to the residual.
-            let slack = if rule == EXACT && text.contains("disc") { 0.012 } else { 0.01 };
-            let allowed = 1.0 + slack * 64.0 / n as f64;
-            let (grid, y) = solved(n, &f, rule, Goal::RoundingFloor);
+        for n in [64, 128, 256] {
+            let allowed = 1.0 + 0.01 * 64.0 / n as f64;
+            let (grid, y) = solved(n, &f, LoadRule::Bilinear {}, Goal::RoundingFloor);
             // With the exact load the energy of the discrete problem is that of v, and the reactions of the
             // true solution do hardly any work on v.
             let ours = discrete_energy(grid, &y, &load(grid, &f, EXACT));
@@ -312,20 +308,6 @@ fn the_bound_of_the_error_is_effective() {
             let recovered = recovered.expect("the square has a recovery");
             assert!(recovered < 0.3 * error, "{text} 1/{n}: {recovered} {error}");
         }
-    }
-}
-
-#[test]
-fn beside_a_circle_both_exact_loads_have_close_brackets() {
-    let f: Source = "disc(0,0,0.25)=2; else=-1".parse().unwrap();
-    for n in [64, 256] {
-        let [linear, bilinear] = [EXACT, LoadRule::Bilinear {}].map(|rule| {
-            let (grid, y) = solved(n, &f, rule, Goal::RoundingFloor);
-            let [low, high] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().energy;
-            high - low
-        });
-        // Without the fluxes that move one load to the other it is three times as wide.
-        assert!(linear < 1.3 * bilinear, "1/{n}: {linear:e} {bilinear:e}");
     }
 }
 
