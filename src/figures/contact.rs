@@ -278,8 +278,8 @@ mod tests {
             let mut annulus = AnyMesh::built_in("annulus").unwrap();
             annulus.set_condition("inner", condition).unwrap();
             let problem = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
-            let y = vec![0.0; problem.levels().nodes(1)];
-            let a = vec![1.0; problem.levels().contact().len()];
+            let y = vec![0.0; problem.lengths()[0]];
+            let a = vec![1.0; problem.lengths()[1]];
             let lines = [("l".to_owned(), Pair { y, a })];
             let panels = ContactPanel::of("t", &problem, &lines).unwrap();
             let pictures = panels.iter().map(|panel| svg(&contact(std::slice::from_ref(panel))));

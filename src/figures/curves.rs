@@ -1,7 +1,7 @@
 //! Solutions along the closed curves of a boundary in the plane.
 
 use super::{ContactLine, ContactPanel};
-use signorini_mathematics::levels::{ClosedCurve, Problem};
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::Pair;
 
 impl ContactPanel {
@@ -15,20 +15,25 @@ impl ContactPanel {
         solutions: &[(String, Pair)],
     ) -> Result<Vec<Self>, String> {
         let mut panels = Vec::new();
-        let curves = problem.levels().curves().ok_or("a solution in space has no picture")?;
-        for ClosedCurve { parts, nodes, points, conditions, places, length } in curves {
-            let lines = solutions.iter().map(|(label, pair)| {
-                let in_contact = problem.levels().in_contact(problem.law(), pair);
+        let curves = problem.levels().boundary();
+        if curves.is_empty() {
+            return Err("a solution in space has no picture".into());
+        }
+        for curve in curves {
+            let (label, nodes) = (curve.label(), &curve.nodes);
+            let lines = solutions.iter().map(|(words, pair)| {
+                let in_contact = problem.in_contact(pair);
                 ContactLine {
-                    label: label.clone(),
-                    y: at(&pair.y, &nodes),
-                    a: at(&problem.at_nodes(&pair.a, 0.0), &nodes),
-                    in_contact: at(&problem.at_nodes(&in_contact, false), &nodes),
+                    label: words.clone(),
+                    y: at(&pair.y, nodes),
+                    a: at(&problem.at_nodes(&pair.a, 0.0), nodes),
+                    in_contact: at(&problem.at_nodes(&in_contact, false), nodes),
                 }
             });
             let lines = lines.collect();
-            let start = points.first().copied().filter(|_| parts.is_some());
-            let title = parts.map_or(title.to_owned(), |parts| format!("{title}: {parts}"));
+            let start = curve.points.first().copied().filter(|_| label.is_some());
+            let title = label.map_or(title.to_owned(), |label| format!("{title}: {label}"));
+            let (places, length, conditions) = (curve.places, curve.length, curve.conditions);
             let law = problem.law();
             panels.push(Self { title, places, length, start, conditions, law, lines });
         }

@@ -4,7 +4,7 @@ use super::Surface;
 use super::camera::uphill;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::levels::{Drawing, Lattices, Levels, Problem};
+use signorini_mathematics::levels::{Drawing, Problem};
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
@@ -36,41 +36,22 @@ impl DrawnSolution {
         pair: &Pair,
         columns: usize,
     ) -> Result<Self, String> {
-        Self::on_levels(title, (problem.levels(), problem.law()), pair, columns)
-    }
-
-    /// Pair on a grid of the square under a law, as a panel in rows of `columns`.
-    pub(crate) fn on_grid(
-        title: String,
-        (grid, law): (Grid, Law),
-        pair: &Pair,
-        columns: usize,
-    ) -> Self {
-        let f = Source::constant(0.0);
-        let lattices = Lattices::new(vec![grid], f, LoadRule::default());
-        Self::on_levels(title, (&lattices, law), pair, columns).expect("the square has pictures")
-    }
-
-    /// Pair of the finest level under a law, as a panel in rows of `columns`.
-    ///
-    /// # Errors
-    /// A sentence if the domain lies in space.
-    pub(crate) fn on_levels(
-        title: String,
-        (levels, law): (&dyn Levels, Law),
-        pair: &Pair,
-        columns: usize,
-    ) -> Result<Self, String> {
-        let Some(Drawing { mesh, nodes }) = levels.drawing(MOST_CELLS * 2 / columns.max(2)) else {
-            return Err("a solution in space has no picture".into());
-        };
-        let mut in_contact = vec![false; pair.y.len()];
-        for (contact, touches) in levels.contact().iter().zip(levels.in_contact(law, pair)) {
-            in_contact[contact.node] = touches;
-        }
+        let drawing = problem.levels().drawing(MOST_CELLS * 2 / columns.max(2));
+        let Drawing { mesh, nodes } = drawing.ok_or("a solution in space has no picture")?;
+        let (law, in_contact) = (problem.law(), problem.in_contact(pair));
+        let in_contact = problem.at_nodes(&in_contact, false);
         let y = nodes.iter().map(|&node| pair.y[node]).collect();
         let in_contact = nodes.iter().map(|&node| in_contact[node]).collect();
         Ok(Self { title, law, mesh, y, in_contact })
+    }
+
+    /// Pair on a grid of the square under the paper's law, as a panel in rows of `columns`.
+    pub(crate) fn on_grid(title: String, grid: Grid, pair: &Pair, columns: usize) -> Self {
+        // f plays no part in the picture.
+        let f = Source::constant(-1.0);
+        let problem = Problem::on_square(vec![grid], f, LoadRule::default(), Law::SIGNORINI);
+        let problem = problem.expect("the flux balances a load downwards");
+        Self::of(title, &problem, pair, columns).expect("the square has pictures")
     }
 
     /// This surface without marks of contact.

@@ -2,18 +2,31 @@
 
 use super::axes::colour_bar;
 use super::boxes::CELL_LINES;
+use super::drawn::MOST_CELLS;
 use super::maps::{below, draw_axes, layout_around};
 use super::palette::ColourScale;
 use super::panels::draw_title;
 use super::picture::Picture;
 use signorini_mathematics::discrete::norms::largest;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::PlaneMesh;
+
+/// Draws the finest mesh of a problem that is not too fine for a picture, with f in colour.
+///
+/// # Errors
+/// A sentence if the domain lies in space, or f is not finite.
+pub(crate) fn map_of_f(title: &str, problem: &Problem) -> Result<Picture, String> {
+    let levels = problem.levels();
+    let drawing = levels.drawing(MOST_CELLS).ok_or("a domain in space has no picture")?;
+    let f = levels.means(MOST_CELLS).map_err(|e| e.to_string())?;
+    Ok(mesh_map(title, &drawing.mesh, &f))
+}
 
 /// Draws a mesh with the mean of f on each triangle in colour, below its title and above a colour bar symmetric about
 /// 0.
 ///
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
-pub(crate) fn mesh_map(text: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
+pub(super) fn mesh_map(text: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
     let limit = largest(f);
     let colours = ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } };
     let (layout, [x, y], title) = layout_around(mesh, text);

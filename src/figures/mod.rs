@@ -33,12 +33,12 @@ mod title;
 
 pub(crate) use chart::charts;
 pub(crate) use contact::contact;
-pub(crate) use drawn::{DrawnSolution, MOST_CELLS};
+pub(crate) use drawn::DrawnSolution;
 pub(crate) use gradient::gradients;
 pub(crate) use history::histories;
 pub(crate) use identifiability::identifiability;
 pub(crate) use maps::maps_of_f;
-pub(crate) use mesh_map::mesh_map;
+pub(crate) use mesh_map::map_of_f;
 pub(crate) use picture::Picture;
 pub(crate) use plan::mesh_picture;
 pub(crate) use solution_map::SolutionMap;

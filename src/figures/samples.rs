@@ -53,7 +53,7 @@ pub(super) fn on_grid(grid: Grid) -> Problem {
 
 /// Surface of a pair on a grid of the square.
 pub(super) fn solution(title: &str, grid: Grid, pair: &Pair) -> DrawnSolution {
-    DrawnSolution::on_grid(title.into(), (grid, Law::SIGNORINI), pair, 2)
+    DrawnSolution::on_grid(title.into(), grid, pair, 2)
 }
 
 /// File with a gear.

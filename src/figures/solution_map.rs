@@ -10,7 +10,7 @@ use super::picture::{END, NORMAL, Picture, Place, SMALL, italic, text_width};
 use super::polyline::simplified;
 use super::text::Ticks;
 use super::{FIXED, held, range_with_zero};
-use signorini_mathematics::levels::{ClosedCurve, Drawing, Levels};
+use signorini_mathematics::levels::{Drawing, Problem};
 use signorini_mathematics::mesh::{Condition, PlaneMesh};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
@@ -41,25 +41,19 @@ pub(crate) struct SolutionMap {
 }
 
 impl SolutionMap {
-    /// Map of a pair of the finest level under a law.
+    /// Map of a pair of the finest level.
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
-    pub(crate) fn of(
-        title: String,
-        (levels, law): (&dyn Levels, Law),
-        pair: &Pair,
-    ) -> Result<Self, String> {
-        let in_space = "a solution in space has no picture";
-        let Drawing { mesh, nodes } = levels.drawing(2 * MOST_CELLS).ok_or(in_space)?;
-        let mut is_held = vec![false; pair.y.len()];
-        for (contact, holds) in levels.contact().iter().zip(levels.in_contact(law, pair)) {
-            is_held[contact.node] = holds;
-        }
+    pub(crate) fn of(title: String, problem: &Problem, pair: &Pair) -> Result<Self, String> {
+        let (levels, law) = (problem.levels(), problem.law());
+        let drawing = levels.drawing(2 * MOST_CELLS);
+        let Drawing { mesh, nodes } = drawing.ok_or("a solution in space has no picture")?;
+        let is_held = problem.at_nodes(&problem.in_contact(pair), false);
         let (mut held, mut fixed, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
-        for curve in levels.curves().ok_or(in_space)? {
-            let ClosedCurve { points, nodes, conditions, .. } = &curve;
-            for (k, condition) in conditions.iter().enumerate() {
+        for curve in levels.boundary() {
+            let (points, nodes) = (&curve.points, &curve.nodes);
+            for (k, condition) in curve.conditions.iter().enumerate() {
                 let ends = [k, (k + 1) % points.len()];
                 let edge = ends.map(|k| points[k]);
                 match condition {
@@ -215,7 +209,6 @@ mod tests {
     use super::*;
     use crate::figures::polyline::farthest;
     use crate::figures::samples::svg;
-    use signorini_mathematics::levels::Problem;
     use signorini_mathematics::mesh::{AnyMesh, Condition};
     use signorini_mathematics::solvers::{self, Run, Settings, Solver};
 
@@ -223,7 +216,7 @@ mod tests {
         let Run { y, judgement, .. } =
             solvers::solve(problem, &Settings::of(Solver::Multigrid)).unwrap();
         let pair = Pair { a: judgement.multiplier(&y), y };
-        SolutionMap::of("t".into(), (problem.levels(), problem.law()), &pair).unwrap()
+        SolutionMap::of("t".into(), problem, &pair).unwrap()
     }
 
     fn on(name: &str, times: usize, f: &str, law: Law) -> Problem {
@@ -276,7 +269,7 @@ mod tests {
         let f = "halfplane(1,0,0)=8; else=-8";
         let problem = on("square", 3, f, Law::friction(0.5).unwrap());
         let map = map(&problem);
-        let share = length(&map) / problem.levels().width();
+        let share = length(&map) / problem.levels().facts().width;
         assert!(share > 0.5 && share < 4.0, "{share}");
         assert!(svg(&map.picture()).contains(">sticks (v = 0)</text>"));
     }

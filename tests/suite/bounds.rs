@@ -5,11 +5,12 @@ use crate::reference::REFERENCES;
 use crate::solvers::distance_in_h1;
 use rayon::prelude::*;
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
-use signorini_mathematics::discrete::contact::{ContactArc, arcs};
+use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini_mathematics::discrete::stiffness::energy as discrete_energy;
+use signorini_mathematics::mesh::{arcs, square_boundary};
 use signorini_mathematics::multigrid::{self, Goal, MultigridParams};
 use signorini_mathematics::problem::exact::{Exact, Sample};
 use signorini_mathematics::problem::law::Law;
@@ -315,7 +316,10 @@ fn the_bound_of_the_error_is_effective() {
 fn contact(n: usize, f: &Source) -> (Vec<ContactArc>, usize) {
     let (grid, y) = solved(n, f, EXACT, Goal::RoundingFloor);
     let judgement = judge(grid, Law::SIGNORINI, &y, &load(grid, f, EXACT));
-    (arcs(grid, &y, &judgement), grid.boundary().filter(|&node| y[node] == 0.0).count())
+    (
+        arcs(&[square_boundary(grid)], &y, &judgement),
+        grid.boundary().filter(|&node| y[node] == 0.0).count(),
+    )
 }
 
 #[test]

@@ -115,8 +115,8 @@ impl Answer {
         let mut json = json!({
             "schema": 1,
             "scene": request.name,
-            "f": levels.f(),
-            "dimension": levels.dimension(),
+            "f": levels.facts().f,
+            "dimension": levels.facts().dimension,
             "solver": solver,
             "energy": self.energy(request),
             "integral_f": levels.integrals().of_f,
@@ -248,7 +248,7 @@ impl Answer {
     /// Returns the answer, then how it was found; with `recover`, the recovered solution is part of the answer.
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
         let levels = self.solved.problem.levels();
-        let (name, f) = (&request.name, levels.f());
+        let (name, f) = (&request.name, &levels.facts().f);
         let integral = plain(levels.integrals().of_f, 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.failure.is_some() {
@@ -289,13 +289,12 @@ impl Answer {
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.contact.as_deref().unwrap_or_default();
         text += &states_in_words(run.judgement.state_counts(), law);
-        let parts = levels.parts_in_contact(&run.judgement);
+        let parts = problem.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");
         }
         if arcs.iter().any(|arc| !arc.closed) {
-            let curves = levels.curves().map_or(0, |curves| curves.len());
-            text += if curves > 1 {
+            text += if levels.boundary().len() > 1 {
                 "; arcs with the domain on the left"
             } else {
                 "; arcs anticlockwise"
@@ -308,7 +307,7 @@ impl Answer {
             text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 6);
         }
         text += &words.force([self.force, 0.0 - integral], rounding, 6);
-        if levels.has_fixed_part() {
+        if problem.domain(problem.finest()).has_fixed_part() {
             text += "fixed parts carry the difference\n";
         }
         if self.load_misses(last) {
@@ -343,7 +342,7 @@ impl Answer {
             Solver::Multigrid => format!(" ({:.1} sweeps)", run.last().end.work_units),
             _ => String::new(),
         };
-        let setup = if problem.levels().cells(0).is_some() { "setup" } else { "mesh" };
+        let setup = if problem.domain(0).cells().is_some() { "setup" } else { "mesh" };
         text + &request.clock.text(setup, &cost)
     }
 
@@ -355,11 +354,11 @@ impl Answer {
     }
 
     fn table(&self, request: &Request, Run { ends, .. }: &Run) -> String {
-        let levels = self.solved.problem.levels();
+        let domain = self.solved.problem.domain(0);
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
         let nested = request.statement.solver.is_nested()
             && ends.iter().any(|outcome| outcome.end.sweeps() > outcome.end.iterations);
-        let first = if levels.cells(0).is_some() { "grid" } else { "mesh" };
+        let first = if domain.cells().is_some() { "grid" } else { "mesh" };
         let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];
         if nested {
             head.insert(2, "sweeps");

@@ -30,7 +30,7 @@ impl Answer {
     pub(super) fn judge(&mut self, request: &Request) {
         let (name, problem) = (&request.name, &self.solved.problem);
         let accuracy = request.statement.accuracy();
-        let grid = problem.levels().name(problem.finest());
+        let grid = problem.name(problem.finest());
         let Some(&last) = self.solved.ends().last() else { return };
         let (relative, mut unsolved) = (last.kkt.relative, None);
         let mut warnings = Vec::new();
@@ -51,7 +51,7 @@ impl Answer {
             )),
             Verdict::Solved => (),
         }
-        warnings.extend(problem.levels().notes().into_iter().map(Warning::fact));
+        warnings.extend(problem.levels().facts().notes.iter().cloned().map(Warning::fact));
         warnings.extend(problem.note_on_curves().map(Warning::fact));
         self.warnings = warnings;
         self.warn_of_levels(request, &last);
@@ -98,7 +98,7 @@ impl Answer {
     fn without_solution(&self, request: &Request) -> Warning {
         let (ends, problem) = (self.solved.ends(), &self.solved.problem);
         let on_all = ends.iter().all(|end| end.verdict() == Verdict::NoSolution);
-        let level = problem.levels().name(problem.finest());
+        let level = problem.name(problem.finest());
         let Warning { fact, remedies } =
             request.without_solution(&level, ends[ends.len() - 1].sum_load);
         let fact = match ends.len() {
@@ -110,7 +110,7 @@ impl Answer {
 
     fn warn_of_levels(&mut self, request: &Request, last: &Outcome) {
         let (problem, ends) = (&self.solved.problem, self.solved.ends());
-        let (count, coarsest) = (problem.levels().count(), ends[0].cells);
+        let (count, coarsest) = (problem.count(), ends[0].cells);
         if request.statement.solver.is_nested()
             && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
         {
@@ -162,7 +162,7 @@ impl Answer {
     /// Warns if the load vector belongs to another f.
     fn warn_of_load(&mut self, request: &Request, last: &Outcome) {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
-        let grid = levels.name(problem.finest());
+        let grid = problem.name(problem.finest());
         if self.load_misses(last) {
             let integrals = levels.integrals();
             let [integral, sum_load] = [integrals.of_f, last.sum_load].map(|sum| signed(sum, 4));
@@ -197,7 +197,8 @@ impl Answer {
         let accepted = request.statement.accuracy().map_or(0.0, Accuracy::error) * size;
         let slack = slack(problem).max(accepted);
         // A fixed part of the boundary bears the rest.
-        let balanced = problem.levels().has_fixed_part() || (force - load).abs() <= slack;
+        let balanced =
+            problem.domain(problem.finest()).has_fixed_part() || (force - load).abs() <= slack;
         if !balanced {
             let words = BoundaryWords::of(problem.law());
             self.warnings.push(Warning::new(words.unbalanced(force, load), request.closer()));
@@ -208,8 +209,8 @@ impl Answer {
 /// Returns the difference of forces that the finest level explains: the square of h over the size of the domain, times
 /// the integral of |f|.
 fn slack(problem: &Problem) -> f64 {
-    let levels = problem.levels();
-    levels.integrals().of_size.abs() * (levels.width() / levels.extent()).powi(2)
+    let facts = problem.levels().facts();
+    problem.levels().integrals().of_size.abs() * (facts.width / facts.extent).powi(2)
 }
 
 /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; none for known
@@ -222,7 +223,7 @@ fn load_slack(problem: &Problem) -> Option<f64> {
     } else {
         slack(problem)
     };
-    (!integrals.is_known).then_some(slack)
+    problem.levels().facts().known.is_none().then_some(slack)
 }
 
 /// Returns the names of the levels of the ends with a property, if there are any; the first end is on the coarsest
@@ -234,7 +235,7 @@ fn named(
 ) -> Option<String> {
     let name = |(level, end): (usize, &Outcome)| match end.cells {
         Some(_) => end.label(),
-        None => problem.levels().name(level),
+        None => problem.name(level),
     };
     let names: Vec<_> =
         ends.iter().enumerate().filter(|(_, end)| property(end)).map(name).collect();

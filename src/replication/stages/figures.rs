@@ -6,8 +6,8 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
-    ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, MOST_CELLS,
-    Picture, SolutionMap, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
+    ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, Picture,
+    SolutionMap, contact, histories, identifiability, map_of_f, maps_of_f, surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
@@ -233,9 +233,7 @@ fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
         [scene] => {
             let usual = scene.statement.on_usual_meshes();
             let problem = mesh_files::problem(&usual, inputs.files)?;
-            let map = problem.levels().map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
-            let (drawing, f) = map.ok_or("a domain in space has no picture")?;
-            Ok(mesh_map(&scene.title, &drawing.mesh, &f))
+            Ok(map_of_f(&scene.title, &problem)?)
         }
         _ => Err("scenes on meshes have a picture each".into()),
     }
@@ -258,8 +256,7 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     let [scene] = scenes else { return Err("each scene has a map of its own".into()) };
     let problem = solve::problem(inputs, scene)?;
     let pair = solve::pair(inputs, scene, scene.first_rule(), &problem)?;
-    let (title, on) = (title_with_end(inputs, scene)?, (problem.levels(), problem.law()));
-    Ok(SolutionMap::of(title, on, &pair)?.picture())
+    Ok(SolutionMap::of(title_with_end(inputs, scene)?, &problem, &pair)?.picture())
 }
 
 /// Returns, as CSV, the energy of each scene, the bound of its error over the solution, and the share of the boundary

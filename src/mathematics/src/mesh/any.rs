@@ -3,6 +3,7 @@
 use super::refine;
 use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
 use crate::problem::text::plain;
+use std::any::Any;
 
 /// Mesh in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +93,15 @@ impl AnyMesh {
         BUILT_IN.iter().map(|(name, _)| *name).collect()
     }
 
+    /// The mesh, if it has this dimension.
+    pub(crate) fn of_dimension<const D: usize, const V: usize>(&self) -> Option<&Mesh<D, V>> {
+        let mesh: &dyn Any = match self {
+            Self::Plane(mesh) => mesh,
+            Self::Space(mesh) => mesh,
+        };
+        mesh.downcast_ref()
+    }
+
     /// Number of dimensions, 2 or 3.
     pub fn dimension(&self) -> u8 {
         match self {
@@ -133,6 +143,38 @@ impl AnyMesh {
         match self {
             Self::Plane(mesh) => &mesh.region_names,
             Self::Space(mesh) => &mesh.region_names,
+        }
+    }
+
+    /// Coordinates of the nodes, one node after the other.
+    pub(crate) fn coordinates(&self) -> &[f64] {
+        match self {
+            Self::Plane(mesh) => mesh.points.as_flattened(),
+            Self::Space(mesh) => mesh.points.as_flattened(),
+        }
+    }
+
+    /// Places of the nodes in the space of the mesh's file.
+    pub(crate) fn points_in_space(&self) -> Vec<[f64; 3]> {
+        match self {
+            Self::Plane(mesh) => mesh.points.iter().map(|point| mesh.in_space(point)).collect(),
+            Self::Space(mesh) => mesh.points.iter().map(|point| mesh.in_space(point)).collect(),
+        }
+    }
+
+    /// Numbers of the vertices of each cell in the positive sense, one cell after the other.
+    pub(crate) fn positive_cells(&self) -> Vec<u32> {
+        match self {
+            Self::Plane(mesh) => mesh.positive_cells().flatten().collect(),
+            Self::Space(mesh) => mesh.positive_cells().flatten().collect(),
+        }
+    }
+
+    /// Position of the region of each cell in [`AnyMesh::region_names`].
+    pub(crate) fn regions(&self) -> &[u16] {
+        match self {
+            Self::Plane(mesh) => &mesh.regions,
+            Self::Space(mesh) => &mesh.regions,
         }
     }
 
@@ -198,6 +240,15 @@ impl AnyMesh {
         match self {
             Self::Plane(mesh) => mesh.notes(),
             Self::Space(mesh) => mesh.notes(),
+        }
+    }
+
+    /// Names of the parts of the boundary on which nodes lie, as [`Mesh::parts_of`] has them; none if the boundary has
+    /// one part.
+    pub(crate) fn parts_of(&self, marked: &[bool]) -> Option<String> {
+        match self {
+            Self::Plane(mesh) => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)),
+            Self::Space(mesh) => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)),
         }
     }
 

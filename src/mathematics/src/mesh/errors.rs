@@ -1,9 +1,10 @@
 //! Integrals over a mesh of functions of a discrete solution, and its errors against a known one.
 
-use super::{Element, Mesh};
+use super::{AnyMesh, Element, Mesh};
 use crate::discrete::norms::{Errors, worst};
 use crate::discrete::quadrature::quadrature;
 use crate::machine::threads::map;
+use crate::problem::exact::Known;
 use crate::problem::field::Sample;
 
 /// Discrete solution at a point of the mesh.
@@ -74,6 +75,20 @@ pub fn mesh_errors<const D: usize, const V: usize>(
     });
     let at_nodes = mesh.points().iter().zip(y).map(|(&point, value)| known(point).value - value);
     Errors { l2: l2.sqrt(), h1: h1.sqrt(), max: worst(at_nodes) }
+}
+
+impl AnyMesh {
+    /// Errors of the nodal vector `y` against a known solution; none if the mesh is not of its domain.
+    pub(crate) fn errors(&self, known: Known, y: &[f64]) -> Option<Errors> {
+        match self {
+            Self::Plane(mesh) => {
+                mesh.is_unit_box().then(|| mesh_errors(mesh, |point| known.sample(point), y))
+            }
+            Self::Space(mesh) => {
+                mesh.is_unit_box().then(|| mesh_errors(mesh, |point| known.sample(point), y))
+            }
+        }
+    }
 }
 
 /// Returns the square of the distance of two vectors.

@@ -36,12 +36,12 @@ mod source;
 mod uniform;
 
 pub use any::{AnyMesh, PartError};
-pub use arcs::mesh_arcs;
+pub use arcs::arcs;
 pub use assemble::assemble;
 pub(crate) use assemble::assemble_sides;
 pub use beyond::{CurveGain, curve_gains};
 pub use bisect::{Bisected, bisect, label_longest_edges};
-pub use boundary::{BoundaryCurve, boundary_curves};
+pub use boundary::{ClosedCurve, boundary_curves, square_boundary};
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use curve::Round;
 pub use cut::{ConstantPieces, CutMoments, CutShape, FramedCell};
@@ -195,7 +195,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
     /// Names of the parts on which nodes lie: of the facets of the law with all of their nodes among those that are
     /// `marked`, or without such facets, of those with one.
-    pub(crate) fn parts_of(&self, marked: &[bool]) -> String {
+    fn parts_of(&self, marked: &[bool]) -> String {
         let with = |least: usize| {
             let count = |facet: &&Facet<D>| {
                 facet.nodes.iter().filter(|&&node| marked[node as usize]).count() >= least
@@ -228,12 +228,12 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// As [`AnyMesh::notes`].
-    pub(crate) fn notes(&self) -> Vec<String> {
+    fn notes(&self) -> Vec<String> {
         self.origin.notes().into_iter().chain(self.touching.iter().cloned()).collect()
     }
 
     /// Place in the space of the file of a point of the domain.
-    pub(crate) fn in_space(&self, point: &[f64; D]) -> [f64; 3] {
+    fn in_space(&self, point: &[f64; D]) -> [f64; 3] {
         let place = std::array::from_fn(|d| point.get(d).copied().unwrap_or_default());
         let [x, y, _] = place;
         if D == 2 { self.origin.plane.in_space([x, y]) } else { place }

@@ -4,7 +4,7 @@ use super::{Refusal, Settings};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
-use crate::levels::{Discrete, NodalVectors, Problem};
+use crate::levels::{Discrete, Problem};
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
@@ -64,10 +64,10 @@ pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
 
 /// Judges a vector of the finest level.
 fn judged(problem: &Problem, y: Vec<f64>, end: End) -> Run {
-    let (levels, load, level) = (problem.levels(), problem.load(), problem.finest());
+    let (load, level) = (problem.load(), problem.finest());
     let judgement = problem.judge(&y);
-    let has_solution = levels.is_solvable(level, problem.law(), load);
-    let end = Outcome::new(end, &judgement, levels.cells(level), load, has_solution);
+    let cells = problem.domain(level).cells();
+    let end = Outcome::new(end, &judgement, cells, load, problem.is_solvable());
     let errors = problem.greatest_error(level, &y).into_iter().collect();
     Run { y, ends: vec![end], errors, first_level: level, judgement }
 }
@@ -80,8 +80,8 @@ pub(super) fn multigrid(
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
-    let (levels, loaded) = (problem.levels(), problem.law().with_load(problem.load()));
-    let solved = match levels.discrete() {
+    let loaded = problem.law().with_load(problem.load());
+    let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             solve_square(lattices.finest().cells(), loaded, None, &params)
         }
@@ -89,11 +89,18 @@ pub(super) fn multigrid(
     };
     let (y, end) = solved.map_err(|e| Refusal::on_finest(problem, e))?;
     // Some meshes are stretched too much: factors solve those that are small enough.
-    let most = if levels.dimension() == 2 { MOST_NODES_IN_PLANE } else { MOST_NODES_IN_SPACE };
-    if end.stop == Stop::IterationLimit && y.len() <= most {
+    if end.stop == Stop::IterationLimit && y.len() <= most_nodes(problem) {
         return contact_set(problem);
     }
     Ok(FoundSolution::Vector(judged(problem, y, end)))
+}
+
+/// Most nodes whose factors are worth their time.
+fn most_nodes(problem: &Problem) -> usize {
+    match problem.levels().facts().dimension {
+        2 => MOST_NODES_IN_PLANE,
+        _ => MOST_NODES_IN_SPACE,
+    }
 }
 
 /// Solves on the finest level by the primal-dual active set, until the contact set is at rest.
@@ -136,7 +143,7 @@ pub(super) fn saddle(
         Discrete::Networks(networks) => solve_nested(networks, loaded, params, monitor),
     };
     let (level, y) = (ends.len() - 1, pair.y);
-    let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
+    let judgement = problem.judge_on(level, &y, &loads[level]);
     Ok(FoundSolution::Vector(Run {
         y,
         ends,

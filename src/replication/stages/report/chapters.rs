@@ -224,7 +224,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let rule = scene.first_rule();
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let problem = solve::problem(inputs, scene)?;
-    let (f, integral_f) = (problem.levels().f(), problem.levels().integrals().of_f);
+    let (f, integral_f) = (problem.levels().facts().f.clone(), problem.levels().integrals().of_f);
     let exact = scene.statement.known_solution();
     let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
     let held = scene.wants(Output::Map).then(|| {
