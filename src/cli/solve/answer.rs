@@ -219,10 +219,7 @@ impl Answer {
             });
         }
         if let Some(errors) = self.solved.errors() {
-            json["errors"] = json!(errors.values);
-            if let Some(multiplier_l2) = errors.multiplier_l2 {
-                json["errors"]["multiplier_l2"] = multiplier_l2.into();
-            }
+            json["errors"] = json!(errors);
         }
         if self.contact.is_none() {
             json["contact_reason"] =
@@ -277,8 +274,7 @@ impl Answer {
             text += &bound::text(&self.solved, recover);
         }
         if let Some(errors) = self.solved.errors() {
-            let values = errors.values;
-            let [l2, h1, max] = [values.l2, values.h1, values.max].map(|error| plain(error, 3));
+            let [l2, h1, max] = [errors.l2, errors.h1, errors.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
             if let Some(multiplier_l2) = errors.multiplier_l2 {
                 text += &format!("; multiplier L2 {}", plain(multiplier_l2, 3));

@@ -26,7 +26,7 @@ pub struct CheckInterval {
 ///
 /// # Panics
 /// If the load or the pair does not belong to `grid`, or r is not positive.
-pub fn sweeps_until(
+pub(crate) fn sweeps_until(
     grid: Grid,
     start: &RunStart<'_>,
     checks: CheckInterval,

@@ -16,7 +16,6 @@ mod steps;
 mod triangulations;
 
 pub use error::ProblemError;
-pub use errors::KnownErrors;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
 pub use steps::{Step, Watch};

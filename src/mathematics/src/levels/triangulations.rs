@@ -7,8 +7,8 @@ use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{
-    AnyMesh, ClosedCurve, Condition, CurveGain, CutShape, Mesh, MeshLoad, MeshSource,
-    MeshSourceError, NestedMeshes, Sides, boundary_curves, curve_gains, mesh_load, nested_meshes,
+    AnyMesh, ClosedCurve, Condition, CurveGain, CutShape, Mesh, MeshLoad, MeshSource, NestedMeshes,
+    Sides, boundary_curves, curve_gains, mesh_load, nested_meshes,
 };
 use crate::problem::error::SourceError;
 use crate::problem::law::Law;
@@ -101,7 +101,7 @@ where
 pub(crate) fn read<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
-) -> Result<MeshSource<D>, MeshSourceError> {
+) -> Result<MeshSource<D>, SourceError> {
     // A power of ten, which messages show.
     let size = libm::exp10(libm::log10(mesh.largest_coordinate()).ceil());
     MeshSource::read(f, mesh.region_names(), size)

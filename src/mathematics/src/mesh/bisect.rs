@@ -13,7 +13,7 @@ use super::sides::BoundarySide;
 use super::{Facet, PlaneMesh, Sides, dot};
 
 /// Mesh after bisections.
-pub struct Bisected {
+pub(crate) struct Bisected {
     /// Refined mesh; its first nodes are those of the mesh before.
     pub mesh: PlaneMesh,
     /// Sides of its cells.
@@ -27,7 +27,7 @@ pub struct Bisected {
 
 /// Lets the refinement edge of each cell be its longest one; of equally long edges the one with the lowest numbers of
 /// nodes.
-pub fn label_longest_edges(mesh: &mut PlaneMesh) {
+pub(crate) fn label_longest_edges(mesh: &mut PlaneMesh) {
     for cell in &mut mesh.cells {
         let edge = |k: usize| {
             let ends = [cell[k], cell[(k + 1) % 3]];
@@ -51,7 +51,11 @@ pub fn label_longest_edges(mesh: &mut PlaneMesh) {
 /// # Errors
 /// [`MeshError::TooManyNodes`], and [`MeshError::Folded`] if a curve puts a node so far away that a cell turns inside
 /// out.
-pub fn bisect(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Result<Bisected, MeshError> {
+pub(crate) fn bisect(
+    mesh: &PlaneMesh,
+    sides: &Sides<3>,
+    marked: &[u32],
+) -> Result<Bisected, MeshError> {
     let is_split = split_sides(sides, marked);
     let new_nodes = is_split.iter().filter(|split| **split).count();
     // At most two cells and three sides for each new node.

@@ -55,7 +55,7 @@ pub fn square_boundary(grid: Grid) -> ClosedCurve {
 }
 
 /// Returns the closed curves of the boundary, from the one with the lowest node on.
-pub fn boundary_curves(mesh: &PlaneMesh) -> Vec<ClosedCurve> {
+pub(crate) fn boundary_curves(mesh: &PlaneMesh) -> Vec<ClosedCurve> {
     let nodes = mesh.points.len();
     let (mut after, mut edges) = (vec![NONE; nodes], vec![(Condition::Contact, 0); nodes]);
     for facet in &mesh.facets {

@@ -18,7 +18,7 @@ use std::convert::Infallible;
 
 /// A run to be done.
 #[derive(Clone, Copy, Debug)]
-pub struct Job<'a> {
+pub(crate) struct Job<'a> {
     /// Law on the boundary.
     pub law: Law,
     /// Load vector F.
@@ -37,7 +37,7 @@ pub struct Job<'a> {
 
 impl Job<'_> {
     /// Judges the end of this run and its last pair.
-    pub fn outcome(&self, grid: Grid, end: End, pair: &Pair) -> Outcome {
+    pub(crate) fn outcome(&self, grid: Grid, end: End, pair: &Pair) -> Outcome {
         let mut engine = super::engine(grid, self.law, &RunStart { pair, ..self.run() });
         let gradient = gradient_extrema(&mut *engine);
         judged(grid.into(), self.law.with_load(self.load), pair, end, gradient)
@@ -59,7 +59,7 @@ impl Job<'_> {
 ///
 /// # Panics
 /// As [`LaneEngine::enter`].
-pub fn run<'a>(domain: impl Into<DiscreteDomain<'a>>, jobs: &[Job]) -> Vec<(End, Pair)> {
+pub(crate) fn run<'a>(domain: impl Into<DiscreteDomain<'a>>, jobs: &[Job]) -> Vec<(End, Pair)> {
     let domain = domain.into();
     if let [job] = jobs {
         // The engine of one run takes less time than eight lanes of which seven are idle.
@@ -150,7 +150,7 @@ impl<'e> Goals<dyn LaneEngine + 'e, LANES> for JobQueue<'_> {
 
 /// A run of the paper's method over nested grids or networks.
 #[derive(Clone, Copy, Debug)]
-pub struct NestedJob<'a> {
+pub(crate) struct NestedJob<'a> {
     /// Law on the boundary.
     pub law: Law,
     /// Load vectors, one per level.
@@ -169,7 +169,7 @@ pub struct NestedJob<'a> {
 ///
 /// # Panics
 /// If the levels do not belong together, or a load has the wrong length.
-pub fn run_all_nested<L: NestedLevels + ?Sized>(
+pub(crate) fn run_all_nested<L: NestedLevels + ?Sized>(
     levels: &L,
     runs: &[NestedJob],
     cap: impl Fn(usize, usize) -> usize,

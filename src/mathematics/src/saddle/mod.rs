@@ -13,13 +13,14 @@ mod square;
 mod stopping;
 mod sweep;
 
-pub use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
+pub(crate) use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
 pub use method::Method;
 pub use nested::{Monitor, NestedGrids, NestedLevels, run_nested, solve_nested, tolerance};
 pub use plain::Plain;
-pub(crate) use solve::lanes;
-pub use solve::{Iteration, JobGoal, OnIteration, Params, arrow_hurwicz, engine, solve};
-pub use stopping::{GradientMeasure, StopRule};
+pub use solve::{Iteration, Params, arrow_hurwicz, solve};
+pub(crate) use solve::{JobGoal, engine, lanes};
+pub(crate) use stopping::GradientMeasure;
+pub use stopping::StopRule;
 
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::kkt::rounding;

@@ -5,11 +5,11 @@ use super::solve::{Iteration, OnIteration, Params, solve};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
-use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
+use crate::problem::law::Law;
 
 /// Returns the paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.
 pub fn tolerance(level: usize) -> f64 {
@@ -118,7 +118,8 @@ const EXACT: f64 = 1e-6;
 /// If there are no levels, a load vector has the wrong length, or `params.r` is not positive.
 pub fn solve_nested<L: NestedLevels + ?Sized>(
     levels: &L,
-    LawAndLoads { law, loads }: LawAndLoads<'_>,
+    law: Law,
+    loads: &[Vec<f64>],
     params: &Params,
     monitor: &mut dyn Monitor,
 ) -> (Vec<Outcome>, Pair) {

@@ -56,11 +56,11 @@ pub struct Iteration {
 }
 
 /// Callback after each step of the multiplier.
-pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
+pub(super) type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
 
 /// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum JobGoal {
+pub(crate) enum JobGoal {
     /// A stopping rule with its tolerance, tried after each step of the multiplier.
     Rule(StopRule, f64),
     /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
@@ -91,7 +91,7 @@ impl JobGoal {
 ///
 /// # Panics
 /// If a vector has the wrong length for the domain, or r is not positive.
-pub fn engine<'a>(
+pub(crate) fn engine<'a>(
     domain: impl Into<DiscreteDomain<'a>>,
     law: Law,
     run: &RunStart<'a>,

@@ -131,16 +131,15 @@ pub(super) fn saddle(
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
-    let loaded = problem.law().with_loads(&loads);
-    let params = &settings.params;
+    let (law, params) = (problem.law(), &settings.params);
     let monitor = &mut Measuring { problem, monitor, errors: Vec::new() };
     let (ends, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             let prolongation = settings.prolongation;
             let nested = NestedGrids { grids: lattices.grids(), prolongation };
-            solve_nested(&nested, loaded, params, monitor)
+            solve_nested(&nested, law, &loads, params, monitor)
         }
-        Discrete::Networks(networks) => solve_nested(networks, loaded, params, monitor),
+        Discrete::Networks(networks) => solve_nested(networks, law, &loads, params, monitor),
     };
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, &y, &loads[level]);

@@ -4,8 +4,9 @@ use super::run::{FoundSolution, Run, values};
 use crate::bounds::{Bounds, NoBound, recovery};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
+use crate::discrete::norms::Errors;
 use crate::discrete::transfer::prolong_boundary;
-use crate::levels::{KnownErrors, Problem};
+use crate::levels::Problem;
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
@@ -145,7 +146,7 @@ impl Solved {
     }
 
     /// Errors of v on the finest level; none if the solution is not known.
-    pub fn errors(&self) -> Option<KnownErrors> {
+    pub fn errors(&self) -> Option<Errors> {
         let (run, problem) = (self.run()?, &self.problem);
         let is_known = problem.law().is_signorini();
         problem.errors(&run.y).filter(|_| is_known)

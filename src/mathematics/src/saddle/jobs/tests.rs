@@ -78,7 +78,7 @@ fn and_on_networks() {
     }
     for (job, ends) in jobs.iter().zip(run_all_nested(levels, &jobs, |_, _| 500)) {
         let params = Params { r: job.r, rule: job.rule, max_iterations: 500, ..Params::default() };
-        let (outcomes, pair) = solve_nested(levels, job.law.with_loads(&loads), &params, &mut ());
+        let (outcomes, pair) = solve_nested(levels, job.law, &loads, &params, &mut ());
         assert_eq!(ends[2].1, pair);
         assert!(ends.iter().zip(outcomes).all(|((end, _), outcome)| *end == outcome.end));
     }
