@@ -73,11 +73,8 @@ impl CurvePlace<'_> {
             // No ends can be told around this one node, and an arc without length would stand for all of a curve.
             beyond = [0.5; 2];
         }
-        let ends = [([0, -1], beyond[0]), ([last, last + 1], beyond[1])];
-        let ends = ends.map(|(nodes, part)| {
-            let [a, b] = nodes.map(|edges| self.curve.points[self.further(edges)]);
-            std::array::from_fn(|d| a[d] + part * (b[d] - a[d]))
-        });
+        let places = [self.k as f64 - beyond[0], (self.k + last as usize) as f64 + beyond[1]];
+        let ends = places.map(|place| self.curve.point(place));
         // The edge after the last node is not in contact, unless it is all that there is.
         let part = if last == 0 { self.names([0, -1]) } else { self.names(0..last) };
         ContactArc { part, ..ContactArc::new(ends, sum) }

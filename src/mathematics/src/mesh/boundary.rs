@@ -34,6 +34,14 @@ impl ClosedCurve {
         let names = parts.iter().map(|&part| self.names[usize::from(part)].to_string());
         (!parts.is_empty()).then(|| names.collect::<Vec<_>>().join(", "))
     }
+
+    /// Point of the curve so many edges after the first node.
+    pub(super) fn point(&self, edges: f64) -> [f64; 2] {
+        let count = self.points.len();
+        let edges = edges.rem_euclid(count as f64);
+        let [a, b] = [0, 1].map(|k| self.points[(edges as usize + k) % count]);
+        std::array::from_fn(|d| a[d] + edges.fract() * (b[d] - a[d]))
+    }
 }
 
 /// Returns the boundary of the square, from the lower left corner on.
