@@ -1,4 +1,4 @@
-//! Where a discrete problem is posed.
+//! The grid or network on which a discrete problem is posed.
 
 use super::components::components;
 use super::grid::Grid;
@@ -8,7 +8,7 @@ use crate::problem::law::ContactNode;
 use crate::problem::unsolvable::Component;
 use std::borrow::Cow;
 
-/// Grid of the square, or network: where a discrete problem is posed.
+/// Grid of the square or network on which a discrete problem is posed.
 #[derive(Clone, Copy, Debug)]
 pub enum DiscreteDomain<'a> {
     /// Grid of the square, without a matrix in memory.

@@ -22,7 +22,7 @@ pub(super) struct SolutionFields<'a> {
     pub(super) errors: Cow<'a, [f64]>,
 }
 
-/// What the nodes and cells of arrays belong to.
+/// Grid or mesh to whose nodes and cells arrays belong.
 #[derive(Clone)]
 pub(super) enum FieldPlace<'a> {
     /// The square: x runs fastest.

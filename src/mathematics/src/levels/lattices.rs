@@ -79,6 +79,15 @@ impl Lattices {
     pub fn rule(&self) -> LoadRule {
         self.rule
     }
+
+    /// Picture with so many cells across at most.
+    fn drawn(&self, most_cells: usize) -> Drawing {
+        let grid = self.finest();
+        let lines = thinned(grid, most_cells);
+        let coordinates: Vec<_> = lines.iter().map(|&i| grid.coordinate(i)).collect();
+        let nodes = lines.iter().flat_map(|&j| lines.iter().map(move |&i| grid.index(i, j)));
+        Drawing { mesh: lattice_mesh(&coordinates), nodes: nodes.collect() }
+    }
 }
 
 impl Levels for Lattices {
@@ -99,18 +108,11 @@ impl Levels for Lattices {
     }
 
     fn drawing(&self, most_cells: usize) -> Option<Drawing> {
-        let grid = self.finest();
-        let lines = thinned(grid, most_cells);
-        let coordinates: Vec<_> = lines.iter().map(|&i| grid.coordinate(i)).collect();
-        let nodes = lines.iter().flat_map(|&j| lines.iter().map(move |&i| grid.index(i, j)));
-        Some(Drawing { mesh: lattice_mesh(&coordinates), nodes: nodes.collect() })
+        Some(self.drawn(most_cells))
     }
 
     fn means(&self, most_cells: usize) -> Result<Cow<'_, [f64]>, SourceError> {
-        let grid = self.finest();
-        let lines = thinned(grid, most_cells).into_iter();
-        let coordinates: Vec<_> = lines.map(|i| grid.coordinate(i)).collect();
-        Ok(mesh_load(&lattice_mesh(&coordinates), &self.f)?.cells.mean.into())
+        Ok(mesh_load(&self.drawn(most_cells).mesh, &self.f)?.cells.mean.into())
     }
 
     fn integrals(&self) -> &Integrals {
