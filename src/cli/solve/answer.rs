@@ -119,7 +119,7 @@ impl Answer {
             "dimension": levels.facts().dimension,
             "solver": solver,
             "energy": self.energy(request),
-            "integral_f": levels.integrals().of_f,
+            "integral_f": levels.facts().integral,
             "contact": self.contact,
             "force": self.force,
             "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
@@ -246,7 +246,7 @@ impl Answer {
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
-        let integral = plain(levels.integrals().of_f, 4);
+        let integral = plain(levels.facts().integral, 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
@@ -268,7 +268,7 @@ impl Answer {
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
     fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
-        let (last, law, integral) = (run.last(), problem.law(), levels.integrals().of_f);
+        let (last, law, integral) = (run.last(), problem.law(), levels.facts().integral);
         let mut text = self.energy_in_words(request);
         if !last.verdict().is_failure() || request.statement.accuracy().is_some() {
             text += &bound::text(&self.solved, recover);
@@ -297,7 +297,7 @@ impl Answer {
             };
         }
         text.push('\n');
-        let (words, rounding) = (BoundaryWords::of(law), levels.integrals().rounding());
+        let (words, rounding) = (BoundaryWords::of(law), levels.facts().rounding());
         for arc in arcs {
             let part = arc.part.clone().filter(|_| parts.is_some());
             text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 6);

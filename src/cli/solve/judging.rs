@@ -155,7 +155,7 @@ impl Answer {
     /// True if the sum of the load vector misses the integral of f by more than the grid explains.
     pub(super) fn load_misses(&self, last: &Outcome) -> bool {
         let problem = &self.solved.problem;
-        let difference = (last.sum_load - problem.levels().integrals().of_f).abs();
+        let difference = (last.sum_load - problem.levels().facts().integral).abs();
         load_slack(problem).is_some_and(|slack| difference > slack)
     }
 
@@ -164,9 +164,9 @@ impl Answer {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
         let grid = problem.name(problem.finest());
         if self.load_misses(last) {
-            let integrals = levels.integrals();
-            let [integral, sum_load] = [integrals.of_f, last.sum_load].map(|sum| signed(sum, 4));
-            let (reason, remedy) = if integrals.by_quadrature {
+            let facts = levels.facts();
+            let [integral, sum_load] = [facts.integral, last.sum_load].map(|sum| signed(sum, 4));
+            let (reason, remedy) = if facts.by_quadrature {
                 ("its points miss some of f", Remedy::new("choose a smaller --h", ""))
             } else {
                 ("values at the nodes miss where f jumps", EXACT_LOAD)
@@ -193,7 +193,7 @@ impl Answer {
     fn warn_of_force(&mut self, request: &Request, last: &Outcome) {
         let problem = &self.solved.problem;
         let (force, load) = (self.force, 0.0 - last.sum_load);
-        let size = problem.levels().integrals().of_size.abs();
+        let size = problem.levels().facts().size.abs();
         let accepted = request.statement.accuracy().map_or(0.0, Accuracy::error) * size;
         let slack = slack(problem).max(accepted);
         // A fixed part of the boundary bears the rest.
@@ -210,20 +210,20 @@ impl Answer {
 /// the integral of |f|.
 fn slack(problem: &Problem) -> f64 {
     let facts = problem.levels().facts();
-    problem.levels().integrals().of_size.abs() * (facts.width / facts.extent).powi(2)
+    facts.size.abs() * (facts.width / facts.extent).powi(2)
 }
 
 /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; none for known
 /// solutions.
 fn load_slack(problem: &Problem) -> Option<f64> {
-    let integrals = problem.levels().integrals();
+    let facts = problem.levels().facts();
     // Values at the nodes of a smooth f are off by some multiple of h^2, the others by less.
-    let slack = if integrals.by_quadrature {
-        (4.0 * slack(problem)).max(RESOLVED * integrals.of_size)
+    let slack = if facts.by_quadrature {
+        (4.0 * slack(problem)).max(RESOLVED * facts.size)
     } else {
         slack(problem)
     };
-    problem.levels().facts().known.is_none().then_some(slack)
+    facts.known.is_none().then_some(slack)
 }
 
 /// Returns the names of the levels of the ends with a property, if there are any; the first end is on the coarsest

@@ -1,6 +1,6 @@
 //! The paper's grids of the square, matrix-free, as the levels of a problem.
 
-use super::{Discrete, Drawing, Facts, Integrals, Levels};
+use super::{Discrete, Drawing, Facts, Levels};
 use crate::bounds::{Bounds, NoBound, bounds};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
@@ -23,7 +23,6 @@ pub struct Lattices {
     /// Quadrature of the load vector.
     rule: LoadRule,
     facts: Facts,
-    integrals: Integrals,
     /// Load vector of the finest grid, once it is needed.
     load: OnceLock<Vec<f64>>,
     /// Part of f that its quadrature misses, once it is needed.
@@ -44,20 +43,22 @@ impl Lattices {
     /// If there are no grids.
     pub fn new(grids: Vec<Grid>, f: Source, rule: LoadRule) -> Self {
         assert!(!grids.is_empty(), "at least one grid");
-        let [of_f, of_size] = integrals(&f);
-        let integrals = Integrals { of_f, of_size, by_quadrature: f.is_smooth() };
+        let [integral, size] = integrals(&f);
         let facts = Facts {
             dimension: 2,
             width: grids[grids.len() - 1].h(),
             extent: 1.0,
             f: f.to_string(),
             outside: f.outside(),
+            integral,
+            size,
+            by_quadrature: f.is_smooth(),
             known: f.exact().map(Known::Square),
             notes: Vec::new(),
             is_adapted: false,
         };
         let (load, missed) = (OnceLock::new(), OnceLock::new());
-        Self { grids, f, rule, facts, integrals, load, missed }
+        Self { grids, f, rule, facts, load, missed }
     }
 
     /// Grids, coarsest first.
@@ -115,10 +116,6 @@ impl Levels for Lattices {
         Ok(mesh_load(&self.drawn(most_cells).mesh, &self.f)?.cells.mean.into())
     }
 
-    fn integrals(&self) -> &Integrals {
-        &self.integrals
-    }
-
     fn missed(&self) -> Option<f64> {
         *self.missed.get_or_init(|| {
             if !self.f.is_smooth() || self.f.exact().is_some() {
@@ -145,7 +142,7 @@ impl Levels for Lattices {
     }
 
     fn components(&self) -> Vec<Component> {
-        vec![Component::in_contact(Grid::PERIMETER, self.integrals.of_f)]
+        vec![Component::in_contact(Grid::PERIMETER, self.facts.integral)]
     }
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {

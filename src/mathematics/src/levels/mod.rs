@@ -55,9 +55,6 @@ pub trait Levels: Send + Sync {
     /// [`SourceError::NoValue`] if f is not finite at a point of a mesh coarser than the finest.
     fn means(&self, most_cells: usize) -> Result<Cow<'_, [f64]>, SourceError>;
 
-    /// Integrals of f over the domain.
-    fn integrals(&self) -> &Integrals;
-
     /// Part of the integral of |f| that the quadrature of f may have missed; none if f is constant on pieces.
     fn missed(&self) -> Option<f64>;
 
@@ -102,6 +99,12 @@ pub struct Facts {
     pub f: String,
     /// Pieces of f that are certain to lie outside the domain, where they change nothing.
     pub outside: Vec<String>,
+    /// Integral of f over the domain.
+    pub integral: f64,
+    /// Integral of |f|.
+    pub size: f64,
+    /// True if f is not constant on pieces, at least somewhere, so that the integrals are by quadrature.
+    pub by_quadrature: bool,
     /// Known solution whose f this is.
     pub known: Option<Known>,
     /// Facts on the domain that a user has to know, in a line each, as [`AnyMesh::notes`] has them.
@@ -159,23 +162,12 @@ pub struct Drawing {
     pub nodes: Vec<usize>,
 }
 
-/// Integrals of f over the domain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Integrals {
-    /// Integral of f.
-    pub of_f: f64,
-    /// Integral of |f|.
-    pub of_size: f64,
-    /// True if f is not constant on pieces, at least somewhere, so that the integrals are by quadrature.
-    pub by_quadrature: bool,
-}
-
 /// Bound of the rounding error of the integral of f, over the integral of |f|.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-impl Integrals {
+impl Facts {
     /// Bound of the rounding error of the integral of f, and of each sum that balances it.
     pub fn rounding(&self) -> f64 {
-        ROUNDING * self.of_size.abs()
+        ROUNDING * self.size.abs()
     }
 }

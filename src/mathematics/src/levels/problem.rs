@@ -50,9 +50,9 @@ impl Problem {
         law: Law,
     ) -> Result<Self, ProblemError> {
         let lattices = Lattices::new(grids, f, rule);
-        let integrals = lattices.integrals();
-        lattices.source().check_scale(integrals.of_size)?;
-        if integrals.of_f.is_nan() {
+        let (integral, size) = (lattices.facts().integral, lattices.facts().size);
+        lattices.source().check_scale(size)?;
+        if integral.is_nan() {
             return Err(ProblemError::NotFinite);
         }
         Self::new(lattices, law, false)
@@ -97,7 +97,7 @@ impl Problem {
     /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding
     /// errors of integrals.
     fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
-        let rounding = levels.integrals().rounding();
+        let rounding = levels.facts().rounding();
         let checked = levels.components().into_iter().try_for_each(|of| of.check(law, rounding));
         let problem = Self::checked(levels, law, is_curved);
         match checked {
@@ -250,7 +250,7 @@ impl Problem {
     /// Approximations that the bounds leave out.
     pub fn reserves(&self) -> Vec<Reserve> {
         let made = [
-            (self.levels.integrals().by_quadrature, Reserve::Quadrature),
+            (self.levels.facts().by_quadrature, Reserve::Quadrature),
             (self.is_curved, Reserve::Polygon),
         ];
         made.into_iter().filter(|(is_made, _)| *is_made).map(|(_, reserve)| reserve).collect()

@@ -1,6 +1,6 @@
 //! A mesh with its refinements as the levels of a problem.
 
-use super::{Discrete, Drawing, Facts, Integrals, Levels, ProblemError, Step, Watch};
+use super::{Discrete, Drawing, Facts, Levels, ProblemError, Step, Watch};
 use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::DiscreteDomain;
@@ -15,7 +15,6 @@ use crate::problem::law::Law;
 use crate::problem::shape::Shape;
 use crate::problem::unsolvable::Component;
 use std::borrow::Cow;
-use std::sync::OnceLock;
 
 /// Mesh and its refinements, with f.
 pub(crate) struct Triangulations<const D: usize, const V: usize> {
@@ -27,9 +26,7 @@ pub(crate) struct Triangulations<const D: usize, const V: usize> {
     f: MeshSource<D>,
     /// f on the finest mesh.
     load: MeshLoad,
-    /// Facts, once they are needed.
-    facts: OnceLock<Facts>,
-    integrals: Integrals,
+    facts: Facts,
     /// Guaranteed error in each cell of the finest mesh, if the meshes are adapted.
     errors: Option<Vec<f64>>,
 }
@@ -59,19 +56,31 @@ where
 
     /// Levels on nested meshes, with f and what it is on the finest.
     pub(crate) fn of(nested: NestedMeshes<D, V>, f: MeshSource<D>, load: MeshLoad) -> Self {
-        let integrals = Integrals {
-            of_f: load.integral,
-            of_size: load.size,
+        let finest = &nested.meshes[nested.meshes.len() - 1];
+        // Shapes know whether they reach into the unit box, and no other domain.
+        let outside = if finest.is_unit_box() { f.outside() } else { Vec::new() };
+        let facts = Facts {
+            dimension: D as u8,
+            width: finest.width(),
+            extent: finest.extent(),
+            f: f.text().into(),
+            outside,
+            integral: load.integral,
+            size: load.size,
             by_quadrature: load.unsettled.is_some(),
+            known: f.known(),
+            notes: finest.notes(),
+            is_adapted: false,
         };
         let NestedMeshes { meshes, networks } = nested;
         let meshes = meshes.into_iter().map(AnyMesh::from).collect();
-        Self { meshes, networks, f, load, facts: OnceLock::new(), integrals, errors: None }
+        Self { meshes, networks, f, load, facts, errors: None }
     }
 
     /// Levels with the guaranteed error in each cell of the finest mesh.
     pub(crate) fn with_errors(self, errors: Vec<f64>) -> Self {
-        Self { errors: Some(errors), ..self }
+        let facts = Facts { is_adapted: true, ..self.facts };
+        Self { errors: Some(errors), facts, ..self }
     }
 
     /// Mesh of a level.
@@ -113,21 +122,7 @@ where
     AnyMesh: From<Mesh<D, V>>,
 {
     fn facts(&self) -> &Facts {
-        self.facts.get_or_init(|| {
-            let mesh = &self.meshes[self.meshes.len() - 1];
-            // Shapes know whether they reach into the unit box, and no other domain.
-            let is_box = self.finest().is_unit_box();
-            Facts {
-                dimension: mesh.dimension(),
-                width: mesh.width(),
-                extent: mesh.extent(),
-                f: self.f.text().into(),
-                outside: if is_box { self.f.outside() } else { Vec::new() },
-                known: self.f.known(),
-                notes: mesh.notes(),
-                is_adapted: self.errors.is_some(),
-            }
-        })
+        &self.facts
     }
 
     fn discrete(&self) -> Discrete<'_> {
@@ -156,10 +151,6 @@ where
             return Ok((&self.load.cells.mean[..]).into());
         }
         Ok(mesh_load(self.on(drawn), &self.f)?.cells.mean.into())
-    }
-
-    fn integrals(&self) -> &Integrals {
-        &self.integrals
     }
 
     fn missed(&self) -> Option<f64> {

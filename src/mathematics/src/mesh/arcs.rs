@@ -15,8 +15,10 @@ pub fn arcs(curves: &[ClosedCurve], y: &[f64], judgement: &Judgement) -> Vec<Con
     }
     let mut places = vec![None; y.len()];
     for curve in curves {
-        for (k, &node) in curve.nodes.iter().enumerate() {
-            places[node] = Some(CurvePlace { curve, y, k });
+        // An arc from the first node, which is also the last, has the numbers of one that passes it.
+        for k in 1..=curve.nodes.len() {
+            let place = CurvePlace { curve, y, k };
+            places[place.node(0)] = Some(place);
         }
     }
     let mut arcs = Vec::new();
@@ -39,7 +41,7 @@ pub fn arcs(curves: &[ClosedCurve], y: &[f64], judgement: &Judgement) -> Vec<Con
 struct CurvePlace<'a> {
     curve: &'a ClosedCurve,
     y: &'a [f64],
-    /// Number of the node on the curve.
+    /// Number of the node on the curve, from 1 on; the first node comes last.
     k: usize,
 }
 
@@ -61,7 +63,7 @@ impl CurvePlace<'_> {
             (count, sum) = (count + 1, sum + of_node);
         }
         if count as usize == self.curve.nodes.len() {
-            let point = self.curve.points[self.k];
+            let point = self.curve.points[self.further(0)];
             return ContactArc { part: self.names(0..count), ..ContactArc::new([point; 2], sum) };
         }
         let last = count - 1;

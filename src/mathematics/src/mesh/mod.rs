@@ -226,7 +226,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// As [`AnyMesh::notes`].
-    fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         self.origin.notes().into_iter().chain(self.touching.iter().cloned()).collect()
     }
 
