@@ -11,7 +11,7 @@ use std::path::Path;
 const ITEMS_OF_THE_MATHEMATICS: usize = 110;
 
 /// Most public types of the mathematics: structures, enumerations, traits and names of types.
-const TYPES_OF_THE_MATHEMATICS: usize = 234;
+const TYPES_OF_THE_MATHEMATICS: usize = 232;
 
 /// Most methods of the trait of geometry and load.
 const METHODS_OF_LEVELS: usize = 15;
