@@ -23,7 +23,7 @@ use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
 use files::{Format, PictureKind};
 use request::Request;
-use signorini_mathematics::levels::Levels;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::solvers::{Solver, recovered};
 use signorini_mathematics::statement::Statement;
 use std::path::PathBuf;
@@ -79,13 +79,13 @@ pub(super) struct SolveArgs {
 impl SolveArgs {
     /// Returns the file to write and its format; if only a format was given, the file in the current folder is named
     /// after the problem.
-    fn file(&self, request: &Request, levels: &dyn Levels) -> Result<Option<(OutputFile, Format)>> {
+    fn file(&self, request: &Request, problem: &Problem) -> Result<Option<(OutputFile, Format)>> {
         let Some(out) = self.out.as_deref() else { return Ok(None) };
         let named = out.to_str().filter(|ending| Format::from_str(ending, false).is_ok());
         let name = request.scene.as_deref().unwrap_or("solution");
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        format.check(levels)?;
+        format.check(problem)?;
         if self.view().is_some() && format != Format::Svg {
             let option = match (self.map, self.surface) {
                 (true, _) => "--map",
@@ -148,9 +148,9 @@ fn is_adapted(statement: &Statement) -> bool {
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let (request, problem) = Request::read(args)?;
-    let file = args.file(&request, problem.levels())?;
+    let file = args.file(&request, &problem)?;
     if let Some(name) = &args.save {
-        save::save(name, &request, problem.levels().dimension())?;
+        save::save(name, &request, problem.levels().facts().dimension)?;
     }
     let mut shown = ShownMeshes::new(&request.statement, args.verbose);
     // The first signal ends the way to an accuracy with the answer so far.
@@ -181,11 +181,11 @@ fn write(
 ) -> Result<()> {
     let (problem, pair) = (&answer.solved.problem, answer.pair());
     if !args.recover {
-        return request.write(file, (problem.levels(), problem.law()), &pair);
+        return request.write(file, problem, &pair);
     }
     let recovered = recovered(problem, &pair)
         .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
     let (finer, pair) =
         recovered.ok_or_else(|| Error::input("--recover is for the square; leave it out"))?;
-    request.write(file, (&finer, problem.law()), &pair)
+    request.write(file, &finer, &pair)
 }

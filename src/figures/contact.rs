@@ -2,7 +2,6 @@
 
 use super::axes::{Entry, Frame, Legend, Sample, key};
 use super::chart::{LEGEND, legend};
-use super::drawn::contact_at_nodes;
 use super::palette::{INK, MUTED, RGBColor, RULE, SHADE};
 use super::panels::Head;
 use super::picture::{END, NORMAL, Picture, SMALL, START, WIDTH, italic, plain};
@@ -12,8 +11,8 @@ use super::table::add;
 use super::text::{Ticks, short};
 use super::title::Title;
 use super::{FIXED, IN_SPACE, range_with_zero};
-use signorini_mathematics::levels::{ClosedCurve, Problem};
-use signorini_mathematics::mesh::Condition;
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::{ClosedCurve, Condition};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
@@ -46,18 +45,22 @@ impl ContactPanel {
         problem: &Problem,
         solutions: &[(String, Pair)],
     ) -> Result<Vec<Self>, String> {
-        let mut panels = Vec::new();
-        for curve in problem.levels().curves().ok_or(IN_SPACE)? {
-            let (on, nodes) = ((problem.levels(), problem.law()), &curve.nodes);
+        let (mut panels, law) = (Vec::new(), problem.law());
+        let curves = problem.levels().boundary();
+        if curves.is_empty() {
+            return Err(IN_SPACE.into());
+        }
+        for curve in curves {
+            let nodes = &curve.nodes;
             let lines = solutions.iter().map(|(label, pair)| ContactLine {
                 label: label.clone(),
                 y: at(&pair.y, nodes),
                 a: at(&problem.at_nodes(&pair.a, 0.0), nodes),
-                in_contact: at(&contact_at_nodes(on, pair), nodes),
+                in_contact: at(&problem.at_nodes(&problem.in_contact(pair), false), nodes),
             });
-            let (law, lines) = (on.1, lines.collect());
-            let parts = curve.parts.as_ref();
-            let title = parts.map_or(title.to_owned(), |parts| format!("{title}: {parts}"));
+            let lines = lines.collect();
+            let label = curve.label();
+            let title = label.map_or(title.to_owned(), |label| format!("{title}: {label}"));
             panels.push(Self { title, curve, law, lines });
         }
         Ok(panels)
@@ -179,13 +182,13 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
         frame.rules(picture, ticks[k].values());
         frame.label_left(picture, ticks[k].labelled());
         picture.text(name, (NAME, frame.middle().1), italic(NORMAL));
-        if curve.parts.is_none() {
+        if curve.parts.is_empty() {
             frame.verticals(picture, [1.0, 2.0, 3.0], MUTED);
         }
         Plot { chart: &charts[k], frame, entries: &entries }.draw(picture);
     }
     draw_bars(picture, panel, &entries, &Frame { down: (upper + PLOT, lower), ..whole });
-    if curve.parts.is_none() {
+    if curve.parts.is_empty() {
         name_sides(picture, &whole);
     } else {
         name_start(picture, curve, &whole);
@@ -322,8 +325,8 @@ mod tests {
             let mut annulus = AnyMesh::built_in("annulus").unwrap();
             annulus.set_condition("inner", condition).unwrap();
             let problem = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
-            let y = vec![0.0; problem.levels().nodes(1)];
-            let a = vec![1.0; problem.levels().contact().len()];
+            let y = vec![0.0; problem.lengths()[0]];
+            let a = vec![1.0; problem.lengths()[1]];
             let lines = [("l".to_owned(), Pair { y, a })];
             let panels = ContactPanel::of("t", &problem, &lines).unwrap();
             let pictures = panels.iter().map(|panel| svg(&contact(std::slice::from_ref(panel))));

@@ -4,7 +4,7 @@ use super::camera::uphill;
 use super::{IN_SPACE, range_with_zero};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::levels::{Drawing, Lattices, Levels};
+use signorini_mathematics::levels::{Drawing, Problem};
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
@@ -33,33 +33,31 @@ pub(crate) struct DrawnSolution {
 }
 
 impl DrawnSolution {
-    /// Pair of the finest level under a law, as a panel in rows of `columns`.
+    /// Pair of the finest level of a problem, as a panel in rows of `columns`.
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
     pub(crate) fn of(
         title: String,
-        (levels, law): (&dyn Levels, Law),
+        problem: &Problem,
         pair: &Pair,
         columns: usize,
     ) -> Result<Self, String> {
-        let Drawing { mesh, nodes } = levels.drawing(MOST_CELLS * 2 / columns).ok_or(IN_SPACE)?;
-        let at_nodes = contact_at_nodes((levels, law), pair);
+        let drawing = problem.levels().drawing(MOST_CELLS * 2 / columns);
+        let Drawing { mesh, nodes } = drawing.ok_or(IN_SPACE)?;
+        let (law, at_nodes) = (problem.law(), problem.at_nodes(&problem.in_contact(pair), false));
         let y: Vec<f64> = nodes.iter().map(|&node| pair.y[node]).collect();
         let in_contact = nodes.iter().map(|&node| at_nodes[node]).collect();
         Ok(Self { title, law, azimuth: uphill(&mesh, &y), mesh, y, in_contact, range: None })
     }
 
-    /// Pair on a grid of the square under a law, as a panel in rows of `columns`.
-    pub(crate) fn on_grid(
-        title: String,
-        (grid, law): (Grid, Law),
-        pair: &Pair,
-        columns: usize,
-    ) -> Self {
-        let f = Source::constant(0.0);
-        let lattices = Lattices::new(vec![grid], f, LoadRule::default());
-        Self::of(title, (&lattices, law), pair, columns).expect("the square has pictures")
+    /// Pair on a grid of the square under the paper's law, as a panel in rows of `columns`.
+    pub(crate) fn on_grid(title: String, grid: Grid, pair: &Pair, columns: usize) -> Self {
+        // f plays no part in the picture.
+        let f = Source::constant(-1.0);
+        let problem = Problem::on_square(vec![grid], f, LoadRule::default(), Law::SIGNORINI);
+        let problem = problem.expect("the flux balances a load downwards");
+        Self::of(title, &problem, pair, columns).expect("the square has pictures")
     }
 
     /// This surface without marks of contact.
@@ -82,13 +80,4 @@ impl DrawnSolution {
         let range = self.range.unwrap_or_else(|| range_with_zero(self.y.iter().copied()));
         if range.0 < range.1 { range } else { (-1.0, 1.0) }
     }
-}
-
-/// Returns the contact at the nodes of the finest level, false where no law holds.
-pub(super) fn contact_at_nodes((levels, law): (&dyn Levels, Law), pair: &Pair) -> Vec<bool> {
-    let mut at_nodes = vec![false; pair.y.len()];
-    for (contact, touches) in levels.contact().iter().zip(levels.in_contact(law, pair)) {
-        at_nodes[contact.node] = touches;
-    }
-    at_nodes
 }

@@ -1,6 +1,8 @@
 //! Figure 1: maps of right-hand sides.
 
+use super::IN_SPACE;
 use super::axes::{Bar, Frame};
+use super::drawn::MOST_CELLS;
 use super::extent::Extent;
 use super::palette::{ColourScale, INK, legible_on};
 use super::panels::Panels;
@@ -8,6 +10,7 @@ use super::picture::{NORMAL, Picture, SMALL, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
 use signorini_mathematics::discrete::norms::largest;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::source::Source;
 
@@ -48,11 +51,22 @@ pub(crate) fn maps_of_f(panels: &[(&str, Source)]) -> Picture {
     picture
 }
 
+/// Draws the finest mesh of a problem that is not too fine for a picture, with f in colour.
+///
+/// # Errors
+/// A sentence if the domain lies in space, or f is not finite.
+pub(crate) fn map_of_f(title: &str, problem: &Problem) -> Result<Picture, String> {
+    let levels = problem.levels();
+    let drawing = levels.drawing(MOST_CELLS).ok_or(IN_SPACE)?;
+    let f = levels.means(MOST_CELLS).map_err(|e| e.to_string())?;
+    Ok(mesh_map(title, &drawing.mesh, &f))
+}
+
 /// Draws a mesh with the mean of f on each triangle in colour, below its title and above a colour bar symmetric about
 /// 0.
 ///
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
-pub(crate) fn mesh_map(title: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
+pub(super) fn mesh_map(title: &str, mesh: &PlaneMesh, f: &[f64]) -> Picture {
     let colours = colours_of_f(f);
     let (layout, ranges) = layout_around(mesh, title);
     let mut picture = draw_maps(

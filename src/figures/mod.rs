@@ -33,11 +33,11 @@ mod title;
 
 pub(crate) use chart::charts;
 pub(crate) use contact::{ContactPanel, contact};
-pub(crate) use drawn::{DrawnSolution, MOST_CELLS};
+pub(crate) use drawn::DrawnSolution;
 pub(crate) use gradient::{GradientPanel, gradients};
 pub(crate) use history::{HistoryCurve, HistoryPanel, histories};
 pub(crate) use identifiability::{IdentifiabilityPanel, identifiability};
-pub(crate) use maps::{maps_of_f, mesh_map};
+pub(crate) use maps::{map_of_f, maps_of_f};
 pub(crate) use picture::Picture;
 pub(crate) use plan::mesh_picture;
 pub(crate) use series::{Chart, Curve, Scale, Stroke};

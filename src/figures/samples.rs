@@ -42,8 +42,7 @@ fn solved(domain: Domain, times: u8, f: &str) -> DrawnSolution {
     let fineness = Fineness::Refined(times);
     let statement = Statement { fineness, ..Statement::usual(domain, f) };
     let solved = statement.solved(file.as_deref()).unwrap();
-    let on = (solved.problem.levels(), solved.problem.law());
-    DrawnSolution::of(name, on, &solved.pair(), 2).unwrap()
+    DrawnSolution::of(name, &solved.problem, &solved.pair(), 2).unwrap()
 }
 
 /// Problem on one grid of the square.
@@ -54,7 +53,7 @@ pub(super) fn on_grid(grid: Grid) -> Problem {
 
 /// Surface of a pair on a grid of the square.
 pub(super) fn solution(title: &str, grid: Grid, pair: &Pair) -> DrawnSolution {
-    DrawnSolution::on_grid(title.into(), (grid, Law::SIGNORINI), pair, 2)
+    DrawnSolution::on_grid(title.into(), grid, pair, 2)
 }
 
 /// Surface on a mesh under the law of Signorini.

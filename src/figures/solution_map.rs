@@ -1,17 +1,16 @@
 //! Maps of solutions on domains in the plane: v in bands of colour between isolines, and the boundary by its state.
 
 use super::axes::{Frame, key};
-use super::drawn::{DrawnSolution, contact_at_nodes};
+use super::drawn::DrawnSolution;
 use super::isolines::{AtLevel, Loop};
 use super::maps::{BAR, bar_below, draw_maps, layout_around};
 use super::palette::{CONTACT, ColourScale, INK, RGBColor};
 use super::picture::{NORMAL, Picture, Place, SMALL, italic, text_width};
 use super::polyline::simplified;
 use super::text::Ticks;
-use super::{FIXED, IN_SPACE, held};
-use signorini_mathematics::levels::{ClosedCurve, Levels};
+use super::{FIXED, held};
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::Condition;
-use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
 /// Most isolines.
@@ -38,17 +37,17 @@ pub(crate) struct SolutionMap {
 }
 
 impl SolutionMap {
-    /// Map of a pair of the finest level under a law.
+    /// Map of a pair of the finest level.
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
-    pub(crate) fn of(title: String, on: (&dyn Levels, Law), pair: &Pair) -> Result<Self, String> {
-        let drawn = DrawnSolution::of(title, on, pair, 1)?;
-        let is_held = contact_at_nodes(on, pair);
+    pub(crate) fn of(title: String, problem: &Problem, pair: &Pair) -> Result<Self, String> {
+        let drawn = DrawnSolution::of(title, problem, pair, 1)?;
+        let is_held = problem.at_nodes(&problem.in_contact(pair), false);
         let (mut held, mut fixed, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
-        for curve in on.0.curves().ok_or(IN_SPACE)? {
-            let ClosedCurve { points, nodes, conditions, .. } = &curve;
-            for (k, condition) in conditions.iter().enumerate() {
+        for curve in problem.levels().boundary() {
+            let (points, nodes) = (&curve.points, &curve.nodes);
+            for (k, condition) in curve.conditions.iter().enumerate() {
                 let ends = [k, (k + 1) % points.len()];
                 let edge = ends.map(|k| points[k]);
                 match condition {
@@ -176,15 +175,15 @@ mod tests {
     use super::*;
     use crate::figures::polyline::farthest;
     use crate::figures::samples::svg;
-    use signorini_mathematics::levels::Problem;
     use signorini_mathematics::mesh::{AnyMesh, Condition};
+    use signorini_mathematics::problem::law::Law;
     use signorini_mathematics::solvers::{self, Run, Settings, Solver};
 
     fn map(problem: &Problem) -> SolutionMap {
         let Run { y, judgement, .. } =
             solvers::solve(problem, &Settings::of(Solver::Multigrid)).unwrap();
         let pair = Pair { a: judgement.multiplier(&y), y };
-        SolutionMap::of("t".into(), (problem.levels(), problem.law()), &pair).unwrap()
+        SolutionMap::of("t".into(), problem, &pair).unwrap()
     }
 
     fn on(name: &str, times: usize, f: &str, law: Law) -> Problem {
@@ -237,7 +236,7 @@ mod tests {
         let f = "halfplane(1,0,0)=8; else=-8";
         let problem = on("square", 3, f, Law::friction(0.5).unwrap());
         let map = map(&problem);
-        let share = length(&map) / problem.levels().width();
+        let share = length(&map) / problem.levels().facts().width;
         assert!(share > 0.5 && share < 4.0, "{share}");
         assert!(svg(&map.picture()).contains(">sticks (v = 0)</text>"));
     }

@@ -230,7 +230,7 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
                 readable(&name, &surfaces(2, &panels[..1]));
                 readable(&name, &surfaces(3, &panels));
                 readable(&name, &mesh_picture(&[("t", mesh), ("u", mesh)]));
-                readable(&name, &mesh_map(LONG, mesh, &[1.0, -2.0]));
+                readable(&name, &maps::mesh_map(LONG, mesh, &[1.0, -2.0]));
                 let long = DrawnSolution { title: LONG.into(), ..one };
                 let map = readable(&name, &surfaces(2, &[long]));
                 assert!(map.iter().any(|text| text.words == "error at most 4.31 %"), "{map:?}");

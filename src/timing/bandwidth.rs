@@ -1,6 +1,7 @@
 //! Memory bandwidth of the machine.
 
 use signorini_mathematics::experiments::timed::TimedPlan;
+use signorini_mathematics::machine::streams::update;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -10,9 +11,10 @@ pub(crate) fn bandwidth(timed: &TimedPlan, runs: usize) -> f64 {
     let (mut stream, mut fastest) = (timed.stream(), f64::INFINITY);
     for _ in 0..runs {
         let start = Instant::now();
-        stream.update();
+        update(&mut stream);
         fastest = fastest.min(start.elapsed().as_secs_f64());
         black_box(&mut stream);
     }
-    1e-9 * stream.bytes() / fastest
+    // Each entry is read and written.
+    1e-9 * 16.0 * stream.len() as f64 / fastest
 }

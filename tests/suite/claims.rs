@@ -58,7 +58,8 @@ fn the_lanes_count_what_the_solver_counts() {
         let params = Params { r: 10.0, rule: table.rule, ..Params::default() };
         let (outcomes, _) = solve_nested(
             &NestedGrids { grids: &scene.grids(), prolongation: scene.saddle().prolongation },
-            Law::SIGNORINI.with_loads(&loads),
+            Law::SIGNORINI,
+            &loads,
             &params,
             &mut (),
         );

@@ -1,4 +1,5 @@
-//! What has to be known of one package to work on another: the items that it names, counted by parsing its sources.
+//! What has to be known of one package to work on another: the items that it names, the types that are public, and the
+//! methods of its central trait, counted by parsing its sources.
 //!
 //! No file is exempt; code for tests alone does not count.
 
@@ -9,20 +10,30 @@ use std::path::Path;
 /// Most items of the mathematics that the program names.
 const ITEMS_OF_THE_MATHEMATICS: usize = 110;
 
+/// Most public types of the mathematics: structures, enumerations, traits and names of types.
+const TYPES_OF_THE_MATHEMATICS: usize = 232;
+
+/// Most methods of the trait of geometry and load.
+const METHODS_OF_LEVELS: usize = 15;
+
 /// Name of the mathematics in the program.
 const MATHEMATICS: &str = "signorini_mathematics";
 
 /// Folders of the other packages.
 const OTHER_PACKAGES: [&str; 2] = ["mathematics/", "pipeline/"];
 
-/// Sources of the program by path below `src/`, without comments, texts and what is compiled for tests alone.
+/// Sources of the program by path below `src/`, without comments and what is compiled for tests alone.
 fn program() -> BTreeMap<String, String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    sources("src", &OTHER_PACKAGES)
+}
+
+/// Sources below a folder of the project, without those in some folders of it.
+fn sources(folder: &str, without: &[&str]) -> BTreeMap<String, String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut sources = BTreeMap::new();
     let mut of_tests = BTreeSet::new();
     for (path, bytes) in files_below(&folder) {
-        let is_ours = !OTHER_PACKAGES.iter().any(|package| path.starts_with(package));
-        if path.ends_with(".rs") && is_ours {
+        if path.ends_with(".rs") && !without.iter().any(|folder| path.starts_with(folder)) {
             let text = String::from_utf8(bytes).unwrap();
             let module = path.trim_end_matches(".rs").trim_end_matches("/mod");
             of_tests
@@ -113,6 +124,39 @@ fn the_program_names_few_items_of_the_mathematics() {
     }
     assert!(found.len() > 50, "{found:#?}");
     assert!(found.len() <= ITEMS_OF_THE_MATHEMATICS, "{}: {found:#?}", found.len());
+}
+
+/// Types that a code declares as public.
+fn public_types(code: &str) -> Vec<&str> {
+    const KINDS: [&str; 5] = ["struct", "enum", "trait", "type", "union"];
+    let lines = code.lines().filter_map(|line| line.trim_start().strip_prefix("pub "));
+    let words = lines.map(|line| line.trim_start_matches("unsafe ").split_once(' '));
+    let declared = words.flatten().filter(|(kind, _)| KINDS.contains(kind));
+    declared.filter_map(|(_, rest)| rest.split(|c: char| !c.is_alphanumeric()).next()).collect()
+}
+
+#[test]
+fn the_mathematics_has_few_public_types() {
+    let sources = sources("src/mathematics/src", &[]);
+    let found: Vec<_> = sources.values().flat_map(|code| public_types(code)).collect();
+    assert!(found.len() > 50, "{found:?}");
+    assert!(found.len() <= TYPES_OF_THE_MATHEMATICS, "{}: {found:?}", found.len());
+    let code = "pub struct A<'a> {\n    pub b: C,\n}\npub(crate) enum D {}\npub fn struct_of() {}\npub type E = A;";
+    assert_eq!(public_types(code), ["A", "E"]);
+}
+
+#[test]
+fn levels_are_geometry_and_load() {
+    let sources = sources("src/mathematics/src", &[]);
+    let code = &sources["levels/mod.rs"];
+    let (_, methods) = code.split_once("pub trait Levels").expect("the trait");
+    let (methods, _) = methods.split_once("\n}\n").expect("its end");
+    let methods: Vec<_> =
+        methods.lines().filter(|line| line.trim_start().starts_with("fn ")).collect();
+    assert!(methods.len() > 5 && methods.len() <= METHODS_OF_LEVELS, "{methods:#?}");
+    // Nor are there others beside the trait.
+    let beside = sources.values().filter(|code| code.contains("impl dyn Levels"));
+    assert_eq!(beside.count(), 0);
 }
 
 #[test]

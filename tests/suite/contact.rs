@@ -2,10 +2,10 @@
 
 use crate::common::Dice;
 use crate::domains::{CubeMesh, run};
-use signorini_mathematics::discrete::contact::arcs;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::mesh::{arcs, square_boundary};
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
 use signorini_mathematics::problem::shape::Shape;
@@ -71,7 +71,11 @@ fn no_corner_between_nodes_in_contact_is_a_gap() {
                     let grid = Grid::new(n).unwrap();
                     let load = load(grid, &f, rule);
                     for y in solutions(n, &load) {
-                        let arcs = arcs(grid, &y, &judge(grid, Law::SIGNORINI, &y, &load));
+                        let arcs = arcs(
+                            &[square_boundary(grid)],
+                            &y,
+                            &judge(grid, Law::SIGNORINI, &y, &load),
+                        );
                         assert_eq!(arcs.len(), 1, "{f} 1/{n}: {arcs:?}");
                         assert!((arcs[0].force + integral(&f)).abs() < 1e-9 * value, "{f} 1/{n}");
                         let contact = in_contact(grid, &y, &load);

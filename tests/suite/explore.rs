@@ -82,7 +82,8 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
             let (outcomes, _) = solve_nested(
                 &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },
-                Law::SIGNORINI.with_loads(&loads),
+                Law::SIGNORINI,
+                &loads,
                 &params,
                 &mut (),
             );
@@ -128,7 +129,8 @@ const answer = JSON.stringify(texts.map((f) => {
             let params = params(max_iterations);
             let (_, pair) = solve_nested(
                 &NestedGrids { grids, prolongation: Prolongation::default() },
-                Law::SIGNORINI.with_loads(&loads[..grids.len()]),
+                Law::SIGNORINI,
+                &loads[..grids.len()],
                 &params,
                 &mut (),
             );

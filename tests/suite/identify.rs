@@ -56,7 +56,8 @@ fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
         let params = Params { r, rule, max_iterations: 5000, ..Params::default() };
         let (outcomes, _) = solve_nested(
             &NestedGrids { grids: &grids, prolongation: variant.prolongation },
-            Law::SIGNORINI.with_loads(&loads),
+            Law::SIGNORINI,
+            &loads,
             &params,
             &mut (),
         );

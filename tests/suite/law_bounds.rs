@@ -266,7 +266,7 @@ fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
             let f = format!("halfplane(1,0,0)={left}; else={right}");
             let on = |times, law| Problem::on_mesh(&coarse, times, &f, law).unwrap();
             let finest = on(3, Law::friction(1e4).unwrap());
-            let integral = finest.levels().integrals().of_f;
+            let integral = finest.levels().facts().integral;
             let perimeter = finest.networks().unwrap()[3].network.perimeter();
             let g = 1.01 * integral.abs() / perimeter + 0.02 + dice.between(0.0, 1.0).powi(2);
             let law = match problem % 4 {

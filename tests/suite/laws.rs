@@ -149,7 +149,8 @@ fn the_papers_method_with_friction_has_the_counts_of_another_program() {
         let params = Params { r: 1e6, rule: StopRule::Printed, ..Params::default() };
         let (outcomes, _) = solve_nested(
             &NestedGrids { grids: &grids, prolongation: Prolongation::default() },
-            problem.law().with_loads(&loads),
+            problem.law(),
+            &loads,
             &params,
             &mut (),
         );

@@ -165,7 +165,7 @@ fn integrals_have_no_scale() {
             AnyMesh::Space(mesh) => AnyMesh::Space(scaled(&mesh, scale)),
         };
         let made = Problem::on_mesh(&mesh, 1, &f, Law::friction(1e60).unwrap()).unwrap();
-        made.levels().integrals().of_f / scale.powi(mesh.dimension().into())
+        made.levels().facts().integral / scale.powi(mesh.dimension().into())
     };
     for name in ["lshape", "ball"] {
         let one = integral(name, 1.0);
@@ -204,7 +204,7 @@ fn brackets_hold_the_energy_of_a_solution_three_refinements_finer() {
             format!("{}else=-{}", random_shapes(&mut dice, 1 + case % 4), dice.between(0.1, 5.0));
         let times = if mesh.nodes() < 20 { case % 2 } else { 0 };
         let Ok(problem) = Problem::on_mesh(&mesh, times, &f, law) else { continue };
-        assert!(!problem.levels().integrals().by_quadrature);
+        assert!(!problem.levels().facts().by_quadrature);
         let (_, [low, high]) = energies(&problem);
         let (fine, finer) = energies(&Problem::on_mesh(&mesh, times + 3, &f, law).unwrap());
         let slack = 1e-10 * low.abs();

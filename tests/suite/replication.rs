@@ -26,7 +26,8 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
             &NestedGrids { grids: &scene.grids(), prolongation: scene.saddle().prolongation },
-            Law::SIGNORINI.with_loads(&loads),
+            Law::SIGNORINI,
+            &loads,
             &params,
             &mut (),
         );
@@ -69,8 +70,7 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let loads = grids.iter().map(load).collect::<Vec<_>>();
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
         let levels = NestedGrids { grids, prolongation: scene.saddle().prolongation };
-        let problem = Law::SIGNORINI.with_loads(&loads);
-        let (made, made_pair) = solve_nested(&levels, problem, &params, &mut ());
+        let (made, made_pair) = solve_nested(&levels, Law::SIGNORINI, &loads, &params, &mut ());
         let (mut pair, mut defined) = (vec![Pair::zero(grids[0])], Vec::new());
         run_nested(&levels, &mut pair, |k, pair: &mut Vec<Pair>| {
             let network = Network::of_square(grids[k]);
@@ -226,7 +226,8 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
         ErrorsOnGrids { exact: |x, y| exact.at(x, y).value, grids: &grids, largest: Vec::new() };
     solve_nested(
         &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },
-        Law::SIGNORINI.with_loads(&loads),
+        Law::SIGNORINI,
+        &loads,
         &params,
         &mut errors,
     );

@@ -115,11 +115,11 @@ impl Answer {
         let mut json = json!({
             "schema": 1,
             "scene": request.name,
-            "f": levels.f(),
-            "dimension": levels.dimension(),
+            "f": levels.facts().f,
+            "dimension": levels.facts().dimension,
             "solver": self.solved.run().map_or(solver, |run| run.solver),
             "energy": self.energy(request),
-            "integral_f": levels.integrals().of_f,
+            "integral_f": levels.facts().integral,
             "contact": self.contact,
             "force": self.force,
             "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
@@ -219,10 +219,7 @@ impl Answer {
             });
         }
         if let Some(errors) = self.solved.errors() {
-            json["errors"] = json!(errors.values);
-            if let Some(multiplier_l2) = errors.multiplier_l2 {
-                json["errors"]["multiplier_l2"] = multiplier_l2.into();
-            }
+            json["errors"] = json!(errors);
         }
         if self.contact.is_none() {
             json["contact_reason"] =
@@ -248,8 +245,8 @@ impl Answer {
     /// Returns the answer, then how it was found; with `recover`, the recovered solution is part of the answer.
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
         let levels = self.solved.problem.levels();
-        let (name, f) = (&request.name, levels.f());
-        let integral = plain(levels.integrals().of_f, 4);
+        let (name, f) = (&request.name, &levels.facts().f);
+        let integral = plain(levels.facts().integral, 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
@@ -271,14 +268,13 @@ impl Answer {
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
     fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
-        let (last, law, integral) = (run.last(), problem.law(), levels.integrals().of_f);
+        let (last, law, integral) = (run.last(), problem.law(), levels.facts().integral);
         let mut text = self.energy_in_words(request);
         if !last.verdict().is_failure() || request.statement.accuracy().is_some() {
             text += &bound::text(&self.solved, recover);
         }
         if let Some(errors) = self.solved.errors() {
-            let values = errors.values;
-            let [l2, h1, max] = [values.l2, values.h1, values.max].map(|error| plain(error, 3));
+            let [l2, h1, max] = [errors.l2, errors.h1, errors.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
             if let Some(multiplier_l2) = errors.multiplier_l2 {
                 text += &format!("; multiplier L2 {}", plain(multiplier_l2, 3));
@@ -289,26 +285,25 @@ impl Answer {
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.contact.as_deref().unwrap_or_default();
         text += &states_in_words(run.judgement.state_counts(), law);
-        let parts = levels.parts_in_contact(&run.judgement);
+        let parts = problem.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");
         }
         if arcs.iter().any(|arc| !arc.closed) {
-            let curves = levels.curves().map_or(0, |curves| curves.len());
-            text += if curves > 1 {
+            text += if levels.boundary().len() > 1 {
                 "; arcs with the domain on the left"
             } else {
                 "; arcs anticlockwise"
             };
         }
         text.push('\n');
-        let (words, rounding) = (BoundaryWords::of(law), levels.integrals().rounding());
+        let (words, rounding) = (BoundaryWords::of(law), levels.facts().rounding());
         for arc in arcs {
             let part = arc.part.clone().filter(|_| parts.is_some());
             text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 6);
         }
         text += &words.force([self.force, 0.0 - integral], rounding, 6);
-        if levels.has_fixed_part() {
+        if problem.domain(problem.finest()).has_fixed_part() {
             text += "fixed parts carry the difference\n";
         }
         if self.load_misses(last) {
@@ -344,7 +339,7 @@ impl Answer {
             Solver::Multigrid => format!(" ({:.1} sweeps)", run.last().end.work_units),
             _ => String::new(),
         };
-        let setup = if problem.levels().cells(0).is_some() { "setup" } else { "mesh" };
+        let setup = if problem.domain(0).cells().is_some() { "setup" } else { "mesh" };
         text + &request.clock.text(setup, &cost)
     }
 
@@ -356,11 +351,11 @@ impl Answer {
     }
 
     fn table(&self, request: &Request, Run { ends, .. }: &Run) -> String {
-        let levels = self.solved.problem.levels();
+        let domain = self.solved.problem.domain(0);
         // An iteration of Arrow-Hurwicz is one sweep: a column of sweeps would repeat that of iterations.
         let nested = request.statement.solver.is_nested()
             && ends.iter().any(|outcome| outcome.end.sweeps() > outcome.end.iterations);
-        let first = if levels.cells(0).is_some() { "grid" } else { "mesh" };
+        let first = if domain.cells().is_some() { "grid" } else { "mesh" };
         let mut head = vec![first, "iterations", "stop", "energy", "KKT residual", "relative"];
         if nested {
             head.insert(2, "sweeps");

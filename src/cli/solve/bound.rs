@@ -17,7 +17,7 @@ pub(super) fn text(solved: &Solved, recovered: bool) -> String {
         Some(Err(reason)) => return format!("no bound of the error: {reason}\n"),
         None => return String::new(),
     };
-    let domain = if problem.levels().dimension() == 2 { "polygon" } else { "polyhedron" };
+    let domain = if problem.levels().facts().dimension == 2 { "polygon" } else { "polyhedron" };
     let guaranteed = match &problem.reserves()[..] {
         [] => "guaranteed:".to_owned(),
         [Reserve::Quadrature] => "guaranteed, but for the quadrature of f:\n ".to_owned(),

@@ -1,10 +1,10 @@
 //! Files that `solve --out` writes.
 
-use crate::figures::{DrawnSolution, MOST_CELLS, Picture, SolutionMap, mesh_map, surfaces};
+use crate::figures::{DrawnSolution, SolutionMap, map_of_f, surfaces};
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
-use signorini_mathematics::levels::Levels;
-use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::formats;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::Pair;
 use std::path::Path;
 
@@ -21,16 +21,14 @@ pub(super) enum Format {
 
 /// Solution to be written.
 pub(super) struct Solution<'a> {
-    /// Levels of whose finest one this is the solution.
-    pub levels: &'a dyn Levels,
+    /// Problem on whose finest level this is the solution.
+    pub problem: &'a Problem,
     /// Name of the problem, for files of data.
     pub name: &'a str,
     /// Title of a picture.
     pub title: &'a str,
     /// Kind of a picture.
     pub view: PictureKind,
-    /// Law on the boundary.
-    pub law: Law,
     /// Nodal values and multipliers.
     pub pair: &'a Pair,
 }
@@ -59,10 +57,10 @@ impl Format {
     }
 
     /// Refuses a format in which a solution has no files.
-    pub(super) fn check(self, levels: &dyn Levels) -> Result<()> {
-        let vtk = levels.vtk_ending();
+    pub(super) fn check(self, problem: &Problem) -> Result<()> {
+        let vtk = formats::vtk_ending(problem);
         let reason = match self {
-            Self::Svg if levels.dimension() == 3 => format!(
+            Self::Svg if problem.levels().facts().dimension == 3 => format!(
                 "a solution in space has no picture; use .{vtk} and open it in ParaView, or .npz"
             ),
             Self::Vti | Self::Vtu if self.ending() != vtk => {
@@ -87,22 +85,21 @@ impl Format {
 impl Solution<'_> {
     /// Returns the bytes of a file.
     pub(super) fn file(&self, format: Format) -> Result<Vec<u8>> {
-        let Self { levels, name, title, view, law, pair } = *self;
+        let Self { problem, name, title, view, pair } = *self;
         match format {
-            Format::Npy => Ok(levels.npy(pair)),
-            Format::Npz => levels.npz(law, pair).ok_or_else(|| {
-                let vtk = levels.vtk_ending();
+            Format::Npy => Ok(formats::npy(problem, pair)),
+            Format::Npz => formats::npz(problem, pair).ok_or_else(|| {
+                let vtk = formats::vtk_ending(problem);
                 Error::input(format!("--out: an .npz file holds at most 4 GB; use .npy or .{vtk}"))
             }),
-            Format::Vti | Format::Vtu => Ok(levels.vtk(name, law, pair)),
+            Format::Vti | Format::Vtu => Ok(formats::vtk(problem, pair, name)),
             Format::Svg => {
-                let on = (levels, law);
                 let picture = match view {
-                    PictureKind::Mesh => drawn_mesh(title, levels),
+                    PictureKind::Mesh => map_of_f(title, problem),
                     PictureKind::Map => {
-                        SolutionMap::of(title.into(), on, pair).map(|map| map.picture())
+                        SolutionMap::of(title.into(), problem, pair).map(|map| map.picture())
                     }
-                    PictureKind::Surface => DrawnSolution::of(title.into(), on, pair, COLUMNS)
+                    PictureKind::Surface => DrawnSolution::of(title.into(), problem, pair, COLUMNS)
                         .map(|drawn| surfaces(COLUMNS, &[drawn])),
                 };
                 let picture = picture.map_err(Error::input)?;
@@ -111,11 +108,4 @@ impl Solution<'_> {
             }
         }
     }
-}
-
-/// Draws the finest mesh that is not too fine for a picture, with f in colour.
-fn drawn_mesh(title: &str, levels: &dyn Levels) -> std::result::Result<Picture, String> {
-    let map = levels.map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
-    let (drawing, f) = map.ok_or("a mesh in space has no picture")?;
-    Ok(mesh_map(title, &drawing.mesh, &f))
 }

@@ -30,7 +30,7 @@ impl Answer {
     pub(super) fn judge(&mut self, request: &Request) {
         let (name, problem) = (&request.name, &self.solved.problem);
         let accuracy = request.statement.accuracy();
-        let grid = problem.levels().name(problem.finest());
+        let grid = problem.name(problem.finest());
         let Some(&last) = self.solved.ends().last() else { return };
         let (relative, mut unsolved) = (last.kkt.relative, None);
         let mut warnings = Vec::new();
@@ -51,7 +51,7 @@ impl Answer {
             )),
             Verdict::Solved => (),
         }
-        warnings.extend(problem.levels().notes().into_iter().map(Warning::fact));
+        warnings.extend(problem.levels().facts().notes.iter().cloned().map(Warning::fact));
         warnings.extend(problem.note_on_curves().map(Warning::fact));
         self.warnings = warnings;
         self.warn_of_levels(request, &last);
@@ -85,7 +85,7 @@ impl Answer {
             ReachEnd::Rounding { .. } if !self.solved.ends().last()?.end.has_converged() => {
                 ("the solver has not converged there", "mesh with smaller aspects")
             }
-            ReachEnd::Rounding { .. } if self.solved.problem.levels().integrals().by_quadrature => {
+            ReachEnd::Rounding { .. } if self.solved.problem.levels().facts().by_quadrature => {
                 ("the bound no longer falls", "ask for less, or write jumps of f as shapes")
             }
             ReachEnd::Rounding { .. } => ("the bound no longer falls", "ask for less"),
@@ -104,7 +104,7 @@ impl Answer {
     fn without_solution(&self, request: &Request) -> Warning {
         let (ends, problem) = (self.solved.ends(), &self.solved.problem);
         let on_all = ends.iter().all(|end| end.verdict() == Verdict::NoSolution);
-        let level = problem.levels().name(problem.finest());
+        let level = problem.name(problem.finest());
         let Warning { fact, remedies } =
             request.without_solution(&level, ends[ends.len() - 1].sum_load);
         let fact = match ends.len() {
@@ -116,7 +116,7 @@ impl Answer {
 
     fn warn_of_levels(&mut self, request: &Request, last: &Outcome) {
         let (problem, ends) = (&self.solved.problem, self.solved.ends());
-        let (count, coarsest) = (problem.levels().count(), ends[0].cells);
+        let (count, coarsest) = (problem.count(), ends[0].cells);
         if request.statement.solver.is_nested()
             && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
         {
@@ -161,18 +161,18 @@ impl Answer {
     /// True if the sum of the load vector misses the integral of f by more than the grid explains.
     pub(super) fn load_misses(&self, last: &Outcome) -> bool {
         let problem = &self.solved.problem;
-        let difference = (last.sum_load - problem.levels().integrals().of_f).abs();
+        let difference = (last.sum_load - problem.levels().facts().integral).abs();
         load_slack(problem).is_some_and(|slack| difference > slack)
     }
 
     /// Warns if the load vector belongs to another f.
     fn warn_of_load(&mut self, request: &Request, last: &Outcome) {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
-        let grid = levels.name(problem.finest());
+        let grid = problem.name(problem.finest());
         if self.load_misses(last) {
-            let integrals = levels.integrals();
-            let [integral, sum_load] = [integrals.of_f, last.sum_load].map(|sum| signed(sum, 4));
-            let (reason, remedy) = if integrals.by_quadrature {
+            let facts = levels.facts();
+            let [integral, sum_load] = [facts.integral, last.sum_load].map(|sum| signed(sum, 4));
+            let (reason, remedy) = if facts.by_quadrature {
                 ("its points miss some of f", Remedy::new("choose a smaller --h", ""))
             } else {
                 ("values at the nodes miss where f jumps", EXACT_LOAD)
@@ -199,11 +199,12 @@ impl Answer {
     fn warn_of_force(&mut self, request: &Request, last: &Outcome) {
         let problem = &self.solved.problem;
         let (force, load) = (self.force, 0.0 - last.sum_load);
-        let size = problem.levels().integrals().of_size.abs();
+        let size = problem.levels().facts().size.abs();
         let accepted = request.statement.accuracy().map_or(0.0, Accuracy::error) * size;
         let slack = slack(problem).max(accepted);
         // A fixed part of the boundary bears the rest.
-        let balanced = problem.levels().has_fixed_part() || (force - load).abs() <= slack;
+        let balanced =
+            problem.domain(problem.finest()).has_fixed_part() || (force - load).abs() <= slack;
         if !balanced {
             let words = BoundaryWords::of(problem.law());
             self.warnings.push(Warning::new(words.unbalanced(force, load), request.closer()));
@@ -214,21 +215,21 @@ impl Answer {
 /// Returns the difference of forces that the finest level explains: the square of h over the size of the domain, times
 /// the integral of |f|.
 fn slack(problem: &Problem) -> f64 {
-    let levels = problem.levels();
-    levels.integrals().of_size.abs() * (levels.width() / levels.extent()).powi(2)
+    let facts = problem.levels().facts();
+    facts.size.abs() * (facts.width / facts.extent).powi(2)
 }
 
 /// Returns the difference between the sum of a load vector and the integral of f that the grid explains; none for known
 /// solutions.
 fn load_slack(problem: &Problem) -> Option<f64> {
-    let integrals = problem.levels().integrals();
+    let facts = problem.levels().facts();
     // Values at the nodes of a smooth f are off by some multiple of h^2, the others by less.
-    let slack = if integrals.by_quadrature {
-        (4.0 * slack(problem)).max(RESOLVED * integrals.of_size)
+    let slack = if facts.by_quadrature {
+        (4.0 * slack(problem)).max(RESOLVED * facts.size)
     } else {
         slack(problem)
     };
-    (!integrals.is_known).then_some(slack)
+    facts.known.is_none().then_some(slack)
 }
 
 /// Returns the names of the levels of the ends with a property, if there are any; the first end is on the coarsest
@@ -240,7 +241,7 @@ fn named(
 ) -> Option<String> {
     let name = |(level, end): (usize, &Outcome)| match end.cells {
         Some(_) => end.label(),
-        None => problem.levels().name(level),
+        None => problem.name(level),
     };
     let names: Vec<_> =
         ends.iter().enumerate().filter(|(_, end)| property(end)).map(name).collect();

@@ -18,7 +18,7 @@ use crate::replication::scene::Scene;
 use crate::timing::machine;
 use serde_json::Value;
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::levels::{Levels, Problem};
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, StopRule};
@@ -132,11 +132,11 @@ impl Request {
         let title = match (scene, file) {
             (Some(scene), _) => scene.title.clone(),
             (None, Some(file)) => file.to_owned(),
-            (None, None) => problem.levels().f(),
+            (None, None) => problem.levels().facts().f.clone(),
         };
         let is_square = coarsest.is_none();
         let usual = if is_square { PictureKind::Surface } else { PictureKind::Map };
-        let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().outside());
+        let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().facts().outside);
         let request = Self {
             name,
             scene: args.scene.clone(),
@@ -176,7 +176,7 @@ impl Request {
             return Ok(());
         };
         let first = solved.run().map_or(0, |run| run.first_level);
-        let grid = solved.problem.levels().name(first + solved.ends().len() - 1);
+        let grid = solved.problem.name(first + solved.ends().len() - 1);
         Err(Error::Stage(vec![match solver.is_nested() {
             true => format!(
                 "{name}: {solver} diverged on {grid} after {} iterations; choose a smaller r or scale f down",
@@ -186,15 +186,15 @@ impl Request {
         }]))
     }
 
-    /// Writes a file with a solution on the finest of these levels.
+    /// Writes a file with a solution on the finest level of a problem.
     pub(super) fn write(
         &self,
         (file, format): &(OutputFile, Format),
-        (levels, law): (&dyn Levels, Law),
+        problem: &Problem,
         pair: &Pair,
     ) -> Result<()> {
         let Self { name, title, view, .. } = self;
-        let solution = Solution { levels, name, title, view: *view, law, pair };
+        let solution = Solution { problem, name, title, view: *view, pair };
         let written = solution.file(*format).and_then(|bytes| file.write(&bytes));
         self.clock.ended(Part::Files);
         written
@@ -210,7 +210,7 @@ impl Request {
     pub(super) fn width(&self, problem: &Problem) -> f64 {
         match self.statement.fineness {
             Fineness::Width(cells) if self.statement.domain.is_cube() => 1.0 / cells as f64,
-            _ => problem.levels().width(),
+            _ => problem.levels().facts().width,
         }
     }
 

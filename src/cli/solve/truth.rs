@@ -36,8 +36,8 @@ pub(super) fn json(solved: &Solved) -> Option<Value> {
 pub(super) fn text(solved: &Solved) -> String {
     let Some(found) = solved.truth() else { return String::new() };
     let (solution, law) = (&found.solution, solved.problem.law());
-    let integrals = solved.problem.levels().integrals();
-    let (words, rounding) = (BoundaryWords::of(law), integrals.rounding());
+    let facts = solved.problem.levels().facts();
+    let (words, rounding) = (BoundaryWords::of(law), facts.rounding());
     let mut text = String::new();
     if !law.is_signorini() {
         text += &format!("law {law}\n");
@@ -47,7 +47,7 @@ pub(super) fn text(solved: &Solved) -> String {
         text += &words.arc(arc, rounding, 16);
     }
     text += &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16));
-    text += &words.force([solution.force(), 0.0 - integrals.of_f], rounding, 16);
+    text += &words.force([solution.force(), 0.0 - facts.integral], rounding, 16);
     // The signs that hold, and the numbers that vanish.
     let checks = &solution.checks;
     let [least_multiplier, least_value] =

@@ -6,8 +6,8 @@ use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
 use super::{from_json, sharing};
 use crate::figures::{
-    ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, MOST_CELLS,
-    Picture, SolutionMap, contact, histories, identifiability, maps_of_f, mesh_map, surfaces,
+    ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, Picture,
+    SolutionMap, contact, histories, identifiability, map_of_f, maps_of_f, surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
@@ -225,9 +225,7 @@ fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
         && !scene.statement.domain.is_square()
     {
         let problem = mesh_files::problem(&scene.statement.on_usual_meshes(), inputs.files)?;
-        let map = problem.levels().map_of_f(MOST_CELLS).map_err(|e| e.to_string())?;
-        let (drawing, f) = map.ok_or("a domain in space has no picture")?;
-        return Ok(mesh_map(&scene.title, &drawing.mesh, &f));
+        return Ok(map_of_f(&scene.title, &problem)?);
     }
     let maps: Vec<_> = scenes.iter().map(|scene| (&*scene.title, scene.source())).collect();
     Ok(maps_of_f(&maps))
@@ -239,8 +237,7 @@ fn draw_surfaces(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> 
         let (problem, rule) = (solve::problem(inputs, scene)?, scene.first_rule());
         let pair = solve::pair(inputs, scene, rule, &problem)?;
         let title = title_with_bound(inputs, scene)?;
-        let on = (problem.levels(), problem.law());
-        drawn.push(DrawnSolution::of(title, on, &pair, 2)?);
+        drawn.push(DrawnSolution::of(title, &problem, &pair, 2)?);
     }
     Ok(surfaces(2, &drawn))
 }
@@ -250,8 +247,7 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     let [scene] = scenes else { return Err("each scene has a map of its own".into()) };
     let problem = solve::problem(inputs, scene)?;
     let pair = solve::pair(inputs, scene, scene.first_rule(), &problem)?;
-    let (title, on) = (title_with_end(inputs, scene)?, (problem.levels(), problem.law()));
-    Ok(SolutionMap::of(title, on, &pair)?.picture())
+    Ok(SolutionMap::of(title_with_end(inputs, scene)?, &problem, &pair)?.picture())
 }
 
 /// Returns, as CSV, the energy of each scene, the bound of its error over the solution, and the share of the boundary

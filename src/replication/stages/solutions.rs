@@ -6,6 +6,7 @@ use crate::pipeline::{Artifacts, Inputs};
 use crate::replication::mesh_files;
 use crate::replication::scene::{Output, Scene};
 use serde_json::{Value, json};
+use signorini_mathematics::formats::npz;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::Pair;
 
@@ -53,14 +54,12 @@ impl Solutions {
     fn add(&mut self, scene: &Scene, problem: &Problem, state: State<'_>) {
         let State { ending, words, pair } = state;
         let (name, what) = (format!("{}{ending}", scene.name), format!("{}, {words}", scene.title));
-        let levels = problem.levels();
-        self.files
-            .extend(levels.npz(problem.law(), pair).map(|bytes| (format!("{name}.npz"), bytes)));
-        let (cells, nodes) = (levels.cells(problem.finest()), levels.nodes(problem.finest()));
+        self.files.extend(npz(problem, pair).map(|bytes| (format!("{name}.npz"), bytes)));
+        let domain = problem.domain(problem.finest());
         let mut listed = json!({ "name": name, "what": what });
-        match cells {
+        match domain.cells() {
             Some(cells) => listed["cells"] = cells.into(),
-            None => listed["nodes"] = nodes.into(),
+            None => listed["nodes"] = domain.nodes().into(),
         }
         self.listed.push(listed);
     }

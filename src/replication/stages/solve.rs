@@ -479,9 +479,8 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
 
 /// Returns the share of the boundary under the law on which v is held at zero.
 pub(super) fn held(problem: &Problem, pair: &Pair) -> f64 {
-    let (levels, mut held, mut all) = (problem.levels(), 0.0, 0.0);
-    let states = levels.in_contact(problem.law(), pair);
-    for (node, is_held) in levels.contact().iter().zip(states) {
+    let (domain, mut held, mut all) = (problem.domain(problem.finest()), 0.0, 0.0);
+    for (node, is_held) in domain.contact().iter().zip(problem.in_contact(pair)) {
         all += node.measure;
         held += if is_held { node.measure } else { 0.0 };
     }

@@ -127,35 +127,6 @@ impl<'a> AllCells<'a> {
         Cow::Owned(moments.map(|(i, moments)| MomentRun::cut(i, moments)).collect())
     }
 
-    /// True if the nodal vector `v` solves the equation with the integrals of f times linear hat functions rather than
-    /// with bilinear ones.
-    ///
-    /// Compares residuals at some nodes beside cells that jumps cut. At all other nodes inside the two are the same.
-    pub(super) fn solves_for_linear_hats(&self, v: &[f64]) -> bool {
-        const NODES: usize = 16;
-        // Lower left nodes of cut cells.
-        let mut nodes = Vec::new();
-        for j in 1..self.ends.len() {
-            let cut = self.stored(j).iter().filter(|run| !run.uniform && run.end > 1);
-            nodes.extend(cut.map(|run| (run.end - 1, j)));
-        }
-        let (mut linear, mut bilinear) = (0.0, 0.0);
-        for &(i, j) in nodes.iter().step_by(nodes.len().div_ceil(NODES).max(1)) {
-            let [[sw, se], [nw, ne]] = [j - 1, j].map(|row| {
-                let mut cursor = Cursor(self.stored(row));
-                [i - 1, i].map(|cell| cursor.at(cell).f)
-            });
-            let load = ne.masses()[0] + nw.masses()[1] + se.masses()[2] + sw.masses()[3];
-            let ridges = (ne.ridge - nw.ridge) + (sw.ridge - se.ridge);
-            let (node, side) = (self.grid.index(i, j), self.grid.side());
-            let around = (v[node - 1] + v[node + 1]) + (v[node - side] + v[node + side]);
-            let residual = (4.0 * v[node] - around) - load;
-            linear += (residual - ridges).powi(2);
-            bilinear += residual.powi(2);
-        }
-        linear < bilinear
-    }
-
     /// Moments of a smooth f over the cells of row `j`, by quadrature.
     fn integrated(&self, j: usize) -> Vec<CellMoments> {
         let (n, h) = (self.grid.cells(), self.grid.h());

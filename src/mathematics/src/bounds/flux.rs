@@ -219,13 +219,6 @@ impl<const N: usize> EdgeFluxes<[f64; N]> {
 }
 
 impl EdgeFluxes {
-    /// Sum of two fluxes, edge by edge.
-    #[inline(always)]
-    pub(super) fn plus(mut self, other: Self) -> Self {
-        self.each(&other, |flux, more| *flux += more);
-        self
-    }
-
     /// Flux out of the cell less flux into it, along x and along y.
     #[inline(always)]
     pub(super) fn changes(self) -> [f64; 2] {

@@ -47,8 +47,7 @@
 //! Two remainders add to `|grad w - sigma|`. The first is the distance of f from a bilinear function in cells that a
 //! jump cuts, times `h / (2 pi)` (Poincaré's constant on bilinear complements). The second is the residual of the
 //! five-point equation: iteration errors, and the difference between the load vector and the integrals of f times
-//! bilinear hats (`residual.rs`). If the load vector has the integrals of f times linear hats, and jumps cut cells,
-//! fluxes in closed form (`strip.rs`) have a divergence that cancels more than half of that difference.
+//! bilinear hats (`residual.rs`), which another load adds to: bounds are closest for the load against bilinear hats.
 //!
 //! # The recovery
 //! w is the bilinear interpolant less a bubble on each edge that makes its slopes those of the flux, blended

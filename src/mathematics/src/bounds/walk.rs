@@ -52,7 +52,7 @@ pub(super) fn total(
     let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
     let reactions = Reactions::new(grid, law, v, &outer, data);
     let extended = Extended::new(grid, v, &reactions);
-    let strip = FluxStrip::new(extended, data.solves_for_linear_hats(v));
+    let strip = FluxStrip::new(extended);
     let law = PartLaw::new(law, grid.h());
     let sweep = CellSweep::new(data, law, strip, recovered);
     let total = vectorised(

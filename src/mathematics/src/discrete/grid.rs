@@ -15,36 +15,16 @@ pub struct Grid {
     n: usize,
 }
 
-/// A grid, or a sequence of grids, that the method cannot use.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum GridError {
-    /// Fewer than [`MIN_CELLS`] cells per side.
-    #[error(
-        "a grid needs at least {MIN_CELLS} cells per side, not {0}; use h = 1/{MIN_CELLS} or finer"
-    )]
-    TooCoarse(usize),
-    /// A grid that is not the halving of the one before it.
-    #[error("grid 1/{fine} does not nest in 1/{coarse}: each grid must halve the one before; use \
-        1/{want}", want = 2 * coarse)]
-    NotNested {
-        /// Cells per side of the grid before.
-        coarse: usize,
-        /// Cells per side of the grid that does not fit.
-        fine: usize,
-    },
-    /// No grid at all.
-    #[error("no grids given; give at least one, such as 1/4")]
-    Empty,
-}
-
 impl Grid {
     /// Creates the grid with `n` cells per side.
     ///
     /// # Errors
-    /// [`GridError::TooCoarse`] if `n` is below [`MIN_CELLS`].
-    pub fn new(n: usize) -> Result<Self, GridError> {
+    /// A sentence if `n` is below [`MIN_CELLS`].
+    pub fn new(n: usize) -> Result<Self, String> {
         if n < MIN_CELLS {
-            return Err(GridError::TooCoarse(n));
+            return Err(format!(
+                "a grid needs at least {MIN_CELLS} cells per side, not {n}; use h = 1/{MIN_CELLS} or finer"
+            ));
         }
         Ok(Self { n })
     }
@@ -139,14 +119,17 @@ impl Grid {
 /// Creates the nested grids with `cells[k]` cells per side, each the halving of the one before.
 ///
 /// # Errors
-/// [`GridError`] if the list is empty, a grid is too coarse, or two neighbours do not nest.
-pub fn nested(cells: &[usize]) -> Result<Vec<Grid>, GridError> {
+/// A sentence if the list is empty, a grid is too coarse, or two neighbours do not nest.
+pub fn nested(cells: &[usize]) -> Result<Vec<Grid>, String> {
     if cells.is_empty() {
-        return Err(GridError::Empty);
+        return Err("no grids given; give at least one, such as 1/4".into());
     }
     for pair in cells.windows(2) {
         if pair[1] != 2 * pair[0] {
-            return Err(GridError::NotNested { coarse: pair[0], fine: pair[1] });
+            let (coarse, fine, want) = (pair[0], pair[1], 2 * pair[0]);
+            return Err(format!(
+                "grid 1/{fine} does not nest in 1/{coarse}: each grid must halve the one before; use 1/{want}"
+            ));
         }
     }
     cells.iter().map(|&n| Grid::new(n)).collect()
@@ -179,8 +162,15 @@ mod tests {
     #[test]
     fn only_halvings_nest() {
         assert!(nested(&[4, 8, 16]).is_ok());
-        assert_eq!(nested(&[]), Err(GridError::Empty));
-        assert_eq!(nested(&[1]), Err(GridError::TooCoarse(1)));
-        assert_eq!(nested(&[4, 12]), Err(GridError::NotNested { coarse: 4, fine: 12 }));
+        for (cells, said) in [
+            (&[][..], "no grids given"),
+            (&[1], "a grid needs at least 2 cells per side, not 1"),
+            (
+                &[4, 12],
+                "grid 1/12 does not nest in 1/4: each grid must halve the one before; use 1/8",
+            ),
+        ] {
+            assert!(nested(cells).unwrap_err().starts_with(said), "{cells:?}");
+        }
     }
 }

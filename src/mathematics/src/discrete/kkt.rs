@@ -1,14 +1,12 @@
 //! One measure for every solver: how far a nodal vector is from the Karush-Kuhn-Tucker conditions.
 
-use crate::discrete::components::components;
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::grid::Grid;
-use crate::discrete::load_stats::LoadStats;
 use crate::discrete::network::Network;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::extremes::{max_or_nan, min_or_nan, range};
 use crate::machine::simd::Largest;
 use crate::problem::law::{BoundaryState, ContactNode, Law};
-use crate::problem::unsolvable::Component;
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
@@ -138,102 +136,28 @@ pub fn rounding(cells: usize, largest: f64) -> f64 {
     cells as f64 * f64::EPSILON * largest
 }
 
-/// Grid of the square, or network: where a discrete problem is posed.
-pub trait DiscreteDomain: Copy {
-    /// Size and boundary.
-    fn shape(self) -> DomainShape;
-
-    /// Connected components with a load vector.
-    fn components(self, load: &[f64]) -> Vec<Component>;
-
-    /// Takes the energy, values, loads and residuals of a nodal vector into account, and returns `A y - F` at the
-    /// contact nodes.
-    fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64>;
-}
-
-/// Size and boundary of a grid or network.
-pub struct DomainShape {
-    /// Number of nodes, the length of a nodal vector.
-    pub nodes: usize,
-    /// Cells per side of a uniform grid; none on a mesh.
-    pub cells: Option<usize>,
-    /// Boundary nodes where the law holds, in the order of a boundary vector.
-    pub contact: Vec<ContactNode>,
-}
-
-impl DomainShape {
-    /// Cells per side of the grid; on a mesh, as many as would give as many nodes on the square.
-    pub fn width(&self) -> usize {
-        self.cells.unwrap_or_else(|| (self.nodes as f64).sqrt() as usize)
-    }
-}
-
-impl DiscreteDomain for Grid {
-    fn shape(self) -> DomainShape {
-        DomainShape {
-            nodes: self.nodes(),
-            cells: Some(self.cells()),
-            contact: self.contact_nodes(),
-        }
-    }
-
-    fn components(self, load: &[f64]) -> Vec<Component> {
-        vec![Component::in_contact(Self::PERIMETER, LoadStats::measure(load).sum())]
-    }
-
-    fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64> {
-        let (n, side) = (self.cells(), self.side());
-        let (mut gradient, mut flux) = (vec![0.0; side], vec![0.0; self.boundary_nodes()]);
-        let rows = y.chunks_exact(side).zip(load.chunks_exact(side));
-        for (j, (y_row, load_row)) in rows.enumerate() {
-            residual_row(self, j, y, load, &mut gradient);
-            judge.see(y_row, &gradient, load_row, j % n > 0);
-            let step = if j % n > 0 { n } else { 1 };
-            for i in (0..side).step_by(step) {
-                flux[self.boundary_index(i, j)] = gradient[i];
-            }
-        }
-        flux
-    }
-}
-
-impl DiscreteDomain for &Network {
-    fn shape(self) -> DomainShape {
-        DomainShape { nodes: self.nodes(), cells: None, contact: self.contact().to_vec() }
-    }
-
-    fn components(self, load: &[f64]) -> Vec<Component> {
-        components(self, &Network::components(self), load)
-    }
-
-    /// A value at a fixed node counts as a residual.
-    fn report_to(self, judge: &mut Judge, y: &[f64], load: &[f64]) -> Vec<f64> {
-        let mut gradient = vec![0.0; y.len()];
-        self.gradient(y, load, &mut gradient);
-        judge.see_all(self.energy(y, load), y, load);
-        let mut flux = Vec::with_capacity(self.contact().len());
-        for contact in self.contact() {
-            flux.push(std::mem::take(&mut gradient[contact.node]));
-        }
-        for &node in self.fixed() {
-            gradient[node as usize] = y[node as usize];
-        }
-        judge.see_residuals(&gradient);
-        flux
-    }
-}
-
 /// Judges the nodal vector `y` for the load vector `load` under a law.
 ///
 /// # Panics
 /// If a slice is not a nodal vector of the domain.
-pub fn judge(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> Judgement {
-    let shape = domain.shape();
-    assert!(y.len() == shape.nodes && load.len() == y.len());
+pub fn judge<'a>(
+    domain: impl Into<DiscreteDomain<'a>>,
+    law: Law,
+    y: &[f64],
+    load: &[f64],
+) -> Judgement {
+    judge_on(domain.into(), law, y, load)
+}
+
+fn judge_on(domain: DiscreteDomain<'_>, law: Law, y: &[f64], load: &[f64]) -> Judgement {
+    assert!(y.len() == domain.nodes() && load.len() == y.len());
     let mut judge = Judge::default();
-    let flux = domain.report_to(&mut judge, y, load);
-    let cells = shape.width();
-    judge.judgement(JudgedValues { law, cells, y, contact: shape.contact, flux })
+    let flux = match domain {
+        DiscreteDomain::Grid(grid) => judge.see_grid(grid, y, load),
+        DiscreteDomain::Network(network) => judge.see_network(network, y, load),
+    };
+    let (cells, contact) = (domain.width(), domain.contact().into_owned());
+    judge.judgement(JudgedValues { law, cells, y, contact, flux })
 }
 
 /// True if the discrete problem with this load vector has a solution: over each connected component, y = 0 at some
@@ -241,21 +165,21 @@ pub fn judge(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> 
 ///
 /// # Panics
 /// If the load is not a nodal vector of the domain.
-pub fn has_solution(domain: impl DiscreteDomain, law: Law, load: &[f64]) -> bool {
-    domain.components(load).into_iter().all(|component| component.check(law, 0.0).is_ok())
+pub fn has_solution<'a>(domain: impl Into<DiscreteDomain<'a>>, law: Law, load: &[f64]) -> bool {
+    domain.into().components(load).into_iter().all(|component| component.check(law, 0.0).is_ok())
 }
 
 /// Residuals of the conditions for `y`, as [`judge`] finds it.
 ///
 /// # Panics
 /// If a slice is not a nodal vector of the domain.
-pub fn kkt(domain: impl DiscreteDomain, law: Law, y: &[f64], load: &[f64]) -> Kkt {
+pub fn kkt<'a>(domain: impl Into<DiscreteDomain<'a>>, law: Law, y: &[f64], load: &[f64]) -> Kkt {
     judge(domain, law, y, load).kkt
 }
 
 /// A judgement that takes one row of nodes after the other into account.
 #[derive(Default)]
-pub struct Judge {
+struct Judge {
     energy: f64,
     stationarity: Largest,
     load: Largest,
@@ -263,23 +187,39 @@ pub struct Judge {
 }
 
 /// Values to be judged, with the flux at the boundary nodes.
-pub(crate) struct JudgedValues<'a> {
+struct JudgedValues<'a> {
     /// Law on the boundary.
-    pub(crate) law: Law,
+    law: Law,
     /// Cells per side of the grid, or as many as would give as many nodes.
-    pub(crate) cells: usize,
+    cells: usize,
     /// Nodal vector.
-    pub(crate) y: &'a [f64],
+    y: &'a [f64],
     /// Boundary nodes where the law holds.
-    pub(crate) contact: Vec<ContactNode>,
+    contact: Vec<ContactNode>,
     /// `A y - F` at these nodes.
-    pub(crate) flux: Vec<f64>,
+    flux: Vec<f64>,
 }
 
 impl Judge {
+    /// Takes all nodes of a grid into account, and returns `A y - F` at the boundary nodes.
+    fn see_grid(&mut self, grid: Grid, y: &[f64], load: &[f64]) -> Vec<f64> {
+        let (n, side) = (grid.cells(), grid.side());
+        let (mut gradient, mut flux) = (vec![0.0; side], vec![0.0; grid.boundary_nodes()]);
+        let rows = y.chunks_exact(side).zip(load.chunks_exact(side));
+        for (j, (y_row, load_row)) in rows.enumerate() {
+            residual_row(grid, j, y, load, &mut gradient);
+            self.see_row(y_row, &gradient, load_row, j % n > 0);
+            let step = if j % n > 0 { n } else { 1 };
+            for i in (0..side).step_by(step) {
+                flux[grid.boundary_index(i, j)] = gradient[i];
+            }
+        }
+        flux
+    }
+
     /// Takes into account a row with the gradient `A y - F`; its ends lie on the boundary, the others if the row is
     /// not `inner`. What lies on the boundary is judged last, with its measure.
-    pub(crate) fn see(&mut self, y: &[f64], gradient: &[f64], load: &[f64], inner: bool) {
+    fn see_row(&mut self, y: &[f64], gradient: &[f64], load: &[f64], inner: bool) {
         self.energy = add_energy(self.energy, y, gradient, load);
         self.load.see(1.0, load);
         self.value.see(1.0, y);
@@ -289,19 +229,26 @@ impl Judge {
         }
     }
 
-    /// Takes into account the loads and values of all nodes, which are not in rows, and their `energy`.
-    pub(crate) fn see_all(&mut self, energy: f64, y: &[f64], load: &[f64]) {
-        self.energy += energy;
+    /// Takes all nodes of a network into account, and returns `A y - F` at the contact nodes. A value at a fixed node
+    /// counts as a residual.
+    fn see_network(&mut self, network: &Network, y: &[f64], load: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; y.len()];
+        network.gradient(y, load, &mut gradient);
+        self.energy += network.energy(y, load);
         self.load.see(1.0, load);
         self.value.see(1.0, y);
+        let mut flux = Vec::with_capacity(network.contact().len());
+        for contact in network.contact() {
+            flux.push(std::mem::take(&mut gradient[contact.node]));
+        }
+        for &node in network.fixed() {
+            gradient[node as usize] = y[node as usize];
+        }
+        self.stationarity.see(1.0, &gradient);
+        flux
     }
 
-    /// Takes into account quantities that are zero at the solution.
-    pub(crate) fn see_residuals(&mut self, residuals: &[f64]) {
-        self.stationarity.see(1.0, residuals);
-    }
-
-    pub(crate) fn judgement(&self, judged: JudgedValues<'_>) -> Judgement {
+    fn judgement(&self, judged: JudgedValues<'_>) -> Judgement {
         let JudgedValues { law, cells, y, contact, flux } = judged;
         let (mut min_y, mut min_lambda) = (None, None);
         let least =

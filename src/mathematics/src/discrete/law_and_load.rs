@@ -14,23 +14,9 @@ pub struct LawAndLoad<'a> {
     pub load: &'a [f64],
 }
 
-/// Law on the boundary, and the load vectors of nested grids or meshes.
-#[derive(Clone, Copy, Debug)]
-pub struct LawAndLoads<'a> {
-    /// Law on the boundary.
-    pub law: Law,
-    /// Load vector of each grid, coarsest first.
-    pub loads: &'a [Vec<f64>],
-}
-
 impl Law {
     /// Returns this law with a load vector.
     pub fn with_load(self, load: &[f64]) -> LawAndLoad<'_> {
         LawAndLoad { law: self, load }
-    }
-
-    /// Returns this law with the load vectors of nested grids or meshes, coarsest first.
-    pub fn with_loads(self, loads: &[Vec<f64>]) -> LawAndLoads<'_> {
-        LawAndLoads { law: self, loads }
     }
 }

@@ -116,18 +116,10 @@ impl fmt::Display for LoadRule {
 /// Word for a nodal rule that cuts no squares.
 const NO_DIAGONAL: &str = "none";
 
-/// A text that is no rule.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is no load; write nodal, exact, bilinear or lumped-average, or with side and diagonal as \
-     nodal,upper-left,falling and exact,falling"
-)]
-pub struct NoLoadRule(String);
-
 impl FromStr for LoadRule {
-    type Err = NoLoadRule;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, NoLoadRule> {
+    fn from_str(text: &str) -> Result<Self, String> {
         let words: Vec<_> = text.split(',').map(str::trim).collect();
         let usual = Self::ALL.into_iter().find(|rule| rule.name() == words[0]);
         let rule = match (usual, &words[1..]) {
@@ -143,7 +135,12 @@ impl FromStr for LoadRule {
             }
             _ => None,
         };
-        rule.ok_or_else(|| NoLoadRule(text.into()))
+        rule.ok_or_else(|| {
+            format!(
+                "`{text}` is no load; write nodal, exact, bilinear or lumped-average, or with side and diagonal as \
+                 nodal,upper-left,falling and exact,falling"
+            )
+        })
     }
 }
 

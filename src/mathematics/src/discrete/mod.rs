@@ -4,6 +4,7 @@ pub(crate) mod adaptive;
 pub mod cells;
 pub(crate) mod components;
 pub mod contact;
+pub mod domain;
 pub mod end;
 pub mod grid;
 pub mod kkt;

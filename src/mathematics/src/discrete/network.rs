@@ -19,7 +19,7 @@ pub enum NodeCondition {
 
 /// Coupling of two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coupling {
+pub(crate) struct Coupling {
     /// Numbers of the nodes.
     pub nodes: [u32; 2],
     /// Minus the entry of the stiffness matrix (5).
@@ -84,7 +84,7 @@ impl MatrixRows {
 
 /// Row of the stiffness matrix without its diagonal.
 #[derive(Clone, Copy)]
-pub struct Row<'a> {
+pub(crate) struct Row<'a> {
     /// Numbers of the coupled nodes.
     pub others: &'a [u32],
     /// Weights of the couplings.
@@ -93,7 +93,7 @@ pub struct Row<'a> {
 
 /// Row of a contact node during a sweep.
 #[derive(Clone, Copy, Debug)]
-pub struct ContactRow {
+pub(crate) struct ContactRow {
     /// Load plus the sum of weight times y over the coupled nodes.
     pub sum: f64,
     /// Diagonal entry of the stiffness matrix.
@@ -105,7 +105,7 @@ pub struct ContactRow {
 impl Row<'_> {
     /// Returns `start` plus the sum of weight times y over the coupled nodes, added from left to right.
     #[inline(always)]
-    pub fn add_to(self, start: f64, y: &[f64]) -> f64 {
+    pub(crate) fn add_to(self, start: f64, y: &[f64]) -> f64 {
         let mut sum = start;
         for (&other, weight) in self.others.iter().zip(self.weights) {
             sum += weight * y[other as usize];
@@ -119,7 +119,7 @@ impl Network {
     ///
     /// # Panics
     /// If there are more couplings than 32 bits number, or a node does not exist.
-    pub fn new(
+    pub(crate) fn new(
         couplings: &[Coupling],
         contact: Vec<ContactNode>,
         fixed: Vec<u32>,
@@ -318,19 +318,19 @@ impl Network {
 
     /// Row of a node.
     #[inline(always)]
-    pub fn row(&self, node: usize) -> Row<'_> {
+    pub(crate) fn row(&self, node: usize) -> Row<'_> {
         self.part(self.starts[node], self.starts[node + 1])
     }
 
     /// Part of the row of a node with the nodes of higher numbers, which a sweep visits later.
     #[inline(always)]
-    pub fn later(&self, node: usize) -> Row<'_> {
+    pub(crate) fn later(&self, node: usize) -> Row<'_> {
         self.part(self.starts[node], self.middles[node])
     }
 
     /// Part of the row of a node with the nodes of lower numbers.
     #[inline(always)]
-    pub fn earlier(&self, node: usize) -> Row<'_> {
+    pub(crate) fn earlier(&self, node: usize) -> Row<'_> {
         self.part(self.middles[node], self.starts[node + 1])
     }
 
@@ -343,7 +343,7 @@ impl Network {
     /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation, those at fixed
     /// nodes become zero; `at_contact` gives the value of the contact node in this position from its row.
     #[inline(always)]
-    pub fn sweep(
+    pub(crate) fn sweep(
         &self,
         load: &[f64],
         y: &mut [f64],

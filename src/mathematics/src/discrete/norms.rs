@@ -17,6 +17,9 @@ pub struct Errors {
     pub h1: f64,
     /// Largest error at a node.
     pub max: f64,
+    /// L2 norm on the boundary of the error of the multiplier; none where it is not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiplier_l2: Option<f64>,
 }
 
 /// Barycentric coordinates (one number, then twice the other) and weights of a rule on a triangle,
@@ -152,7 +155,7 @@ pub fn errors(grid: Grid, problem: Exact, y: &[f64]) -> Errors {
             },
         );
     }
-    Errors { l2: h * l2.sqrt(), h1: h * h1.sqrt(), max: max.value() }
+    Errors { l2: h * l2.sqrt(), h1: h * h1.sqrt(), max: max.value(), multiplier_l2: None }
 }
 
 /// L2 norm on the boundary of `dv/dn - (A y - F) / h`, by the trapezoidal rule without the corners, where
@@ -226,7 +229,7 @@ mod tests {
     #[test]
     fn the_error_of_zero_is_the_norm_of_the_solution() {
         let zero = vec![0.0; 17 * 17];
-        let Errors { l2, h1, max } = errors(Grid::new(16).unwrap(), Exact::FullContact, &zero);
+        let Errors { l2, h1, max, .. } = errors(Grid::new(16).unwrap(), Exact::FullContact, &zero);
         // Integrals of cos^2 cos^2 and 2 pi^2 sin^2 cos^2 over the square.
         assert!((l2 - 0.5).abs() < 1e-5, "{l2}");
         assert!((h1 - PI / SQRT_2).abs() < 1e-4, "{h1}");

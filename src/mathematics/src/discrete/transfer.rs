@@ -36,16 +36,14 @@ impl Prolongation {
     }
 }
 
-/// A value at a node: a number, or one for each of several problems.
-pub trait Value: Copy + Default + Add<Output = Self> + Mul<f64, Output = Self> {}
-
-impl<T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>> Value for T {}
-
-/// Prolongs the nodal vector `coarse` to the grid with twice the cells per side.
+/// Prolongs the nodal vector `coarse`, of numbers or of one for each of several problems, to the grid with twice the cells per side.
 ///
 /// # Panics
 /// If `coarse.len() != grid.nodes()`.
-pub fn prolong<T: Value>(grid: Grid, coarse: &[T], rule: Prolongation) -> Vec<T> {
+pub fn prolong<T>(grid: Grid, coarse: &[T], rule: Prolongation) -> Vec<T>
+where
+    T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>,
+{
     assert_eq!(coarse.len(), grid.nodes());
     let (n, side) = (grid.cells(), 2 * grid.cells() + 1);
     let mut fine = vec![T::default(); side * side];
@@ -75,7 +73,10 @@ pub fn prolong<T: Value>(grid: Grid, coarse: &[T], rule: Prolongation) -> Vec<T>
 }
 
 /// Prolongs the boundary vector `coarse` linearly along the boundary, which is closed.
-pub fn prolong_boundary<T: Value>(coarse: &[T]) -> Vec<T> {
+pub fn prolong_boundary<T>(coarse: &[T]) -> Vec<T>
+where
+    T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>,
+{
     let next = coarse.iter().cycle().skip(1);
     coarse.iter().zip(next).flat_map(|(&a, &b)| [a, (a + b) * 0.5]).collect()
 }

@@ -24,9 +24,7 @@ use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, LaneEngine};
-use crate::saddle::{
-    Goals, Method, Pair, Plain, RunStart, RunState, SaddleDomain, run, run_nested,
-};
+use crate::saddle::{Goals, Method, Pair, Plain, RunStart, RunState, lanes, run, run_nested};
 use crate::solvers::{Adaption, Settings, Solver, solve};
 use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
@@ -218,7 +216,7 @@ impl BoundedRun {
             // Coarse meshes may have no bound below infinity.
             let error = bounds.relative();
             if error.is_finite() {
-                meshes.push(ErrorOnMesh { nodes: self.problem.levels().nodes(level), error });
+                meshes.push(ErrorOnMesh { nodes: self.problem.domain(level).nodes(), error });
             }
         }
         let fine = meshes.iter().filter(|mesh| mesh.nodes >= fitted);
@@ -534,7 +532,7 @@ impl OnMesh<'_> {
     /// the limit.
     fn iterate(&self, goes_on: [bool; 4], pairs: &mut [Pair]) -> [Option<CountAndDistance>; 4] {
         let Plain { network, law, load, r } = self.problem;
-        let mut engine = network.lanes();
+        let mut engine = lanes(network);
         let mut runs = [None; LANES];
         for (lane, pair) in pairs.iter().enumerate().filter(|(lane, _)| goes_on[*lane]) {
             let start = RunStart { load, method: Method::ArrowHurwicz, r, pair };

@@ -116,7 +116,7 @@ impl KnownSolution {
     pub fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> SolutionErrors {
         match self {
             Self::Formula(exact) => {
-                let norms::Errors { l2, h1, max } = norms::errors(grid, *exact, y);
+                let norms::Errors { l2, h1, max, .. } = norms::errors(grid, *exact, y);
                 let multiplier_l2 = multiplier_error(grid, y, load, |point, normal| {
                     exact.multiplier(point, normal)
                 });

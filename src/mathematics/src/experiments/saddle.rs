@@ -2,7 +2,7 @@
 
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
-use crate::saddle::{Method, Pair, RunStart, RunState, SaddleDomain, run_alone};
+use crate::saddle::{Method, Pair, RunStart, RunState, engine, run_alone};
 
 /// Uzawa's algorithm, each inner minimisation to a tenth of the gradient, with a proximal term of this weight.
 pub const fn loose_uzawa(weight: f64) -> Method {
@@ -26,7 +26,7 @@ pub struct CheckInterval {
 ///
 /// # Panics
 /// If the load or the pair does not belong to `grid`, or r is not positive.
-pub fn sweeps_until(
+pub(crate) fn sweeps_until(
     grid: Grid,
     start: &RunStart<'_>,
     checks: CheckInterval,
@@ -35,7 +35,7 @@ pub fn sweeps_until(
     if done(start.pair) {
         return Some((start.pair.clone(), 0));
     }
-    let mut engine = grid.engine(Law::SIGNORINI, start);
+    let mut engine = engine(grid, Law::SIGNORINI, start);
     let (state, mut next) = (RunState::new(start, checks.limit), 1);
     let end = run_alone(&mut *engine, state, &mut |engine, run| {
         if run.sweeps < next {

@@ -80,7 +80,7 @@ fn finite(x: f64) -> Option<f64> {
 /// that is less than 1. For at a boundary node either the multiplier is zero after its step, and `A y - F`
 /// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
 /// bound nothing.
-pub fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
+pub(crate) fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
     let ends = run(grid, jobs);
     jobs.iter().zip(ends).map(|(job, (end, pair))| saddle_trial(grid, job, end, &pair)).collect()
 }

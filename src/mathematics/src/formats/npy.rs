@@ -33,3 +33,8 @@ pub(super) fn npy<const BYTES: usize>(
 pub(super) fn doubles(values: &[f64]) -> impl Iterator<Item = [u8; 8]> {
     values.iter().map(|value| value.to_le_bytes())
 }
+
+/// Little-endian bytes of each number, as an integer of 64 bits.
+pub(super) fn integers(values: Vec<u32>) -> impl Iterator<Item = [u8; 8]> {
+    values.into_iter().map(|value| i64::from(value).to_le_bytes())
+}

@@ -1,7 +1,7 @@
 //! Reasons for which there is no problem.
 
 use crate::bounds::NoBound;
-use crate::mesh::{MeshError, MeshSourceError};
+use crate::mesh::MeshError;
 use crate::multigrid::InputError;
 use crate::problem::error::SourceError;
 use crate::problem::unsolvable::Unsolvable;
@@ -12,10 +12,7 @@ pub enum ProblemError {
     /// The mesh cannot be refined.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// The text is no f on the mesh.
-    #[error(transparent)]
-    Text(#[from] MeshSourceError),
-    /// f is not finite at some point, or too large or too small to compute with.
+    /// The text is no f, or f is not finite at some point, or too large or too small to compute with.
     #[error(transparent)]
     Source(#[from] SourceError),
     /// f is not finite at some point.

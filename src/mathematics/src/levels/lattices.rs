@@ -1,19 +1,15 @@
 //! The paper's grids of the square, matrix-free, as the levels of a problem.
 
-use super::{ClosedCurve, Discrete, Drawing, Integrals, KnownErrors, Levels, NodalVectors};
+use super::{Discrete, Drawing, Facts, Levels};
 use crate::bounds::{Bounds, NoBound, bounds};
-use crate::discrete::contact::{ContactArc, arcs};
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, has_solution, judge};
 use crate::discrete::load::{LoadRule, integrals, load, missed_on};
-use crate::discrete::norms::{errors, multiplier_error};
-use crate::formats::Fields;
-use crate::mesh::{AnyMesh, Condition, PlaneMesh, lattice_mesh, mesh_load, uniform_square};
+use crate::mesh::{AnyMesh, ClosedCurve, lattice_mesh, mesh_load, square_boundary, uniform_square};
 use crate::problem::error::SourceError;
-use crate::problem::law::{ContactNode, Law};
+use crate::problem::exact::Known;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Component;
-use crate::saddle::Pair;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -26,7 +22,7 @@ pub struct Lattices {
     f: Source,
     /// Quadrature of the load vector.
     rule: LoadRule,
-    integrals: Integrals,
+    facts: Facts,
     /// Load vector of the finest grid, once it is needed.
     load: OnceLock<Vec<f64>>,
     /// Part of f that its quadrature misses, once it is needed.
@@ -47,10 +43,22 @@ impl Lattices {
     /// If there are no grids.
     pub fn new(grids: Vec<Grid>, f: Source, rule: LoadRule) -> Self {
         assert!(!grids.is_empty(), "at least one grid");
-        let [of_f, of_size] = integrals(&f);
-        let (by_quadrature, is_known) = (f.is_smooth(), f.exact().is_some());
-        let integrals = Integrals { of_f, of_size, by_quadrature, is_known };
-        Self { grids, f, rule, integrals, load: OnceLock::new(), missed: OnceLock::new() }
+        let [integral, size] = integrals(&f);
+        let facts = Facts {
+            dimension: 2,
+            width: grids[grids.len() - 1].h(),
+            extent: 1.0,
+            f: f.to_string(),
+            outside: f.outside(),
+            integral,
+            size,
+            by_quadrature: f.is_smooth(),
+            known: f.exact().map(Known::Square),
+            notes: Vec::new(),
+            is_adapted: false,
+        };
+        let (load, missed) = (OnceLock::new(), OnceLock::new());
+        Self { grids, f, rule, facts, load, missed }
     }
 
     /// Grids, coarsest first.
@@ -72,47 +80,40 @@ impl Lattices {
     pub fn rule(&self) -> LoadRule {
         self.rule
     }
+
+    /// Picture with so many cells across at most.
+    fn drawn(&self, most_cells: usize) -> Drawing {
+        let grid = self.finest();
+        let lines = thinned(grid, most_cells);
+        let coordinates: Vec<_> = lines.iter().map(|&i| grid.coordinate(i)).collect();
+        let nodes = lines.iter().flat_map(|&j| lines.iter().map(move |&i| grid.index(i, j)));
+        Drawing { mesh: lattice_mesh(&coordinates), nodes: nodes.collect() }
+    }
 }
 
 impl Levels for Lattices {
-    fn count(&self) -> usize {
-        self.grids.len()
+    fn facts(&self) -> &Facts {
+        &self.facts
     }
 
-    fn dimension(&self) -> u8 {
-        2
+    fn discrete(&self) -> Discrete<'_> {
+        Discrete::Lattices(self)
     }
 
-    fn name(&self, level: usize) -> String {
-        format!("grid 1/{}", self.grids[level].cells())
+    fn mesh(&self, level: usize) -> Cow<'_, AnyMesh> {
+        Cow::Owned(uniform_square(self.grids[level]).into())
     }
 
-    fn cells(&self, level: usize) -> Option<usize> {
-        Some(self.grids[level].cells())
+    fn boundary(&self) -> Vec<ClosedCurve> {
+        vec![square_boundary(self.finest())]
     }
 
-    fn nodes(&self, level: usize) -> usize {
-        self.grids[level].nodes()
+    fn drawing(&self, most_cells: usize) -> Option<Drawing> {
+        Some(self.drawn(most_cells))
     }
 
-    fn width(&self) -> f64 {
-        self.finest().h()
-    }
-
-    fn extent(&self) -> f64 {
-        1.0
-    }
-
-    fn f(&self) -> String {
-        self.f.to_string()
-    }
-
-    fn outside(&self) -> Vec<String> {
-        self.f.outside()
-    }
-
-    fn integrals(&self) -> &Integrals {
-        &self.integrals
+    fn means(&self, most_cells: usize) -> Result<Cow<'_, [f64]>, SourceError> {
+        Ok(mesh_load(&self.drawn(most_cells).mesh, &self.f)?.cells.mean.into())
     }
 
     fn missed(&self) -> Option<f64> {
@@ -134,118 +135,22 @@ impl Levels for Lattices {
     }
 
     fn load(&self, level: usize) -> Result<Cow<'_, [f64]>, SourceError> {
-        if level + 1 == self.count() {
+        if level + 1 == self.grids.len() {
             return Ok(self.finest_load().into());
         }
         Ok(load(self.grids[level], &self.f, self.rule).into())
     }
 
-    fn contact(&self) -> Cow<'_, [ContactNode]> {
-        self.finest().contact_nodes().into()
-    }
-
-    fn has_fixed_part(&self) -> bool {
-        false
-    }
-
     fn components(&self) -> Vec<Component> {
-        vec![Component::in_contact(Grid::PERIMETER, self.integrals().of_f)]
-    }
-
-    fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool {
-        has_solution(self.grids[level], law, load)
-    }
-
-    fn judge(
-        &self,
-        level: usize,
-        law: Law,
-        NodalVectors { y, load }: NodalVectors<'_>,
-    ) -> Judgement {
-        judge(self.grids[level], law, y, load)
-    }
-
-    fn in_contact(&self, law: Law, pair: &Pair) -> Vec<bool> {
-        pair.in_contact(self.finest(), law)
-    }
-
-    fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>> {
-        Some(arcs(self.finest(), y, judgement))
-    }
-
-    fn parts_in_contact(&self, _judgement: &Judgement) -> Option<String> {
-        None
-    }
-
-    fn errors(&self, y: &[f64], load: &[f64]) -> Option<KnownErrors> {
-        let (grid, exact) = (self.finest(), self.f.exact()?);
-        let multiplier_l2 =
-            multiplier_error(grid, y, load, |point, normal| exact.multiplier(point, normal));
-        Some(KnownErrors { values: errors(grid, exact, y), multiplier_l2: Some(multiplier_l2) })
+        vec![Component::in_contact(Grid::PERIMETER, self.facts.integral)]
     }
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
         bounds(self.finest(), &self.f, law, y)
     }
 
-    fn coarsest(&self) -> Option<&PlaneMesh> {
-        None
-    }
-
-    fn mesh(&self) -> AnyMesh {
-        uniform_square(self.finest()).into()
-    }
-
-    fn map_of_f(&self, most_cells: usize) -> Result<Option<(Drawing, Vec<f64>)>, SourceError> {
-        let Some(drawing) = self.drawing(most_cells) else { return Ok(None) };
-        let f = mesh_load(&drawing.mesh, &self.f)?.cells.mean;
-        Ok(Some((drawing, f)))
-    }
-
-    fn drawing(&self, most_cells: usize) -> Option<Drawing> {
-        let grid = self.finest();
-        let lines = thinned(grid, most_cells);
-        let coordinates: Vec<_> = lines.iter().map(|&i| grid.coordinate(i)).collect();
-        let nodes = lines.iter().flat_map(|&j| lines.iter().map(move |&i| grid.index(i, j)));
-        Some(Drawing { mesh: lattice_mesh(&coordinates), nodes: nodes.collect() })
-    }
-
-    fn curves(&self) -> Option<Vec<ClosedCurve>> {
-        let grid = self.finest();
-        let places = (0..grid.boundary_nodes()).map(|b| b as f64 * grid.h()).collect();
-        let numbers = 0..grid.boundary_nodes();
-        let points = numbers.map(|b| {
-            let (i, j) = grid.boundary_node(b);
-            [grid.coordinate(i), grid.coordinate(j)]
-        });
-        Some(vec![ClosedCurve {
-            parts: None,
-            nodes: grid.boundary().collect(),
-            points: points.collect(),
-            conditions: vec![Condition::Contact; grid.boundary_nodes()],
-            places,
-            length: Grid::PERIMETER,
-        }])
-    }
-
-    fn vtk_ending(&self) -> &'static str {
-        "vti"
-    }
-
-    fn vtk(&self, name: &str, _law: Law, pair: &Pair) -> Vec<u8> {
-        Fields::new(self.finest(), &self.f, pair).vti(name)
-    }
-
-    fn npz(&self, _law: Law, pair: &Pair) -> Option<Vec<u8>> {
-        Fields::new(self.finest(), &self.f, pair).npz()
-    }
-
-    fn npy(&self, pair: &Pair) -> Vec<u8> {
-        Fields::new(self.finest(), &self.f, pair).npy()
-    }
-
-    fn discrete(&self) -> Discrete<'_> {
-        Discrete::Lattices(self)
+    fn local_errors(&self, _: Law, _: &[f64]) -> Cow<'_, [f64]> {
+        Cow::default()
     }
 }
 

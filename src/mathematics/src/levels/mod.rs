@@ -1,12 +1,15 @@
 //! Problems: a domain with f, a law and the conditions on the parts of the boundary, and its nested discrete problems.
 //!
-//! Central is [`Problem`], which is checked once, when it is made. What solvers, judges, bounds, pictures and files
-//! need of a grid or a mesh is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the
-//! square, without a matrix in memory, and [`Triangulations`], a mesh with its refinements. What only the square has
-//! asks [`Levels::discrete`].
+//! Central is [`Problem`], which is checked once, when it is made. What is particular to a kind of domain, its geometry
+//! and its load, is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the square, without
+//! a matrix in memory, and `Triangulations`, a mesh with its refinements. All else, such as arcs in contact, errors and
+//! files, are functions of the problem, the same for both. Solvers, and what only the square has, ask
+//! [`Levels::discrete`].
 
 mod bisected;
+mod contact;
 mod error;
+mod errors;
 mod lattices;
 mod problem;
 mod steps;
@@ -16,52 +19,41 @@ pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
 pub use steps::{Step, Watch};
-pub use triangulations::Triangulations;
-pub(crate) use triangulations::read;
+pub(crate) use triangulations::{Triangulations, read};
 
 use crate::bounds::{Bounds, NoBound};
-use crate::discrete::contact::ContactArc;
-use crate::discrete::kkt::Judgement;
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::nested::NestedNetwork;
-use crate::discrete::norms::Errors;
-use crate::mesh::{AnyMesh, Condition, PlaneMesh};
+use crate::mesh::{AnyMesh, ClosedCurve, PlaneMesh};
 use crate::problem::error::SourceError;
-use crate::problem::law::{ContactNode, Law};
+use crate::problem::exact::Known;
+use crate::problem::law::Law;
 use crate::problem::unsolvable::Component;
-use crate::saddle::Pair;
 use std::borrow::Cow;
 
-/// Nested discrete problems of one domain and one f. Levels are numbered from 0 on, coarsest first.
+/// Geometry and load of the nested discrete problems of one domain and one f. Levels are numbered from 0 on, coarsest
+/// first.
 pub trait Levels: Send + Sync {
-    /// Number of levels, at least one.
-    fn count(&self) -> usize;
+    /// Facts on the domain, f and the finest level.
+    fn facts(&self) -> &Facts;
 
-    /// Number of dimensions, 2 or 3.
-    fn dimension(&self) -> u8;
+    /// Grids or networks, which solvers take; also for what only the square or only meshes have.
+    fn discrete(&self) -> Discrete<'_>;
 
-    /// Name of a level in sentences, such as `grid 1/64`, `refinement 3` or `the mesh of 900 nodes`.
-    fn name(&self, level: usize) -> String;
+    /// Mesh of a level; that of a grid is made.
+    fn mesh(&self, level: usize) -> Cow<'_, AnyMesh>;
 
-    /// Number of cells per side; none on a mesh.
-    fn cells(&self, level: usize) -> Option<usize>;
+    /// Closed curves of the boundary of a domain in the plane, on the finest level; none in space.
+    fn boundary(&self) -> Vec<ClosedCurve>;
 
-    /// Number of nodes, the length of a nodal vector.
-    fn nodes(&self, level: usize) -> usize;
+    /// Picture of a domain in the plane, with so many cells across at most; none in space.
+    fn drawing(&self, most_cells: usize) -> Option<Drawing>;
 
-    /// Width of the cells of the finest level: on a mesh, the length of the longest edge.
-    fn width(&self) -> f64;
-
-    /// Longest side of the least box around the domain, along the axes.
-    fn extent(&self) -> f64;
-
-    /// f, in one line.
-    fn f(&self) -> String;
-
-    /// Pieces of f that are certain to lie outside the domain, where they change nothing.
-    fn outside(&self) -> Vec<String>;
-
-    /// Integrals of f over the domain.
-    fn integrals(&self) -> &Integrals;
+    /// Means of f over the cells of the mesh with so many cells across at most: in the plane, that of the picture.
+    ///
+    /// # Errors
+    /// [`SourceError::NoValue`] if f is not finite at a point of a mesh coarser than the finest.
+    fn means(&self, most_cells: usize) -> Result<Cow<'_, [f64]>, SourceError>;
 
     /// Part of the integral of |f| that the quadrature of f may have missed; none if f is constant on pieces.
     fn missed(&self) -> Option<f64>;
@@ -75,20 +67,6 @@ pub trait Levels: Send + Sync {
     /// [`SourceError::NoValue`] if f is not finite at a point of a level coarser than the finest.
     fn load(&self, level: usize) -> Result<Cow<'_, [f64]>, SourceError>;
 
-    /// Boundary nodes of the finest level where the law holds, in the order of a boundary vector.
-    fn contact(&self) -> Cow<'_, [ContactNode]>;
-
-    /// Facts on the domain that a user has to know, in a line each, as [`AnyMesh::notes`] has them.
-    fn notes(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    /// True if v = 0 on a part of the boundary.
-    fn has_fixed_part(&self) -> bool;
-
-    /// Judges a nodal vector of a level with this load vector, apart from the solvers.
-    fn judge(&self, level: usize, law: Law, vectors: NodalVectors<'_>) -> Judgement;
-
     /// Connected components of the domain, with f.
     fn components(&self) -> Vec<Component>;
 
@@ -98,72 +76,68 @@ pub trait Levels: Send + Sync {
         self.components()
     }
 
-    /// True if the flux that a law allows can balance a load vector of a level: then the discrete problem has a
-    /// solution.
-    fn is_solvable(&self, level: usize, law: Law, load: &[f64]) -> bool;
-
-    /// Contact at the nodes in [`Levels::contact`]: where the multiplier is inside the interval of the law or v is
-    /// zero, up to rounding errors.
-    fn in_contact(&self, law: Law, pair: &Pair) -> Vec<bool>;
-
-    /// Arcs in contact on the boundary of a domain in the plane, for a nodal vector of the finest level and its
-    /// judgement; none in space.
-    fn arcs(&self, y: &[f64], judgement: &Judgement) -> Option<Vec<ContactArc>>;
-
-    /// Names of the parts of the boundary that are in contact by the judgement of a vector of the finest level, empty
-    /// if there is no contact; none where the boundary has one part, or none as on the square.
-    fn parts_in_contact(&self, judgement: &Judgement) -> Option<String>;
-
-    /// Errors of a nodal vector of the finest level; none if the solution has no formula.
-    fn errors(&self, y: &[f64], load: &[f64]) -> Option<KnownErrors>;
-
     /// Guaranteed bounds for a nodal vector of the finest level under a law.
     ///
     /// # Errors
     /// [`NoBound`].
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound>;
 
-    /// Coarsest mesh of a domain in the plane, from which meshes may be adapted; none on the square, and in space.
-    fn coarsest(&self) -> Option<&PlaneMesh>;
+    /// Guaranteed error of a nodal vector in each cell of the finest mesh; empty on the square, and without a bound.
+    fn local_errors(&self, law: Law, y: &[f64]) -> Cow<'_, [f64]>;
+}
 
-    /// Copy of the mesh of the finest level.
-    fn mesh(&self) -> AnyMesh;
-
-    /// Picture of a domain in the plane, with so many cells across at most, with the means of f over its triangles;
-    /// none in space.
-    ///
-    /// # Errors
-    /// [`SourceError::NoValue`] if f is not finite at a point of a mesh coarser than the finest.
-    fn map_of_f(&self, most_cells: usize) -> Result<Option<(Drawing, Vec<f64>)>, SourceError>;
-
-    /// Picture of a domain in the plane, with so many cells across at most; none in space.
-    fn drawing(&self, most_cells: usize) -> Option<Drawing>;
-
-    /// Closed curves of the boundary of a domain in the plane; none in space.
-    fn curves(&self) -> Option<Vec<ClosedCurve>>;
-
-    /// Ending of the files for ParaView, `vti` or `vtu`.
-    fn vtk_ending(&self) -> &'static str;
-
-    /// Solution of the finest level under a law in VTK's XML format, with this name.
-    fn vtk(&self, name: &str, law: Law, pair: &Pair) -> Vec<u8>;
-
-    /// Solution of the finest level under a law in NPZ format; none if it is larger than the format allows.
-    fn npz(&self, law: Law, pair: &Pair) -> Option<Vec<u8>>;
-
-    /// Nodal values of the finest level in NPY format.
-    fn npy(&self, pair: &Pair) -> Vec<u8>;
-
-    /// Discrete problems, for what is faster on the square, and what only the square or only meshes have.
-    fn discrete(&self) -> Discrete<'_>;
+/// Facts on nested discrete problems.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Facts {
+    /// Number of dimensions, 2 or 3.
+    pub dimension: u8,
+    /// Width of the cells of the finest level: on a mesh, the length of the longest edge.
+    pub width: f64,
+    /// Longest side of the least box around the domain, along the axes.
+    pub extent: f64,
+    /// f, in one line.
+    pub f: String,
+    /// Pieces of f that are certain to lie outside the domain, where they change nothing.
+    pub outside: Vec<String>,
+    /// Integral of f over the domain.
+    pub integral: f64,
+    /// Integral of |f|.
+    pub size: f64,
+    /// True if f is not constant on pieces, at least somewhere, so that the integrals are by quadrature.
+    pub by_quadrature: bool,
+    /// Known solution whose f this is.
+    pub known: Option<Known>,
+    /// Facts on the domain that a user has to know, in a line each, as [`AnyMesh::notes`] has them.
+    pub notes: Vec<String>,
+    /// True if meshes are finer where the error is large, so that most of them are not shown.
+    pub is_adapted: bool,
 }
 
 /// Discrete problems of all levels, as solvers take them.
+#[derive(Clone, Copy, Debug)]
 pub enum Discrete<'a> {
     /// Grids of the square, without a matrix in memory.
     Lattices(&'a Lattices),
     /// Networks of a mesh and its refinements, coarsest first.
     Networks(&'a [NestedNetwork]),
+}
+
+impl<'a> Discrete<'a> {
+    /// Number of levels, at least one.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Lattices(lattices) => lattices.grids().len(),
+            Self::Networks(networks) => networks.len(),
+        }
+    }
+
+    /// Grid or network of a level.
+    pub fn level(self, level: usize) -> DiscreteDomain<'a> {
+        match self {
+            Self::Lattices(lattices) => lattices.grids()[level].into(),
+            Self::Networks(networks) => (&networks[level].network).into(),
+        }
+    }
 }
 
 /// Part of the integral of |f| from which on bounds are those of another f, if the points miss it.
@@ -188,59 +162,12 @@ pub struct Drawing {
     pub nodes: Vec<usize>,
 }
 
-/// Closed curve of a boundary in the plane.
-pub struct ClosedCurve {
-    /// Names of the parts of the boundary on the curve; none on the square, whose sides have names.
-    pub parts: Option<String>,
-    /// Nodes of the finest level in their order along the curve.
-    pub nodes: Vec<usize>,
-    /// Coordinates of these nodes.
-    pub points: Vec<[f64; 2]>,
-    /// Condition on the edge from the node to the next one, the first after the last.
-    pub conditions: Vec<Condition>,
-    /// Arc lengths of the nodes, from 0 on.
-    pub places: Vec<f64>,
-    /// Length of the curve.
-    pub length: f64,
-}
-
-/// Nodal vector, and the load vector of its level.
-#[derive(Clone, Copy, Debug)]
-pub struct NodalVectors<'a> {
-    /// Values of v at the nodes.
-    pub y: &'a [f64],
-    /// Load vector F.
-    pub load: &'a [f64],
-}
-
-/// Integrals of f over the domain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Integrals {
-    /// Integral of f.
-    pub of_f: f64,
-    /// Integral of |f|.
-    pub of_size: f64,
-    /// True if f is not constant on pieces, at least somewhere, so that the integrals are by quadrature.
-    pub by_quadrature: bool,
-    /// True if f is that of a known solution.
-    pub is_known: bool,
-}
-
 /// Bound of the rounding error of the integral of f, over the integral of |f|.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-impl Integrals {
+impl Facts {
     /// Bound of the rounding error of the integral of f, and of each sum that balances it.
     pub fn rounding(&self) -> f64 {
-        ROUNDING * self.of_size.abs()
+        ROUNDING * self.size.abs()
     }
-}
-
-/// Errors against a known solution.
-#[derive(Clone, Copy, Debug)]
-pub struct KnownErrors {
-    /// Errors of v.
-    pub values: Errors,
-    /// Error of the multiplier in L2; none where it is not measured.
-    pub multiplier_l2: Option<f64>,
 }

@@ -1,16 +1,13 @@
 //! A problem: what is solved.
 
-use super::{
-    Discrete, Lattices, Levels, NodalVectors, ProblemError, Step, Triangulations, Watch,
-    check_missed,
-};
+use super::{Discrete, Lattices, Levels, ProblemError, Step, Triangulations, Watch, check_missed};
 use crate::bounds::{Bounds, NoBound};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::Judgement;
+use crate::discrete::kkt::{Judgement, has_solution, judge};
 use crate::discrete::load::{LoadRule, moved_jumps};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
-use crate::discrete::norms::max_error;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -53,9 +50,9 @@ impl Problem {
         law: Law,
     ) -> Result<Self, ProblemError> {
         let lattices = Lattices::new(grids, f, rule);
-        let integrals = lattices.integrals();
-        lattices.source().check_scale(integrals.of_size)?;
-        if integrals.of_f.is_nan() {
+        let (integral, size) = (lattices.facts().integral, lattices.facts().size);
+        lattices.source().check_scale(size)?;
+        if integral.is_nan() {
             return Err(ProblemError::NotFinite);
         }
         Self::new(lattices, law, false)
@@ -100,7 +97,7 @@ impl Problem {
     /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding
     /// errors of integrals.
     fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
-        let rounding = levels.integrals().rounding();
+        let rounding = levels.facts().rounding();
         let checked = levels.components().into_iter().try_for_each(|of| of.check(law, rounding));
         let problem = Self::checked(levels, law, is_curved);
         match checked {
@@ -126,7 +123,7 @@ impl Problem {
 
     /// Line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has one.
     pub fn note_on_curves(&self) -> Option<String> {
-        let polygon = if self.levels.dimension() == 2 { "polygon" } else { "polyhedron" };
+        let polygon = if self.levels.facts().dimension == 2 { "polygon" } else { "polyhedron" };
         let reason = self.refusal_of_curves()?;
         Some(format!(
             "the {polygon} of the mesh has a solution, the domain with its curves has none: {reason}"
@@ -143,9 +140,30 @@ impl Problem {
         self.law
     }
 
+    /// Number of levels, at least one.
+    pub fn count(&self) -> usize {
+        self.levels.discrete().count()
+    }
+
     /// Number of the finest level.
     pub fn finest(&self) -> usize {
-        self.levels.count() - 1
+        self.count() - 1
+    }
+
+    /// Grid or network of a level.
+    pub fn domain(&self, level: usize) -> DiscreteDomain<'_> {
+        self.levels.discrete().level(level)
+    }
+
+    /// Name of a level in sentences, such as `grid 1/64`, `refinement 3` or `the mesh of 900 nodes`.
+    pub fn name(&self, level: usize) -> String {
+        let (domain, is_adapted) = (self.domain(level), self.levels.facts().is_adapted);
+        match domain.cells() {
+            Some(cells) => format!("grid 1/{cells}"),
+            None if level == 0 => "the coarsest mesh".into(),
+            None if is_adapted => format!("the mesh of {} nodes", domain.nodes()),
+            None => format!("refinement {level}"),
+        }
     }
 
     /// Load vector of the finest level.
@@ -158,7 +176,7 @@ impl Problem {
     /// # Errors
     /// [`ProblemError::Source`] if f is not finite at a point of a coarser level.
     pub fn loads(&self) -> Result<Vec<Cow<'_, [f64]>>, ProblemError> {
-        (0..self.levels.count()).map(|level| Ok(self.levels.load(level)?)).collect()
+        (0..self.count()).map(|level| Ok(self.levels.load(level)?)).collect()
     }
 
     /// Grids and f on the square; none on a mesh.
@@ -171,7 +189,8 @@ impl Problem {
 
     /// Lengths of the nodal vector and the boundary vector of a pair of the finest level.
     pub fn lengths(&self) -> [usize; 2] {
-        [self.levels.nodes(self.finest()), self.levels.contact().len()]
+        let domain = self.domain(self.finest());
+        [domain.nodes(), domain.contact().len()]
     }
 
     /// Components of the gradient (8) at the nodes of the finest grid of the square, for this duality parameter; none
@@ -180,15 +199,6 @@ impl Problem {
         let network = Network::of_square(self.lattices()?.finest());
         let functional = Plain { network: &network, law: self.law, load: self.load(), r };
         Some((0..pair.y.len()).map(|node| functional.gradient(node, pair)).collect())
-    }
-
-    /// Puts values at the boundary nodes of the finest level into a nodal vector with this value elsewhere.
-    pub fn at_nodes<T: Copy>(&self, values: &[T], elsewhere: T) -> Vec<T> {
-        let mut nodal = vec![elsewhere; self.levels.nodes(self.finest())];
-        for (contact, value) in self.levels.contact().iter().zip(values) {
-            nodal[contact.node] = *value;
-        }
-        nodal
     }
 
     /// Nested networks of a mesh; none on the square, whose grids have no matrix in memory.
@@ -201,19 +211,17 @@ impl Problem {
 
     /// Judges a nodal vector of the finest level, apart from the solvers.
     pub fn judge(&self, y: &[f64]) -> Judgement {
-        self.judge_on(self.finest(), NodalVectors { y, load: self.load() })
+        self.judge_on(self.finest(), y, self.load())
     }
 
     /// Judges a nodal vector of a level with this load vector.
-    pub fn judge_on(&self, level: usize, vectors: NodalVectors<'_>) -> Judgement {
-        self.levels.judge(level, self.law, vectors)
+    pub fn judge_on(&self, level: usize, y: &[f64], load: &[f64]) -> Judgement {
+        judge(self.domain(level), self.law, y, load)
     }
 
-    /// Greatest error of a nodal vector of a level at its nodes; none if the solution is not known, and on meshes.
-    pub(crate) fn greatest_error(&self, level: usize, y: &[f64]) -> Option<f64> {
-        let lattices = self.lattices()?;
-        let exact = lattices.source().exact()?;
-        Some(max_error(lattices.grids()[level], y, |x, y| exact.at(x, y).value))
+    /// True if the flux can balance the load vector of the finest level: then the discrete problem has a solution.
+    pub(crate) fn is_solvable(&self) -> bool {
+        has_solution(self.domain(self.finest()), self.law, self.load())
     }
 
     /// Problem with the same f and law on one grid of the square with so many cells per side; none on a mesh.
@@ -242,7 +250,7 @@ impl Problem {
     /// Approximations that the bounds leave out.
     pub fn reserves(&self) -> Vec<Reserve> {
         let made = [
-            (self.levels.integrals().by_quadrature, Reserve::Quadrature),
+            (self.levels.facts().by_quadrature, Reserve::Quadrature),
             (self.is_curved, Reserve::Polygon),
         ];
         made.into_iter().filter(|(is_made, _)| *is_made).map(|(_, reserve)| reserve).collect()

@@ -3,6 +3,7 @@
 use super::refine;
 use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
 use crate::problem::text::plain;
+use std::any::Any;
 
 /// Mesh in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,58 +12,6 @@ pub enum AnyMesh {
     Plane(PlaneMesh),
     /// In space.
     Space(SpaceMesh),
-}
-
-/// Fault of what is said about the parts of a mesh.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PartError {
-    /// No part of this name.
-    #[error("the mesh has no part `{name}`; its parts are {parts}")]
-    Unknown {
-        /// Name asked for.
-        name: String,
-        /// Names of the parts.
-        parts: String,
-    },
-    /// A part of other facets than those of the boundary.
-    #[error(
-        "`{name}` lies inside the domain, where no condition holds; the parts of the boundary are {parts}"
-    )]
-    Inside {
-        /// Name asked for.
-        name: String,
-        /// Names of the parts.
-        parts: String,
-    },
-    /// Two conditions on the same facets.
-    #[error("facets named {names} would be free and fixed; choose one of the two")]
-    TwoConditions {
-        /// Names of the facets.
-        names: String,
-    },
-    /// Two curves for the same facets.
-    #[error("facets named {names} lie on another curve already; leave one of the two out")]
-    TwoCurves {
-        /// Names of the facets.
-        names: String,
-    },
-    /// A curve with a wrong number of coordinates, or with some that are no numbers.
-    #[error(
-        "`{0}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a radius: \
-         x, y, z, dx, dy, dz, radius; all finite, the radius above 0"
-    )]
-    Curve(String),
-    /// A node of the part that is off the curve.
-    #[error(
-        "part `{name}` is off its curve by {}; give the curve on which its nodes lie",
-        plain(*distance, 3)
-    )]
-    OffCurve {
-        /// Name of the part.
-        name: String,
-        /// Greatest distance of a node from the curve.
-        distance: f64,
-    },
 }
 
 /// Distance of a node from the curve of its part, over the radius, that is taken for rounding of the file.
@@ -90,6 +39,15 @@ impl AnyMesh {
     /// Names of the built-in domains.
     pub fn built_in_names() -> Vec<&'static str> {
         BUILT_IN.iter().map(|(name, _)| *name).collect()
+    }
+
+    /// The mesh, if it has this dimension.
+    pub(crate) fn of_dimension<const D: usize, const V: usize>(&self) -> Option<&Mesh<D, V>> {
+        let mesh: &dyn Any = match self {
+            Self::Plane(mesh) => mesh,
+            Self::Space(mesh) => mesh,
+        };
+        mesh.downcast_ref()
     }
 
     /// Number of dimensions, 2 or 3.
@@ -133,6 +91,38 @@ impl AnyMesh {
         match self {
             Self::Plane(mesh) => &mesh.region_names,
             Self::Space(mesh) => &mesh.region_names,
+        }
+    }
+
+    /// Coordinates of the nodes, one node after the other.
+    pub(crate) fn coordinates(&self) -> &[f64] {
+        match self {
+            Self::Plane(mesh) => mesh.points.as_flattened(),
+            Self::Space(mesh) => mesh.points.as_flattened(),
+        }
+    }
+
+    /// Places of the nodes in the space of the mesh's file.
+    pub(crate) fn points_in_space(&self) -> Vec<[f64; 3]> {
+        match self {
+            Self::Plane(mesh) => mesh.points.iter().map(|point| mesh.in_space(point)).collect(),
+            Self::Space(mesh) => mesh.points.iter().map(|point| mesh.in_space(point)).collect(),
+        }
+    }
+
+    /// Numbers of the vertices of each cell in the positive sense, one cell after the other.
+    pub(crate) fn positive_cells(&self) -> Vec<u32> {
+        match self {
+            Self::Plane(mesh) => mesh.positive_cells().flatten().collect(),
+            Self::Space(mesh) => mesh.positive_cells().flatten().collect(),
+        }
+    }
+
+    /// Position of the region of each cell in [`AnyMesh::region_names`].
+    pub(crate) fn regions(&self) -> &[u16] {
+        match self {
+            Self::Plane(mesh) => &mesh.regions,
+            Self::Space(mesh) => &mesh.regions,
         }
     }
 
@@ -201,12 +191,20 @@ impl AnyMesh {
         }
     }
 
+    /// Names of the parts of the boundary on which nodes lie, as [`Mesh::parts_of`] has them; none if the boundary has
+    /// one part.
+    pub(crate) fn parts_of(&self, marked: &[bool]) -> Option<String> {
+        match self {
+            Self::Plane(mesh) => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)),
+            Self::Space(mesh) => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)),
+        }
+    }
+
     /// Sets the condition on the facets of this name.
     ///
     /// # Errors
-    /// [`PartError::Unknown`] and [`PartError::Inside`]; [`PartError::TwoConditions`] if some facets have another
-    /// condition than contact already.
-    pub fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), PartError> {
+    /// A sentence if no facets of the boundary have this name, or some have another condition than contact already.
+    pub fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), String> {
         match self {
             Self::Plane(mesh) => mesh.set_condition(name, condition),
             Self::Space(mesh) => mesh.set_condition(name, condition),
@@ -217,11 +215,16 @@ impl AnyMesh {
     /// a point, a direction and the radius.
     ///
     /// # Errors
-    /// [`PartError`].
-    pub fn set_curve(&mut self, part: &str, numbers: &[f64]) -> Result<(), PartError> {
+    /// A sentence if no facets of the boundary have this name, some are on another curve already, the numbers are no
+    /// curve, or a node is off it.
+    pub fn set_curve(&mut self, part: &str, numbers: &[f64]) -> Result<(), String> {
         let refused = || {
             let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
-            PartError::Curve(numbers.join(","))
+            format!(
+                "`{}`: a circle takes x, y, radius; a sphere x, y, z, radius; a cylinder a point, a direction and a \
+                 radius: x, y, z, dx, dy, dz, radius; all finite, the radius above 0",
+                numbers.join(",")
+            )
         };
         let is_radius = numbers.last().is_some_and(|&radius| radius > 0.0);
         if !is_radius || !numbers.iter().all(|number| number.is_finite()) {
@@ -253,7 +256,7 @@ impl AnyMesh {
 
 impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Positions of the parts that have this name.
-    fn parts_named(&self, name: &str) -> Result<Vec<usize>, PartError> {
+    fn parts_named(&self, name: &str) -> Result<Vec<usize>, String> {
         let has_name = |&part: &usize| self.parts[part].names.contains(name);
         let found: Vec<_> = (0..self.parts.len()).filter(has_name).collect();
         if !found.is_empty() {
@@ -261,18 +264,22 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         }
         let parts = Names::all(self.parts.iter().map(|part| &part.names));
         let is_inside = self.inside.iter().any(|inside| inside == name);
-        let name = name.to_owned();
         Err(match is_inside {
-            true => PartError::Inside { name, parts },
-            false => PartError::Unknown { name, parts },
+            true => format!(
+                "`{name}` lies inside the domain, where no condition holds; the parts of the boundary are {parts}"
+            ),
+            false => format!("the mesh has no part `{name}`; its parts are {parts}"),
         })
     }
 
-    fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), PartError> {
+    fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), String> {
         for part in self.parts_named(name)? {
             let part = &mut self.parts[part];
             if part.condition != Condition::Contact && part.condition != condition {
-                return Err(PartError::TwoConditions { names: part.names.to_string() });
+                let names = &part.names;
+                return Err(format!(
+                    "facets named {names} would be free and fixed; choose one of the two"
+                ));
             }
             part.condition = condition;
         }
@@ -280,7 +287,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// Puts the facets of this name on a curve on which their nodes lie.
-    fn set_curve(&mut self, name: &str, curve: Round<D>) -> Result<(), PartError> {
+    fn set_curve(&mut self, name: &str, curve: Round<D>) -> Result<(), String> {
         let parts = self.parts_named(name)?;
         let mut farthest = 0.0f64;
         for facet in self.facets.iter().filter(|facet| parts.contains(&usize::from(facet.part))) {
@@ -289,12 +296,18 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
             }
         }
         if farthest.is_nan() || farthest > ON_CURVE * curve.radius {
-            return Err(PartError::OffCurve { name: name.into(), distance: farthest });
+            let distance = plain(farthest, 3);
+            return Err(format!(
+                "part `{name}` is off its curve by {distance}; give the curve on which its nodes lie"
+            ));
         }
         for part in parts {
             let part = &mut self.parts[part];
             if part.curve.is_some_and(|other| other != curve) {
-                return Err(PartError::TwoCurves { names: part.names.to_string() });
+                let names = &part.names;
+                return Err(format!(
+                    "facets named {names} lie on another curve already; leave one of the two out"
+                ));
             }
             part.curve = Some(curve);
         }

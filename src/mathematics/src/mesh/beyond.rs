@@ -9,7 +9,7 @@ const HALVINGS: usize = 5;
 
 /// Gain of the domain, by an estimate, if the curve of a facet takes its place. A loss is negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurveGain {
+pub(crate) struct CurveGain {
     /// Position of the facet.
     pub facet: usize,
     /// Length or area of the boundary.
@@ -19,7 +19,7 @@ pub struct CurveGain {
 }
 
 /// Returns the gains at all facets on curves. f is taken at one point of each piece between facet and curve.
-pub fn curve_gains<const D: usize, const V: usize, F: OnCells<D>>(
+pub(crate) fn curve_gains<const D: usize, const V: usize, F: OnCells<D>>(
     mesh: &Mesh<D, V>,
     f: &F,
 ) -> Vec<CurveGain> {

@@ -22,7 +22,7 @@ use super::sides::BoundarySide;
 use super::{Facet, PlaneMesh, Sides, dot};
 
 /// Mesh after bisections.
-pub struct Bisected {
+pub(crate) struct Bisected {
     /// Refined mesh; its first nodes are those of the mesh before.
     pub mesh: PlaneMesh,
     /// Sides of its cells.
@@ -41,7 +41,7 @@ const SHORT: f64 = 0.5;
 
 /// Lets the refinement edge of each cell be its longest one; of equally long edges the one with the lowest numbers of
 /// nodes.
-pub fn label_longest_edges(mesh: &mut PlaneMesh) {
+pub(crate) fn label_longest_edges(mesh: &mut PlaneMesh) {
     for cell in &mut mesh.cells {
         let longest = longest_edge(&mesh.points, *cell);
         cell.rotate_left(longest);
@@ -119,7 +119,11 @@ impl Shape {
 /// # Errors
 /// [`MeshError::TooManyNodes`], and [`MeshError::Folded`] if a curve puts a node so far away that a cell turns inside
 /// out.
-pub fn bisect(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Result<Bisected, MeshError> {
+pub(crate) fn bisect(
+    mesh: &PlaneMesh,
+    sides: &Sides<3>,
+    marked: &[u32],
+) -> Result<Bisected, MeshError> {
     let is_split = split_sides(mesh, sides, marked);
     let new_nodes = is_split.iter().filter(|split| **split).count();
     // At most two cells and three sides for each new node.

@@ -1,73 +1,131 @@
 //! The boundary of a domain in the plane as closed curves.
 
-use super::PlaneMesh;
+use super::{Condition, Names, PlaneMesh};
+use crate::discrete::grid::Grid;
 
 /// No node.
-pub(super) const NONE: usize = usize::MAX;
+const NONE: usize = usize::MAX;
 
-/// Neighbours of each node on the boundary, in the direction that has the domain on the left; [`NONE`] of other nodes.
-pub(super) struct BoundaryLinks {
-    pub(super) before: Vec<usize>,
-    pub(super) after: Vec<usize>,
-}
-
-/// Closed curve of the boundary.
+/// Closed curve of a boundary in the plane.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BoundaryCurve {
+pub struct ClosedCurve {
     /// Nodes in the direction that has the domain on the left, from the lowest one, of several the leftmost.
     pub nodes: Vec<usize>,
-    /// Positions of the parts on the curve in the parts of the mesh.
-    pub parts: Vec<usize>,
+    /// Coordinates of these nodes.
+    pub points: Vec<[f64; 2]>,
+    /// Condition on the edge from each node to the next one, the first after the last.
+    pub conditions: Vec<Condition>,
+    /// Position in `names` of the part of each of these edges; empty on the square.
+    pub parts: Vec<u16>,
+    /// Names of the parts of the boundary; none on the square, whose sides have no names.
+    pub names: Vec<Names>,
+    /// Arc lengths of the nodes, from 0 on.
+    pub places: Vec<f64>,
+    /// Length of the curve.
+    pub length: f64,
 }
 
-impl BoundaryLinks {
-    pub(super) fn new(mesh: &PlaneMesh) -> Self {
-        let nodes = mesh.points.len();
-        let mut links = Self { before: vec![NONE; nodes], after: vec![NONE; nodes] };
-        for facet in &mesh.facets {
-            let [from, to] = facet.nodes.map(|node| node as usize);
-            (links.after[from], links.before[to]) = (to, from);
-        }
-        links
+impl ClosedCurve {
+    /// Names of the parts on the curve; none on the square.
+    pub fn label(&self) -> Option<String> {
+        let mut parts = self.parts.clone();
+        parts.sort_unstable();
+        parts.dedup();
+        let names = parts.iter().map(|&part| self.names[usize::from(part)].to_string());
+        (!parts.is_empty()).then(|| names.collect::<Vec<_>>().join(", "))
+    }
+
+    /// Point of the curve so many edges after the first node.
+    pub(super) fn point(&self, edges: f64) -> [f64; 2] {
+        let count = self.points.len();
+        let edges = edges.rem_euclid(count as f64);
+        let [a, b] = [0, 1].map(|k| self.points[(edges as usize + k) % count]);
+        std::array::from_fn(|d| a[d] + edges.fract() * (b[d] - a[d]))
+    }
+}
+
+/// Returns the boundary of the square, from the lower left corner on.
+pub fn square_boundary(grid: Grid) -> ClosedCurve {
+    let numbers = 0..grid.boundary_nodes();
+    let point = |b: usize| {
+        let (i, j) = grid.boundary_node(b);
+        [grid.coordinate(i), grid.coordinate(j)]
+    };
+    ClosedCurve {
+        nodes: grid.boundary().collect(),
+        points: numbers.clone().map(point).collect(),
+        conditions: vec![Condition::Contact; numbers.len()],
+        parts: Vec::new(),
+        names: Vec::new(),
+        places: numbers.map(|b| b as f64 * grid.h()).collect(),
+        length: Grid::PERIMETER,
     }
 }
 
 /// Returns the closed curves of the boundary, from the one with the lowest node on.
-pub fn boundary_curves(mesh: &PlaneMesh) -> Vec<BoundaryCurve> {
-    let BoundaryLinks { mut after, .. } = BoundaryLinks::new(mesh);
-    let mut starts: Vec<usize> =
-        (0..mesh.points.len()).filter(|&node| after[node] != NONE).collect();
+pub(crate) fn boundary_curves(mesh: &PlaneMesh) -> Vec<ClosedCurve> {
+    let nodes = mesh.points.len();
+    let (mut after, mut edges) = (vec![NONE; nodes], vec![(Condition::Contact, 0); nodes]);
+    for facet in &mesh.facets {
+        let [from, to] = facet.nodes.map(|node| node as usize);
+        (after[from], edges[from]) = (to, (mesh.condition(facet), facet.part));
+    }
+    let mut starts: Vec<usize> = (0..nodes).filter(|&node| after[node] != NONE).collect();
     starts.sort_by(|&a, &b| {
         let [[ax, ay], [bx, by]] = [mesh.points[a], mesh.points[b]];
         ay.total_cmp(&by).then(ax.total_cmp(&bx))
     });
-    let mut curve_of = vec![NONE; mesh.points.len()];
-    let mut curves: Vec<BoundaryCurve> = Vec::new();
+    let mut curves = Vec::new();
     for start in starts {
         let (mut node, mut nodes) = (start, Vec::new());
         while after[node] != NONE {
-            curve_of[node] = curves.len();
             nodes.push(node);
             node = std::mem::replace(&mut after[node], NONE);
         }
-        if !nodes.is_empty() {
-            curves.push(BoundaryCurve { nodes, parts: Vec::new() });
+        if nodes.is_empty() {
+            continue;
         }
+        let mut places = arc_lengths(mesh, &nodes);
+        let (conditions, parts) = nodes.iter().map(|&node| edges[node]).unzip();
+        curves.push(ClosedCurve {
+            points: nodes.iter().map(|&node| mesh.points[node]).collect(),
+            conditions,
+            parts,
+            names: mesh.parts.iter().map(|part| part.names.clone()).collect(),
+            length: places.pop().unwrap_or_default(),
+            places,
+            nodes,
+        });
     }
-    for facet in &mesh.facets {
-        let parts = &mut curves[curve_of[facet.nodes[0] as usize]].parts;
-        if !parts.contains(&(facet.part as usize)) {
-            parts.push(facet.part as usize);
-        }
-    }
-    curves.iter_mut().for_each(|curve| curve.parts.sort_unstable());
     curves
+}
+
+/// Arc lengths of the nodes of a closed curve from the first, which is also the last.
+fn arc_lengths(mesh: &PlaneMesh, nodes: &[usize]) -> Vec<f64> {
+    let (mut lengths, mut sum) = (vec![0.0], 0.0);
+    for (k, &node) in nodes.iter().enumerate() {
+        let next = nodes[(k + 1) % nodes.len()];
+        let [[ax, ay], [bx, by]] = [node, next].map(|node| mesh.points()[node]);
+        sum += ((bx - ax) * (bx - ax) + (by - ay) * (by - ay)).sqrt();
+        lengths.push(sum);
+    }
+    lengths
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{BuiltIn, refine};
+    use crate::mesh::{BuiltIn, refine, uniform_square};
+
+    #[test]
+    fn the_curve_of_a_grid_is_that_of_its_mesh() {
+        let grid = Grid::new(8).unwrap();
+        let [of_mesh] = &boundary_curves(&uniform_square(grid))[..] else { panic!("one curve") };
+        let of_grid = square_boundary(grid);
+        assert_eq!((&of_grid.nodes, &of_grid.points), (&of_mesh.nodes, &of_mesh.points));
+        assert_eq!((&of_grid.places, of_grid.length), (&of_mesh.places, of_mesh.length));
+        assert_eq!((of_grid.label(), of_mesh.label()), (None, Some("boundary".into())));
+    }
 
     #[test]
     fn the_annulus_has_two_curves_that_run_with_the_domain_on_their_left() {
@@ -76,8 +134,9 @@ mod tests {
         assert_eq!(curves.len(), 2);
         assert_eq!(curves.iter().map(|curve| curve.nodes.len()).sum::<usize>(), mesh.facets.len());
         for (curve, turns) in curves.iter().zip([1.0, -1.0]) {
-            assert_eq!(curve.parts.len(), 1);
+            assert!(curve.parts.iter().all(|part| *part == curve.parts[0]));
             let place = |k: usize| mesh.points[curve.nodes[k % curve.nodes.len()]];
+            assert_eq!(curve.places.len(), curve.nodes.len());
             let area: f64 = (0..curve.nodes.len())
                 .map(|k| {
                     let ([ax, ay], [bx, by]) = (place(k), place(k + 1));

@@ -1,7 +1,7 @@
 //! Edges of a triangulation, in the order in which refinement numbers their midpoints.
 
 /// Edges, by their node with the lower number, then by the other one.
-pub struct Edges {
+pub(crate) struct Edges {
     /// Position of the first edge of each node, and the number of edges.
     starts: Vec<u32>,
     /// Node with the higher number of each edge.
@@ -13,7 +13,7 @@ impl Edges {
     ///
     /// # Panics
     /// If there are more edges than 32 bits number.
-    pub fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
+    pub(crate) fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
         let mut starts = vec![0u32; nodes + 1];
         for_each_pair(cells, |lower, _| starts[lower as usize + 1] += 1);
         let mut total = 0u32;
@@ -48,13 +48,8 @@ impl Edges {
     }
 
     /// Number of edges.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.higher.len()
-    }
-
-    /// True if there are no edges.
-    pub fn is_empty(&self) -> bool {
-        self.higher.is_empty()
     }
 
     /// Number of the edge between two nodes.
@@ -62,7 +57,7 @@ impl Edges {
     /// # Panics
     /// If there is none.
     #[inline]
-    pub fn between(&self, one: u32, two: u32) -> usize {
+    pub(crate) fn between(&self, one: u32, two: u32) -> usize {
         let (lower, other) = (one.min(two) as usize, one.max(two));
         let (from, to) = (self.starts[lower] as usize, self.starts[lower + 1] as usize);
         let found = self.higher[from..to].iter().position(|&node| node == other);
@@ -70,7 +65,7 @@ impl Edges {
     }
 
     /// Nodes of all edges, the lower number first.
-    pub fn ends(&self) -> Vec<[u32; 2]> {
+    pub(crate) fn ends(&self) -> Vec<[u32; 2]> {
         let mut ends = Vec::with_capacity(self.len());
         for node in 0..self.starts.len() - 1 {
             let range = self.starts[node] as usize..self.starts[node + 1] as usize;

@@ -1,14 +1,15 @@
 //! Integrals over a mesh of functions of a discrete solution, and its errors against a known one.
 
-use super::{Element, Mesh};
+use super::{AnyMesh, Element, Mesh};
 use crate::discrete::norms::{Errors, worst};
 use crate::discrete::quadrature::quadrature;
 use crate::machine::threads::map;
+use crate::problem::exact::Known;
 use crate::problem::field::Sample;
 
 /// Discrete solution at a point of the mesh.
 #[derive(Clone, Copy, Debug)]
-pub struct MeshPlace<const D: usize> {
+pub(crate) struct MeshPlace<const D: usize> {
     /// Point.
     pub point: [f64; D],
     /// Value of the function that is linear on the cells.
@@ -25,7 +26,7 @@ const RUN: usize = 1 << 12;
 ///
 /// # Panics
 /// If `y` has not one value for each node.
-pub fn integrals<const D: usize, const V: usize, const K: usize>(
+pub(crate) fn integrals<const D: usize, const V: usize, const K: usize>(
     mesh: &Mesh<D, V>,
     y: &[f64],
     functions: impl Fn(MeshPlace<D>) -> [f64; K] + Sync,
@@ -73,11 +74,25 @@ pub fn mesh_errors<const D: usize, const V: usize>(
         [error * error, distance_squared(exact.gradient, gradient)]
     });
     let at_nodes = mesh.points().iter().zip(y).map(|(&point, value)| known(point).value - value);
-    Errors { l2: l2.sqrt(), h1: h1.sqrt(), max: worst(at_nodes) }
+    Errors { l2: l2.sqrt(), h1: h1.sqrt(), max: worst(at_nodes), multiplier_l2: None }
+}
+
+impl AnyMesh {
+    /// Errors of the nodal vector `y` against a known solution; none if the mesh is not of its domain.
+    pub(crate) fn errors(&self, known: Known, y: &[f64]) -> Option<Errors> {
+        match self {
+            Self::Plane(mesh) => {
+                mesh.is_unit_box().then(|| mesh_errors(mesh, |point| known.sample(point), y))
+            }
+            Self::Space(mesh) => {
+                mesh.is_unit_box().then(|| mesh_errors(mesh, |point| known.sample(point), y))
+            }
+        }
+    }
 }
 
 /// Returns the square of the distance of two vectors.
-pub fn distance_squared<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+pub(crate) fn distance_squared<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
@@ -92,7 +107,8 @@ mod tests {
     fn the_errors_of_zero_are_the_norms_of_the_solution() {
         let mesh = uniform_cube(8);
         let zero = vec![0.0; mesh.points().len()];
-        let Errors { l2, h1, max } = mesh_errors(&mesh, |at| CubeExact::FullContact.at(at), &zero);
+        let Errors { l2, h1, max, .. } =
+            mesh_errors(&mesh, |at| CubeExact::FullContact.at(at), &zero);
         // Integrals of cos^2 cos^2 cos^2 and 3 pi^2 sin^2 cos^2 cos^2 over the cube.
         assert!((l2 - 0.125f64.sqrt()).abs() < 1e-5, "{l2}");
         assert!((h1 - PI * 0.375f64.sqrt()).abs() < 1e-4, "{h1}");

@@ -68,7 +68,7 @@ const RUN: usize = 1 << 16;
 
 /// Cells of the mesh before, with the same f.
 #[derive(Clone, Copy)]
-pub struct CellsBefore<'a> {
+pub(crate) struct CellsBefore<'a> {
     /// Number of the cell before in which each cell lies.
     pub origins: &'a [u32],
     /// f on the cells before.
@@ -103,7 +103,7 @@ where
 ///
 /// # Errors
 /// As [`mesh_load`].
-pub fn mesh_load_after<const D: usize, const V: usize, F: OnCells<D>>(
+pub(crate) fn mesh_load_after<const D: usize, const V: usize, F: OnCells<D>>(
     before: CellsBefore<'_>,
     mesh: &Mesh<D, V>,
     f: &F,

@@ -35,31 +35,34 @@ mod sides;
 mod source;
 mod uniform;
 
-pub use any::{AnyMesh, PartError};
-pub use arcs::mesh_arcs;
+pub use any::AnyMesh;
+pub use arcs::arcs;
 pub use assemble::assemble;
 pub(crate) use assemble::assemble_sides;
-pub use beyond::{CurveGain, curve_gains};
-pub use bisect::{Bisected, bisect, label_longest_edges};
-pub use boundary::{BoundaryCurve, boundary_curves};
+pub(crate) use beyond::{CurveGain, curve_gains};
+pub(crate) use bisect::{Bisected, bisect, label_longest_edges};
+pub(crate) use boundary::boundary_curves;
+pub use boundary::{ClosedCurve, square_boundary};
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use curve::Round;
 pub use cut::{ConstantPieces, CutMoments, CutShape, FramedCell};
-pub use edges::Edges;
+pub(crate) use edges::Edges;
 pub use error::MeshError;
-pub use errors::{MeshPlace, distance_squared, integrals, mesh_errors};
+pub use errors::mesh_errors;
+pub(crate) use errors::{MeshPlace, distance_squared, integrals};
 pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size, volume};
 use geometry::{bounds, longest_side};
 pub(crate) use geometry::{dot, measure};
-pub use load::{CellData, CellsBefore, MeshLoad, OnCells, mesh_load, mesh_load_after};
+pub use load::{CellData, MeshLoad, OnCells, mesh_load};
+pub(crate) use load::{CellsBefore, mesh_load_after};
 pub use names::Names;
-pub use nested::{NestedMeshes, nested_meshes, refined};
-pub use origin::{MeshOrigin, PlaneInSpace};
+pub use nested::refined;
+pub(crate) use nested::{NestedMeshes, nested_meshes};
+pub(crate) use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
-pub use sides::Sides;
-pub(crate) use sides::{BoundarySide, Neighbour};
-pub use source::{MeshSource, MeshSourceError};
+pub(crate) use sides::{BoundarySide, Neighbour, Sides};
+pub(crate) use source::MeshSource;
 pub use uniform::{lattice_mesh, uniform_cube, uniform_square};
 
 /// Condition on a part of the boundary.
@@ -195,7 +198,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
     /// Names of the parts on which nodes lie: of the facets of the law with all of their nodes among those that are
     /// `marked`, or without such facets, of those with one.
-    pub(crate) fn parts_of(&self, marked: &[bool]) -> String {
+    fn parts_of(&self, marked: &[bool]) -> String {
         let with = |least: usize| {
             let count = |facet: &&Facet<D>| {
                 facet.nodes.iter().filter(|&&node| marked[node as usize]).count() >= least
@@ -222,18 +225,13 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &self.touching
     }
 
-    /// Place of the mesh in its file, and what was read otherwise than it stands there.
-    pub fn origin(&self) -> &MeshOrigin {
-        &self.origin
-    }
-
     /// As [`AnyMesh::notes`].
     pub(crate) fn notes(&self) -> Vec<String> {
         self.origin.notes().into_iter().chain(self.touching.iter().cloned()).collect()
     }
 
     /// Place in the space of the file of a point of the domain.
-    pub(crate) fn in_space(&self, point: &[f64; D]) -> [f64; 3] {
+    fn in_space(&self, point: &[f64; D]) -> [f64; 3] {
         let place = std::array::from_fn(|d| point.get(d).copied().unwrap_or_default());
         let [x, y, _] = place;
         if D == 2 { self.origin.plane.in_space([x, y]) } else { place }

@@ -7,7 +7,7 @@ use crate::discrete::nested::NestedNetwork;
 
 /// Mesh and its refinements, coarsest first, with their discrete problems.
 #[derive(Clone, Debug)]
-pub struct NestedMeshes<const D: usize, const V: usize> {
+pub(crate) struct NestedMeshes<const D: usize, const V: usize> {
     /// Meshes.
     pub meshes: Vec<Mesh<D, V>>,
     /// Discrete problem of each mesh.
@@ -18,7 +18,7 @@ pub struct NestedMeshes<const D: usize, const V: usize> {
 ///
 /// # Errors
 /// As [`refine`](super::refine).
-pub fn nested_meshes<const D: usize, const V: usize>(
+pub(crate) fn nested_meshes<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     times: usize,
 ) -> Result<NestedMeshes<D, V>, MeshError> {

@@ -2,7 +2,7 @@
 
 /// Place of a mesh in its file, and what was read otherwise than it stands there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MeshOrigin {
+pub(crate) struct MeshOrigin {
     /// Plane in which a mesh in the plane lies.
     pub plane: PlaneInSpace,
     /// Number of cells of higher order, which are read by their corners.
@@ -19,7 +19,7 @@ pub struct MeshOrigin {
 
 /// Plane in space, with two coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlaneInSpace {
+pub(crate) enum PlaneInSpace {
     /// The plane of x and y at this z.
     Horizontal(f64),
     /// Another plane.
@@ -39,7 +39,7 @@ impl Default for PlaneInSpace {
 
 impl PlaneInSpace {
     /// Place in space of a point of the plane.
-    pub fn in_space(&self, [s, t]: [f64; 2]) -> [f64; 3] {
+    pub(crate) fn in_space(&self, [s, t]: [f64; 2]) -> [f64; 3] {
         match *self {
             Self::Horizontal(z) => [s, t, z],
             Self::Other { foot, axes: [a, b] } => {
@@ -49,7 +49,7 @@ impl PlaneInSpace {
     }
 
     /// Coordinates in the plane of a point in space.
-    pub fn coordinates(&self, point: [f64; 3]) -> [f64; 2] {
+    pub(crate) fn coordinates(&self, point: [f64; 3]) -> [f64; 2] {
         match self {
             Self::Horizontal(_) => [point[0], point[1]],
             Self::Other { axes, .. } => {
@@ -61,7 +61,7 @@ impl PlaneInSpace {
 
 impl MeshOrigin {
     /// Returns, in a line each, what was read otherwise than it stands in the file.
-    pub fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         let counted = [
             (
                 self.of_higher_order,

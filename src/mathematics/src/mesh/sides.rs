@@ -3,7 +3,7 @@
 use super::{Mesh, sides_of, sorted};
 
 /// Sides of all cells: edges in the plane, triangles in space.
-pub struct Sides<const V: usize> {
+pub(crate) struct Sides<const V: usize> {
     /// Numbers of the sides of each cell: opposite to the first vertex, to the second, and so on.
     pub(super) of_cell: Vec<[u32; V]>,
     /// Exclusive or of the numbers of the two cells of each side, from which each cell finds the other. At the boundary
@@ -34,7 +34,7 @@ pub(crate) enum Neighbour {
 impl<const V: usize> Sides<V> {
     /// Sides of a mesh, in the order of their nodes. Each side is found twice: in two cells, or in a cell and among the
     /// facets of the boundary.
-    pub fn new<const D: usize>(mesh: &Mesh<D, V>) -> Self {
+    pub(crate) fn new<const D: usize>(mesh: &Mesh<D, V>) -> Self {
         let places = places_in_order(mesh);
         let (pairs, rest) = places.as_chunks::<2>();
         assert!(rest.is_empty(), "each side is found twice");
@@ -65,13 +65,8 @@ impl<const V: usize> Sides<V> {
     }
 
     /// Number of sides.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.both_cells.len()
-    }
-
-    /// True if there are no sides.
-    pub fn is_empty(&self) -> bool {
-        self.both_cells.is_empty()
     }
 
     /// Numbers of the sides of a cell.

@@ -12,7 +12,7 @@ use crate::problem::source::{Source, check_sizes};
 
 /// f on a mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeshSource<const D: usize> {
+pub(crate) struct MeshSource<const D: usize> {
     /// f on each region; none where the rest says it.
     regions: Vec<Option<Source<D>>>,
     /// f where no region has a value.
@@ -21,47 +21,18 @@ pub struct MeshSource<const D: usize> {
     text: String,
 }
 
-/// Why a text is no f on a mesh.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MeshSourceError {
-    /// As on the square.
-    #[error(transparent)]
-    Source(#[from] SourceError),
-    /// A region without a value, or with a name whose end is not to be told.
-    #[error(
-        "cannot read `{0}` in f; write region(NAME)=VALUE, a name with = or ; in quotes, as in region(\"a=b\")=-1"
-    )]
-    Region(String),
-    /// A region that the mesh has not.
-    #[error("f names the region `{name}`, which the mesh has not; its regions are {regions}")]
-    UnknownRegion {
-        /// Name asked for.
-        name: String,
-        /// Names of the regions.
-        regions: String,
-    },
-    /// Two values on the same cells.
-    #[error("f has two values on the region `{0}`; give it one")]
-    TwoValues(String),
-    /// A region without a value where others have one.
-    #[error(
-        "f has no value on the region `{0}`; give it one as on the others, or add `else=value`"
-    )]
-    NoValue(String),
-}
-
 impl<const D: usize> MeshSource<D> {
     /// Reads a text for a mesh with these regions, whose largest coordinate has this size.
     ///
     /// # Errors
-    /// [`MeshSourceError`].
-    pub fn read(text: &str, region_names: &[Names], size: f64) -> Result<Self, MeshSourceError> {
+    /// [`SourceError`].
+    pub(crate) fn read(text: &str, region_names: &[Names], size: f64) -> Result<Self, SourceError> {
         let mut regions = vec![None; region_names.len()];
         let mut rest = Vec::new();
         for item in items(text) {
             let Some((name, value)) = region(item) else {
                 if item.starts_with(REGION) {
-                    return Err(MeshSourceError::Region(item.into()));
+                    return Err(SourceError::Region(item.into()));
                 }
                 rest.push(item);
                 continue;
@@ -75,7 +46,7 @@ impl<const D: usize> MeshSource<D> {
         if let (true, true, Some(region)) =
             (rest.is_empty(), regions.iter().any(Option::is_some), without)
         {
-            return Err(MeshSourceError::NoValue(region_names[region].to_string()));
+            return Err(SourceError::NoValueOn(region_names[region].to_string()));
         }
         let complete = rest.is_empty() && without.is_none();
         let rest =
@@ -85,12 +56,12 @@ impl<const D: usize> MeshSource<D> {
     }
 
     /// Text from which f was read, in one line.
-    pub fn text(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         &self.text
     }
 
     /// Problem with a known solution whose f this is, if it is one.
-    pub fn known(&self) -> Option<Known> {
+    pub(crate) fn known(&self) -> Option<Known> {
         match &self.rest {
             Source::Exact(known) if self.regions.iter().all(Option::is_none) => Some(*known),
             _ => None,
@@ -98,7 +69,7 @@ impl<const D: usize> MeshSource<D> {
     }
 
     /// The pieces that lie outside the unit square or cube.
-    pub fn outside(&self) -> Vec<String> {
+    pub(crate) fn outside(&self) -> Vec<String> {
         self.rest.outside()
     }
 
@@ -111,7 +82,7 @@ impl<const D: usize> MeshSource<D> {
     ///
     /// # Errors
     /// [`SourceError::Scale`].
-    pub fn check_scale(&self, load: &MeshLoad) -> Result<(), SourceError> {
+    pub(crate) fn check_scale(&self, load: &MeshLoad) -> Result<(), SourceError> {
         if load.size == 0.0 && load.cells.mean.iter().any(|mean| *mean != 0.0) {
             return Err(SourceError::Scale { what: "the integral of |f|", size: 0.0 });
         }
@@ -126,7 +97,7 @@ fn set_named<const D: usize>(
     region_names: &[Names],
     name: &str,
     value: &Source<D>,
-) -> Result<(), MeshSourceError> {
+) -> Result<(), SourceError> {
     let mut is_known = false;
     for (region, names) in regions.iter_mut().zip(region_names) {
         if !names.contains(name) {
@@ -134,11 +105,11 @@ fn set_named<const D: usize>(
         }
         is_known = true;
         if region.as_ref().is_some_and(|other| other != value) {
-            return Err(MeshSourceError::TwoValues(names.to_string()));
+            return Err(SourceError::TwoValues(names.to_string()));
         }
         *region = Some(value.clone());
     }
-    is_known.then_some(()).ok_or_else(|| MeshSourceError::UnknownRegion {
+    is_known.then_some(()).ok_or_else(|| SourceError::UnknownRegion {
         name: name.into(),
         regions: Names::all(region_names.iter()),
     })
@@ -248,7 +219,7 @@ mod tests {
             assert!(said.contains("a name with = or ; in quotes"), "{said}");
         }
         let said = MeshSource::<2>::read("region(core)=1; region(shell)=2", &both, 1.0);
-        assert_eq!(said.unwrap_err(), MeshSourceError::TwoValues("core, shell".into()));
+        assert_eq!(said.unwrap_err(), SourceError::TwoValues("core, shell".into()));
         assert!(MeshSource::<2>::read("region(core)=1; region(shell)=1", &both, 1.0).is_ok());
         for wrong in ["region(core)=1", "region(x)=1; else=2", "region(core)=x; else=1", "hello"] {
             let message = MeshSource::<2>::read(wrong, &names, 1.0).unwrap_err().to_string();

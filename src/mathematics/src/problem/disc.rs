@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Problem on the unit disc with the whole rim in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DiscProblem {
+pub(crate) struct DiscProblem {
     /// c0 > 0.
     pub c0: f64,
     /// c1 >= 0.
@@ -23,7 +23,7 @@ const POINTS: u32 = 2000;
 
 impl DiscProblem {
     /// f at a point.
-    pub fn f(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(crate) fn f(&self, [x, y]: [f64; 2]) -> f64 {
         // (x + i y)^k.
         let (mut real, mut imaginary) = (1.0, 0.0);
         for _ in 0..self.k {
@@ -37,13 +37,13 @@ impl DiscProblem {
     }
 
     /// Angle k t at which the free part of each sector ends; zero if all of the rim is in contact.
-    pub fn free_angle(&self) -> f64 {
+    pub(crate) fn free_angle(&self) -> f64 {
         let [a, b] = self.coefficients();
         if 2.0 * b <= a { 0.0 } else { libm::acos(a / b - 1.0) }
     }
 
     /// v on the rim at the polar angle t.
-    pub fn rim(&self, t: f64) -> f64 {
+    pub(crate) fn rim(&self, t: f64) -> f64 {
         let [_, b] = self.coefficients();
         let alpha = self.free_angle();
         let [s, s0] = [self.sector(t), alpha].map(|angle| libm::cos(0.5 * angle));
@@ -55,7 +55,7 @@ impl DiscProblem {
     }
 
     /// Multiplier dv/dn on the rim at the polar angle t.
-    pub fn multiplier(&self, t: f64) -> f64 {
+    pub(crate) fn multiplier(&self, t: f64) -> f64 {
         let [a, b] = self.coefficients();
         let (alpha, angle) = (self.free_angle(), self.sector(t));
         if alpha == 0.0 {
@@ -66,7 +66,7 @@ impl DiscProblem {
     }
 
     /// Cosine of [`Self::free_angle`]; none if all of the rim is in contact.
-    pub fn free_cosine(&self) -> Option<f64> {
+    pub(crate) fn free_cosine(&self) -> Option<f64> {
         let alpha = self.free_angle();
         (alpha != 0.0).then(|| libm::cos(alpha))
     }
@@ -76,7 +76,7 @@ impl DiscProblem {
     /// With the particular solution `P = c0 r^2 / 4 - B r^(k + 2) cos(k t)`, `z (v_x - i v_y)` on the rim is
     /// `B (1 - 1/s) sqrt(s^2 - 2 s cos(alpha) + 1)`, s = z^k: real in contact, imaginary where the rim is free. Less
     /// the same of P, that is analytic in the disc, and so holds inside for v less P.
-    pub fn gradient(&self, free_cosine: Option<f64>, point: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn gradient(&self, free_cosine: Option<f64>, point: [f64; 2]) -> [f64; 2] {
         let [a, b] = self.coefficients();
         let (k, [x, y]) = (f64::from(self.k), point);
         let z = Complex::new(x, y);
@@ -105,7 +105,7 @@ impl DiscProblem {
     }
 
     /// Energy of the solution.
-    pub fn energy(&self) -> f64 {
+    pub(crate) fn energy(&self) -> f64 {
         let ([a, b], k) = (self.coefficients(), f64::from(self.k));
         let waves = (1.0 / (2.0 * k + 2.0) - 1.0 / (2.0 * k + 4.0)) / (4.0 * (k + 1.0));
         let full = -0.5 * (PI * self.c0 * self.c0 / 8.0 + PI * self.c1 * self.c1 * waves);
@@ -113,7 +113,7 @@ impl DiscProblem {
     }
 
     /// v at the centre.
-    pub fn centre(&self) -> f64 {
+    pub(crate) fn centre(&self) -> f64 {
         self.over_rim(|_| 1.0) / (2.0 * PI) - 0.25 * self.c0
     }
 

@@ -89,6 +89,27 @@ pub enum SourceError {
         /// Coordinates of the point.
         point: String,
     },
+    /// A region without a value, or with a name whose end is not to be told.
+    #[error(
+        "cannot read `{0}` in f; write region(NAME)=VALUE, a name with = or ; in quotes, as in region(\"a=b\")=-1"
+    )]
+    Region(String),
+    /// A region that the mesh has not.
+    #[error("f names the region `{name}`, which the mesh has not; its regions are {regions}")]
+    UnknownRegion {
+        /// Name asked for.
+        name: String,
+        /// Names of the regions.
+        regions: String,
+    },
+    /// Two values on the same cells.
+    #[error("f has two values on the region `{0}`; give it one")]
+    TwoValues(String),
+    /// A region without a value where others have one.
+    #[error(
+        "f has no value on the region `{0}`; give it one as on the others, or add `else=value`"
+    )]
+    NoValueOn(String),
     /// A name that is no known exact problem.
     #[error("`{name}` is no exact problem; choose one of {names}")]
     UnknownExact {

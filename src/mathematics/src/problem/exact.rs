@@ -31,7 +31,7 @@ pub enum Exact {
 }
 
 /// The solution at a point.
-pub type Sample = super::field::Sample<2>;
+pub use super::field::Sample;
 
 impl Exact {
     /// Every problem.
@@ -76,7 +76,7 @@ impl Exact {
     }
 
     /// Function of one coordinate on which the solution depends.
-    pub fn along(self, at: f64) -> Coordinate {
+    pub(crate) fn along(self, at: f64) -> Coordinate {
         let (sin, cos) = match self {
             Self::FullContact | Self::Torsion => libm::sincos(PI * at),
             Self::FreeSegment | Self::FreeCorner => (f64::NAN, f64::NAN),
@@ -148,7 +148,7 @@ impl Exact {
 
 /// A coordinate of a point, and the functions of it from which some solutions are made; NaN in the others.
 #[derive(Clone, Copy, Debug)]
-pub struct Coordinate {
+pub(crate) struct Coordinate {
     at: f64,
     sin: f64,
     cos: f64,

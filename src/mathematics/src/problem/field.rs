@@ -23,7 +23,7 @@ pub(super) fn bump(t: f64) -> Jet {
 
 /// Value and first derivatives of the solution, and `f = -Laplacian`, at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample<const D: usize> {
+pub struct Sample<const D: usize = 2> {
     /// v.
     pub value: f64,
     /// Derivatives of v along the axes.

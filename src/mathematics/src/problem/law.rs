@@ -109,7 +109,7 @@ pub enum BoundaryState {
 /// the one that v mostly slips towards: the load of largest absolute value decides. So f and -f lead to the same
 /// numbers, and where v has one sign, the limit plays no part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OneSided {
+pub(crate) struct OneSided {
     /// True if the problem is that of -v.
     pub is_reflected: bool,
     /// Flux that is added to the load at the boundary, per length or area.
@@ -120,7 +120,7 @@ pub struct OneSided {
 
 impl OneSided {
     /// Load vector of the other problem, for the load vector F and the nodes where the law holds.
-    pub fn load(self, load: &[f64], contact: &[ContactNode]) -> Vec<f64> {
+    pub(crate) fn load(self, load: &[f64], contact: &[ContactNode]) -> Vec<f64> {
         let mut shifted: Vec<f64> = load.iter().map(|value| self.signed(*value)).collect();
         for contact in contact {
             shifted[contact.node] += contact.measure * self.shift;
@@ -129,19 +129,19 @@ impl OneSided {
     }
 
     /// Value of the problem as given for one of the other problem, or the other way round.
-    pub fn signed(self, value: f64) -> f64 {
+    pub(crate) fn signed(self, value: f64) -> f64 {
         if self.is_reflected { -value } else { value }
     }
 
     /// True if the other problem is the same one.
-    pub fn is_same(self) -> bool {
+    pub(crate) fn is_same(self) -> bool {
         !self.is_reflected && self.shift == 0.0
     }
 }
 
 /// Equation of one boundary unknown in the modified functional (7): `A_ii y = sum + measure l`, where the flux is l.
 #[derive(Clone, Copy, Debug)]
-pub struct BoundaryRow {
+pub(crate) struct BoundaryRow {
     /// Load less the products of the other values with their entries of A: `F_i - sum_j A_ij y_j`, j not i.
     pub sum: f64,
     /// Diagonal entry `A_ii`.
@@ -216,7 +216,7 @@ impl Law {
     }
 
     /// The problem under this law with the load vector `load` as one under the law `[0, limit]`.
-    pub fn one_sided(self, load: &[f64]) -> OneSided {
+    pub(crate) fn one_sided(self, load: &[f64]) -> OneSided {
         let is_reflected = if self.lo == -self.hi {
             let mut largest = 0.0f64;
             for value in load {
@@ -241,7 +241,7 @@ impl Law {
 
     /// Minimiser (10), (11) of the modified functional over one boundary unknown.
     #[inline(always)]
-    pub fn relax(self, row: BoundaryRow) -> f64 {
+    pub(crate) fn relax(self, row: BoundaryRow) -> f64 {
         let BoundaryRow { sum, diagonal, measure, a, r } = row;
         let up = (sum + measure * self.lo) / diagonal;
         if up >= (a - self.lo) / r {

@@ -5,7 +5,7 @@ use super::source::{STEP_OFF, Tie};
 use std::ops::Range;
 
 /// Row of nodes of a grid, and the tie rule for those on a jump.
-pub struct TiedRow<'a> {
+pub(crate) struct TiedRow<'a> {
     /// Coordinates x of the nodes, ascending.
     pub xs: &'a [f64],
     /// Coordinate y of the nodes.
@@ -23,7 +23,7 @@ impl TiedRow<'_> {
     ///
     /// A node on the border of a half-plane or disc is inside if the tie rule steps into the shape; where the step is
     /// along the border, its horizontal part decides, so that all nodes on a line are on one side of it.
-    pub fn paint(&self, shape: &Shape<2>, value: f64, row: &mut [f64]) {
+    pub(crate) fn paint(&self, shape: &Shape<2>, value: f64, row: &mut [f64]) {
         match *shape {
             // Its sides are along the axes, and a step along each axis is off them.
             Shape::Box(_) => row[self.held(shape)].fill(value),

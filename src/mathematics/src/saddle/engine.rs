@@ -14,7 +14,7 @@ use std::array::from_fn;
 use std::borrow::Cow;
 
 /// Iterates of up to `K` runs, and the steps of the method on them.
-pub trait Engine<const K: usize> {
+pub(crate) trait Engine<const K: usize> {
     /// Minimises M(., a) of (7) over one component of y after the other, with the proximal term: (9)-(11), in every
     /// lane.
     fn sweep(&mut self);
@@ -41,7 +41,7 @@ pub trait Engine<const K: usize> {
 
 /// Start of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct RunStart<'a> {
+pub(crate) struct RunStart<'a> {
     /// Load vector F.
     pub load: &'a [f64],
     /// Method.
@@ -54,7 +54,7 @@ pub struct RunStart<'a> {
 
 /// State of a run in a lane.
 #[derive(Clone, Copy, Debug)]
-pub struct RunState {
+pub(crate) struct RunState {
     method: Method,
     /// Sweeps after which the run ends, at the earliest after the first.
     limit: usize,
@@ -73,7 +73,7 @@ pub struct RunState {
 }
 
 /// Conditions that end the runs in the lanes of an engine.
-pub trait Goals<E: ?Sized, const K: usize> {
+pub(crate) trait Goals<E: ?Sized, const K: usize> {
     /// Called after the sweeps over y, before the multiplier's step (12).
     fn before_step(&mut self, _engine: &mut E, _runs: &[Option<RunState>; K]) {}
 
@@ -87,7 +87,7 @@ pub trait Goals<E: ?Sized, const K: usize> {
 
 impl RunState {
     /// State before the first sweep of a run that ends after `limit` sweeps.
-    pub fn new(&RunStart { method, load, .. }: &RunStart<'_>, limit: usize) -> Self {
+    pub(crate) fn new(&RunStart { method, load, .. }: &RunStart<'_>, limit: usize) -> Self {
         let load = largest(load);
         Self {
             method,
@@ -118,7 +118,7 @@ impl RunState {
 }
 
 /// Iterates until all runs have ended, those that enter a lane later included.
-pub fn run<const K: usize, E: Engine<K> + ?Sized>(
+pub(crate) fn run<const K: usize, E: Engine<K> + ?Sized>(
     engine: &mut E,
     mut runs: [Option<RunState>; K],
     goals: &mut impl Goals<E, K>,
@@ -226,7 +226,7 @@ pub(super) fn within<const K: usize>(
 pub(super) type IsReached<'a> = &'a mut dyn FnMut(&mut dyn Engine<1>, &RunState) -> bool;
 
 /// Iterates the one run of an engine until `reached`.
-pub fn run_alone(engine: &mut dyn Engine<1>, state: RunState, reached: IsReached) -> End {
+pub(crate) fn run_alone(engine: &mut dyn Engine<1>, state: RunState, reached: IsReached) -> End {
     let mut goal = GoalAlone { reached, end: None };
     run(engine, [Some(state)], &mut goal);
     goal.end.expect("the run has ended")

@@ -2,14 +2,14 @@
 
 use super::batch::{LANES, LaneEngine};
 use super::engine::{self, run_alone, within};
-use super::solve::{gradient_extrema, judged};
+use super::solve::{gradient_extrema, judged, lanes};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::grid::Grid;
 use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 use crate::saddle::{
-    Goals, JobGoal, Method, NestedLevels, Pair, RunStart, RunState, SaddleDomain, StopRule,
-    run_nested, tolerance,
+    Goals, JobGoal, Method, NestedLevels, Pair, RunStart, RunState, StopRule, run_nested, tolerance,
 };
 use std::array::from_fn;
 use std::cmp::Reverse;
@@ -18,7 +18,7 @@ use std::convert::Infallible;
 
 /// A run to be done.
 #[derive(Clone, Copy, Debug)]
-pub struct Job<'a> {
+pub(crate) struct Job<'a> {
     /// Law on the boundary.
     pub law: Law,
     /// Load vector F.
@@ -37,10 +37,10 @@ pub struct Job<'a> {
 
 impl Job<'_> {
     /// Judges the end of this run and its last pair.
-    pub fn outcome(&self, grid: Grid, end: End, pair: &Pair) -> Outcome {
-        let mut engine = grid.engine(self.law, &RunStart { pair, ..self.run() });
+    pub(crate) fn outcome(&self, grid: Grid, end: End, pair: &Pair) -> Outcome {
+        let mut engine = super::engine(grid, self.law, &RunStart { pair, ..self.run() });
         let gradient = gradient_extrema(&mut *engine);
-        judged(grid, self.law.with_load(self.load), pair, end, gradient)
+        judged(grid.into(), self.law.with_load(self.load), pair, end, gradient)
     }
 
     /// True if another job has the same iterates, until one of them ends.
@@ -59,17 +59,18 @@ impl Job<'_> {
 ///
 /// # Panics
 /// As [`LaneEngine::enter`].
-pub fn run(domain: impl SaddleDomain, jobs: &[Job]) -> Vec<(End, Pair)> {
+pub(crate) fn run<'a>(domain: impl Into<DiscreteDomain<'a>>, jobs: &[Job]) -> Vec<(End, Pair)> {
+    let domain = domain.into();
     if let [job] = jobs {
         // The engine of one run takes less time than eight lanes of which seven are idle.
-        let mut engine = domain.engine(job.law, &job.run());
+        let mut engine = super::engine(domain, job.law, &job.run());
         let state = RunState::new(&job.run(), job.cap);
         let end = run_alone(&mut *engine, state, &mut |engine, run| {
             within(engine, [job.goal.bound(run)])[0]
         });
         return vec![(end, engine.pair(0).into_owned())];
     }
-    let mut lanes = domain.lanes();
+    let mut lanes = lanes(domain);
     let mut queue = JobQueue {
         jobs,
         waiting: same_runs(jobs).into(),
@@ -149,7 +150,7 @@ impl<'e> Goals<dyn LaneEngine + 'e, LANES> for JobQueue<'_> {
 
 /// A run of the paper's method over nested grids or networks.
 #[derive(Clone, Copy, Debug)]
-pub struct NestedJob<'a> {
+pub(crate) struct NestedJob<'a> {
     /// Law on the boundary.
     pub law: Law,
     /// Load vectors, one per level.
@@ -168,7 +169,7 @@ pub struct NestedJob<'a> {
 ///
 /// # Panics
 /// If the levels do not belong together, or a load has the wrong length.
-pub fn run_all_nested<L: NestedLevels + ?Sized>(
+pub(crate) fn run_all_nested<L: NestedLevels + ?Sized>(
     levels: &L,
     runs: &[NestedJob],
     cap: impl Fn(usize, usize) -> usize,

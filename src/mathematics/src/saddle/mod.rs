@@ -13,14 +13,17 @@ mod square;
 mod stopping;
 mod sweep;
 
-pub use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
+pub(crate) use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
 pub use method::Method;
 pub use nested::{Monitor, NestedGrids, NestedLevels, run_nested, solve_nested, tolerance};
 pub use plain::Plain;
-pub use solve::{Iteration, JobGoal, OnIteration, Params, SaddleDomain, arrow_hurwicz, solve};
-pub use stopping::{GradientMeasure, StopRule};
+pub use solve::{Iteration, Params, arrow_hurwicz, solve};
+pub(crate) use solve::{JobGoal, engine, lanes};
+pub(crate) use stopping::GradientMeasure;
+pub use stopping::StopRule;
 
-use crate::discrete::kkt::{DiscreteDomain, rounding};
+use crate::discrete::domain::DiscreteDomain;
+use crate::discrete::kkt::rounding;
 use crate::discrete::norms::largest;
 use crate::problem::law::Law;
 
@@ -36,21 +39,22 @@ pub struct Pair {
 
 impl Pair {
     /// Returns the zero pair of a grid or network, from which the paper starts on its coarsest grid.
-    pub fn zero(domain: impl DiscreteDomain) -> Self {
-        let shape = domain.shape();
-        Self { y: vec![0.0; shape.nodes], a: vec![0.0; shape.contact.len()] }
+    pub fn zero<'a>(domain: impl Into<DiscreteDomain<'a>>) -> Self {
+        let domain = domain.into();
+        Self { y: vec![0.0; domain.nodes()], a: vec![0.0; domain.contact().len()] }
     }
 
     /// Contact at the boundary nodes: where the multiplier is inside the interval of the law or v is zero, up to
     /// rounding errors. Under the paper's law both are zero in a corner without load between nodes in contact.
-    pub fn in_contact(&self, domain: impl DiscreteDomain, law: Law) -> Vec<bool> {
-        let shape = domain.shape();
-        let nodes = || shape.contact.iter().zip(&self.a);
+    pub fn in_contact<'a>(&self, domain: impl Into<DiscreteDomain<'a>>, law: Law) -> Vec<bool> {
+        let domain = domain.into();
+        let contact = domain.contact();
+        let nodes = || contact.iter().zip(&self.a);
         let mut size = largest(&self.y);
         for (contact, a) in nodes() {
             size = size.max((contact.measure * a).abs());
         }
-        let zero = rounding(shape.width(), size);
+        let zero = rounding(domain.width(), size);
         let mut in_contact = Vec::with_capacity(self.a.len());
         for (contact, a) in nodes() {
             in_contact.push(

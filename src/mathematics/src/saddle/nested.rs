@@ -1,15 +1,15 @@
 //! Runs over nested grids and networks: on each from the interpolated pair of the one before.
 
 use super::Pair;
-use super::solve::{Iteration, OnIteration, Params, SaddleDomain, solve};
+use super::solve::{Iteration, OnIteration, Params, solve};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
-use crate::discrete::law_and_load::LawAndLoads;
 use crate::discrete::nested::NestedNetwork;
-use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
+use crate::problem::law::Law;
 
 /// Returns the paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.
 pub fn tolerance(level: usize) -> f64 {
@@ -19,16 +19,11 @@ pub fn tolerance(level: usize) -> f64 {
 
 /// Nested grids or networks, coarsest first.
 pub trait NestedLevels {
-    /// Grid or network.
-    type Domain<'a>: SaddleDomain
-    where
-        Self: 'a;
-
     /// Number of grids or networks.
     fn count(&self) -> usize;
 
     /// The k-th grid or network, counted from 0.
-    fn domain(&self, k: usize) -> Self::Domain<'_>;
+    fn domain(&self, k: usize) -> DiscreteDomain<'_>;
 
     /// Linear interpolation of a pair from the grid or network before the k-th one.
     fn interpolated(&self, k: usize, coarse: &Pair) -> Pair;
@@ -44,17 +39,12 @@ pub struct NestedGrids<'a> {
 }
 
 impl NestedLevels for NestedGrids<'_> {
-    type Domain<'a>
-        = Grid
-    where
-        Self: 'a;
-
     fn count(&self) -> usize {
         self.grids.len()
     }
 
-    fn domain(&self, k: usize) -> Grid {
-        self.grids[k]
+    fn domain(&self, k: usize) -> DiscreteDomain<'_> {
+        self.grids[k].into()
     }
 
     fn interpolated(&self, k: usize, Pair { y, a }: &Pair) -> Pair {
@@ -63,14 +53,12 @@ impl NestedLevels for NestedGrids<'_> {
 }
 
 impl NestedLevels for [NestedNetwork] {
-    type Domain<'a> = &'a Network;
-
     fn count(&self) -> usize {
         self.len()
     }
 
-    fn domain(&self, k: usize) -> &Network {
-        &self[k].network
+    fn domain(&self, k: usize) -> DiscreteDomain<'_> {
+        (&self[k].network).into()
     }
 
     fn interpolated(&self, k: usize, Pair { y, a }: &Pair) -> Pair {
@@ -130,7 +118,8 @@ const EXACT: f64 = 1e-6;
 /// If there are no levels, a load vector has the wrong length, or `params.r` is not positive.
 pub fn solve_nested<L: NestedLevels + ?Sized>(
     levels: &L,
-    LawAndLoads { law, loads }: LawAndLoads<'_>,
+    law: Law,
+    loads: &[Vec<f64>],
     params: &Params,
     monitor: &mut dyn Monitor,
 ) -> (Vec<Outcome>, Pair) {

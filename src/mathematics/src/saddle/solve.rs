@@ -7,11 +7,10 @@ use super::method::Method;
 use super::network::OnNetwork;
 use super::square::OnSquare;
 use super::stopping::{GradientMeasure, StopRule};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{End, Outcome};
-use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{DiscreteDomain, has_solution, judge};
+use crate::discrete::kkt::{has_solution, judge};
 use crate::discrete::law_and_load::LawAndLoad;
-use crate::discrete::network::Network;
 use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
@@ -57,11 +56,11 @@ pub struct Iteration {
 }
 
 /// Callback after each step of the multiplier.
-pub type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
+pub(super) type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
 
 /// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum JobGoal {
+pub(crate) enum JobGoal {
     /// A stopping rule with its tolerance, tried after each step of the multiplier.
     Rule(StopRule, f64),
     /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
@@ -88,51 +87,28 @@ impl JobGoal {
     }
 }
 
-/// Grid or network on which the methods run.
-pub trait SaddleDomain: DiscreteDomain {
-    /// Engine for one run.
-    ///
-    /// # Panics
-    /// If a vector has the wrong length for the domain, or r is not positive.
-    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
-    where
-        Self: 'a;
-
-    /// Engine for many runs.
-    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
-    where
-        Self: 'a;
-}
-
-impl SaddleDomain for Grid {
-    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
-    where
-        Self: 'a,
-    {
-        Box::new(OnSquare::new(self, law, run))
-    }
-
-    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
-    where
-        Self: 'a,
-    {
-        Box::new(Lanes::new(self, Law::SIGNORINI, Order::Lexicographic, 1.0))
+/// Engine for one run on a grid or network.
+///
+/// # Panics
+/// If a vector has the wrong length for the domain, or r is not positive.
+pub(crate) fn engine<'a>(
+    domain: impl Into<DiscreteDomain<'a>>,
+    law: Law,
+    run: &RunStart<'a>,
+) -> Box<dyn Engine<1> + 'a> {
+    match domain.into() {
+        DiscreteDomain::Grid(grid) => Box::new(OnSquare::new(grid, law, run)),
+        DiscreteDomain::Network(network) => Box::new(OnNetwork::new(network, law, run)),
     }
 }
 
-impl SaddleDomain for &Network {
-    fn engine<'a>(self, law: Law, run: &RunStart<'a>) -> Box<dyn Engine<1> + 'a>
-    where
-        Self: 'a,
-    {
-        Box::new(OnNetwork::new(self, law, run))
-    }
-
-    fn lanes<'a>(self) -> Box<dyn LaneEngine + 'a>
-    where
-        Self: 'a,
-    {
-        Box::new(NetworkLanes::new(self))
+/// Engine for many runs on a grid or network.
+pub(crate) fn lanes<'a>(domain: impl Into<DiscreteDomain<'a>>) -> Box<dyn LaneEngine + 'a> {
+    match domain.into() {
+        DiscreteDomain::Grid(grid) => {
+            Box::new(Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0))
+        }
+        DiscreteDomain::Network(network) => Box::new(NetworkLanes::new(network)),
     }
 }
 
@@ -143,16 +119,16 @@ impl SaddleDomain for &Network {
 ///
 /// # Panics
 /// If a vector has the wrong length for the domain, or `params.r` is not positive.
-pub fn solve(
-    domain: impl SaddleDomain,
+pub fn solve<'a>(
+    domain: impl Into<DiscreteDomain<'a>>,
     problem: LawAndLoad<'_>,
     params: &Params,
     pair: &mut Pair,
     monitor: Option<OnIteration>,
 ) -> Outcome {
-    let LawAndLoad { law, load } = problem;
+    let (domain, LawAndLoad { law, load }) = (domain.into(), problem);
     let start = RunStart { load, method: params.method, r: params.r, pair };
-    let mut engine = domain.engine(law, &start);
+    let mut engine = engine(domain, law, &start);
     let state = RunState::new(&start, params.max_iterations);
     let end = run_to_rule(&mut *engine, state, params, monitor);
     let gradient = gradient_extrema(&mut *engine);
@@ -166,8 +142,8 @@ pub fn solve(
 ///
 /// # Panics
 /// As [`solve`].
-pub fn arrow_hurwicz(
-    domain: impl SaddleDomain,
+pub fn arrow_hurwicz<'a>(
+    domain: impl Into<DiscreteDomain<'a>>,
     problem: LawAndLoad<'_>,
     params: &Params,
     pair: &mut Pair,
@@ -196,20 +172,20 @@ fn run_to_rule(
 /// Judges `pair` after the end of an iteration; `gradient` has the largest component of (8), and the largest absolute
 /// value.
 pub(super) fn judged(
-    domain: impl DiscreteDomain,
+    domain: DiscreteDomain<'_>,
     LawAndLoad { law, load }: LawAndLoad<'_>,
     pair: &Pair,
     end: End,
     [gradient_signed, gradient_abs]: [f64; 2],
 ) -> Outcome {
-    let (shape, judgement) = (domain.shape(), judge(domain, law, &pair.y, load));
+    let judgement = judge(domain, law, &pair.y, load);
     let finite = [judgement.energy, gradient_abs, judgement.kkt.natural]
         .iter()
         .all(|value| value.is_finite())
         && judgement.kkt.min_lambda.is_none_or(f64::is_finite);
     let end = End { stop: if finite { end.stop } else { Stop::Diverged }, ..end };
     let has_solution = has_solution(domain, law, load);
-    let outcome = Outcome::new(end, &judgement, shape.cells, load, has_solution);
+    let outcome = Outcome::new(end, &judgement, domain.cells(), load, has_solution);
     let (gradient_signed, gradient_abs) = (Some(gradient_signed), Some(gradient_abs));
     Outcome { gradient_signed, gradient_abs, ..outcome }
 }

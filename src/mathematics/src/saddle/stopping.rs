@@ -63,7 +63,7 @@ impl fmt::Display for StopRule {
 
 /// Measure at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum GradientMeasure {
+pub(crate) enum GradientMeasure {
     /// Component of the gradient (8).
     Signed,
     /// Absolute value of this component.
@@ -102,7 +102,7 @@ pub(super) struct GradientTerms {
 
 /// Bounds below which the measures of a stopping rule are rounding errors; zero until they are estimated.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct RoundingFloor {
+pub(crate) struct RoundingFloor {
     /// Bound of the components of the gradient.
     pub(super) gradient: f64,
     /// Bound of the changes of the multiplier.

@@ -136,7 +136,7 @@ impl Refusal {
             return if is_of_size { Self::GridSize(error) } else { Self::Input(error) };
         };
         let Some(sum_load) = reason.integral() else { return Self::Input(error) };
-        Self::Unbalanced { level: problem.levels().name(problem.finest()), sum_load, reason }
+        Self::Unbalanced { level: problem.name(problem.finest()), sum_load, reason }
     }
 }
 

@@ -4,7 +4,7 @@ use super::{Refusal, SaddleSettings, Settings, Solver};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
-use crate::levels::{Discrete, NodalVectors, Problem};
+use crate::levels::{Discrete, Problem};
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
@@ -67,10 +67,10 @@ pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
 
 /// Judges a vector of the finest level.
 fn judged(problem: &Problem, solver: Solver, y: Vec<f64>, end: End) -> Run {
-    let (levels, load, level) = (problem.levels(), problem.load(), problem.finest());
+    let (load, level) = (problem.load(), problem.finest());
     let judgement = problem.judge(&y);
-    let has_solution = levels.is_solvable(level, problem.law(), load);
-    let end = Outcome::new(end, &judgement, levels.cells(level), load, has_solution);
+    let cells = problem.domain(level).cells();
+    let end = Outcome::new(end, &judgement, cells, load, problem.is_solvable());
     let errors = problem.greatest_error(level, &y).into_iter().collect();
     Run { solver, y, ends: vec![end], errors, first_level: level, judgement }
 }
@@ -83,20 +83,27 @@ pub(super) fn multigrid(
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
-    let (levels, loaded) = (problem.levels(), problem.law().with_load(problem.load()));
-    let solved = match levels.discrete() {
+    let loaded = problem.law().with_load(problem.load());
+    let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             solve_square(lattices.finest().cells(), loaded, None, &params)
         }
         Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
     };
     // Steps may not converge on some stretched meshes: factors solve those that are small enough.
-    let most = if levels.dimension() == 2 { MOST_NODES_IN_PLANE } else { MOST_NODES_IN_SPACE };
     match &solved {
-        Ok((y, end)) if end.stop == Stop::IterationLimit && y.len() <= most => {
+        Ok((y, end)) if end.stop == Stop::IterationLimit && y.len() <= most_nodes(problem) => {
             active_set(problem, settings, monitor)
         }
         _ => on_finest(problem, Solver::Multigrid, solved),
+    }
+}
+
+/// Most nodes whose factors are worth their time.
+fn most_nodes(problem: &Problem) -> usize {
+    match problem.levels().facts().dimension {
+        2 => MOST_NODES_IN_PLANE,
+        _ => MOST_NODES_IN_SPACE,
     }
 }
 
@@ -133,7 +140,7 @@ pub(super) fn saddle(
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
-    let loaded = problem.law().with_loads(&loads);
+    let law = problem.law();
     let SaddleSettings { prolongation, r, stop, max_iterations } = settings.saddle;
     let usual = Params::default();
     let method = settings.solver.entry().method.unwrap_or(usual.method);
@@ -142,12 +149,12 @@ pub(super) fn saddle(
     let (ends, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             let nested = NestedGrids { grids: lattices.grids(), prolongation };
-            solve_nested(&nested, loaded, params, monitor)
+            solve_nested(&nested, law, &loads, params, monitor)
         }
-        Discrete::Networks(networks) => solve_nested(networks, loaded, params, monitor),
+        Discrete::Networks(networks) => solve_nested(networks, law, &loads, params, monitor),
     };
     let (level, y) = (ends.len() - 1, pair.y);
-    let judgement = problem.judge_on(level, NodalVectors { y: &y, load: &loads[level] });
+    let judgement = problem.judge_on(level, &y, &loads[level]);
     Ok(FoundSolution::Vector(Run {
         solver: settings.solver,
         y,

@@ -4,9 +4,9 @@ use super::run::{FoundSolution, Run, values};
 use crate::bounds::{Bounds, NoBound, recovery};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
-use crate::discrete::grid::Grid;
+use crate::discrete::norms::Errors;
 use crate::discrete::transfer::prolong_boundary;
-use crate::levels::{KnownErrors, Lattices, Problem};
+use crate::levels::Problem;
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
@@ -144,9 +144,7 @@ impl Solved {
     /// solution is the true one; none in space.
     pub fn contact(&self) -> Option<Vec<ContactArc>> {
         match &self.found {
-            FoundSolution::Vector(Run { y, judgement, .. }) => {
-                self.problem.levels().arcs(y, judgement)
-            }
+            FoundSolution::Vector(Run { y, judgement, .. }) => self.problem.arcs(y, judgement),
             FoundSolution::Truth(found) => Some(found.solution.contact.clone()),
         }
     }
@@ -160,10 +158,10 @@ impl Solved {
     }
 
     /// Errors of v on the finest level; none if the solution is not known.
-    pub fn errors(&self) -> Option<KnownErrors> {
+    pub fn errors(&self) -> Option<Errors> {
         let (run, problem) = (self.run()?, &self.problem);
         let is_known = problem.law().is_signorini();
-        problem.levels().errors(&run.y, problem.load()).filter(|_| is_known)
+        problem.errors(&run.y).filter(|_| is_known)
     }
 
     /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.
@@ -177,16 +175,16 @@ impl Solved {
     }
 }
 
-/// Recovered solution of a pair on the square, piecewise quadratic: its values on the grid of half the width, as the
-/// finest of these levels; none on a mesh.
+/// Recovered solution of a pair on the square, piecewise quadratic: its values on the grid of half the width, with the
+/// problem there; none on a mesh.
 ///
 /// # Errors
 /// [`NoBound`] if there is none.
-pub fn recovered(problem: &Problem, pair: &Pair) -> Result<Option<(Lattices, Pair)>, NoBound> {
+pub fn recovered(problem: &Problem, pair: &Pair) -> Result<Option<(Problem, Pair)>, NoBound> {
     let Some(lattices) = problem.lattices() else { return Ok(None) };
     let (grid, f) = (lattices.finest(), lattices.source());
     let (y, _) = recovery(grid, f, problem.law(), &pair.y)?;
-    let Ok(finer) = Grid::new(2 * grid.cells()) else { return Ok(None) };
-    let finer = Lattices::new(vec![finer], f.clone(), lattices.rule());
+    // The flux balances f, as on the grid.
+    let Some(Ok(finer)) = problem.on_grid(2 * grid.cells()) else { return Ok(None) };
     Ok(Some((finer, Pair { y, a: prolong_boundary(&pair.a) })))
 }

@@ -226,13 +226,11 @@ pub struct TrueSolution {
     pub steps: usize,
 }
 
-/// v and the multiplier dv/dn at a point of the boundary.
+/// Multiplier dv/dn at a point of the boundary.
 #[derive(Clone, Copy, Debug)]
-pub struct BoundaryPoint {
+pub(crate) struct BoundaryPoint {
     /// The point.
     pub point: [f64; 2],
-    /// v.
-    pub value: f64,
     /// dv/dn.
     pub multiplier: f64,
     /// Quadrature weight with respect to the length of the boundary.
@@ -367,11 +365,10 @@ impl Solution {
         self.boundary_points().map(|point| point.weight * point.multiplier).sum()
     }
 
-    /// v and dv/dn at the quadrature nodes of the boundary, anticlockwise.
-    pub fn boundary_points(&self) -> impl Iterator<Item = BoundaryPoint> {
+    /// dv/dn at the quadrature nodes of the boundary, anticlockwise.
+    pub(crate) fn boundary_points(&self) -> impl Iterator<Item = BoundaryPoint> {
         self.trace.points.iter().map(|p| BoundaryPoint {
             point: p.place.point().coordinates(),
-            value: p.value,
             multiplier: p.multiplier,
             weight: p.weight,
         })

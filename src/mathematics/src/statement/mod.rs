@@ -326,8 +326,9 @@ impl Statement {
             let first = first.map_err(Refusal::from)?;
             return reach(Grids::new(first, settings, goal, memory, steps), goal, watcher);
         }
-        let (f, law) = (&problem.levels().f(), problem.law());
-        let coarsest = &problem.levels().coarsest().ok_or(Refusal::NotInPlane)?.clone();
+        let (f, law) = (&problem.levels().facts().f.clone(), problem.law());
+        let coarsest = problem.levels().mesh(0).into_owned();
+        let coarsest = coarsest.plane().ok_or(Refusal::NotInPlane)?;
         // The adapted meshes take its place.
         drop(problem);
         let (most_nodes, bisections) = (memory.adapted_nodes(), Adaption::BISECTIONS);

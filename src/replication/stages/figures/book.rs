@@ -11,7 +11,6 @@ use crate::replication::scene::{Output, Runs, Scene};
 use crate::replication::stages::solve;
 use signorini_mathematics::experiments::adapted::AdaptedProblem;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, tolerance};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
@@ -36,7 +35,7 @@ pub(super) fn stops(scenes: &[&Scene]) -> Task {
 
 /// Surfaces of one problem: where the paper stopped, the solution, and the difference.
 fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<Vec<DrawnSolution>, Failure> {
-    let on = (scene.finest(), Law::SIGNORINI);
+    let grid = scene.finest();
     let stop = solve::pair_on_grid(inputs, scene)?;
     let solution = solve::solution(scene)?;
     let difference = Pair {
@@ -45,8 +44,8 @@ fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<Vec<DrawnSolution>, Fa
     };
     let title = |name: &str| format!("{}: {name}", scene.title);
     let [stop, solution] = [("where it stopped", &stop), ("the solution", &solution)]
-        .map(|(name, pair)| DrawnSolution::on_grid(title(name), on, pair, 3));
-    let difference = DrawnSolution::on_grid(title("the difference"), on, &difference, 3);
+        .map(|(name, pair)| DrawnSolution::on_grid(title(name), grid, pair, 3));
+    let difference = DrawnSolution::on_grid(title("the difference"), grid, &difference, 3);
     let azimuth = solution.azimuth;
     Ok(DrawnSolution::seen(vec![stop, solution, difference.without_contact()], azimuth))
 }
@@ -69,7 +68,7 @@ pub(super) fn iterates(scene: &Scene) -> Task {
                 true => "the solution".into(),
                 false => format!("h = 1/{}", grid.cells()),
             };
-            drawn.push(DrawnSolution::on_grid(title, (*grid, Law::SIGNORINI), pair, 3));
+            drawn.push(DrawnSolution::on_grid(title, *grid, pair, 3));
         }
         let azimuth = drawn[drawn.len() - 1].azimuth;
         it.made(inputs, surfaces(3, &DrawnSolution::seen(drawn, azimuth)))
@@ -132,7 +131,8 @@ fn adapted_meshes() -> Result<Picture, String> {
         // No mesh so coarse is so accurate: the number of nodes is what ends the run.
         let run = problem.adapted(f64::EPSILON, FEW, 1)?;
         let title = format!("{}, {} nodes", problem.domain.name(), run.y.len());
-        adapted.push((title, run.problem.levels().mesh()));
+        let mesh = run.problem.levels().mesh(run.problem.finest()).into_owned();
+        adapted.push((title, mesh));
     }
     beside(&adapted)
 }
@@ -144,8 +144,7 @@ fn on_domains() -> Result<Picture, String> {
         let (domain, fineness) = (Domain::named(name), Fineness::Refined(refinements));
         let statement = Statement { fineness, ..Statement::usual(domain, f) };
         let solved = statement.solved(None).map_err(|e| format!("{name}: {e}"))?;
-        let on = (solved.problem.levels(), solved.problem.law());
-        drawn.push(DrawnSolution::of(name.into(), on, &solved.pair(), 3)?);
+        drawn.push(DrawnSolution::of(name.into(), &solved.problem, &solved.pair(), 3)?);
     }
     let mut picture = surfaces(3, &drawn);
     // No page offers these solutions as files.

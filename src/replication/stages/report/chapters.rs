@@ -129,7 +129,7 @@ fn problem(
         from_json(inputs, &identify::id(scene), FINDINGS)?;
     let more = json!({
         "number": table.table,
-        "integral_f": solved_problem.levels().integrals().of_f,
+        "integral_f": solved_problem.levels().facts().integral,
         "values": values(&scene.source()),
         "misses": misses(inputs, scene, table)?,
         "boundary_nodes": stopped.a.len(),
@@ -224,7 +224,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let rule = scene.first_rule();
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let problem = solve::problem(inputs, scene)?;
-    let (f, integral_f) = (problem.levels().f(), problem.levels().integrals().of_f);
+    let (f, integral_f) = (&problem.levels().facts().f, problem.levels().facts().integral);
     let exact = scene.statement.known_solution();
     let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
     let held = scene.wants(Output::Map).then(|| {

@@ -5,7 +5,7 @@ use crate::mesh::{Element, Mesh, Sides, dot, measure};
 /// Size of the energy in the segment between a facet and its curve. It is no bound: the solution there is taken for
 /// that in the cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurveShare {
+pub(crate) struct CurveShare {
     /// Number of the cell.
     pub cell: u32,
     /// Twice the energy: `(2/3) l s (|grad w|^2 + 2 |f w|)`, l the length of the chord, s the height of the arc.
@@ -14,7 +14,7 @@ pub struct CurveShare {
 
 /// Returns the shares of all facets on curves, for the means of f over the cells and a nodal vector; none if no part of
 /// the boundary is curved, and in space.
-pub fn curve_shares<const D: usize, const V: usize>(
+pub(crate) fn curve_shares<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
     f: &[f64],

@@ -64,7 +64,7 @@ use around::FirstCells;
 use balance::balance;
 use cells::Cells;
 use circulation::Circulations;
-pub use curve::{CurveShare, curve_shares};
+pub(crate) use curve::curve_shares;
 use fan::Fan;
 use forest::CellForest;
 use lower::lower;
@@ -97,7 +97,7 @@ pub fn bounds_on_mesh<const D: usize, const V: usize>(
 
 /// Discrete problem on a mesh, as far as bounds are concerned.
 #[derive(Clone, Copy)]
-pub struct BoundedProblem<'a, const D: usize, const V: usize> {
+pub(crate) struct BoundedProblem<'a, const D: usize, const V: usize> {
     /// Mesh.
     pub mesh: &'a Mesh<D, V>,
     /// Sides of its cells.
@@ -112,7 +112,7 @@ pub struct BoundedProblem<'a, const D: usize, const V: usize> {
 
 /// Bounds with their parts.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LocalBounds {
+pub(crate) struct LocalBounds {
     /// Bounds.
     pub bounds: Bounds,
     /// Square of the guaranteed error in each cell, of a vector in K: their sum is the square of the guaranteed error,
@@ -130,7 +130,7 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     ///
     /// # Panics
     /// If `y`, the network and the mesh have not the same number of nodes, or f is not that of the mesh.
-    pub fn bounds(&self, y: &[f64]) -> Result<LocalBounds, NoBound> {
+    pub(crate) fn bounds(&self, y: &[f64]) -> Result<LocalBounds, NoBound> {
         let &Self { mesh, network, f, law, .. } = self;
         assert_eq!([y.len(), network.nodes(), f.load.len()], [mesh.points().len(); 3]);
         let deviations = f.cells.deviation.as_ref().map_or(f.cells.mean.len(), Vec::len);
@@ -165,7 +165,7 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     }
 
     /// Adds the lower bound of the error to bounds for a nodal vector.
-    pub fn with_lower(&self, mut bounds: Bounds, y: &[f64]) -> Bounds {
+    pub(crate) fn with_lower(&self, mut bounds: Bounds, y: &[f64]) -> Bounds {
         let w = admissible(self.network, Slips::of_law(self.law), y);
         let mut moved = 0.0;
         if w != y {
@@ -183,7 +183,7 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
 
 impl LocalBounds {
     /// Guaranteed error in each cell.
-    pub fn errors(&self) -> Vec<f64> {
+    pub(crate) fn errors(&self) -> Vec<f64> {
         self.squares.iter().map(|square| square.max(0.0).sqrt()).collect()
     }
 

@@ -71,7 +71,7 @@ struct Graph {
 
 impl SweepCut {
     /// Takes another cell, f there being `background` but for the pieces, of which the first wins.
-    pub fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Shape<2>, f64)>) {
+    pub(crate) fn set(&mut self, background: f64, pieces: impl Iterator<Item = (Shape<2>, f64)>) {
         self.background = background;
         self.pieces.clear();
         self.pieces.extend(pieces);
@@ -89,7 +89,7 @@ impl SweepCut {
     }
 
     /// Integrals over the triangles below and above the diagonal that rises or falls.
-    pub fn triangles(&mut self, rising: bool) -> [Moments; 2] {
+    pub(crate) fn triangles(&mut self, rising: bool) -> [Moments; 2] {
         let heights = if rising { [-0.5, 0.5] } else { [0.5, -0.5] };
         let bottom = Bound::new([-0.5, -0.5], [-1.0, 0.0]);
         let diagonal = Bound::new(heights, [1.0, -1.0]);
@@ -221,7 +221,7 @@ impl Bound {
 
 impl Moments {
     /// Those of f times 1, X, Y and XY.
-    pub fn first(&self) -> [f64; 4] {
+    pub(crate) fn first(&self) -> [f64; 4] {
         let [one, x, y, xy, ..] = self.f;
         [one, x, y, xy]
     }

@@ -1,12 +1,12 @@
 //! Counts of iterations of the paper's method on nested meshes, and for other numberings of the nodes.
 
 use super::{DomainPlan, DomainsPlan, problem};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::End;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
 use crate::experiments::numbers::RandomNumbers;
 use crate::levels::Problem;
-use crate::mesh::AnyMesh;
 use crate::problem::law::ContactNode;
 use crate::saddle::jobs::{NestedJob, run_all_nested};
 use crate::saddle::{NestedLevels, Pair, StopRule};
@@ -128,8 +128,8 @@ pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<Counted
     }
     Ok(CountedDomain {
         name: domain.name.clone(),
-        f: made.levels().f(),
-        dimension: made.levels().dimension(),
+        f: made.levels().facts().f.clone(),
+        dimension: made.levels().facts().dimension,
         nodes: levels.iter().map(|level| level.network.nodes()).collect(),
         rows,
     })
@@ -194,9 +194,8 @@ pub(in crate::experiments) fn nested(problem: &Problem) -> Result<Nested<'_>, St
 
 /// Place of each node on each level.
 fn orders(problem: &Problem, numbering: Numbering) -> Result<Vec<Vec<u32>>, String> {
-    let AnyMesh::Plane(mesh) = problem.levels().mesh() else {
-        return Err("the disc lies in the plane".into());
-    };
+    let finest = problem.levels().mesh(problem.finest());
+    let mesh = finest.plane().ok_or("the disc lies in the plane")?;
     let of_level = |level: &NestedNetwork| {
         let nodes = level.network.nodes();
         let mut order: Vec<u32> = (0..nodes as u32).collect();
@@ -240,17 +239,12 @@ impl<'a> RenumberedNetworks<'a> {
 }
 
 impl NestedLevels for RenumberedNetworks<'_> {
-    type Domain<'a>
-        = &'a Network
-    where
-        Self: 'a;
-
     fn count(&self) -> usize {
         self.levels.len()
     }
 
-    fn domain(&self, k: usize) -> &Network {
-        &self.networks[k]
+    fn domain(&self, k: usize) -> DiscreteDomain<'_> {
+        (&self.networks[k]).into()
     }
 
     fn interpolated(&self, k: usize, Pair { y, a }: &Pair) -> Pair {

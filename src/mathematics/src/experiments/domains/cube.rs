@@ -93,7 +93,7 @@ fn on_cube(
     let mut levels: Vec<CubeLevel> = Vec::new();
     let finest = cubes.meshes.len() - 1;
     for times in finest.saturating_sub(1)..=finest {
-        let Errors { l2, h1, max } = errors(source, cubes, times)?;
+        let Errors { l2, h1, max, .. } = errors(source, cubes, times)?;
         let errors = [l2, h1, max];
         let orders = levels
             .last()

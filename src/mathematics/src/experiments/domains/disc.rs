@@ -3,8 +3,8 @@
 use crate::discrete::kkt::judge;
 use crate::machine::threads::map;
 use crate::mesh::{
-    BuiltIn, ConstantPieces, Mesh, MeshPlace, NestedMeshes, OnCells, distance_squared, integrals,
-    mesh_arcs, mesh_load, nested_meshes,
+    BuiltIn, ConstantPieces, Mesh, MeshPlace, NestedMeshes, OnCells, arcs, boundary_curves,
+    distance_squared, integrals, mesh_load, nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
@@ -121,7 +121,7 @@ fn errors(
     }
     let alpha = problem.free_angle();
     let ends = (alpha > 0.0).then(|| {
-        let arcs = mesh_arcs(mesh, network, &y, &judged);
+        let arcs = arcs(&boundary_curves(mesh), &y, &judged);
         let ends = arcs.iter().flat_map(|arc| [arc.from, arc.to]);
         let distances = ends.map(|[px, py]| {
             // The ends are at k t = alpha and -alpha, up to whole turns.

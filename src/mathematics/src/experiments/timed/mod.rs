@@ -17,7 +17,6 @@ use super::adapted::Way;
 use super::known::KnownSolution;
 use super::problems::CONTACT;
 use crate::experiments::work::REACHED;
-use crate::machine::streams::MemoryStream;
 use crate::problem::exact::Exact;
 use crate::solvers::Solver;
 use crate::spectral::SpectralParams;
@@ -182,7 +181,7 @@ impl TimedPlan {
     }
 
     /// Array that exceeds the caches, by which the bandwidth of the memory is measured.
-    pub fn stream(&self) -> MemoryStream {
-        MemoryStream::new(if self.quick { 1 << 20 } else { 1 << 25 })
+    pub fn stream(&self) -> Vec<f64> {
+        vec![0.0; if self.quick { 1 << 20 } else { 1 << 25 }]
     }
 }

@@ -96,7 +96,7 @@ fn published(problem: &Arc<TimedProblem>) -> Result<TimedRun, String> {
         move || {
             let nested = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
             let params = Params { r: R, rule: StopRule::Signed, ..Params::default() };
-            solve_nested(&nested, Law::SIGNORINI.with_loads(&loads), &params, &mut ()).1
+            solve_nested(&nested, Law::SIGNORINI, &loads, &params, &mut ()).1
         },
         move |pair| Ok(Some(judging.facts(solver, last, TimedPlan::PUBLISHED.into(), &pair.y))),
     ))

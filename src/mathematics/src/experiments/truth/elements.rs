@@ -1,12 +1,13 @@
 //! Finite elements against a true solution: errors, ends of contact, and guaranteed bounds.
 
 use crate::bounds::{Bounds, bounds};
-use crate::discrete::contact::{ContactArc, arcs};
+use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
 use crate::discrete::load::{self, LoadRule};
 use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
+use crate::mesh::{arcs, square_boundary};
 use crate::multigrid::{self, MultigridParams};
 use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
@@ -120,7 +121,7 @@ impl ElementsLevel {
         let [low, high] = bounds.energy;
         let truth = known.solution();
         let judgement = judge(grid, Law::SIGNORINI, &y, &load);
-        let contact = arcs(grid, &y, &judgement);
+        let contact = arcs(&[square_boundary(grid)], &y, &judgement);
         Ok(Self {
             cells,
             error,

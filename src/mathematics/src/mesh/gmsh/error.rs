@@ -1,15 +1,14 @@
 //! Faults of a file, each in one line.
 
-use super::other_file::OtherFile;
 use crate::mesh::MeshError;
 use std::fmt;
 
 /// Why a file is no mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GmshError {
+pub(super) enum GmshError {
     /// Another kind of file.
     #[error("{0}")]
-    NoMeshFormat(OtherFile),
+    NoMeshFormat(String),
     /// A fault in a section.
     #[error("${section}, {place}: {fault}")]
     Section {
@@ -102,7 +101,7 @@ pub enum GmshError {
 
 /// Place of a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FilePlace {
+pub(super) enum FilePlace {
     /// Line of a text, from 1 on.
     Line(usize),
     /// Byte of a binary file, from 0 on.
@@ -120,7 +119,7 @@ impl fmt::Display for FilePlace {
 
 /// Fault in a section.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Fault {
+pub(super) enum Fault {
     /// The end of the file where something has to follow.
     #[error("the file ends too soon; save the mesh again")]
     FileEnd,

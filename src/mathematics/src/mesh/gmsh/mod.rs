@@ -17,12 +17,10 @@ mod plane;
 mod quadrangles;
 mod scanner;
 
-pub use error::{Fault, FilePlace, GmshError};
-pub use other_file::OtherFile;
-
 use super::AnyMesh;
 use build::Sections;
 use elements::FileElements;
+use error::{Fault, GmshError};
 use groups::{Entities, GroupNames};
 use nodes::FileNodes;
 use scanner::{Scanner, Version};
@@ -36,8 +34,12 @@ use scanner::{Scanner, Version};
 /// is on no cell and in no group.
 ///
 /// # Errors
-/// [`GmshError`], with the section and the line or byte, or the number of the element.
-pub fn read(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
+/// A sentence with the section and the line or byte, or with the number of the element.
+pub fn read(bytes: &[u8]) -> Result<AnyMesh, String> {
+    read_mesh(bytes).map_err(|e| e.to_string())
+}
+
+fn read_mesh(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
     let mut scanner = Scanner::new(bytes)?;
     let (mut names, mut entities) = (GroupNames::default(), Entities::default());
     let (mut nodes, mut elements) = (None, None);

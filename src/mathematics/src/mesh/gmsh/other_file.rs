@@ -1,17 +1,7 @@
 //! Files that stand in the place of a mesh, told by their first bytes.
 
-use std::fmt;
-
 /// Bytes that some editors put before a text.
 pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
-/// Kind of a file that is no mesh of Gmsh, with a remedy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OtherFile {
-    /// Kind of the file, as the end of a sentence.
-    is: &'static str,
-    remedy: &'static str,
-}
 
 /// Beginning of a file of some kind, in small letters.
 type Beginning = (&'static [u8], &'static str, &'static str);
@@ -68,30 +58,34 @@ const LOOKED_AT: usize = 4096;
 /// Bytes before the number of triangles in a binary file of STL, and bytes of a triangle.
 const STL: [usize; 2] = [80, 50];
 
-impl OtherFile {
-    /// Tells the kind of a file from its contents.
-    pub(super) fn recognise(bytes: &[u8]) -> Self {
-        let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes).trim_ascii_start();
-        if text.is_empty() {
-            return Self { is: "is empty", remedy: "save the mesh again" };
-        }
-        let head = text[..text.len().min(LOOKED_AT)].to_ascii_lowercase();
-        let known = BEGINNINGS.iter().find(|(beginning, ..)| begins(&head, beginning));
-        if let Some(&(_, is, remedy)) = known {
-            return Self { is, remedy };
-        }
-        if is_binary_stl(bytes) {
-            return Self { is: "is a surface in STL", remedy: SURFACE };
-        }
-        let mut lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
-        if lines.clone().any(|line| GEOMETRY.iter().any(|word| line.starts_with(word))) {
-            return Self { is: "is a geometry of Gmsh", remedy: MESH };
-        }
-        if lines.any(|line| line.starts_with(b"v ")) {
-            return Self { is: "is a surface in OBJ", remedy: SURFACE };
-        }
-        Self { is: "does not begin with $MeshFormat", remedy: "save the mesh with Gmsh as .msh" }
+/// Tells the kind of a file that is no mesh of Gmsh from its contents, with a remedy.
+pub(super) fn other_file(bytes: &[u8]) -> String {
+    let (is, remedy) = recognised(bytes);
+    format!("the file {is}; {remedy}")
+}
+
+/// Kind of a file, as the end of a sentence, and remedy.
+fn recognised(bytes: &[u8]) -> (&'static str, &'static str) {
+    let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes).trim_ascii_start();
+    if text.is_empty() {
+        return ("is empty", "save the mesh again");
     }
+    let head = text[..text.len().min(LOOKED_AT)].to_ascii_lowercase();
+    let known = BEGINNINGS.iter().find(|(beginning, ..)| begins(&head, beginning));
+    if let Some(&(_, is, remedy)) = known {
+        return (is, remedy);
+    }
+    if is_binary_stl(bytes) {
+        return ("is a surface in STL", SURFACE);
+    }
+    let mut lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    if lines.clone().any(|line| GEOMETRY.iter().any(|word| line.starts_with(word))) {
+        return ("is a geometry of Gmsh", MESH);
+    }
+    if lines.any(|line| line.starts_with(b"v ")) {
+        return ("is a surface in OBJ", SURFACE);
+    }
+    ("does not begin with $MeshFormat", "save the mesh with Gmsh as .msh")
 }
 
 /// True if a file in small letters begins so, with any end of a line, what stands before the root of XML aside.
@@ -118,12 +112,6 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
     let Some(count) = bytes.get(head..).and_then(<[u8]>::first_chunk) else { return false };
     let triangles = u32::from_le_bytes(*count) as usize;
     triangles > 0 && bytes.len() == head + count.len() + triangle * triangles
-}
-
-impl fmt::Display for OtherFile {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the file {}; {}", self.is, self.remedy)
-    }
 }
 
 #[cfg(test)]
@@ -183,7 +171,7 @@ mod tests {
                 "does not begin with $MeshFormat; save the mesh with Gmsh as .msh",
             ),
         ] {
-            assert_eq!(OtherFile::recognise(file).to_string(), format!("the file {said}"));
+            assert_eq!(other_file(file), format!("the file {said}"));
         }
         stl.pop();
         assert!(!is_binary_stl(&stl));

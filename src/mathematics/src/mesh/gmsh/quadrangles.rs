@@ -77,7 +77,7 @@ mod tests {
             (["13 0.9 0.3 0", "14 1 0.6 0"], [[0, 1, 2], [0, 2, 3]]),
         ] {
             let mut mesh = plane(quadrangle(corners).as_bytes());
-            assert_eq!((mesh.cells(), mesh.origin().quadrangles), (&cells[..], 1), "{corners:?}");
+            assert_eq!((mesh.cells(), mesh.origin.quadrangles), (&cells[..], 1), "{corners:?}");
             let notes = mesh.notes();
             assert!(notes[0].contains("1 quadrangle is cut into triangles"), "{notes:?}");
             if corners[0] == "13 1 1 0" {

@@ -1,7 +1,7 @@
 //! Words and numbers of a file, one after the other, in text or in bytes.
 
 use super::error::{Fault, FilePlace, GmshError};
-use super::other_file::{BYTE_ORDER_MARK, OtherFile};
+use super::other_file::{BYTE_ORDER_MARK, other_file};
 use std::str::FromStr;
 
 /// Letters of a word that a message shows.
@@ -70,7 +70,7 @@ impl<'a> Scanner<'a> {
             match scanner.section() {
                 Ok(Some("MeshFormat")) => break,
                 Ok(Some("Comments")) => scanner.skip()?,
-                _ => return Err(GmshError::NoMeshFormat(OtherFile::recognise(bytes))),
+                _ => return Err(GmshError::NoMeshFormat(other_file(bytes))),
             }
         }
         let version = scanner.word()?;

@@ -8,7 +8,7 @@ use std::ops::{Add, Mul, Sub};
 /// A number per lane.
 #[derive(Clone, Copy, Default)]
 #[repr(align(64))]
-pub struct V(pub [f64; LANES]);
+pub(crate) struct V(pub [f64; LANES]);
 
 impl Add for V {
     type Output = Self;

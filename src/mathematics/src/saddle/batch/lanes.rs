@@ -46,7 +46,7 @@ impl LaneEdge {
 
 /// The iterates of all lanes.
 #[derive(Clone)]
-pub struct Lanes {
+pub(crate) struct Lanes {
     pub(super) grid: Grid,
     pub(super) laws: LaneLaws,
     order: Order,
@@ -86,7 +86,7 @@ fn relaxed(centre: V, terms: [V; 5]) -> V {
 
 impl Lanes {
     /// All lanes at zero, under one law, swept in this order, with the multiplier's weight at corners in units of h.
-    pub fn new(grid: Grid, law: Law, order: Order, corner_weight: f64) -> Self {
+    pub(crate) fn new(grid: Grid, law: Law, order: Order, corner_weight: f64) -> Self {
         let n = grid.cells();
         let network = Network::of_square(grid);
         let edge = |(b, node): (usize, usize)| {
@@ -154,7 +154,7 @@ impl Lanes {
     ///
     /// # Panics
     /// If r is not positive, or a run before had a proximal term.
-    pub fn enter_all(&mut self, r: f64) -> &mut [V] {
+    pub(crate) fn enter_all(&mut self, r: f64) -> &mut [V] {
         assert!(r > 0.0 && !self.regularised);
         self.y.fill(V::all(0.0));
         self.a.fill(V::all(0.0));
@@ -166,7 +166,7 @@ impl Lanes {
     ///
     /// # Panics
     /// If the lanes are not of that grid.
-    pub fn prolong(&mut self, coarse: &Self, rule: Prolongation, multiplier: bool) {
+    pub(crate) fn prolong(&mut self, coarse: &Self, rule: Prolongation, multiplier: bool) {
         self.y.copy_from_slice(&prolong(coarse.grid, &coarse.y, rule));
         if multiplier {
             self.a.copy_from_slice(&prolong_boundary(&coarse.a));

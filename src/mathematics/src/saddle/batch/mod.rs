@@ -10,8 +10,9 @@ mod lanes;
 mod measure;
 mod network;
 
-pub use arithmetic::V;
-pub use lanes::{Lanes, Order};
+pub(crate) use arithmetic::V;
+pub(crate) use lanes::Lanes;
+pub use lanes::Order;
 pub(super) use network::NetworkLanes;
 
 use crate::problem::law::Law;
@@ -21,7 +22,7 @@ use crate::saddle::{Engine, RunStart};
 pub const LANES: usize = 8;
 
 /// Engine that a run enters where a lane is free.
-pub trait LaneEngine: Engine<LANES> {
+pub(crate) trait LaneEngine: Engine<LANES> {
     /// Puts a run into a lane, under this law.
     ///
     /// # Panics

@@ -7,7 +7,7 @@ use crate::mesh::{
     Condition, Facet, MeshData, Names, Part, lattice_mesh, mesh_load, nested_meshes,
 };
 use crate::problem::source::Source;
-use crate::saddle::{GradientMeasure, Params, arrow_hurwicz, solve, solve_nested};
+use crate::saddle::{self, GradientMeasure, Params, arrow_hurwicz, solve, solve_nested};
 
 fn setting() -> (Grid, Vec<f64>, Pair) {
     let grid = Grid::new(16).unwrap();
@@ -20,7 +20,7 @@ fn laws() -> [Law; 2] {
 }
 
 /// Fails unless each run in lanes has the end and the last pair that it has alone.
-fn compare_with_runs_alone(domain: impl SaddleDomain + Copy, load: &[f64]) {
+fn compare_with_runs_alone(domain: DiscreteDomain<'_>, load: &[f64]) {
     let start = Pair::zero(domain);
     let rules = StopRule::ALL;
     let all = || [0.3, 1.0, 5.0, 1e6].iter().flat_map(|&r| rules.map(|rule| (r, rule)));
@@ -44,7 +44,7 @@ fn compare_with_runs_alone(domain: impl SaddleDomain + Copy, load: &[f64]) {
 #[test]
 fn each_lane_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load, start) = setting();
-    compare_with_runs_alone(grid, &load);
+    compare_with_runs_alone(grid.into(), &load);
     let (law, method, goal) = (laws()[1], Method::ArrowHurwicz, JobGoal::Kkt(1e-3));
     let job = Job { law, load: &load, start: &start, method, r: 3.0, goal, cap: 1000 };
     let (end, last) = &run(grid, &[job])[0];
@@ -69,7 +69,7 @@ fn and_on_networks() {
     let loads: Vec<_> =
         nested.meshes.iter().map(|mesh| mesh_load(mesh, &f).unwrap().load).collect();
     for (level, load) in nested.networks.iter().zip(&loads) {
-        compare_with_runs_alone(&level.network, load);
+        compare_with_runs_alone((&level.network).into(), load);
     }
     let levels = &nested.networks[..];
     let mut jobs = Vec::new();
@@ -78,7 +78,7 @@ fn and_on_networks() {
     }
     for (job, ends) in jobs.iter().zip(run_all_nested(levels, &jobs, |_, _| 500)) {
         let params = Params { r: job.r, rule: job.rule, max_iterations: 500, ..Params::default() };
-        let (outcomes, pair) = solve_nested(levels, job.law.with_loads(&loads), &params, &mut ());
+        let (outcomes, pair) = solve_nested(levels, job.law, &loads, &params, &mut ());
         assert_eq!(ends[2].1, pair);
         assert!(ends.iter().zip(outcomes).all(|((end, _), outcome)| *end == outcome.end));
     }
@@ -99,8 +99,9 @@ fn all_engines_have_the_same_pairs_and_measures_to_the_last_bit() {
     let network = Network::of_square(grid);
     for law in laws() {
         let run = RunStart { load: &load, method: Method::ArrowHurwicz, r: 3.0, pair: &start };
-        let (mut square, mut definition) = (grid.engine(law, &run), (&network).engine(law, &run));
-        let mut all_lanes = [grid.lanes(), (&network).lanes()];
+        let (mut square, mut definition) =
+            (saddle::engine(grid, law, &run), saddle::engine(&network, law, &run));
+        let mut all_lanes = [lanes(grid), lanes(&network)];
         all_lanes.iter_mut().for_each(|lanes| lanes.enter(5, law, &run));
         for _ in 0..20 {
             square.sweep();

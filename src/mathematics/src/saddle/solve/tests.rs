@@ -1,7 +1,9 @@
 //! The methods against each other, and how a run ends.
 
 use super::*;
+use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
+use crate::discrete::network::Network;
 use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 

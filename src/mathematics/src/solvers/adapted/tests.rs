@@ -3,6 +3,7 @@
 use super::*;
 use crate::bounds::{Bounds, NoBound};
 use crate::levels::Problem;
+use crate::mesh::AnyMesh;
 use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Names, Part, lattice_mesh};
 use crate::problem::law::Law;
 use crate::saddle::Monitor;
@@ -184,7 +185,7 @@ fn every_bracket_of_every_mesh_holds_the_true_energy() {
         assert_eq!(reached.end, ReachEnd::Goal, "{name}");
         assert!(bounds.relative() <= 0.03);
         assert_eq!([run.ends().len(), reached.tried], [meshes.len(); 2]);
-        assert!(run.problem.levels().count() > meshes.len());
+        assert!(run.problem.count() > meshes.len());
         for mesh in &meshes {
             let nodes = mesh.nodes;
             let bounds = mesh.bounds.as_ref().map_err(|reason| format!("{name} {nodes}: {reason}"));
@@ -267,13 +268,18 @@ fn parts_of_the_error_sum_up_to_the_bound() {
     }
 }
 
+/// Mesh of the finest level.
+fn finest(problem: &Problem) -> AnyMesh {
+    problem.levels().mesh(problem.finest()).into_owned()
+}
+
 #[test]
 fn threads_make_the_same_meshes_to_the_bit() {
     let problem = &known()[0];
     let found = [1, 16].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let (run, _) = pool.install(|| problem.run(Accuracy::Error(0.015)));
-        (run.problem.levels().mesh(), run.pair().y.iter().map(|y| y.to_bits()).collect::<Vec<_>>())
+        (finest(&run.problem), run.pair().y.iter().map(|y| y.to_bits()).collect::<Vec<_>>())
     });
     assert!(found[0] == found[1]);
 }
@@ -284,8 +290,8 @@ fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
         let (run, _) = problem.run(Accuracy::Error(0.05));
         let marks = run.reached.as_ref().and_then(|reached| reached.marks.as_ref()).unwrap();
         let anew = Problem::on_bisected(&problem.mesh, marks, problem.f, problem.law).unwrap();
-        assert!(marks.len() > 4 && anew.levels().count() == run.problem.levels().count());
-        assert!(anew.levels().mesh() == run.problem.levels().mesh());
+        assert!(marks.len() > 4 && anew.count() == run.problem.count());
+        assert!(finest(&anew) == finest(&run.problem));
         assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.pair().y.len(); 2]);
         assert!(anew.load() == run.problem.load() && anew.lengths() == run.problem.lengths());
     }
@@ -301,7 +307,7 @@ fn a_run_ends_with_a_number_whatever_happens() {
     assert_eq!(run.reached.as_ref().unwrap().end, end);
     assert!(nodes <= 300 && last(&run).relative() < 0.3);
     // There are more levels than meshes that are shown.
-    let name = run.problem.levels().name(run.problem.finest());
+    let name = run.problem.name(run.problem.finest());
     assert_eq!(name, format!("the mesh of {nodes} nodes"));
     let huge = Adaption { f: "else=-1e200", ..problem.adaption(Accuracy::Error(0.1)) };
     assert!(huge.run(&mut (), &|_| ()).is_err());
