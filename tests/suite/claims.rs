@@ -8,6 +8,7 @@ use signorini_mathematics::experiments::claims::{
 };
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{NestedGrids, Params, StopRule, solve_nested};
+use signorini_mathematics::statement::Fineness;
 use std::sync::OnceLock;
 
 /// The plan of the book with fewer r, and without the finest grid where it is dear.
@@ -104,7 +105,7 @@ fn threads_change_nothing() {
         let plan =
             ClaimsPlan { per_decade: 1, decades: (0, 2), compared_r: vec![1.0, 10.0], ..plan() };
         let problems = plan.problems.iter().cloned().map(|mut problem| {
-            problem.grids = vec![4, 8, 16];
+            problem.statement.fineness = Fineness::Grids(vec![4, 8, 16]);
             problem
         });
         claims(&ClaimsPlan {
@@ -120,7 +121,7 @@ fn threads_change_nothing() {
 #[test]
 fn a_load_without_solution_is_an_error() {
     let mut plan = plan();
-    plan.problems[0].f = "else=1".into();
+    plan.problems[0].statement.f = "else=1".into();
     let error = claims(&plan).unwrap_err();
     assert!(error.contains("no solution on grid 1/4"), "{error}");
 }

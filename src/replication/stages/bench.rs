@@ -15,7 +15,7 @@ use crate::timing::recorded::{PATH, Timings};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use signorini_mathematics::experiments::EXPERIMENTS;
+use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
     let mut tasks = Vec::new();
     for experiment in &EXPERIMENTS {
-        let plan = serde_json::from_str(&(experiment.plan)(&problems)).expect("a plan is JSON");
+        let plan = (experiment.plan)(&problems);
         let asked = Asked { experiment: experiment.name.into(), plan };
         tasks.push(Task::new(id(experiment.name), &asked, Vec::new(), |asked, _| asked.found()));
     }
@@ -47,8 +47,9 @@ impl Asked {
     fn found(&self) -> Made {
         let named = EXPERIMENTS.iter().find(|one| one.name == self.experiment);
         let experiment = named.ok_or_else(|| format!("no experiment {}", self.experiment))?;
-        let found = (experiment.run)(&self.plan.to_string())? + "\n";
-        Ok(Artifacts::from([(RESULT.into(), found.into_bytes())]))
+        let found = (experiment.run)(&self.plan)?;
+        let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
+        Ok(Artifacts::from([(RESULT.into(), json.into_bytes())]))
     }
 }
 
@@ -150,6 +151,13 @@ fn id(experiment: &str) -> String {
 
 pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
     super::from_json(inputs, &id(experiment), RESULT)
+}
+
+/// Returns a table of the findings of an experiment.
+pub(super) fn table(inputs: &Inputs, experiment: &str, name: &str) -> Result<Rows, String> {
+    let mut findings: BTreeMap<String, Value> = result(inputs, experiment)?;
+    let rows = findings.remove(name).ok_or_else(|| format!("{experiment} has no table {name}"))?;
+    serde_json::from_value(rows).map_err(|e| format!("{name} of {experiment} is no table: {e}"))
 }
 
 /// Returns the findings of all experiments, by name, for the templates.

@@ -39,8 +39,8 @@ impl Gathered<'_> {
         let ClaimCase { problem, published, solvable, .. } = self.problem;
         Measured {
             number: problem.number,
-            f: problem.f.clone(),
-            law: problem.law,
+            f: problem.statement.f.clone(),
+            law: problem.statement.law,
             sums: [published, solvable].map(|loads| loads[loads.len() - 1].iter().sum()),
             rows: self.rows(),
             tables: StopRule::ALL.map(|rule| self.table(rule)).into(),

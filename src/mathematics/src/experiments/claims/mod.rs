@@ -13,11 +13,11 @@ pub use verdict::{DualFactors, GainsAt, Spread, Verdicts};
 use crate::discrete::end::End;
 use crate::discrete::load::LoadRule;
 use crate::discrete::stop::Stop;
-use crate::discrete::transfer::Prolongation;
 use crate::experiments::power_of_ten;
 use crate::experiments::problems::{FRICTION, FrictionProblem, TableProblem};
 use crate::problem::law::LawParameter;
 use crate::saddle::{Method, StopRule};
+use crate::statement::{Domain, SaddleSettings, Statement};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
@@ -81,16 +81,17 @@ impl ClaimsPlan {
     pub fn friction() -> Self {
         let mut problems = Vec::new();
         for (number, FrictionProblem { f, g }) in (1..).zip(FRICTION) {
-            problems.push(TableProblem {
-                number,
-                f: f.into(),
+            let statement = Statement {
                 law: Some(LawParameter::Friction(g)),
-                load: LoadRule::LumpedAverage {},
-                prolongation: Prolongation::default(),
-                grids: vec![4, 8, 16, 32, 64],
-                r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
-                max_iterations: 100_000,
-            });
+                load: Some(LoadRule::LumpedAverage {}),
+                saddle: Some(SaddleSettings {
+                    max_iterations: 100_000,
+                    ..SaddleSettings::default()
+                }),
+                ..Statement::usual(Domain::square(), f)
+            };
+            let r = vec![1e6, 10.0, 5.0, 1.0, 0.5];
+            problems.push(TableProblem { number, r, statement });
         }
         Self {
             per_decade: 1,

@@ -7,7 +7,7 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::{largest, worst};
 use crate::discrete::stop::Stop;
-use crate::experiments::problems::{ProblemOnGrids, TableProblem};
+use crate::experiments::problems::TableProblem;
 use crate::machine::threads::map;
 use crate::problem::law::Law;
 use crate::saddle::batch::LANES;
@@ -138,9 +138,10 @@ impl ClaimJob {
     /// True if this run and another may be in one batch.
     fn shares_grids(&self, other: &Self, problems: &[ClaimCase]) -> bool {
         let [one, two] = [self, other].map(|job| &problems[job.problem]);
+        let prolongation = |case: &ClaimCase| case.problem.saddle().prolongation;
         match (self.measure, other.measure) {
             (ClaimMeasure::Rule(_), ClaimMeasure::Rule(_)) => {
-                one.grids == two.grids && one.problem.prolongation == two.problem.prolongation
+                one.grids == two.grids && prolongation(one) == prolongation(two)
             }
             (ClaimMeasure::Kkt(_), ClaimMeasure::Kkt(_)) => {
                 one.grids[self.level] == two.grids[other.level]
@@ -177,12 +178,13 @@ impl ClaimJob {
 
 impl<'a> ClaimCase<'a> {
     pub(super) fn new(problem: &'a TableProblem) -> Result<Self, String> {
-        let ProblemOnGrids { f, grids, loads: published } = problem.discrete()?;
-        let law = problem.law()?;
+        let (f, grids) = problem.on_grids()?;
+        let published = problem.loads(&f, &grids);
+        let law = problem.statement.law().map_err(|e| e.to_string())?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
         let params =
             Params { r: 100.0, tolerance: START, rule: StopRule::PrintedDual, ..Params::default() };
-        let levels = NestedGrids { grids: &grids, prolongation: problem.prolongation };
+        let levels = NestedGrids { grids: &grids, prolongation: problem.saddle().prolongation };
         let mut starts = Vec::new();
         saddle::run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
             starts.push(pair.clone());
@@ -238,14 +240,15 @@ impl<'a> ClaimCase<'a> {
 /// grids.
 fn run_nested(problems: &[ClaimCase], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
     let first = &problems[batch[0].problem];
-    let levels = NestedGrids { grids: &first.grids, prolongation: first.problem.prolongation };
+    let levels =
+        NestedGrids { grids: &first.grids, prolongation: first.problem.saddle().prolongation };
     let mut runs = Vec::new();
     for job in batch {
         let ClaimCase { law, published: loads, .. } = &problems[job.problem];
         let rule = job.rule().expect("the runs of a batch are of one kind");
         runs.push(NestedJob { law: *law, loads, r: job.r, rule });
     }
-    let limit = |run: usize, _| problems[batch[run].problem].problem.max_iterations;
+    let limit = |run: usize, _| problems[batch[run].problem].problem.saddle().max_iterations;
     let mut results = Vec::new();
     for (job, ends) in batch.iter().zip(run_all_nested(&levels, &runs, limit)) {
         let case = &problems[job.problem];
@@ -283,17 +286,20 @@ fn run_on_grid(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statement::Fineness;
 
     #[test]
     fn every_run_is_in_one_batch_and_no_batch_leaves_lanes_idle_from_the_start() {
         let plan = ClaimsPlan::friction();
         // The first two have the paper's f.
         let papers = plan.problems[..2].iter().cloned();
-        let papers = papers.map(|problem| TableProblem { law: None, ..problem });
-        let papers = ClaimsPlan::new(papers.collect());
+        let mut papers = ClaimsPlan::new(papers.collect());
+        papers.problems.iter_mut().for_each(|problem| problem.statement.law = None);
         for mut plan in [plan, papers] {
             // The batches are the same without the finest grids.
-            plan.problems.iter_mut().for_each(|problem| problem.grids = vec![4, 8, 16]);
+            plan.problems.iter_mut().for_each(|problem| {
+                problem.statement.fineness = Fineness::Grids(vec![4, 8, 16]);
+            });
             let problems: Vec<_> =
                 plan.problems.iter().map(|problem| ClaimCase::new(problem).unwrap()).collect();
             let (all, batches) = (all_jobs(&plan, &problems), batches(&plan, &problems));
