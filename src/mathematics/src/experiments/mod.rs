@@ -6,11 +6,11 @@
 //! Each experiment is one function of its plan, the central function of its module, and an entry of [`EXPERIMENTS`],
 //! by which whoever runs them all needs to know none.
 
-pub mod accuracy;
+mod accuracy;
 pub mod adapted;
 pub mod claims;
 pub mod domains;
-pub mod known;
+mod known;
 mod numbers;
 pub mod problems;
 mod rows;
@@ -19,8 +19,8 @@ pub mod sticking;
 pub mod stress;
 pub mod timed;
 pub mod trial;
-pub mod truth;
-pub mod work;
+mod truth;
+mod work;
 
 pub use rows::{Findings, Rows};
 

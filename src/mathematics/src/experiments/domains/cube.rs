@@ -1,7 +1,7 @@
 //! Convergence on the cube to solutions with a formula.
 
+use super::KnownLevels;
 use crate::discrete::norms::Errors;
-use crate::experiments::accuracy::KnownLevels;
 use crate::machine::threads::{for_runs, map};
 use crate::mesh::{
     ConstantPieces, NestedMeshes, OnCells, mesh_errors, mesh_load, nested_meshes, uniform_cube,

@@ -5,7 +5,6 @@ mod counts;
 mod cube;
 mod disc;
 
-use super::accuracy::KnownLevels;
 use crate::levels::{Problem, Reserve};
 use crate::machine::threads::map;
 use crate::mesh::AnyMesh;
@@ -99,6 +98,15 @@ pub struct DomainsFindings {
     pub effectivity: f64,
     /// Greatest algebraic error at the discretisation error over the bound.
     pub algebraic: f64,
+}
+
+/// A problem with known solution on all meshes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KnownLevels<L> {
+    /// Name, as in `exact(name)`.
+    pub name: String,
+    /// Mesh by mesh.
+    pub levels: Vec<L>,
 }
 
 /// Cost of multigrid on one domain.
