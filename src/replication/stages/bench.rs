@@ -60,7 +60,7 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["accuracy", "accuracy"],
             "Errors against the width of the grid, problems with known solutions",
-            |it, inputs| it.made(inputs, cost::accuracy(&result(inputs, "accuracy")?)),
+            |it, inputs| it.made(inputs, cost::accuracy(&table(inputs, "accuracy", "errors")?)?),
         ),
         picture(
             ["adapted", "adapted"],
@@ -70,7 +70,7 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["truth", "ends"],
             "Error of the ends of contact and of the energy against the width of the grid",
-            |it, inputs| it.made(inputs, cost::ends(&result(inputs, "truth")?)),
+            |it, inputs| it.made(inputs, cost::ends(&table(inputs, "truth", "elements")?)?),
         ),
         picture(
             ["claims", "sweep"],
@@ -130,10 +130,10 @@ pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
             .map(Drawing::new);
     let tasks = [
         drawing("cost", &cost, Vec::new(), |it, inputs| {
-            it.made(inputs, cost::cost(&times(inputs)?))
+            it.made(inputs, cost::cost(&times(inputs)?)?)
         }),
         drawing("race", &race, Vec::new(), |it, inputs| {
-            it.made(inputs, cost::race(&times(inputs)?))
+            it.made(inputs, cost::race(&times(inputs)?)?)
         }),
     ];
     let files = InputFiles::from([(PATH.to_owned(), file.clone())]);
@@ -149,7 +149,7 @@ fn id(experiment: &str) -> String {
     format!("bench/{experiment}")
 }
 
-pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
+fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
     super::from_json(inputs, &id(experiment), RESULT)
 }
 

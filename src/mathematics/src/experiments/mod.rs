@@ -22,7 +22,7 @@ pub mod trial;
 mod truth;
 mod work;
 
-pub use rows::{Findings, Rows};
+pub use rows::{Findings, Row, Rows};
 
 use problems::TableProblem;
 use serde::de::DeserializeOwned;

@@ -2,9 +2,23 @@
 
 use super::{Prepared, TimedFacts, TimedRun};
 use crate::experiments::adapted::{AdaptedDomain, AdaptedProblem, BoundedRun, Way};
+use crate::experiments::rows::row_of;
 use crate::solvers::Adaption;
+use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Table `adapted`: meshes that are refined, from the coarsest mesh to the bounds.
+#[derive(Serialize)]
+struct RefinedRow {
+    /// Name of the domain.
+    problem: &'static str,
+    way: Way,
+    /// Number of nodes of the finest mesh.
+    nodes: usize,
+    /// Guaranteed error over the norm of the solution.
+    error: f64,
+}
 
 /// Guaranteed errors, over the norm of the solution, to which adaptive refinement goes.
 const GOALS: [f64; 3] = [0.03, 0.01, 0.003];
@@ -62,7 +76,8 @@ fn relative(run: &BoundedRun) -> Result<f64, String> {
 
 fn facts(way: Way, run: &BoundedRun) -> Result<Option<TimedFacts>, String> {
     let (nodes, error) = (run.y.len(), relative(run)?);
-    Ok(Some(TimedFacts::Refined { problem: AdaptedDomain::LShape.name(), way, nodes, error }))
+    let row = RefinedRow { problem: AdaptedDomain::LShape.name(), way, nodes, error };
+    Ok(Some(TimedFacts { table: "adapted", row: row_of(row) }))
 }
 
 #[cfg(test)]
