@@ -47,7 +47,9 @@ impl Asked {
     fn found(&self) -> Made {
         let named = EXPERIMENTS.iter().find(|one| one.name == self.experiment);
         let experiment = named.ok_or_else(|| format!("no experiment {}", self.experiment))?;
-        let found = (experiment.run)(&self.plan)?;
+        let mut found = (experiment.run)(&self.plan)?;
+        // Pages have the plan beside the tables.
+        found["plan"] = self.plan.clone();
         let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
         Ok(Artifacts::from([(RESULT.into(), json.into_bytes())]))
     }
