@@ -6,12 +6,12 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::experiments::Range;
 use signorini_mathematics::experiments::problems::TableProblem;
 use signorini_mathematics::experiments::stress::{self, Stress, stress};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use std::sync::OnceLock;
 
 fn tables(grids: &[usize]) -> Vec<TableProblem> {
@@ -19,14 +19,13 @@ fn tables(grids: &[usize]) -> Vec<TableProblem> {
         .iter()
         .zip(1..)
         .map(|(f, number)| TableProblem {
-            law: None,
             number,
-            f: (*f).into(),
-            load: LoadRule::default(),
-            prolongation: Prolongation::Bilinear,
-            grids: grids.into(),
             r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
-            max_iterations: 100_000,
+            statement: Statement {
+                load: Some(LoadRule::default()),
+                fineness: Fineness::Grids(grids.into()),
+                ..Statement::usual(Domain::square(), *f)
+            },
         })
         .collect()
 }
@@ -67,7 +66,8 @@ fn one_iteration_meets_the_signed_rule_for_every_tolerance_of_the_plateau() {
     let Range { least, greatest } = plateau.tolerances;
     assert!(least <= 1e-14 && greatest >= 1e-6 && plateau.kkt > 0.05, "{plateau:?}");
     let problem = found.plan.names().iter().position(|name| *name == plateau.problem).unwrap();
-    let (grid, f) = (Grid::new(found.plan.coarse).unwrap(), &found.plan.problems[problem].f);
+    let (grid, f) =
+        (Grid::new(found.plan.coarse).unwrap(), &found.plan.problems[problem].statement.f);
     let load = load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage {});
     let largest = load.iter().fold(0.0f64, |largest, entry| entry.abs().max(largest));
     let [before, after] = [plateau.steps - 1, plateau.steps].map(|max_iterations| {

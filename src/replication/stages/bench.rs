@@ -15,7 +15,7 @@ use crate::timing::recorded::{PATH, Timings};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use signorini_mathematics::experiments::EXPERIMENTS;
+use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
     let mut tasks = Vec::new();
     for experiment in &EXPERIMENTS {
-        let plan = serde_json::from_str(&(experiment.plan)(&problems)).expect("a plan is JSON");
+        let plan = (experiment.plan)(&problems);
         let asked = Asked { experiment: experiment.name.into(), plan };
         tasks.push(Task::new(id(experiment.name), &asked, Vec::new(), |asked, _| asked.found()));
     }
@@ -47,8 +47,11 @@ impl Asked {
     fn found(&self) -> Made {
         let named = EXPERIMENTS.iter().find(|one| one.name == self.experiment);
         let experiment = named.ok_or_else(|| format!("no experiment {}", self.experiment))?;
-        let found = (experiment.run)(&self.plan.to_string())? + "\n";
-        Ok(Artifacts::from([(RESULT.into(), found.into_bytes())]))
+        let mut found = (experiment.run)(&self.plan)?;
+        // Pages have the plan beside the tables.
+        found["plan"] = self.plan.clone();
+        let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
+        Ok(Artifacts::from([(RESULT.into(), json.into_bytes())]))
     }
 }
 
@@ -74,17 +77,17 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["claims", "sweep"],
             "Iterations of both problems against the duality parameter, three ways of stopping",
-            |it, inputs| it.made(inputs, claims::sweep(&result(inputs, "claims")?)),
+            |it, inputs| it.made(inputs, claims::sweep(&table(inputs, "claims", "runs")?)?),
         ),
         picture(
             ["claims", "uzawa"],
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
-            |it, inputs| it.made(inputs, claims::uzawa(&result(inputs, "claims")?)),
+            |it, inputs| it.made(inputs, claims::uzawa(&table(inputs, "claims", "runs")?)?),
         ),
         picture(
             ["sticking", "sticking"],
             "Length of the arcs that stick against one over the bound of the friction",
-            |it, inputs| it.made(inputs, claims::sticking(&result(inputs, "sticking")?)),
+            |it, inputs| it.made(inputs, claims::sticking(&table(inputs, "sticking", "arcs")?)?),
         ),
         picture(
             ["stress", "duality"],
@@ -111,7 +114,7 @@ fn rules(project: &Project) -> Task {
     let title = "Counts on the finest grid: printed rule, signed rule, published".into();
     let rules = Rules { title, published: project.paper.clone() };
     drawing("rules", &rules, vec![id("claims")], |Rules { title, published }, inputs| {
-        made(inputs, title, claims::rules(&result(inputs, "claims")?, published))
+        made(inputs, title, claims::rules(&table(inputs, "claims", "runs")?, published)?)
     })
 }
 
@@ -150,6 +153,13 @@ fn id(experiment: &str) -> String {
 
 pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
     super::from_json(inputs, &id(experiment), RESULT)
+}
+
+/// Returns a table of the findings of an experiment.
+pub(super) fn table(inputs: &Inputs, experiment: &str, name: &str) -> Result<Rows, String> {
+    let mut findings: BTreeMap<String, Value> = result(inputs, experiment)?;
+    let rows = findings.remove(name).ok_or_else(|| format!("{experiment} has no table {name}"))?;
+    serde_json::from_value(rows).map_err(|e| format!("{name} of {experiment} is no table: {e}"))
 }
 
 /// Returns the findings of all experiments, by name, for the templates.

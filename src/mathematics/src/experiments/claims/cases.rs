@@ -132,7 +132,9 @@ fn at_stops(problem: &TableProblem, finest: &[&ClaimRun]) -> Vec<ClaimCase> {
         let factor = without.map(|without| run.count() / without.count());
         cases.extend(match &run.end[..] {
             "signed" => Some(ClaimCase::new(STILL_MOVES, run, Some(excess), CONSIDERABLE)),
-            "printed" => Some(ClaimCase::new("still-moves-printed", run, Some(excess), CONSIDERABLE)),
+            "printed" => {
+                Some(ClaimCase::new("still-moves-printed", run, Some(excess), CONSIDERABLE))
+            }
             "signed-dual" => Some(ClaimCase::new("dual-costs", run, factor, MANY)),
             "printed-dual" => Some(ClaimCase::new("dual-costs-printed", run, factor, MANY)),
             _ => None,
@@ -270,7 +272,8 @@ mod tests {
     }
 
     #[test]
-    fn of_runs_on_several_grids_the_finest_counts_and_the_dual_criterion_is_compared_with_its_own_rule() {
+    fn of_runs_on_several_grids_the_finest_counts_and_the_dual_criterion_is_compared_with_its_own_rule()
+     {
         let mut runs = Vec::new();
         for (end, cells, sweeps) in
             [("signed", 8, 9), ("signed", 16, 4), ("printed", 16, 8), ("printed-dual", 16, 20)]

@@ -4,13 +4,13 @@
 mod cases;
 mod runs;
 
-use super::{Findings, power_of_ten, rows};
+use super::{Findings, Rows, power_of_ten};
 use crate::discrete::load::LoadRule;
 use crate::experiments::problems::{FRICTION, FrictionProblem, TableProblem};
 use crate::machine::threads::map;
 use crate::problem::law::LawParameter;
 use crate::saddle::{Method, StopRule};
-use crate::statement::{Domain, Statement};
+use crate::statement::{Domain, SaddleSettings, Statement};
 use runs::ClaimProblem;
 use serde::{Deserialize, Serialize};
 
@@ -78,6 +78,10 @@ impl ClaimsPlan {
             let statement = Statement {
                 law: Some(LawParameter::Friction(g)),
                 load: Some(LoadRule::LumpedAverage {}),
+                saddle: Some(SaddleSettings {
+                    max_iterations: 100_000,
+                    ..SaddleSettings::default()
+                }),
                 ..Statement::usual(Domain::square(), f)
             };
             let r = vec![1e6, 10.0, 5.0, 1.0, 0.5];
@@ -161,6 +165,7 @@ pub(super) fn claims(plan: &ClaimsPlan) -> Result<Findings, String> {
     let runs = runs::run_all(plan, &problems);
     let cases = cases::cases(plan, &runs);
     let weights = map(&problems, 1, |problem| problem.weights(plan));
-    let tables = [("runs", rows(runs)), ("cases", rows(cases)), ("weights", rows(weights))];
+    let tables =
+        [("runs", Rows::of(runs)), ("cases", Rows::of(cases)), ("weights", Rows::of(weights))];
     Ok(tables.map(|(name, rows)| (name.to_owned(), rows)).into())
 }

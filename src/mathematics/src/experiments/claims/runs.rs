@@ -222,7 +222,9 @@ impl ClaimJob {
         let ClaimProblem { problem, grids, .. } = &problems[self.problem];
         let (end, target, is_swept) = match self.measure {
             ClaimMeasure::Rule(rule) => (rule.to_string(), None, SWEPT.contains(&rule)),
-            ClaimMeasure::Kkt(target) => (format!("{target:e}"), Some(target), self.variant.is_none()),
+            ClaimMeasure::Kkt(target) => {
+                (format!("{target:e}"), Some(target), self.variant.is_none())
+            }
         };
         grids[self.level..].iter().zip(ends).map(move |(grid, (ended, kkt))| ClaimRun {
             problem: problem.number,
@@ -328,7 +330,8 @@ impl<'a> ClaimProblem<'a> {
 /// grids.
 fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
     let first = &problems[batch[0].problem];
-    let levels = NestedGrids { grids: &first.grids, prolongation: first.problem.saddle().prolongation };
+    let levels =
+        NestedGrids { grids: &first.grids, prolongation: first.problem.saddle().prolongation };
     let mut runs = Vec::new();
     for job in batch {
         let ClaimProblem { law, published: loads, .. } = &problems[job.problem];

@@ -55,7 +55,9 @@ impl<'a> StressLoads<'a> {
         let coarse = Grid::new(plan.coarse).map_err(|e| e.to_string())?;
         let fine = Grid::new(plan.fine).map_err(|e| e.to_string())?;
         let mut loads = Vec::new();
-        for text in plan.problems.iter().map(|problem| &problem.f).chain([&plan.contact.1]) {
+        for text in
+            plan.problems.iter().map(|problem| &problem.statement.f).chain([&plan.contact.1])
+        {
             let f: Source = text.parse().map_err(|e| format!("{e}"))?;
             let rule = LoadRule::LumpedAverage {};
             loads.push(Loads { coarse: load(coarse, &f, rule), fine: load(fine, &f, rule) });

@@ -138,9 +138,8 @@ impl StressSummary {
 mod tests {
     use super::super::{LoadNoise, RandomProblems, Series, StressPlan, Tally};
     use super::*;
-    use crate::discrete::load::LoadRule;
-    use crate::discrete::transfer::Prolongation;
     use crate::experiments::problems::TableProblem;
+    use crate::statement::{Domain, Statement};
 
     fn trial(stop: Stop, steps: usize, kkt: f64) -> Trial {
         Trial { stop: Some(stop), steps, kkt: Some(kkt), ..Trial::default() }
@@ -177,14 +176,9 @@ mod tests {
     /// Runs that nobody made, each different from the others of its kind.
     fn made_up() -> Stress {
         let problem = |number| TableProblem {
-            law: None,
             number,
-            f: String::new(),
-            load: LoadRule::default(),
-            prolongation: Prolongation::default(),
-            grids: Vec::new(),
             r: Vec::new(),
-            max_iterations: 1,
+            statement: Statement::usual(Domain::square(), ""),
         };
         let with_floor = |name, floor| (name, Trial { floor, ..trial(Stop::Converged, 1, 0.0) });
         let of_load = |work, kkt| {
