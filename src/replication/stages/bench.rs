@@ -92,12 +92,12 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["stress", "duality"],
             "KKT residual at the stop of the paper's method over r",
-            |it, inputs| it.made(inputs, duality(&result(inputs, "stress")?)),
+            |it, inputs| it.made(inputs, duality(&table(inputs, "stress", "runs")?)?),
         ),
         picture(
             ["stress", "tolerances"],
             "KKT residual reached against the tolerance asked for",
-            |it, inputs| it.made(inputs, tolerances(&result(inputs, "stress")?)),
+            |it, inputs| it.made(inputs, tolerances(&table(inputs, "stress", "runs")?)?),
         ),
     ]
 }

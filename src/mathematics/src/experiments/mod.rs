@@ -14,11 +14,11 @@ pub mod known;
 mod numbers;
 pub mod problems;
 mod rows;
-pub mod saddle;
+mod saddle;
 mod sticking;
-pub mod stress;
+mod stress;
 pub mod timed;
-pub mod trial;
+mod trial;
 pub mod truth;
 pub mod work;
 
