@@ -7,9 +7,9 @@
 //! by which whoever runs them all needs to know none.
 
 pub mod accuracy;
-pub mod adapted;
+mod adapted;
 mod claims;
-pub mod domains;
+mod domains;
 pub mod known;
 mod numbers;
 pub mod problems;
@@ -22,6 +22,7 @@ mod trial;
 pub mod truth;
 pub mod work;
 
+pub use adapted::coarse_meshes;
 pub use rows::{Findings, Rows};
 
 use problems::TableProblem;
