@@ -2,18 +2,17 @@
 
 use crate::pipeline::error::{Error, Result, from_record};
 use serde::{Deserialize, Deserializer, Serialize};
-use signorini_mathematics::experiments::adapted::Way;
-pub use signorini_mathematics::experiments::timed::MultigridGoal as Goal;
+use serde_json::Value;
 use signorini_mathematics::experiments::timed::TimedPlan;
-use signorini_mathematics::solvers::Solver;
-use std::collections::BTreeMap;
+use signorini_mathematics::experiments::{Row, Rows};
 
 /// Path of the record in the project.
 pub const PATH: &str = "pipeline/timings.toml";
 /// Version of the format.
 pub const SCHEMA: u8 = 1;
 
-/// Measured times. Every time is a median; its `spread` is the distance of the quartiles over the median.
+/// Measured times. Every time, `seconds`, is a median; its `spread` is the distance of the quartiles over the median.
+/// [`COLUMNS`] says what the tables consist of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timings {
@@ -25,23 +24,25 @@ pub struct Timings {
     /// Machine on which the times were measured.
     pub machine: Machine,
     /// Multigrid on one problem, from grid to grid.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub multigrid: Vec<Scaling>,
+    #[serde(default)]
+    pub multigrid: Rows,
     /// All solvers that use a grid, on problems with known solutions, the paper's first.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub solver: Vec<SolverTime>,
+    #[serde(default)]
+    pub solver: Rows,
     /// The spectral solver on the problems with piecewise constant f, resolution by resolution.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub spectral: Vec<Spectral>,
-    /// Solvers of others beside ours; entered by hand, kept by `bench --record`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub peer: Vec<Peer>,
-    /// Solvers of others beside ours on a user's mesh; entered by hand, kept by `bench --record`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub own_mesh: Vec<OwnMesh>,
+    #[serde(default)]
+    pub spectral: Rows,
+    /// Solvers of others beside ours, measured by a script of `benches/peers`; entered by hand, kept by
+    /// `bench --record`.
+    #[serde(default)]
+    pub peer: Rows,
+    /// Solvers of others beside ours on a user's mesh, without a coarser one, measured by `benches/peers/meshes.py own`;
+    /// entered by hand, kept by `bench --record`.
+    #[serde(default)]
+    pub own_mesh: Rows,
     /// Guaranteed error against time, on adapted and on uniform meshes.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub adapted: Vec<AdaptedTime>,
+    #[serde(default)]
+    pub adapted: Rows,
 }
 
 /// Machine and its state.
@@ -64,187 +65,7 @@ pub struct Machine {
     pub repeats: usize,
 }
 
-/// Multigrid on one grid.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scaling {
-    /// Cells per side.
-    pub cells: usize,
-    /// Number of threads that multigrid could use.
-    pub threads: usize,
-    /// Goal of multigrid.
-    pub goal: Goal,
-    /// Cost in sweeps of the finest grid.
-    #[serde(deserialize_with = "positive")]
-    pub work_units: f64,
-    /// Bytes moved per unknown, each pass reading and writing each row once.
-    #[serde(deserialize_with = "positive")]
-    pub traffic: f64,
-    /// Median time, without that for the workspace and the load vector.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-    /// Noise.
-    pub spread: f64,
-}
-
-impl Scaling {
-    /// Number of nodes of the grid.
-    pub fn unknowns(&self) -> usize {
-        nodes(self.cells)
-    }
-
-    /// Returns the nanoseconds per unknown.
-    pub fn ns(&self) -> f64 {
-        ns_per_node(self.cells, self.seconds)
-    }
-}
-
-/// Number of nodes of the grid with this number of cells per side.
-pub fn nodes(cells: usize) -> usize {
-    (cells + 1) * (cells + 1)
-}
-
-/// Returns the nanoseconds per node of a run of `seconds` on the grid with this number of cells per side.
-pub fn ns_per_node(cells: usize, seconds: f64) -> f64 {
-    1e9 * seconds / nodes(cells) as f64
-}
-
-/// One solver on one problem, grid and goal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SolverTime {
-    /// The solver.
-    pub solver: Solver,
-    /// Name of the problem, as in `exact(name)` where its solution has a formula.
-    pub problem: String,
-    /// Cells per side.
-    pub cells: usize,
-    /// Goal of the solver, in words.
-    pub goal: String,
-    /// Error against the known solution, in the discrete L2 norm; if it has no formula, relative error of the energy.
-    #[serde(deserialize_with = "positive")]
-    pub error: f64,
-    /// Error of the discrete solution, measured likewise.
-    #[serde(deserialize_with = "positive")]
-    pub discretisation: f64,
-    /// Natural residual over the largest component of the load.
-    pub kkt: f64,
-    /// Median time, without that for the load vectors.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-    /// Noise.
-    pub spread: f64,
-}
-
-/// The spectral solver at one resolution.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Spectral {
-    /// Name of the problem, as in [`SolverTime`].
-    pub problem: String,
-    /// Gauss nodes of a panel.
-    pub nodes: usize,
-    /// Number of panels that get shorter towards corners and jumps of f.
-    pub levels: u32,
-    /// Error of the energy against a finer resolution, relative; at least one rounding.
-    #[serde(deserialize_with = "positive")]
-    pub error: f64,
-    /// Median time from f to the energy, the start on a coarse grid included.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-    /// Noise.
-    pub spread: f64,
-}
-
-/// Solver of others on one grid, measured by a script of `benches/peers`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Peer {
-    /// Name, version and configuration.
-    pub solver: String,
-    /// f in the notation of scenes.
-    pub f: String,
-    /// Cells per side.
-    pub cells: usize,
-    /// Time of the other solver in microseconds per unknown, one thread.
-    #[serde(deserialize_with = "positive")]
-    pub theirs: f64,
-    /// Relative natural residual that the other solver reached.
-    #[serde(deserialize_with = "positive")]
-    pub their_kkt: f64,
-    /// Time of multigrid in microseconds per unknown for the same problem, in the same run, one thread.
-    #[serde(deserialize_with = "positive")]
-    pub ours: f64,
-    /// Relative natural residual that multigrid reached.
-    #[serde(deserialize_with = "positive")]
-    pub our_kkt: f64,
-    /// True if both times are those from f to the solution vector, with memory, load vector and matrix.
-    #[serde(default)]
-    pub whole: bool,
-}
-
-/// Solver of others on a mesh without a coarser one, measured by `benches/peers/meshes.py own`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OwnMesh {
-    /// Mesh in words.
-    pub mesh: String,
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Name, version and configuration of the other solver.
-    pub solver: String,
-    /// Time of the other solver in microseconds per node, one thread, matrix and load vector given.
-    #[serde(deserialize_with = "positive")]
-    pub theirs: f64,
-    /// Relative natural residual that the other solver reached.
-    #[serde(deserialize_with = "positive")]
-    pub their_kkt: f64,
-    /// Time of multigrid in microseconds per node, likewise.
-    #[serde(deserialize_with = "positive")]
-    pub ours: f64,
-    /// Relative natural residual that multigrid reached.
-    #[serde(deserialize_with = "positive")]
-    pub our_kkt: f64,
-}
-
-/// Run on meshes that are refined in one way, from the coarsest mesh to the bounds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AdaptedTime {
-    /// Name of the domain.
-    pub problem: String,
-    /// Way of refinement.
-    pub way: Way,
-    /// Number of nodes of the finest mesh.
-    pub nodes: usize,
-    /// Guaranteed error over the norm of the solution.
-    #[serde(deserialize_with = "positive")]
-    pub error: f64,
-    /// Median time.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-}
-
-/// Goal of a run under the stopping rule of the published tables.
-pub const PUBLISHED: &str = TimedPlan::PUBLISHED;
-
-/// Returns, per grid, the fastest run whose error came down to that of the discretisation.
-pub fn to_discretisation<'a>(
-    lines: impl IntoIterator<Item = &'a SolverTime>,
-) -> BTreeMap<usize, &'a SolverTime> {
-    let mut fastest = BTreeMap::new();
-    for line in
-        lines.into_iter().filter(|line| line.error <= TimedPlan::REACHED * line.discretisation)
-    {
-        let known = fastest.entry(line.cells).or_insert(line);
-        if line.seconds < known.seconds {
-            *known = line;
-        }
-    }
-    fastest
-}
-
-/// Reads a positive number, as medians and norms are.
+/// Reads a positive number.
 fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f64, D::Error> {
     let x = f64::deserialize(deserializer)?;
     match x > 0.0 && x.is_finite() {
@@ -253,25 +74,206 @@ fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f
     }
 }
 
+/// What the values of a column are.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// Any text.
+    Text,
+    /// One of these texts.
+    OneOf(&'static [&'static str]),
+    /// A natural number.
+    Count,
+    /// A number.
+    Number,
+    /// A positive number, as medians and norms are.
+    Positive,
+    /// True or false; false if it is not there.
+    Flag,
+}
+use Kind::{Count, Flag, Number, OneOf, Positive, Text};
+
+/// Names and values of some columns.
+type Columns = &'static [(&'static str, Kind)];
+
+/// Columns of the tables, by the names of the tables, as the record has them.
+const COLUMNS: [(&str, Columns); 6] = [
+    (
+        "multigrid",
+        &[
+            // Per side.
+            ("cells", Count),
+            ("threads", Count),
+            ("goal", OneOf(&GOALS)),
+            // Sweeps of the finest grid.
+            ("work_units", Positive),
+            // Bytes moved per unknown, each pass reading and writing each row once.
+            ("traffic", Positive),
+            // Without those for the workspace and the load vector.
+            ("seconds", Positive),
+            ("spread", Number),
+        ],
+    ),
+    (
+        "solver",
+        &[
+            ("solver", Text),
+            // As in `exact(name)` where the solution has a formula.
+            ("problem", Text),
+            ("cells", Count),
+            // In words.
+            ("goal", Text),
+            // In the discrete L2 norm; where the solution has no formula, relative error of the energy.
+            ("error", Positive),
+            // Of the discrete solution.
+            ("discretisation", Positive),
+            // Natural residual over the largest component of the load.
+            ("kkt", Number),
+            // Without those for the load vectors.
+            ("seconds", Positive),
+            ("spread", Number),
+        ],
+    ),
+    (
+        "spectral",
+        &[
+            ("problem", Text),
+            // Gauss nodes of a panel.
+            ("nodes", Count),
+            // Panels that get shorter towards corners and jumps of f.
+            ("levels", Count),
+            // Of the energy against a finer resolution, relative; at least one rounding.
+            ("error", Positive),
+            // From f to the energy, the start on a coarse grid included.
+            ("seconds", Positive),
+            ("spread", Number),
+        ],
+    ),
+    (
+        "peer",
+        &[
+            // Name, version and configuration of the other solver.
+            ("solver", Text),
+            ("f", Text),
+            ("cells", Count),
+            // Microseconds per unknown, one thread, in the same run; and relative natural residuals.
+            ("theirs", Positive),
+            ("their_kkt", Positive),
+            ("ours", Positive),
+            ("our_kkt", Positive),
+            // True if both times are those from f to the solution vector, with memory, load vector and matrix.
+            ("whole", Flag),
+        ],
+    ),
+    (
+        "own_mesh",
+        &[
+            // In words.
+            ("mesh", Text),
+            ("nodes", Count),
+            ("solver", Text),
+            // As those of `peer`, matrix and load vector given.
+            ("theirs", Positive),
+            ("their_kkt", Positive),
+            ("ours", Positive),
+            ("our_kkt", Positive),
+        ],
+    ),
+    (
+        "adapted",
+        &[
+            // Name of the domain.
+            ("problem", Text),
+            ("way", OneOf(&["adaptive", "uniform"])),
+            // Of the finest mesh.
+            ("nodes", Count),
+            // Guaranteed error over the norm of the solution.
+            ("error", Positive),
+            // From the coarsest mesh to the bounds.
+            ("seconds", Positive),
+        ],
+    ),
+];
+
+/// Goals of multigrid that are timed: the discretisation error, and the rounding floor.
+pub const GOALS: [&str; 2] = ["discretisation", "floor"];
+
+impl Kind {
+    /// Returns what is wrong with a value.
+    fn mistake(self, value: &Value) -> Option<String> {
+        let number = value.as_f64().unwrap_or(f64::NAN);
+        match self {
+            Text => (!value.is_string()).then(|| "not a text".into()),
+            OneOf(all) => {
+                let is_one = value.as_str().is_some_and(|text| all.contains(&text));
+                (!is_one).then(|| format!("unknown variant, expected {}", all.join(" or ")))
+            }
+            Count => (!value.is_u64()).then(|| "not a natural number".into()),
+            Number => (!number.is_finite()).then(|| "not a number".into()),
+            Positive => (!(number > 0.0)).then(|| "not a positive number".into()),
+            Flag => (!value.is_boolean()).then(|| "neither true nor false".into()),
+        }
+    }
+}
+
+/// Returns what is wrong with a row.
+fn mistake(row: &Row, columns: Columns) -> Option<String> {
+    for (name, kind) in columns {
+        match row.get(*name) {
+            None if matches!(kind, Flag) => (),
+            None => return Some(format!("missing field `{name}`")),
+            Some(value) => {
+                if let Some(why) = kind.mistake(value) {
+                    return Some(format!("{name} = {value}: {why}"));
+                }
+            }
+        }
+    }
+    let unknown = row.keys().find(|name| columns.iter().all(|(known, _)| known != name))?;
+    Some(format!("unknown field `{unknown}`"))
+}
+
+/// Number of nodes of the grid with this number of cells per side.
+pub fn nodes(cells: usize) -> usize {
+    (cells + 1) * (cells + 1)
+}
+
+/// Goal of a run under the stopping rule of the published tables.
+pub const PUBLISHED: &str = TimedPlan::PUBLISHED;
+
+/// Number in a column of a row of the record.
+///
+/// # Panics
+/// If there is none.
+pub fn number(row: &Row, column: &str) -> f64 {
+    row[column].as_f64().expect("the columns are checked")
+}
+
+/// Text in a column of a row of the record.
+///
+/// # Panics
+/// If there is none.
+pub fn text<'a>(row: &'a Row, column: &str) -> &'a str {
+    row[column].as_str().expect("the columns are checked")
+}
+
+/// True if the error of a run came down to that of the discretisation.
+pub fn is_at_discretisation(row: &Row) -> bool {
+    number(row, "error") <= TimedPlan::REACHED * number(row, "discretisation")
+}
+
 const HEADER: &str = "# Written by `signorini bench --record`; do not edit what was measured.\n\
     # [[peer]] and [[own_mesh]] sections are entered by hand from benches/peers, and kept.\n\n";
 
 impl Timings {
-    /// Returns the names of the problems on which solvers were timed, in their order.
-    pub fn problems(&self) -> Vec<&str> {
-        let mut problems = Vec::new();
-        for line in &self.solver {
-            if !problems.contains(&&*line.problem) {
-                problems.push(&*line.problem);
-            }
-        }
-        problems
+    /// Returns all tables, in the order of [`COLUMNS`].
+    fn tables(&self) -> [&Rows; 6] {
+        [&self.multigrid, &self.solver, &self.spectral, &self.peer, &self.own_mesh, &self.adapted]
     }
 
     /// Parses the record.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the mistake and the remedy.
+    /// [`Error::Input`] with the place of the mistake and the remedy.
     pub fn parse(text: impl AsRef<[u8]>) -> Result<Self> {
         const REMEDY: &str =
             "correct it, or move the file away; `signorini bench --record` writes a new one";
@@ -284,11 +286,41 @@ impl Timings {
                  with `signorini bench --record`"
             )));
         }
-        Ok(timings)
+        match timings.mistake() {
+            None => Ok(timings),
+            Some(mistake) => Err(Error::input(format!("{PATH}: {mistake}; {REMEDY}"))),
+        }
+    }
+
+    /// Returns what is wrong with the tables, and where.
+    pub fn mistake(&self) -> Option<String> {
+        for (rows, (table, columns)) in self.tables().into_iter().zip(COLUMNS) {
+            for (row, k) in rows.iter().zip(1..) {
+                if let Some(mistake) = mistake(row, columns) {
+                    return Some(format!("[[{table}]] number {k}: {mistake}"));
+                }
+            }
+        }
+        None
     }
 
     /// Returns the text of the record.
     pub fn to_toml(&self) -> String {
-        HEADER.to_owned() + &toml::to_string(self).expect("plain data")
+        let Self { schema, bandwidth, machine, .. } = self;
+        let machine = toml::to_string(machine).expect("plain data");
+        let mut text =
+            format!("{HEADER}schema = {schema}\nbandwidth = {bandwidth:?}\n\n[machine]\n{machine}");
+        for (rows, (table, columns)) in self.tables().into_iter().zip(COLUMNS) {
+            for row in rows.iter() {
+                text += &format!("\n[[{table}]]\n");
+                for (name, _) in columns {
+                    if let Some(value) = row.get(*name) {
+                        let value = toml::Value::try_from(value).expect("plain data");
+                        text += &format!("{name} = {value}\n");
+                    }
+                }
+            }
+        }
+        text
     }
 }

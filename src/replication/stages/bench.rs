@@ -14,7 +14,7 @@ use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
@@ -47,7 +47,7 @@ impl Asked {
     fn found(&self) -> Made {
         let named = EXPERIMENTS.iter().find(|one| one.name == self.experiment);
         let experiment = named.ok_or_else(|| format!("no experiment {}", self.experiment))?;
-        let mut found = (experiment.run)(&self.plan)?;
+        let mut found = json!((experiment.run)(&self.plan)?);
         // Pages have the plan beside the tables.
         found["plan"] = self.plan.clone();
         let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
@@ -62,17 +62,17 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["accuracy", "accuracy"],
             "Errors against the width of the grid, problems with known solutions",
-            |it, inputs| it.made(inputs, cost::accuracy(&result(inputs, "accuracy")?)),
+            |it, inputs| it.made(inputs, cost::accuracy(&table(inputs, "accuracy", "errors")?)?),
         ),
         picture(
             ["adapted", "adapted"],
             "Guaranteed error against the number of nodes, adaptive and uniform refinement",
-            |it, inputs| it.made(inputs, cost::adapted(&result(inputs, "adapted")?)),
+            |it, inputs| it.made(inputs, cost::adapted(&table(inputs, "adapted", "errors")?)?),
         ),
         picture(
             ["truth", "ends"],
             "Error of the ends of contact and of the energy against the width of the grid",
-            |it, inputs| it.made(inputs, cost::ends(&result(inputs, "truth")?)),
+            |it, inputs| it.made(inputs, cost::ends(&table(inputs, "truth", "elements")?)?),
         ),
         picture(
             ["claims", "sweep"],
@@ -132,10 +132,10 @@ pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
             .map(Drawing::new);
     let tasks = [
         drawing("cost", &cost, Vec::new(), |it, inputs| {
-            it.made(inputs, cost::cost(&times(inputs)?))
+            it.made(inputs, cost::cost(&times(inputs)?)?)
         }),
         drawing("race", &race, Vec::new(), |it, inputs| {
-            it.made(inputs, cost::race(&times(inputs)?))
+            it.made(inputs, cost::race(&times(inputs)?)?)
         }),
     ];
     let files = InputFiles::from([(PATH.to_owned(), file.clone())]);
@@ -151,7 +151,7 @@ fn id(experiment: &str) -> String {
     format!("bench/{experiment}")
 }
 
-pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
+fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
     super::from_json(inputs, &id(experiment), RESULT)
 }
 

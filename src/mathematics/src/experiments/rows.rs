@@ -8,14 +8,17 @@ use std::ops::Deref;
 /// Findings: tables, by name.
 pub type Findings = BTreeMap<String, Rows>;
 
+/// Row of a table: a value under the name of each column.
+pub type Row = Map<String, Value>;
+
 /// Rows of a table: a text, a number, a flag or nothing under the name of each column; a list only where one cell of a
 /// page shows it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Rows(pub Vec<Map<String, Value>>);
+pub struct Rows(pub Vec<Row>);
 
 impl Deref for Rows {
-    type Target = [Map<String, Value>];
+    type Target = [Row];
 
     fn deref(&self) -> &Self::Target {
         &self.0
@@ -28,14 +31,7 @@ impl Rows {
     /// # Panics
     /// If a record has no fields.
     pub(crate) fn of<T: Serialize>(records: impl IntoIterator<Item = T>) -> Self {
-        let mut rows = Vec::new();
-        for record in records {
-            match serde_json::to_value(record).expect("findings are plain data") {
-                Value::Object(row) => rows.push(row),
-                other => panic!("a row has columns, not {other}"),
-            }
-        }
-        Self(rows)
+        Self(records.into_iter().map(row_of).collect())
     }
 
     /// Values of a column, in the order of the rows.
@@ -91,8 +87,19 @@ impl Rows {
     /// As [`Rows::column`].
     pub fn points(&self, x: &str, y: &str) -> Result<Vec<(f64, f64)>, String> {
         (self.column(x)?, self.column(y)?);
-        let number = |row: &Map<String, Value>, name: &str| row.get(name)?.as_f64();
+        let number = |row: &Row, name: &str| row.get(name)?.as_f64();
         Ok(self.iter().filter_map(|row| Some((number(row, x)?, number(row, y)?))).collect())
+    }
+}
+
+/// Row of a record, whose fields are the columns.
+///
+/// # Panics
+/// If it has no fields.
+pub(crate) fn row_of<T: Serialize>(record: T) -> Row {
+    match serde_json::to_value(record) {
+        Ok(Value::Object(row)) => row,
+        other => panic!("a row has columns, not {other:?}"),
     }
 }
 
