@@ -77,13 +77,6 @@ struct MultiplierRow {
     a: f64,
 }
 
-/// Table `facts`, of one row.
-#[derive(Serialize)]
-struct Facts {
-    /// Cells per side of the grid of `samples` and `multipliers`.
-    sampled: usize,
-}
-
 /// Runs the experiment.
 ///
 /// 1. Solves each problem at two resolutions, and keeps the digits on which they agree.
@@ -124,7 +117,6 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
         ("elements".into(), Rows::of(elements)),
         ("samples".into(), Rows::of(samples)),
         ("multipliers".into(), Rows::of(multipliers)),
-        ("facts".into(), Rows::of([Facts { sampled: plan.sampled }])),
     ]))
 }
 
