@@ -14,7 +14,7 @@ use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
@@ -47,7 +47,7 @@ impl Asked {
     fn found(&self) -> Made {
         let named = EXPERIMENTS.iter().find(|one| one.name == self.experiment);
         let experiment = named.ok_or_else(|| format!("no experiment {}", self.experiment))?;
-        let mut found = (experiment.run)(&self.plan)?;
+        let mut found = json!((experiment.run)(&self.plan)?);
         // Pages have the plan beside the tables.
         found["plan"] = self.plan.clone();
         let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
@@ -67,7 +67,7 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["adapted", "adapted"],
             "Guaranteed error against the number of nodes, adaptive and uniform refinement",
-            |it, inputs| it.made(inputs, cost::adapted(&result(inputs, "adapted")?)),
+            |it, inputs| it.made(inputs, cost::adapted(&table(inputs, "adapted", "errors")?)?),
         ),
         picture(
             ["truth", "ends"],
@@ -77,27 +77,27 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["claims", "sweep"],
             "Iterations of both problems against the duality parameter, three ways of stopping",
-            |it, inputs| it.made(inputs, claims::sweep(&result(inputs, "claims")?)),
+            |it, inputs| it.made(inputs, claims::sweep(&table(inputs, "claims", "runs")?)?),
         ),
         picture(
             ["claims", "uzawa"],
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
-            |it, inputs| it.made(inputs, claims::uzawa(&result(inputs, "claims")?)),
+            |it, inputs| it.made(inputs, claims::uzawa(&table(inputs, "claims", "runs")?)?),
         ),
         picture(
             ["sticking", "sticking"],
             "Length of the arcs that stick against one over the bound of the friction",
-            |it, inputs| it.made(inputs, claims::sticking(&result(inputs, "sticking")?)),
+            |it, inputs| it.made(inputs, claims::sticking(&table(inputs, "sticking", "arcs")?)?),
         ),
         picture(
             ["stress", "duality"],
             "KKT residual at the stop of the paper's method over r",
-            |it, inputs| it.made(inputs, duality(&result(inputs, "stress")?)),
+            |it, inputs| it.made(inputs, duality(&table(inputs, "stress", "runs")?)?),
         ),
         picture(
             ["stress", "tolerances"],
             "KKT residual reached against the tolerance asked for",
-            |it, inputs| it.made(inputs, tolerances(&result(inputs, "stress")?)),
+            |it, inputs| it.made(inputs, tolerances(&table(inputs, "stress", "runs")?)?),
         ),
     ]
 }
@@ -114,7 +114,7 @@ fn rules(project: &Project) -> Task {
     let title = "Counts on the finest grid: printed rule, signed rule, published".into();
     let rules = Rules { title, published: project.paper.clone() };
     drawing("rules", &rules, vec![id("claims")], |Rules { title, published }, inputs| {
-        made(inputs, title, claims::rules(&result(inputs, "claims")?, published))
+        made(inputs, title, claims::rules(&table(inputs, "claims", "runs")?, published)?)
     })
 }
 

@@ -3,7 +3,6 @@
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::timing::recorded::{GOALS, PUBLISHED, Timings, text};
-use signorini_mathematics::experiments::adapted::{AdaptedFindings, ErrorCurves};
 use signorini_mathematics::experiments::{Range, Rows};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::solvers::Solver;
@@ -65,18 +64,19 @@ fn over_grids(rows: &Rows, column: &str) -> Result<Vec<Curve>, String> {
 }
 
 /// Guaranteed errors over the number of nodes, one panel per problem, a curve per way of refinement.
-pub(super) fn adapted(found: &AdaptedFindings) -> Picture {
+pub(super) fn adapted(errors: &Rows) -> Result<Picture, String> {
     let mut panels = Vec::new();
-    for ErrorCurves { name, ways, .. } in &found.problems {
+    for problem in errors.texts("problem")? {
+        let rows = errors.wherever("problem", problem)?;
         let mut curves = Vec::new();
-        for way in ways {
-            let points = way.meshes.iter().map(|mesh| (mesh.nodes as f64, mesh.error));
-            curves.push(Curve::new(Marked, way.way.name(), points));
+        for way in rows.texts("way")? {
+            let points = rows.wherever("way", way)?.points("nodes", "error")?;
+            curves.push(Curve::new(Marked, way, points));
         }
         curves.push(Law { label: "order 1/2", power: -0.5, factor: 0.6 }.beside(&curves));
-        panels.push(Chart::new(name, ["nodes", "guaranteed error"], curves));
+        panels.push(Chart::new(problem, ["nodes", "guaranteed error"], curves));
     }
-    charts(false, &panels)
+    Ok(charts(false, &panels))
 }
 
 /// Time per unknown of multigrid, for both goals.

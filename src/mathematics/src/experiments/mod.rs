@@ -7,21 +7,22 @@
 //! by which whoever runs them all needs to know none.
 
 mod accuracy;
-pub mod adapted;
-pub mod claims;
-pub mod domains;
+mod adapted;
+mod claims;
+mod domains;
 mod known;
 mod numbers;
 pub mod problems;
 mod rows;
-pub mod saddle;
-pub mod sticking;
-pub mod stress;
+mod saddle;
+mod sticking;
+mod stress;
 pub mod timed;
-pub mod trial;
+mod trial;
 mod truth;
 mod work;
 
+pub use adapted::coarse_meshes;
 pub use rows::{Findings, Row, Rows};
 
 use problems::TableProblem;
@@ -35,11 +36,11 @@ pub struct Experiment {
     pub name: &'static str,
     /// Plan of the book for the paper's problems.
     pub plan: fn(&[TableProblem]) -> Value,
-    /// [`Findings`] for a plan.
+    /// Findings for a plan.
     ///
     /// # Errors
     /// A sentence if the value is no plan of this experiment, or it cannot be carried out.
-    pub run: fn(&Value) -> Result<Value, String>,
+    pub run: fn(&Value) -> Result<Findings, String>,
 }
 
 /// All experiments of the book.
@@ -96,12 +97,11 @@ fn json(data: impl Serialize) -> Value {
 }
 
 /// Runs an experiment on a plan in JSON.
-fn found<P: DeserializeOwned, F: Serialize>(
+fn found<P: DeserializeOwned>(
     plan: &Value,
-    run: fn(&P) -> Result<F, String>,
-) -> Result<Value, String> {
-    let plan = P::deserialize(plan).map_err(|e| e.to_string())?;
-    run(&plan).map(json)
+    run: fn(&P) -> Result<Findings, String>,
+) -> Result<Findings, String> {
+    run(&P::deserialize(plan).map_err(|e| e.to_string())?)
 }
 
 /// Least and greatest of some numbers.

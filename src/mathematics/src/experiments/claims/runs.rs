@@ -1,6 +1,6 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
-use super::{ClaimMeasure, ClaimsPlan, Count, KktTarget, VARIANTS, WeightRow};
+use super::{ClaimMeasure, ClaimsPlan, KktTarget, VARIANTS};
 use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
@@ -13,6 +13,7 @@ use crate::problem::law::Law;
 use crate::saddle::batch::LANES;
 use crate::saddle::jobs::{Job, NestedJob, run, run_all_nested};
 use crate::saddle::{self, JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz};
+use serde::Serialize;
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
 /// fine grids, and has no solution to converge to.
@@ -24,54 +25,115 @@ const MOST_FOR_WEIGHTS: usize = 32;
 /// Duality parameter with which they are compared.
 const R_OF_WEIGHTS: f64 = 100.0;
 /// Stopping rules under which r is swept; the others take the paper's r only.
-pub(super) const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
+const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
 
 /// Least number of runs for a second batch: many, so that few lanes are idle when only the longest runs are left.
 const RUNS: usize = 12 * LANES;
 
+/// Name of the paper's method.
+pub(super) const ARROW_HURWICZ: &str = "Arrow-Hurwicz";
+
 /// A problem on all its grids.
-pub(super) struct ClaimCase<'a> {
-    pub(super) problem: &'a TableProblem,
-    pub(super) law: Law,
-    pub(super) grids: Vec<Grid>,
+pub(super) struct ClaimProblem<'a> {
+    problem: &'a TableProblem,
+    law: Law,
+    grids: Vec<Grid>,
     /// Load vectors under the published rule.
-    pub(super) published: Vec<Vec<f64>>,
+    published: Vec<Vec<f64>>,
     /// Load vectors under [`SOLVABLE`].
-    pub(super) solvable: Vec<Vec<f64>>,
+    solvable: Vec<Vec<f64>>,
     /// Solution on the coarser grid under [`SOLVABLE`], prolonged to each grid; zero on the coarsest grid.
-    pub(super) starts: Vec<Pair>,
+    starts: Vec<Pair>,
+}
+
+/// Run on one grid.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct ClaimRun {
+    /// Number of the problem.
+    pub(super) problem: u8,
+    /// [`ARROW_HURWICZ`], or the name of a variant of Uzawa's algorithm.
+    pub(super) method: &'static str,
+    /// What ends the run: a stopping rule, on nested grids with the paper's tolerances and load, or a KKT residual,
+    /// from the coarser grid's solution with the load averaged around nodes.
+    pub(super) end: String,
+    /// This KKT residual over the largest component of F; none under a stopping rule.
+    pub(super) target: Option<f64>,
+    /// Cells per side.
+    pub(super) cells: usize,
+    /// Duality parameter.
+    pub(super) r: f64,
+    /// True if the run belongs to the sweep over r.
+    pub(super) is_swept: bool,
+    /// Sweeps on this grid.
+    pub(super) sweeps: usize,
+    /// `converged`, or the reason for another end.
+    pub(super) stop: Stop,
+    /// KKT residual at the end over the largest component of F.
+    pub(super) kkt: f64,
+    /// Last change of the multiplier.
+    pub(super) delta_a: f64,
+}
+
+impl ClaimRun {
+    /// Sweeps as a number for ratios.
+    pub(super) fn count(&self) -> f64 {
+        self.sweeps as f64
+    }
+}
+
+/// Sweeps of the proximal method to a KKT residual on one grid.
+#[derive(Serialize)]
+pub(super) struct WeightRow {
+    /// Name of the problem.
+    name: String,
+    /// Cells per side.
+    cells: usize,
+    /// Sweeps for each weight of the plan.
+    sweeps: Vec<usize>,
+    /// Sweeps of Arrow-Hurwicz.
+    arrow_hurwicz: usize,
+    /// Largest relative change of the sweeps by a weight of at most 1, against the weight 0.
+    change: f64,
+    /// True if the method takes no more sweeps than Arrow-Hurwicz with some weight.
+    ahead: bool,
 }
 
 /// A run to be made.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) struct ClaimJob {
+struct ClaimJob {
     /// Index of the problem in the plan.
-    pub(super) problem: usize,
+    problem: usize,
     /// Measure by which it ends: a stopping rule on all grids in turn, or a KKT residual on one of them.
-    pub(super) measure: ClaimMeasure,
+    measure: ClaimMeasure,
     /// Index of this grid; zero under a stopping rule.
-    pub(super) level: usize,
+    level: usize,
     /// Index in [`VARIANTS`]; `None` stands for Arrow-Hurwicz.
-    pub(super) variant: Option<usize>,
-    pub(super) r: f64,
+    variant: Option<usize>,
+    r: f64,
 }
 
-/// Makes all runs, in parallel. Returns, for each, its ends on the grids that it visits, with the KKT residuals over
-/// the largest component of F.
-pub(super) fn run_all(
-    plan: &ClaimsPlan,
-    problems: &[ClaimCase],
-) -> Vec<(ClaimJob, Vec<(End, f64)>)> {
+/// Makes all runs, in parallel. Returns them on each grid that they visit: by problem, end, method and grid, each in
+/// the order of r.
+pub(super) fn run_all(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<ClaimRun> {
     let batches = batches(plan, problems);
     let done = map(&batches, 1, |batch| match batch[0].measure {
         ClaimMeasure::Rule(_) => run_nested(problems, batch),
         ClaimMeasure::Kkt(_) => run_on_grid(plan, problems, batch),
     });
-    batches.concat().into_iter().zip(done.into_iter().flatten()).collect()
+    let mut ended: Vec<_> = batches.concat().into_iter().zip(done.into_iter().flatten()).collect();
+    ended.sort_by(|(one, _), (two, _)| {
+        let by_problem = one.problem.cmp(&two.problem);
+        let by_end = two.target().total_cmp(&one.target()).then(one.rule().cmp(&two.rule()));
+        let by_place = (one.variant, one.level).cmp(&(two.variant, two.level));
+        by_problem.then(by_end).then(by_place).then(one.r.total_cmp(&two.r))
+    });
+    let swept = plan.r();
+    let ended = ended.iter().flat_map(|(job, ends)| job.on_grids(problems, &swept, ends));
+    ended.collect()
 }
 
 /// All runs; those of a batch share the grids, in turn under a stopping rule, or one grid.
-fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimJob>> {
+fn batches(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<Vec<ClaimJob>> {
     let mut groups: Vec<Vec<ClaimJob>> = Vec::new();
     for job in all_jobs(plan, problems) {
         match groups.iter_mut().find(|group| job.shares_grids(&group[0], problems)) {
@@ -89,7 +151,7 @@ fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimJob>> {
 }
 
 /// All runs, those first that are expected to take longest: over all grids, then on each grid from the finest on.
-fn all_jobs(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<ClaimJob> {
+fn all_jobs(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<ClaimJob> {
     let swept = plan.r();
     let (mut nested, mut on_grids) = (Vec::new(), Vec::new());
     for (index, problem) in problems.iter().enumerate() {
@@ -136,9 +198,9 @@ impl ClaimJob {
     }
 
     /// True if this run and another may be in one batch.
-    fn shares_grids(&self, other: &Self, problems: &[ClaimCase]) -> bool {
+    fn shares_grids(&self, other: &Self, problems: &[ClaimProblem]) -> bool {
         let [one, two] = [self, other].map(|job| &problems[job.problem]);
-        let prolongation = |case: &ClaimCase| case.problem.saddle().prolongation;
+        let prolongation = |case: &ClaimProblem| case.problem.saddle().prolongation;
         match (self.measure, other.measure) {
             (ClaimMeasure::Rule(_), ClaimMeasure::Rule(_)) => {
                 one.grids == two.grids && prolongation(one) == prolongation(two)
@@ -148,6 +210,35 @@ impl ClaimJob {
             }
             _ => false,
         }
+    }
+
+    /// The run on each grid that it visits, with these ends and KKT residuals.
+    fn on_grids<'a>(
+        &'a self,
+        problems: &'a [ClaimProblem],
+        swept: &'a [f64],
+        ends: &'a [(End, f64)],
+    ) -> impl Iterator<Item = ClaimRun> + 'a {
+        let ClaimProblem { problem, grids, .. } = &problems[self.problem];
+        let (end, target, is_swept) = match self.measure {
+            ClaimMeasure::Rule(rule) => (rule.to_string(), None, SWEPT.contains(&rule)),
+            ClaimMeasure::Kkt(target) => {
+                (format!("{target:e}"), Some(target), self.variant.is_none())
+            }
+        };
+        grids[self.level..].iter().zip(ends).map(move |(grid, (ended, kkt))| ClaimRun {
+            problem: problem.number,
+            method: self.variant.map_or(ARROW_HURWICZ, |k| VARIANTS[k].name),
+            end: end.clone(),
+            target,
+            cells: grid.cells(),
+            r: self.r,
+            is_swept: is_swept && swept.contains(&self.r),
+            sweeps: ended.sweeps(),
+            stop: ended.stop,
+            kkt: *kkt,
+            delta_a: ended.change(),
+        })
     }
 
     /// Stopping rule, if it is one that ends the run.
@@ -176,7 +267,7 @@ impl ClaimJob {
     }
 }
 
-impl<'a> ClaimCase<'a> {
+impl<'a> ClaimProblem<'a> {
     pub(super) fn new(problem: &'a TableProblem) -> Result<Self, String> {
         let (f, grids) = problem.on_grids()?;
         let published = problem.loads(&f, &grids);
@@ -220,17 +311,16 @@ impl<'a> ClaimCase<'a> {
             let (law, r) = (self.law, R_OF_WEIGHTS);
             jobs.push(Job { law, load, start, method, r, goal, cap: plan.cap });
         }
-        let ends = run(grid, &jobs);
-        let mut counts: Vec<_> = ends.iter().map(|(end, _)| Count::of(end)).collect();
-        let arrow_hurwicz = counts.pop().expect("one run more than weights");
-        let without = counts.first().map_or(1.0, |count| count.iterations as f64);
-        let small = plan.weights.iter().zip(&counts).filter(|(weight, _)| **weight <= 1.0);
+        let mut sweeps: Vec<_> = run(grid, &jobs).iter().map(|(end, _)| end.sweeps()).collect();
+        let arrow_hurwicz = sweeps.pop().expect("one run more than weights");
+        let without = sweeps.first().map_or(1.0, |&sweeps| sweeps as f64);
+        let small = plan.weights.iter().zip(&sweeps).filter(|(weight, _)| **weight <= 1.0);
         WeightRow {
             name: self.problem.name(),
             cells: grid.cells(),
-            change: worst(small.map(|(_, count)| count.iterations as f64 / without - 1.0)),
-            ahead: counts.iter().any(|count| count.iterations <= arrow_hurwicz.iterations),
-            counts,
+            change: worst(small.map(|(_, &sweeps)| sweeps as f64 / without - 1.0)),
+            ahead: sweeps.iter().any(|&sweeps| sweeps <= arrow_hurwicz),
+            sweeps,
             arrow_hurwicz,
         }
     }
@@ -238,13 +328,13 @@ impl<'a> ClaimCase<'a> {
 
 /// Makes runs over all grids, as [`crate::saddle::solve_nested`] does for one r. Returns, for each run, its ends on the
 /// grids.
-fn run_nested(problems: &[ClaimCase], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
+fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
     let first = &problems[batch[0].problem];
     let levels =
         NestedGrids { grids: &first.grids, prolongation: first.problem.saddle().prolongation };
     let mut runs = Vec::new();
     for job in batch {
-        let ClaimCase { law, published: loads, .. } = &problems[job.problem];
+        let ClaimProblem { law, published: loads, .. } = &problems[job.problem];
         let rule = job.rule().expect("the runs of a batch are of one kind");
         runs.push(NestedJob { law: *law, loads, r: job.r, rule });
     }
@@ -261,12 +351,12 @@ fn run_nested(problems: &[ClaimCase], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>
 /// Makes runs on one grid towards a KKT residual. Returns the end of each.
 fn run_on_grid(
     plan: &ClaimsPlan,
-    problems: &[ClaimCase],
+    problems: &[ClaimProblem],
     batch: &[ClaimJob],
 ) -> Vec<Vec<(End, f64)>> {
     let mut jobs = Vec::new();
     for run in batch {
-        let ClaimCase { law, solvable, starts, .. } = &problems[run.problem];
+        let ClaimProblem { law, solvable, starts, .. } = &problems[run.problem];
         let (law, load, start) = (*law, &solvable[run.level], &starts[run.level]);
         let method = match run.variant {
             None => Method::ArrowHurwicz,
@@ -301,7 +391,7 @@ mod tests {
                 problem.statement.fineness = Fineness::Grids(vec![4, 8, 16]);
             });
             let problems: Vec<_> =
-                plan.problems.iter().map(|problem| ClaimCase::new(problem).unwrap()).collect();
+                plan.problems.iter().map(|problem| ClaimProblem::new(problem).unwrap()).collect();
             let (all, batches) = (all_jobs(&plan, &problems), batches(&plan, &problems));
             assert!(batches.iter().all(|batch| batch.len() >= 4 * LANES && batch.len() < 2 * RUNS));
             let batched = batches.concat();

@@ -8,7 +8,7 @@ use crate::problem::law::Law;
 use crate::saddle::jobs::{NestedJob, run_all_nested};
 use crate::saddle::{NestedGrids, StopRule};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Exponents of the powers of ten that bound the relative errors of the load.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -15..=-2;
@@ -18,14 +18,14 @@ const REPETITIONS: u64 = 16;
 const TOGETHER: usize = 4;
 
 /// Sizes of random relative errors of the load, and the least one that changes a count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LoadNoise {
+#[derive(Serialize)]
+pub(super) struct LoadNoise {
     /// Least size tried.
-    pub least: f64,
+    least: f64,
     /// Repetitions for each r and size.
-    pub repetitions: u64,
+    repetitions: u64,
     /// Least size that changes a count; none if no size that was tried does.
-    pub first_change: Option<f64>,
+    first_change: Option<f64>,
 }
 
 impl LoadNoise {

@@ -1,7 +1,7 @@
 //! Adaptive and uniform refinement to a guaranteed error.
 
 use super::{Prepared, TimedFacts, TimedRun};
-use crate::experiments::adapted::{AdaptedDomain, AdaptedProblem, BoundedRun, Way};
+use crate::experiments::adapted::{AdaptedProblem, BoundedRun, Way};
 use crate::experiments::rows::row_of;
 use crate::solvers::Adaption;
 use serde::Serialize;
@@ -49,7 +49,7 @@ fn uniform_nodes(refinements: usize) -> usize {
 fn adaptive_run(goal: f64, most_nodes: usize, missed: Arc<AtomicBool>) -> TimedRun {
     let run = TimedRun::new(
         format!("adaptive refinement, L-shape, error {goal}"),
-        move || AdaptedProblem::lshape().adapted(goal, most_nodes, Adaption::BISECTIONS),
+        move || AdaptedProblem::LShape.adapted(goal, most_nodes, Adaption::BISECTIONS),
         move |run: Result<BoundedRun, String>| {
             let run = run?;
             missed.store(relative(&run)? > goal, Ordering::Relaxed);
@@ -62,7 +62,7 @@ fn adaptive_run(goal: f64, most_nodes: usize, missed: Arc<AtomicBool>) -> TimedR
 fn uniform_run(refinements: usize) -> TimedRun {
     let run = TimedRun::new(
         format!("uniform refinement, L-shape, {refinements} times"),
-        move || AdaptedProblem::lshape().uniform_finest(refinements),
+        move || AdaptedProblem::LShape.uniform_finest(refinements),
         |run: Result<BoundedRun, String>| facts(Way::Uniform, &run?),
     );
     let rival = Some(Way::Adaptive.name());
@@ -76,7 +76,7 @@ fn relative(run: &BoundedRun) -> Result<f64, String> {
 
 fn facts(way: Way, run: &BoundedRun) -> Result<Option<TimedFacts>, String> {
     let (nodes, error) = (run.y.len(), relative(run)?);
-    let row = RefinedRow { problem: AdaptedDomain::LShape.name(), way, nodes, error };
+    let row = RefinedRow { problem: AdaptedProblem::LShape.name(), way, nodes, error };
     Ok(Some(TimedFacts { table: "adapted", row: row_of(row) }))
 }
 
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn uniform_meshes_have_so_many_nodes() {
         for refinements in 0..4 {
-            let run = AdaptedProblem::lshape().uniform_finest(refinements).unwrap();
+            let run = AdaptedProblem::LShape.uniform_finest(refinements).unwrap();
             assert_eq!(run.y.len(), uniform_nodes(refinements));
         }
     }
