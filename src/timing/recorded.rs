@@ -232,11 +232,6 @@ fn mistake(row: &Row, columns: Columns) -> Option<String> {
     Some(format!("unknown field `{unknown}`"))
 }
 
-/// Number of nodes of the grid with this number of cells per side.
-pub fn nodes(cells: usize) -> usize {
-    (cells + 1) * (cells + 1)
-}
-
 /// Goal of a run under the stopping rule of the published tables.
 pub const PUBLISHED: &str = TimedPlan::PUBLISHED;
 
@@ -256,11 +251,6 @@ pub fn text<'a>(row: &'a Row, column: &str) -> &'a str {
     row[column].as_str().expect("the columns are checked")
 }
 
-/// True if the error of a run came down to that of the discretisation.
-pub fn is_at_discretisation(row: &Row) -> bool {
-    number(row, "error") <= TimedPlan::REACHED * number(row, "discretisation")
-}
-
 const HEADER: &str = "# Written by `signorini bench --record`; do not edit what was measured.\n\
     # [[peer]] and [[own_mesh]] sections are entered by hand from benches/peers, and kept.\n\n";
 
@@ -268,6 +258,26 @@ impl Timings {
     /// Returns all tables, in the order of [`COLUMNS`].
     fn tables(&self) -> [&Rows; 6] {
         [&self.multigrid, &self.solver, &self.spectral, &self.peer, &self.own_mesh, &self.adapted]
+    }
+
+    /// Returns the times with columns that follow from the others: rows of `multigrid` with their `unknowns`, the time
+    /// per unknown in nanoseconds, `ns`, and that in which the memory could have moved the bytes, `stream`; rows of
+    /// `solver` with whether the error has `reached` that of the discretisation.
+    pub fn extended(&self) -> Self {
+        let mut timings = self.clone();
+        for row in &mut timings.multigrid.0 {
+            let nodes = (number(row, "cells") + 1.0) * (number(row, "cells") + 1.0);
+            let ns = 1e9 * number(row, "seconds") / nodes;
+            let stream = number(row, "traffic") / self.bandwidth;
+            row.insert("unknowns".into(), (nodes as usize).into());
+            row.extend([("ns".into(), ns.into()), ("stream".into(), stream.into())]);
+        }
+        for row in &mut timings.solver.0 {
+            let reached =
+                number(row, "error") <= TimedPlan::REACHED * number(row, "discretisation");
+            row.insert("reached".into(), reached.into());
+        }
+        timings
     }
 
     /// Parses the record.
