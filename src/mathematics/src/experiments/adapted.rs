@@ -307,9 +307,11 @@ pub(super) fn adapted(plan: &AdaptedPlan) -> Result<Findings, String> {
         errors.extend(way.errors);
         counts.extend(way.counts);
     }
-    let tables =
-        [("errors", Rows::of(errors)), ("finest", Rows::of(finest)), ("counts", Rows::of(counts))];
-    Ok(tables.map(|(name, rows)| (name.to_owned(), rows)).into())
+    Ok(Findings::from([
+        ("errors".into(), Rows::of(errors)),
+        ("finest".into(), Rows::of(finest)),
+        ("counts".into(), Rows::of(counts)),
+    ]))
 }
 
 /// Errors on the finest meshes of a problem, adaptive and uniform; none with fewer than two fine meshes.

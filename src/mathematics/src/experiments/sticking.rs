@@ -61,8 +61,7 @@ pub(super) fn sticking(plan: &StickingPlan) -> Result<Findings, String> {
     let arcs = map(&plan.g, 1, |&g| longest_arc(&plan.f, g));
     let arcs = arcs.into_iter().collect::<Result<Vec<_>, _>>()?;
     let law = law(&arcs);
-    let tables = [("arcs", Rows::of(arcs)), ("law", Rows::of([law]))];
-    Ok(tables.map(|(name, rows)| (name.to_owned(), rows)).into())
+    Ok(Findings::from([("arcs".into(), Rows::of(arcs)), ("law".into(), Rows::of([law]))]))
 }
 
 /// Fits the law to the arcs.

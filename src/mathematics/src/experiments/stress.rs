@@ -143,13 +143,12 @@ pub(super) fn stress(plan: &StressPlan) -> Result<Findings, String> {
     let mut runs = pending::made(loads.coarse, loads.pending());
     runs.extend(loads.floors());
     let noise = LoadNoise::of(&plan.problems)?;
-    let tables = [
-        ("plateau", Rows::of(Plateau::of(&runs))),
-        ("random", Rows::of([RandomProblems::of(plan.random)])),
-        ("noise", Rows::of([noise])),
-        ("runs", Rows::of(runs)),
-    ];
-    Ok(tables.map(|(name, rows)| (name.to_owned(), rows)).into())
+    Ok(Findings::from([
+        ("plateau".into(), Rows::of(Plateau::of(&runs))),
+        ("random".into(), Rows::of([RandomProblems::of(plan.random)])),
+        ("noise".into(), Rows::of([noise])),
+        ("runs".into(), Rows::of(runs)),
+    ]))
 }
 
 #[cfg(test)]

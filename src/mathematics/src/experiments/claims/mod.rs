@@ -165,7 +165,9 @@ pub(super) fn claims(plan: &ClaimsPlan) -> Result<Findings, String> {
     let runs = runs::run_all(plan, &problems);
     let cases = cases::cases(plan, &runs);
     let weights = map(&problems, 1, |problem| problem.weights(plan));
-    let tables =
-        [("runs", Rows::of(runs)), ("cases", Rows::of(cases)), ("weights", Rows::of(weights))];
-    Ok(tables.map(|(name, rows)| (name.to_owned(), rows)).into())
+    Ok(Findings::from([
+        ("runs".into(), Rows::of(runs)),
+        ("cases".into(), Rows::of(cases)),
+        ("weights".into(), Rows::of(weights)),
+    ]))
 }

@@ -111,14 +111,13 @@ pub(super) fn domains(plan: &DomainsPlan) -> Result<Findings, String> {
     let cost = cost?;
     let counts: Result<Vec<_>, _> =
         map(&plan.domains, 1, |domain| counts::counted(domain, plan)).into_iter().collect();
-    let tables = [
-        ("disc", Rows::of(disc::convergence(plan.disc)?)),
-        ("cube", Rows::of(cube::convergence(plan.cube)?)),
-        ("counts", Rows::of(counts?.concat())),
-        ("numberings", Rows::of(counts::numberings(plan)?)),
-        ("cost", Rows::of(cost)),
-    ];
-    Ok(tables.map(|(name, rows)| (name.to_owned(), rows)).into())
+    Ok(Findings::from([
+        ("disc".into(), Rows::of(disc::convergence(plan.disc)?)),
+        ("cube".into(), Rows::of(cube::convergence(plan.cube)?)),
+        ("counts".into(), Rows::of(counts?.concat())),
+        ("numberings".into(), Rows::of(counts::numberings(plan)?)),
+        ("cost".into(), Rows::of(cost)),
+    ]))
 }
 
 /// Coarsest mesh of a domain.
