@@ -84,18 +84,15 @@ pub(super) fn adapted(errors: &Rows) -> Result<Picture, String> {
 
 /// Time per unknown of multigrid, for both goals.
 pub(super) fn cost(timings: &Timings) -> Result<Picture, String> {
+    let timed = timings.extended().multigrid;
     let mut panels = Vec::new();
     for (goal, title) in
         GOALS.into_iter().zip(["To the discretisation error", "To the rounding floor"])
     {
         let mut curves = Vec::new();
         for (label, threads) in [("multigrid", 1), ("multigrid, two threads", 2)] {
-            let rows = timings.multigrid.wherever("goal", goal)?.wherever("threads", threads)?;
-            let points = rows.points("cells", "seconds")?.into_iter().map(|(cells, seconds)| {
-                let nodes = (cells + 1.0) * (cells + 1.0);
-                (nodes, 1e9 * seconds / nodes)
-            });
-            curves.push(Curve::new(Marked, label, points));
+            let rows = timed.wherever("goal", goal)?.wherever("threads", threads)?;
+            curves.push(Curve::new(Marked, label, rows.points("unknowns", "ns")?));
         }
         panels.push(Chart::new(title, ["unknowns", "nanoseconds per unknown"], curves));
     }
