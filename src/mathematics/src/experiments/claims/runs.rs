@@ -120,16 +120,17 @@ pub(super) fn run_all(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<Claim
         ClaimMeasure::Rule(_) => run_nested(problems, batch),
         ClaimMeasure::Kkt(_) => run_on_grid(plan, problems, batch),
     });
-    let mut ended: Vec<_> = batches.concat().into_iter().zip(done.into_iter().flatten()).collect();
-    ended.sort_by(|(one, _), (two, _)| {
+    let (swept, mut runs) = (plan.r(), Vec::new());
+    for (job, ends) in batches.concat().iter().zip(done.iter().flatten()) {
+        runs.extend(job.on_grids(problems, &swept, ends).map(|run| (*job, run)));
+    }
+    runs.sort_by(|(one, on_one), (two, on_two)| {
         let by_problem = one.problem.cmp(&two.problem);
         let by_end = two.target().total_cmp(&one.target()).then(one.rule().cmp(&two.rule()));
-        let by_place = (one.variant, one.level).cmp(&(two.variant, two.level));
-        by_problem.then(by_end).then(by_place).then(one.r.total_cmp(&two.r))
+        let by_grid = one.variant.cmp(&two.variant).then(on_one.cells.cmp(&on_two.cells));
+        by_problem.then(by_end).then(by_grid).then(one.r.total_cmp(&two.r))
     });
-    let swept = plan.r();
-    let ended = ended.iter().flat_map(|(job, ends)| job.on_grids(problems, &swept, ends));
-    ended.collect()
+    runs.into_iter().map(|(_, run)| run).collect()
 }
 
 /// All runs; those of a batch share the grids, in turn under a stopping rule, or one grid.
