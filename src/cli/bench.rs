@@ -11,7 +11,7 @@ use crate::replication::scene::Scene;
 use crate::replication::scenes::named_f;
 use crate::table::Table;
 use crate::timing::measure::{TimingPlan, measure, threads};
-use crate::timing::recorded::{self, GOALS, Timings, is_at_discretisation, nodes, number, text};
+use crate::timing::recorded::{self, GOALS, Timings, number, text};
 use clap::Args;
 use signorini_mathematics::experiments::timed::TimedPlan;
 use signorini_mathematics::experiments::{Row, Rows};
@@ -135,6 +135,7 @@ impl RecordFile {
 }
 
 fn in_words(timings: &Timings) -> String {
+    let timings = &timings.extended();
     let Timings { machine, bandwidth, .. } = timings;
     let mut text = format!(
         "{}, {} cores, {}\n{}\n{}; load average {}\n",
@@ -143,20 +144,75 @@ fn in_words(timings: &Timings) -> String {
     text += "noise: distance of the quartiles of a time over its median\n";
     text += &format!("memory, one thread: in-place update {bandwidth:.1} GB/s\n");
     if !timings.multigrid.is_empty() {
-        text += &format!("\nmultigrid, {}\n{}", TimedPlan::SCALED.name(), multigrid(timings));
+        text += &format!("\nmultigrid, {}\n", TimedPlan::SCALED.name());
+        text += &shown(timings.multigrid.iter(), &MULTIGRID);
     }
-    if !timings.solver.is_empty() {
-        text += &solvers(timings);
+    for problem in problems(timings) {
+        let rows = timings.solver.iter().filter(|row| row["problem"] == problem);
+        text += &format!("\n{problem}\n{}", shown(rows, &SOLVER));
     }
     if !timings.spectral.is_empty() {
         text += "\nspectral: error of the energy against a finer resolution, relative\n";
-        text += &spectral(timings);
+        text += &shown(timings.spectral.iter(), &SPECTRAL);
     }
     if !timings.adapted.is_empty() {
         text += "\nguaranteed error of multigrid on refined meshes, relative\n";
-        text += &adapted(timings);
+        text += &shown(timings.adapted.iter(), &ADAPTED);
     }
     text + &summary(timings)
+}
+
+/// Column of a table: its head, and what it shows of a row.
+type Column = (&'static str, fn(&Row) -> String);
+
+const MULTIGRID: [Column; 7] = [
+    ("grid", grid),
+    ("threads", |row| row["threads"].to_string()),
+    ("goal", |row| GOALS_IN_WORDS[usize::from(row["goal"] != GOALS[0])].into()),
+    ("WU", |row| format!("{:.1}", number(row, "work_units"))),
+    ("ns", |row| format!("{:.1}", number(row, "ns"))),
+    ("noise", noise),
+    ("stream", |row| format!("{:.1}", number(row, "stream"))),
+];
+const SOLVER: [Column; 7] = [
+    ("solver", |row| text(row, "solver").into()),
+    ("grid", grid),
+    ("goal", |row| text(row, "goal").into()),
+    ("error", |row| format!("{:.2e}", number(row, "error"))),
+    ("rel. KKT", |row| format!("{:.1e}", number(row, "kkt"))),
+    ("seconds", seconds),
+    ("noise", noise),
+];
+const SPECTRAL: [Column; 6] = [
+    ("problem", |row| text(row, "problem").into()),
+    ("nodes", |row| row["nodes"].to_string()),
+    ("levels", |row| row["levels"].to_string()),
+    ("error", error),
+    ("seconds", seconds),
+    ("noise", noise),
+];
+const ADAPTED: [Column; 5] = [
+    ("domain", |row| text(row, "problem").into()),
+    ("meshes", |row| text(row, "way").into()),
+    ("nodes", |row| row["nodes"].to_string()),
+    ("error", error),
+    ("seconds", seconds),
+];
+
+/// Heads of columns of text.
+const TEXTS: [&str; 5] = ["solver", "goal", "problem", "domain", "meshes"];
+/// [`GOALS`] in words.
+const GOALS_IN_WORDS: [&str; 2] = ["discretisation error", "rounding floor"];
+
+/// Returns the columns of some rows as a table.
+fn shown<'a>(rows: impl Iterator<Item = &'a Row>, columns: &[Column]) -> String {
+    let mut left: Vec<usize> = (0..columns.len()).collect();
+    left.retain(|&k| TEXTS.contains(&columns[k].0));
+    let mut table = Table::new(columns.iter().map(|column| column.0), &left);
+    for row in rows {
+        table.rows.push(columns.iter().map(|(_, shown)| shown(row)).collect());
+    }
+    in_columns(&table)
 }
 
 /// Noise of a time in per cent.
@@ -172,53 +228,13 @@ fn seconds(row: &Row) -> String {
     format!("{:.6}", number(row, "seconds"))
 }
 
-fn multigrid(timings: &Timings) -> String {
-    let head = ["grid", "threads", "goal", "WU", "ns", "noise", "stream"];
-    let mut table = Table::new(head, &[2]);
-    for row in timings.multigrid.iter() {
-        let goal = match text(row, "goal") == GOALS[0] {
-            true => "discretisation error",
-            false => "rounding floor",
-        };
-        let nodes = nodes(number(row, "cells") as usize) as f64;
-        table.rows.push(vec![
-            grid(row),
-            row["threads"].to_string(),
-            goal.to_owned(),
-            format!("{:.1}", number(row, "work_units")),
-            format!("{:.1}", 1e9 * number(row, "seconds") / nodes),
-            noise(row),
-            format!("{:.1}", number(row, "traffic") / timings.bandwidth),
-        ]);
-    }
-    in_columns(&table)
+fn error(row: &Row) -> String {
+    format!("{:.1e}", number(row, "error"))
 }
 
 /// Problems on which solvers on grids were timed, in their order.
 fn problems(timings: &Timings) -> Vec<&str> {
     timings.solver.texts("problem").unwrap_or_default()
-}
-
-/// Returns a table for each problem.
-fn solvers(timings: &Timings) -> String {
-    let mut all = String::new();
-    for problem in problems(timings) {
-        let head = ["solver", "grid", "goal", "error", "rel. KKT", "seconds", "noise"];
-        let mut table = Table::new(head, &[0, 2]);
-        for row in timings.solver.iter().filter(|row| text(row, "problem") == problem) {
-            table.rows.push(vec![
-                text(row, "solver").to_owned(),
-                grid(row),
-                text(row, "goal").to_owned(),
-                format!("{:.2e}", number(row, "error")),
-                format!("{:.1e}", number(row, "kkt")),
-                seconds(row),
-                noise(row),
-            ]);
-        }
-        all += &format!("\n{problem}\n{}", in_columns(&table));
-    }
-    all
 }
 
 /// Returns for each problem the factors by which the fastest solver is faster than the others on the finest grid that
@@ -251,8 +267,8 @@ fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec
     let mut by_grid: Vec<BTreeMap<u64, &Row>> = Vec::new();
     for solver in Solver::on_grids() {
         let mut fastest = BTreeMap::new();
-        for row in timings.solver.iter().filter(|row| is_at_discretisation(row)) {
-            if text(row, "solver") == solver.to_string() && text(row, "problem") == problem {
+        for row in timings.solver.iter().filter(|row| row["reached"] == true) {
+            if row["solver"] == solver.entry().name && row["problem"] == problem {
                 let known = fastest.entry(row["cells"].as_u64()?).or_insert(row);
                 if number(row, "seconds") < number(known, "seconds") {
                     *known = row;
@@ -267,35 +283,6 @@ fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec
     let mut fastest: Vec<_> = by_grid.iter().map(|runs| runs[grid]).collect();
     fastest.sort_by(|a, b| number(a, "seconds").total_cmp(&number(b, "seconds")));
     Some(fastest)
-}
-
-fn spectral(timings: &Timings) -> String {
-    let mut table = Table::new(["problem", "nodes", "levels", "error", "seconds", "noise"], &[0]);
-    for row in timings.spectral.iter() {
-        table.rows.push(vec![
-            text(row, "problem").to_owned(),
-            row["nodes"].to_string(),
-            row["levels"].to_string(),
-            format!("{:.1e}", number(row, "error")),
-            seconds(row),
-            noise(row),
-        ]);
-    }
-    in_columns(&table)
-}
-
-fn adapted(timings: &Timings) -> String {
-    let mut table = Table::new(["domain", "meshes", "nodes", "error", "seconds"], &[0, 1]);
-    for row in timings.adapted.iter() {
-        table.rows.push(vec![
-            text(row, "problem").to_owned(),
-            text(row, "way").to_owned(),
-            row["nodes"].to_string(),
-            format!("{:.1e}", number(row, "error")),
-            seconds(row),
-        ]);
-    }
-    in_columns(&table)
 }
 
 #[cfg(test)]
@@ -316,7 +303,7 @@ mod tests {
     #[test]
     fn the_summary_names_the_fastest_solver_of_each_problem_and_fits_the_terminal() {
         let timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
-        let summary = summary(&timings);
+        let summary = summary(&timings.extended());
         assert!(summary.contains("multigrid took") && summary.contains(" times faster than "));
         for line in in_words(&timings).lines() {
             assert!(line.chars().count() <= 80, "{line}");

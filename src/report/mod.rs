@@ -19,6 +19,7 @@ mod pages;
 mod paths;
 mod prices;
 mod programs;
+mod rows;
 mod settings;
 
 pub use build::build;

@@ -11,8 +11,8 @@ pub const PATH: &str = "pipeline/timings.toml";
 /// Version of the format.
 pub const SCHEMA: u8 = 1;
 
-/// Measured times. Every time, `seconds`, is a median; its `spread` is the distance of the quartiles over the median.
-/// [`COLUMNS`] says what the tables consist of.
+/// Measured times. Every time in `seconds` is a median, whose `spread` is the distance of the quartiles over it. Grids
+/// have so many `cells` per side. The columns of each table are in [`TABLES`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timings {
@@ -23,27 +23,48 @@ pub struct Timings {
     pub bandwidth: f64,
     /// Machine on which the times were measured.
     pub machine: Machine,
-    /// Multigrid on one problem, from grid to grid.
+    /// Multigrid on one problem, from grid to grid, to each of [`GOALS`]: work units are sweeps of the finest grid, the
+    /// traffic is that in bytes per unknown, each pass reading and writing each row once. The time is without those for
+    /// the workspace and the load vector.
     #[serde(default)]
     pub multigrid: Rows,
-    /// All solvers that use a grid, on problems with known solutions, the paper's first.
+    /// All solvers that use a grid, on problems with known solutions, the paper's first, to goals in words. Errors, and
+    /// those of the discrete solution, are in the discrete L2 norm; without a formula, relative ones of the energy.
+    /// `kkt` is the natural residual over the largest component of the load. The time is without that for the load
+    /// vectors.
     #[serde(default)]
     pub solver: Rows,
-    /// The spectral solver on the problems with piecewise constant f, resolution by resolution.
+    /// The spectral solver on the problems with piecewise constant f, by the Gauss nodes of a panel and the number of
+    /// panels that get shorter towards corners and jumps. The error is that of the energy against a finer resolution,
+    /// relative, at least one rounding; the time is that from f to the energy, the start on a coarse grid included.
     #[serde(default)]
     pub spectral: Rows,
-    /// Solvers of others beside ours, measured by a script of `benches/peers`; entered by hand, kept by
-    /// `bench --record`.
+    /// Solvers of others beside ours, in the same run of a script of `benches/peers`, entered by hand: microseconds per
+    /// unknown, one thread, and the relative natural residuals that were reached. The times of a `whole` run are those
+    /// from f to the solution vector, with memory, load vector and matrix.
     #[serde(default)]
     pub peer: Rows,
-    /// Solvers of others beside ours on a user's mesh, without a coarser one, measured by `benches/peers/meshes.py own`;
-    /// entered by hand, kept by `bench --record`.
+    /// The same on a user's mesh, without a coarser one, by `benches/peers/meshes.py own`, matrix and load vector given.
     #[serde(default)]
     pub own_mesh: Rows,
-    /// Guaranteed error against time, on adapted and on uniform meshes.
+    /// Guaranteed error, over the norm of the solution, on adapted and on uniform meshes; the time is that from the
+    /// coarsest mesh to the bounds.
     #[serde(default)]
     pub adapted: Rows,
 }
+
+/// Tables of the record, and their columns, in the order in which they are written.
+const TABLES: [(&str, &str); 6] = [
+    ("multigrid", "cells threads goal work_units traffic seconds spread"),
+    ("solver", "solver problem cells goal error discretisation kkt seconds spread"),
+    ("spectral", "problem nodes levels error seconds spread"),
+    ("peer", "solver f cells theirs their_kkt ours our_kkt whole"),
+    ("own_mesh", "mesh nodes solver theirs their_kkt ours our_kkt"),
+    ("adapted", "problem way nodes error seconds"),
+];
+
+/// Goals of multigrid that are timed: the discretisation error, and the rounding floor.
+pub const GOALS: [&str; 2] = ["discretisation", "floor"];
 
 /// Machine and its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,167 +95,35 @@ fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f
     }
 }
 
-/// What the values of a column are.
-#[derive(Clone, Copy)]
-enum Kind {
-    /// Any text.
-    Text,
-    /// One of these texts.
-    OneOf(&'static [&'static str]),
-    /// A natural number.
-    Count,
-    /// A number.
-    Number,
-    /// A positive number, as medians and norms are.
-    Positive,
-    /// True or false; false if it is not there.
-    Flag,
-}
-use Kind::{Count, Flag, Number, OneOf, Positive, Text};
-
-/// Names and values of some columns.
-type Columns = &'static [(&'static str, Kind)];
-
-/// Columns of the tables, by the names of the tables, as the record has them.
-const COLUMNS: [(&str, Columns); 6] = [
-    (
-        "multigrid",
-        &[
-            // Per side.
-            ("cells", Count),
-            ("threads", Count),
-            ("goal", OneOf(&GOALS)),
-            // Sweeps of the finest grid.
-            ("work_units", Positive),
-            // Bytes moved per unknown, each pass reading and writing each row once.
-            ("traffic", Positive),
-            // Without those for the workspace and the load vector.
-            ("seconds", Positive),
-            ("spread", Number),
-        ],
-    ),
-    (
-        "solver",
-        &[
-            ("solver", Text),
-            // As in `exact(name)` where the solution has a formula.
-            ("problem", Text),
-            ("cells", Count),
-            // In words.
-            ("goal", Text),
-            // In the discrete L2 norm; where the solution has no formula, relative error of the energy.
-            ("error", Positive),
-            // Of the discrete solution.
-            ("discretisation", Positive),
-            // Natural residual over the largest component of the load.
-            ("kkt", Number),
-            // Without those for the load vectors.
-            ("seconds", Positive),
-            ("spread", Number),
-        ],
-    ),
-    (
-        "spectral",
-        &[
-            ("problem", Text),
-            // Gauss nodes of a panel.
-            ("nodes", Count),
-            // Panels that get shorter towards corners and jumps of f.
-            ("levels", Count),
-            // Of the energy against a finer resolution, relative; at least one rounding.
-            ("error", Positive),
-            // From f to the energy, the start on a coarse grid included.
-            ("seconds", Positive),
-            ("spread", Number),
-        ],
-    ),
-    (
-        "peer",
-        &[
-            // Name, version and configuration of the other solver.
-            ("solver", Text),
-            ("f", Text),
-            ("cells", Count),
-            // Microseconds per unknown, one thread, in the same run; and relative natural residuals.
-            ("theirs", Positive),
-            ("their_kkt", Positive),
-            ("ours", Positive),
-            ("our_kkt", Positive),
-            // True if both times are those from f to the solution vector, with memory, load vector and matrix.
-            ("whole", Flag),
-        ],
-    ),
-    (
-        "own_mesh",
-        &[
-            // In words.
-            ("mesh", Text),
-            ("nodes", Count),
-            ("solver", Text),
-            // As those of `peer`, matrix and load vector given.
-            ("theirs", Positive),
-            ("their_kkt", Positive),
-            ("ours", Positive),
-            ("our_kkt", Positive),
-        ],
-    ),
-    (
-        "adapted",
-        &[
-            // Name of the domain.
-            ("problem", Text),
-            ("way", OneOf(&["adaptive", "uniform"])),
-            // Of the finest mesh.
-            ("nodes", Count),
-            // Guaranteed error over the norm of the solution.
-            ("error", Positive),
-            // From the coarsest mesh to the bounds.
-            ("seconds", Positive),
-        ],
-    ),
-];
-
-/// Goals of multigrid that are timed: the discretisation error, and the rounding floor.
-pub const GOALS: [&str; 2] = ["discretisation", "floor"];
-
-impl Kind {
-    /// Returns what is wrong with a value.
-    fn mistake(self, value: &Value) -> Option<String> {
-        let number = value.as_f64().unwrap_or(f64::NAN);
-        match self {
-            Text => (!value.is_string()).then(|| "not a text".into()),
-            OneOf(all) => {
-                let is_one = value.as_str().is_some_and(|text| all.contains(&text));
-                (!is_one).then(|| format!("unknown variant, expected {}", all.join(" or ")))
-            }
-            Count => (!value.is_u64()).then(|| "not a natural number".into()),
-            Number => (!number.is_finite()).then(|| "not a number".into()),
-            Positive => (!(number > 0.0)).then(|| "not a positive number".into()),
-            Flag => (!value.is_boolean()).then(|| "neither true nor false".into()),
-        }
-    }
+/// Returns what is wrong with a value in a column of a table.
+fn mistake(table: &str, column: &str, value: &Value) -> Option<String> {
+    let (is_right, wrong) = match (table, column) {
+        ("multigrid", "goal") => (GOALS.iter().any(|goal| value == goal), "unknown variant"),
+        ("adapted", "way") => (value == "adaptive" || value == "uniform", "unknown variant"),
+        (_, "f" | "goal" | "mesh" | "problem" | "solver") => (value.is_string(), "not a text"),
+        (_, "cells" | "threads" | "nodes" | "levels") => (value.is_u64(), "not a natural number"),
+        (_, "kkt" | "spread") => (value.is_number(), "not a number"),
+        (_, "whole") => (value.is_boolean(), "neither true nor false"),
+        _ => (value.as_f64() > Some(0.0), "not a positive number"),
+    };
+    (!is_right).then(|| format!("{column} = {value}: {wrong}"))
 }
 
-/// Returns what is wrong with a row.
-fn mistake(row: &Row, columns: Columns) -> Option<String> {
-    for (name, kind) in columns {
-        match row.get(*name) {
-            None if matches!(kind, Flag) => (),
-            None => return Some(format!("missing field `{name}`")),
+/// Returns what is wrong with a row of a table.
+fn mistake_in_row(table: &str, columns: &str, row: &Row) -> Option<String> {
+    for column in columns.split(' ') {
+        match row.get(column) {
+            None if column == "whole" => (),
+            None => return Some(format!("missing field `{column}`")),
             Some(value) => {
-                if let Some(why) = kind.mistake(value) {
-                    return Some(format!("{name} = {value}: {why}"));
+                if let Some(why) = mistake(table, column, value) {
+                    return Some(why);
                 }
             }
         }
     }
-    let unknown = row.keys().find(|name| columns.iter().all(|(known, _)| known != name))?;
+    let unknown = row.keys().find(|name| !columns.split(' ').any(|column| column == *name))?;
     Some(format!("unknown field `{unknown}`"))
-}
-
-/// Number of nodes of the grid with this number of cells per side.
-pub fn nodes(cells: usize) -> usize {
-    (cells + 1) * (cells + 1)
 }
 
 /// Goal of a run under the stopping rule of the published tables.
@@ -256,18 +145,33 @@ pub fn text<'a>(row: &'a Row, column: &str) -> &'a str {
     row[column].as_str().expect("the columns are checked")
 }
 
-/// True if the error of a run came down to that of the discretisation.
-pub fn is_at_discretisation(row: &Row) -> bool {
-    number(row, "error") <= TimedPlan::REACHED * number(row, "discretisation")
-}
-
 const HEADER: &str = "# Written by `signorini bench --record`; do not edit what was measured.\n\
     # [[peer]] and [[own_mesh]] sections are entered by hand from benches/peers, and kept.\n\n";
 
 impl Timings {
-    /// Returns all tables, in the order of [`COLUMNS`].
+    /// Returns all tables, in the order of [`TABLES`].
     fn tables(&self) -> [&Rows; 6] {
         [&self.multigrid, &self.solver, &self.spectral, &self.peer, &self.own_mesh, &self.adapted]
+    }
+
+    /// Returns the times with columns that follow from the others: rows of `multigrid` with their `unknowns`, the time
+    /// per unknown in nanoseconds, `ns`, and that in which the memory could have moved the bytes, `stream`; rows of
+    /// `solver` with whether the error has `reached` that of the discretisation.
+    pub fn extended(&self) -> Self {
+        let mut timings = self.clone();
+        for row in &mut timings.multigrid.0 {
+            let nodes = (number(row, "cells") + 1.0) * (number(row, "cells") + 1.0);
+            let ns = 1e9 * number(row, "seconds") / nodes;
+            let stream = number(row, "traffic") / self.bandwidth;
+            row.insert("unknowns".into(), (nodes as usize).into());
+            row.extend([("ns".into(), ns.into()), ("stream".into(), stream.into())]);
+        }
+        for row in &mut timings.solver.0 {
+            let reached =
+                number(row, "error") <= TimedPlan::REACHED * number(row, "discretisation");
+            row.insert("reached".into(), reached.into());
+        }
+        timings
     }
 
     /// Parses the record.
@@ -293,10 +197,10 @@ impl Timings {
     }
 
     /// Returns what is wrong with the tables, and where.
-    pub fn mistake(&self) -> Option<String> {
-        for (rows, (table, columns)) in self.tables().into_iter().zip(COLUMNS) {
+    fn mistake(&self) -> Option<String> {
+        for (rows, (table, columns)) in self.tables().into_iter().zip(TABLES) {
             for (row, k) in rows.iter().zip(1..) {
-                if let Some(mistake) = mistake(row, columns) {
+                if let Some(mistake) = mistake_in_row(table, columns, row) {
                     return Some(format!("[[{table}]] number {k}: {mistake}"));
                 }
             }
@@ -310,11 +214,11 @@ impl Timings {
         let machine = toml::to_string(machine).expect("plain data");
         let mut text =
             format!("{HEADER}schema = {schema}\nbandwidth = {bandwidth:?}\n\n[machine]\n{machine}");
-        for (rows, (table, columns)) in self.tables().into_iter().zip(COLUMNS) {
+        for (rows, (table, columns)) in self.tables().into_iter().zip(TABLES) {
             for row in rows.iter() {
                 text += &format!("\n[[{table}]]\n");
-                for (name, _) in columns {
-                    if let Some(value) = row.get(*name) {
+                for name in columns.split(' ') {
+                    if let Some(value) = row.get(name) {
                         let value = toml::Value::try_from(value).expect("plain data");
                         text += &format!("{name} = {value}\n");
                     }

@@ -12,7 +12,6 @@ use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
@@ -151,19 +150,15 @@ fn id(experiment: &str) -> String {
     format!("bench/{experiment}")
 }
 
-fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
-    super::from_json(inputs, &id(experiment), RESULT)
-}
-
 /// Returns a table of the findings of an experiment.
 pub(super) fn table(inputs: &Inputs, experiment: &str, name: &str) -> Result<Rows, String> {
-    let mut findings: BTreeMap<String, Value> = result(inputs, experiment)?;
+    let mut findings: BTreeMap<String, Value> = super::from_json(inputs, &id(experiment), RESULT)?;
     let rows = findings.remove(name).ok_or_else(|| format!("{experiment} has no table {name}"))?;
     serde_json::from_value(rows).map_err(|e| format!("{name} of {experiment} is no table: {e}"))
 }
 
 /// Returns the findings of all experiments, by name, for the templates.
-pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, serde_json::Value>, String> {
+pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, Value>, String> {
     let mut results = BTreeMap::new();
     for task in inputs.artifacts.keys() {
         if let Some(name) = task.strip_prefix("bench/") {

@@ -3,7 +3,7 @@
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
 use crate::timing::recorded::{GOALS, PUBLISHED, Timings, text};
-use signorini_mathematics::experiments::{Range, Rows};
+use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::solvers::Solver;
 
@@ -20,14 +20,17 @@ impl Law {
     /// Returns the line over the range of the `curves`.
     fn beside(&self, curves: &[Curve]) -> Curve {
         let points: Vec<_> = curves.iter().flat_map(|curve| curve.points.iter().copied()).collect();
-        let x = Range::of(points.iter().map(|point| point.0)).unwrap_or_default();
-        let scaled = points.iter().map(|(x, y)| y / libm::pow(*x, self.power));
-        let scaled = Range::of(scaled).unwrap_or_default();
-        let nearest = if self.factor < 1.0 { scaled.least } else { scaled.greatest };
-        let constant = self.factor * nearest;
-        let ends = [x.least, x.greatest].map(|x| (x, constant * libm::pow(x, self.power)));
+        let ends = extremes(points.iter().map(|point| point.0));
+        let [least, greatest] = extremes(points.iter().map(|(x, y)| y / libm::pow(*x, self.power)));
+        let constant = self.factor * if self.factor < 1.0 { least } else { greatest };
+        let ends = ends.map(|x| (x, constant * libm::pow(x, self.power)));
         Curve::new(Reference, self.label, ends)
     }
+}
+
+/// Returns the least and the greatest of some numbers; zeros of none.
+fn extremes(numbers: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    [numbers.clone().reduce(f64::min), numbers.reduce(f64::max)].map(Option::unwrap_or_default)
 }
 
 /// Errors of the problems with known solutions, one panel per norm.
@@ -81,18 +84,15 @@ pub(super) fn adapted(errors: &Rows) -> Result<Picture, String> {
 
 /// Time per unknown of multigrid, for both goals.
 pub(super) fn cost(timings: &Timings) -> Result<Picture, String> {
+    let timed = timings.extended().multigrid;
     let mut panels = Vec::new();
     for (goal, title) in
         GOALS.into_iter().zip(["To the discretisation error", "To the rounding floor"])
     {
         let mut curves = Vec::new();
         for (label, threads) in [("multigrid", 1), ("multigrid, two threads", 2)] {
-            let rows = timings.multigrid.wherever("goal", goal)?.wherever("threads", threads)?;
-            let points = rows.points("cells", "seconds")?.into_iter().map(|(cells, seconds)| {
-                let nodes = (cells + 1.0) * (cells + 1.0);
-                (nodes, 1e9 * seconds / nodes)
-            });
-            curves.push(Curve::new(Marked, label, points));
+            let rows = timed.wherever("goal", goal)?.wherever("threads", threads)?;
+            curves.push(Curve::new(Marked, label, rows.points("unknowns", "ns")?));
         }
         panels.push(Chart::new(title, ["unknowns", "nanoseconds per unknown"], curves));
     }

@@ -2,8 +2,8 @@
 
 use super::known::{KnownSolution, SAMPLED, SolutionErrors};
 use super::problems::{CONTACT, paper_loads, stress_loads};
-use super::work::{self, ComparedWork, SweepsRow, nodal_values};
-use super::{Findings, Range, Rows};
+use super::work::{self, nodal_values};
+use super::{Findings, Rows};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::kkt;
 use crate::discrete::norms::lumped;
@@ -144,19 +144,19 @@ pub(super) fn accuracy(plan: &AccuracyPlan) -> Result<Findings, String> {
     }
     work.extend(others?);
     let sampled = Grid::new(SAMPLED).map_err(|e| e.to_string())?;
-    let free_corner = Range::of(nodal_values(Exact::FreeCorner, sampled)).unwrap_or_default();
+    let free_corner = nodal_values(Exact::FreeCorner, sampled);
     let facts = Facts {
         sampled: SAMPLED,
         tolerance: TOLERANCE,
         asymptotic: ASYMPTOTIC,
-        free_corner_least: free_corner.least,
-        free_corner_greatest: free_corner.greatest,
+        free_corner_least: free_corner.iter().copied().fold(f64::INFINITY, f64::min),
+        free_corner_greatest: free_corner.into_iter().fold(f64::NEG_INFINITY, f64::max),
     };
     Ok(Findings::from([
         ("errors".into(), Rows::of(errors)),
         ("work".into(), Rows::of(work)),
-        ("sweeps".into(), Rows::of::<SweepsRow>(sweeps?)),
-        ("compared".into(), Rows::of::<ComparedWork>(compared?)),
+        ("sweeps".into(), Rows::of(sweeps?)),
+        ("compared".into(), Rows::of(compared?)),
         ("facts".into(), Rows::of([facts])),
     ]))
 }

@@ -128,7 +128,7 @@ impl Range {
 }
 
 /// Double nearest to ten to the power of `exponent`.
-pub fn power_of_ten(exponent: i32) -> f64 {
+fn power_of_ten(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().expect("a number")
 }
 

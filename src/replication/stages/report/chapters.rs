@@ -17,7 +17,7 @@ use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::experiments::{Range, Rows};
+use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
@@ -179,10 +179,9 @@ fn beyond(gradient: &[f64], tolerance: f64) -> Value {
 
 /// Returns a few numbers that describe a surface.
 fn shape(pair: &Pair, scene: &Scene) -> Value {
-    let heights = Range::of(pair.y.iter().copied());
     json!({
-        "least": heights.map(|range| range.least),
-        "greatest": heights.map(|range| range.greatest),
+        "least": pair.y.iter().copied().reduce(f64::min),
+        "greatest": pair.y.iter().copied().reduce(f64::max),
         // Boundary nodes in contact.
         "contact": pair.in_contact(scene.finest(), scene.law()).into_iter().filter(|&contact| contact).count(),
         // Contact force: the sum of h times the multiplier over the boundary.

@@ -1,32 +1,16 @@
 //! Data of the chapter on cost, from recorded times.
 
-use crate::timing::recorded::{Timings, is_at_discretisation, nodes, number};
+use crate::timing::recorded::{Timings, number};
 use serde_json::{Value, json};
 use signorini_mathematics::solvers::Solver;
 
 /// Error of the energy, relative, at which the spectral solver and multigrid are compared.
 const FAR: f64 = 1e-10;
 
-/// Returns the recorded times in the form that the templates take: rows of `multigrid` also have their `unknowns`, the
-/// time per unknown in nanoseconds, `ns`, and that in which the memory could have moved the bytes, `stream`; rows of
-/// `solver` whether they `reached` the discretisation error. The table `far` compares both fast solvers.
+/// Returns the recorded times, [`Timings::extended`], as the templates take them: with the names of the `solvers` on
+/// grids, and a table `far` that compares both fast solvers.
 pub(super) fn times(timings: &Timings) -> Result<Value, String> {
-    let mut times = timings.clone();
-    for row in &mut times.multigrid.0 {
-        let unknowns = nodes(number(row, "cells") as usize);
-        let ns = 1e9 * number(row, "seconds") / unknowns as f64;
-        let stream = number(row, "traffic") / timings.bandwidth;
-        row.extend([
-            ("unknowns".into(), unknowns.into()),
-            ("ns".into(), ns.into()),
-            ("stream".into(), stream.into()),
-        ]);
-    }
-    for row in &mut times.solver.0 {
-        let reached = is_at_discretisation(row);
-        row.insert("reached".into(), reached.into());
-    }
-    let mut times = json!(times);
+    let mut times = json!(timings.extended());
     times["solvers"] = json!(Solver::on_grids());
     times["far"] = json!(far(timings)?);
     Ok(times)
