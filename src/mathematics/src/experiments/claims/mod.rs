@@ -2,6 +2,7 @@
 //! holds.
 
 mod cases;
+mod problem;
 mod runs;
 
 use super::{Findings, Rows, power_of_ten};
@@ -11,7 +12,7 @@ use crate::machine::threads::map;
 use crate::problem::law::LawParameter;
 use crate::saddle::{Method, StopRule};
 use crate::statement::{Domain, SaddleSettings, Statement};
-use runs::ClaimProblem;
+use problem::ClaimProblem;
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
