@@ -30,16 +30,15 @@ fn rows_where(rows: Vec<Value>, kwargs: Kwargs, _: &State) -> TeraResult<Vec<Val
         (None, None) => Some(kwargs.must_get::<Value>("value")?),
         _ => kwargs.get::<Value>("value")?,
     };
-    let is_wanted = |row: &Value| {
+    let mut wanted = rows;
+    wanted.retain(|row| {
         let Some(there) = row.get_from_path(key) else { return false };
-        let is_within = |bound: Option<f64>, of_two: fn(&f64, &f64) -> bool| {
-            bound.is_none_or(|bound| there.as_f64().is_some_and(|x| of_two(&x, &bound)))
-        };
+        let number = there.as_f64();
         value.as_ref().is_none_or(|value| there == value)
-            && is_within(least, f64::ge)
-            && is_within(most, f64::le)
-    };
-    Ok(rows.into_iter().filter(is_wanted).collect())
+            && least.is_none_or(|least| number >= Some(least))
+            && most.is_none_or(|most| number.is_some_and(|number| number <= most))
+    });
+    Ok(wanted)
 }
 
 /// Refuses a key that no row has.
@@ -65,11 +64,15 @@ fn column(rows: &[Value], key: &str) -> TeraResult<Vec<Value>> {
     Ok(values.filter(|value| !value.is_none()).collect())
 }
 
+/// Returns the number of a row under a key.
+fn number(row: &Value, key: &str) -> Option<f64> {
+    row.get_from_path(key)?.as_f64()
+}
+
 /// Returns the exponent of the power law of y over x, of the rows with both; nothing if there is none.
 fn order(rows: &[Value], [x, y]: [&str; 2]) -> TeraResult<Value> {
     refuse_unknown(rows, x)?;
     refuse_unknown(rows, y)?;
-    let number = |row: &Value, key: &str| row.get_from_path(key)?.as_f64();
     let points = rows.iter().filter_map(|row| Some((number(row, x)?, number(row, y)?)));
     let exponent = exponent(&points.collect::<Vec<_>>());
     Ok(exponent.map_or_else(Value::none, Value::from))
@@ -94,7 +97,7 @@ fn extreme(numbers: Vec<f64>, of_two: fn(f64, f64) -> f64) -> TeraResult<f64> {
 mod tests {
     use super::*;
 
-    /// What a template makes of rows.
+    /// Text that a template makes of rows.
     fn shown(template: &str) -> TeraResult<String> {
         let mut tera = Tera::new();
         register(&mut tera);

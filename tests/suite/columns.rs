@@ -9,8 +9,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Columns of rows that are no findings: of versions, and of what the stage `identify` found and the record keeps.
-const OTHERS: [&str; 5] = ["name", "found.exact", "found.delta_a_exact", "candidates", "chosen"];
+/// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, and of the times of
+/// both fast solvers.
+const OTHERS: [&str; 7] =
+    ["name", "found.exact", "found.delta_a_exact", "candidates", "chosen", "milliseconds", "ratio"];
 
 /// Fields of the plan of an experiment with which it takes next to no time.
 fn coarse(experiment: &str) -> Value {

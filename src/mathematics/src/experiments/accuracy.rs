@@ -66,7 +66,7 @@ struct ErrorRow {
     /// Algebraic over discretisation error at the goal [`Goal::DiscretisationError`], in L2 (lumped); none if that
     /// error is not known.
     algebraic_l2: Option<f64>,
-    /// The same in H1.
+    /// Ratio likewise in H1.
     algebraic_h1: f64,
 }
 
@@ -127,7 +127,7 @@ pub(super) fn accuracy(plan: &AccuracyPlan) -> Result<Findings, String> {
         solutions.push(KnownSolution::spectral(name, f, SpectralParams::default())?);
     }
     let (known, (others, (sweeps, compared))) = join(
-        || -> Result<Vec<Known>, String> {
+        || -> Result<Vec<KnownRows>, String> {
             map(&solutions, 1, |solution| known(solution, plan)).into_iter().collect()
         },
         || {
@@ -162,18 +162,18 @@ pub(super) fn accuracy(plan: &AccuracyPlan) -> Result<Findings, String> {
 }
 
 /// Errors and cost of a problem with known solution, grid by grid.
-struct Known {
+struct KnownRows {
     errors: Vec<ErrorRow>,
     work: Vec<WorkRow>,
 }
 
 /// Measures errors and cost of a problem with known solution, grid by grid.
-fn known(solution: &KnownSolution, plan: &AccuracyPlan) -> Result<Known, String> {
+fn known(solution: &KnownSolution, plan: &AccuracyPlan) -> Result<KnownRows, String> {
     let cells = match solution {
         KnownSolution::Formula(_) => &plan.cells,
         KnownSolution::Spectral(_) => &plan.contact,
     };
-    let mut known = Known { errors: Vec::new(), work: Vec::new() };
+    let mut known = KnownRows { errors: Vec::new(), work: Vec::new() };
     for &n in cells {
         let grid = Grid::new(n).map_err(|e| e.to_string())?;
         let load = solution.load(grid);

@@ -87,8 +87,8 @@ impl Rows {
     /// As [`Rows::column`].
     pub fn points(&self, x: &str, y: &str) -> Result<Vec<(f64, f64)>, String> {
         (self.column(x)?, self.column(y)?);
-        let number = |row: &Row, name: &str| row.get(name)?.as_f64();
-        Ok(self.iter().filter_map(|row| Some((number(row, x)?, number(row, y)?))).collect())
+        let points = self.iter().map(|row| Some((row.get(x)?.as_f64()?, row.get(y)?.as_f64()?)));
+        Ok(points.flatten().collect())
     }
 }
 

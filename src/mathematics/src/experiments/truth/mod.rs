@@ -89,7 +89,7 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
     let solved = map(&plan.problems, 1, |(name, f)| {
         solve(name, f, plan.resolutions).map_err(|e| format!("{name}: {e}"))
     });
-    let solved: Vec<Solved> = solved.into_iter().collect::<Result<_, String>>()?;
+    let solved: Vec<SolvedTwice> = solved.into_iter().collect::<Result<_, String>>()?;
     let grid = Grid::new(plan.sampled).map_err(|e| e.to_string())?;
     let (mut references, mut values, mut known) = (Vec::new(), Vec::new(), Vec::new());
     let (mut samples, mut multipliers) = (Vec::new(), Vec::new());
@@ -97,10 +97,11 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
         if known.len() < SAMPLED_PROBLEMS
             && let Some(solution) = one.known.solution()
         {
-            let problem = || one.reference.problem.clone();
+            let problem = &one.reference.problem;
             let Pair { y, a } = solution.on_grid(grid);
-            samples.extend(y.into_iter().map(|v| SampleRow { problem: problem(), v }));
-            multipliers.extend(a.into_iter().map(|a| MultiplierRow { problem: problem(), a }));
+            samples.extend(y.into_iter().map(|v| SampleRow { problem: problem.clone(), v }));
+            multipliers
+                .extend(a.into_iter().map(|a| MultiplierRow { problem: problem.clone(), a }));
         }
         references.push(one.reference);
         values.extend(one.values);
@@ -123,15 +124,15 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
 /// Number of problems, the first, whose solutions are given at nodes.
 const SAMPLED_PROBLEMS: usize = 2;
 
-/// A problem whose solution is known.
-struct Solved {
+/// A problem, solved at two resolutions.
+struct SolvedTwice {
     reference: ReferenceRow,
     values: Vec<ValueRow>,
     known: KnownSolution,
 }
 
 /// Solves a problem with the spectral solver at two resolutions; the finer one is the known solution.
-fn solve(name: &str, text: &str, resolutions: [(usize, u32); 2]) -> Result<Solved, String> {
+fn solve(name: &str, text: &str, resolutions: [(usize, u32); 2]) -> Result<SolvedTwice, String> {
     let [rough, fine] = resolutions.map(|(nodes, levels)| SpectralParams { nodes, levels });
     let f: Source = text.parse().map_err(|e| format!("{e}"))?;
     let rough = spectral(&f, rough).map_err(|e| e.to_string())?;
@@ -140,5 +141,5 @@ fn solve(name: &str, text: &str, resolutions: [(usize, u32); 2]) -> Result<Solve
     let (green, rellich) = (green.abs(), rellich.abs());
     let reference = ReferenceRow { problem: name.into(), f: f.to_string(), green, rellich };
     let values = values(name, [&rough, &fine]);
-    Ok(Solved { reference, values, known: KnownSolution::of(name, f, fine) })
+    Ok(SolvedTwice { reference, values, known: KnownSolution::of(name, f, fine) })
 }
