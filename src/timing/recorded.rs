@@ -44,7 +44,8 @@ pub struct Timings {
     /// from f to the solution vector, with memory, load vector and matrix.
     #[serde(default)]
     pub peer: Rows,
-    /// The same on a user's mesh, without a coarser one, by `benches/peers/meshes.py own`, matrix and load vector given.
+    /// The same on a user's mesh, without a coarser one, by `benches/peers/meshes.py own`: matrix and load vector are
+    /// given.
     #[serde(default)]
     pub own_mesh: Rows,
     /// Guaranteed error, over the norm of the solution, on adapted and on uniform meshes; the time is that from the
