@@ -157,15 +157,18 @@ mod tests {
 
     /// Runs under the signed rule that converged, with tolerances from 1e-2 on, each a hundredth of the one before.
     fn runs(problem: &str, steps: &[usize]) -> Vec<StressRun> {
-        let of_steps = |(k, &steps): (usize, &usize)| StressRun {
-            series: "tolerances",
-            problem: Some(problem.into()),
-            method: "signed",
-            x: Some([1e-2, 1e-4, 1e-6, 1e-8][k]),
-            trial: Trial { stop: Some(Stop::Converged), steps, ..Trial::default() },
-            ..StressRun::default()
-        };
-        steps.iter().enumerate().map(of_steps).collect()
+        let mut runs = Vec::new();
+        for (&steps, x) in steps.iter().zip([1e-2, 1e-4, 1e-6, 1e-8]) {
+            runs.push(StressRun {
+                series: "tolerances",
+                problem: Some(problem.into()),
+                method: "signed",
+                x: Some(x),
+                trial: Trial { stop: Some(Stop::Converged), steps, ..Trial::default() },
+                ..StressRun::default()
+            });
+        }
+        runs
     }
 
     #[test]

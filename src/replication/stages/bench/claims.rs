@@ -44,8 +44,8 @@ pub(super) fn rules(runs: &Rows, paper: &Paper) -> Result<Picture, String> {
         let mut curves = Vec::new();
         for (end, name) in [("printed", "printed rule"), ("signed", "signed rule")] {
             let points = rows.wherever("end", end)?.points("r", "sweeps")?;
-            let of_r = |r: &f64| points.iter().copied().find(|point| point.0 == *r);
-            curves.push(Curve::new(Marked, name, paper.r.iter().filter_map(of_r)));
+            let papers = paper.r.iter().filter_map(|r| points.iter().find(|point| point.0 == *r));
+            curves.push(Curve::new(Marked, name, papers.copied()));
         }
         for table in paper.table.iter().filter(|table| table.number == problem) {
             for (r, counts) in paper.r.iter().zip(&table.counts) {

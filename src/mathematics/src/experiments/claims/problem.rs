@@ -7,6 +7,7 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::{largest, worst};
 use crate::discrete::stop::Stop;
+use crate::discrete::transfer::Prolongation;
 use crate::experiments::problems::TableProblem;
 use crate::problem::law::Law;
 use crate::saddle::jobs::{Job, run};
@@ -77,6 +78,11 @@ impl<'a> ClaimProblem<'a> {
         Ok(Self { problem, law, grids, published, solvable, starts })
     }
 
+    /// Interpolation to the next grid.
+    pub(super) fn prolongation(&self) -> Prolongation {
+        self.problem.saddle().prolongation
+    }
+
     /// The end of a run on one grid, with the KKT residual of its last pair.
     pub(super) fn measured(
         &self,
@@ -91,13 +97,14 @@ impl<'a> ClaimProblem<'a> {
     /// which there is time, one count per weight of the proximal term.
     pub(super) fn weights(&self, plan: &ClaimsPlan) -> WeightRow {
         let KktTarget { kkt: target, cells: finest } = plan.targets[0];
-        let fits = |grid: &Grid| grid.cells() <= finest.min(MOST_FOR_WEIGHTS);
-        let level = self.grids.iter().rposition(fits).unwrap_or(0);
+        let finest = finest.min(MOST_FOR_WEIGHTS);
+        let level = self.grids.iter().rposition(|grid| grid.cells() <= finest).unwrap_or(0);
         let (grid, load, start) = (self.grids[level], &self.solvable[level], &self.starts[level]);
         let inner = 0.1 * target * largest(load);
-        let of_weight = |&weight: &f64| Method::Uzawa { weight, inner, loose: true };
+        let weights = plan.weights.iter();
+        let methods = weights.map(|&weight| Method::Uzawa { weight, inner, loose: true });
         let mut jobs = Vec::new();
-        for method in plan.weights.iter().map(of_weight).chain([Method::ArrowHurwicz]) {
+        for method in methods.chain([Method::ArrowHurwicz]) {
             let goal = JobGoal::Kkt(target);
             let (law, r) = (self.law, R_OF_WEIGHTS);
             jobs.push(Job { law, load, start, method, r, goal, cap: plan.cap });

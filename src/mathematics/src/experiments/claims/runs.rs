@@ -27,7 +27,7 @@ pub(super) struct ClaimRun {
     pub(super) problem: u8,
     /// [`ARROW_HURWICZ`], or the name of a variant of Uzawa's algorithm.
     pub(super) method: &'static str,
-    /// What ends the run: a stopping rule, on nested grids with the paper's tolerances and load, or a KKT residual,
+    /// End of the run: a stopping rule, on nested grids with the paper's tolerances and load, or a KKT residual,
     /// from the coarser grid's solution with the load averaged around nodes.
     pub(super) end: String,
     /// This KKT residual over the largest component of F; none under a stopping rule.
@@ -158,10 +158,9 @@ impl ClaimJob {
     /// True if this run and another may be in one batch.
     fn shares_grids(&self, other: &Self, problems: &[ClaimProblem]) -> bool {
         let [one, two] = [self, other].map(|job| &problems[job.problem]);
-        let prolongation = |case: &ClaimProblem| case.problem.saddle().prolongation;
         match (self.measure, other.measure) {
             (ClaimMeasure::Rule(_), ClaimMeasure::Rule(_)) => {
-                one.grids == two.grids && prolongation(one) == prolongation(two)
+                one.grids == two.grids && one.prolongation() == two.prolongation()
             }
             (ClaimMeasure::Kkt(_), ClaimMeasure::Kkt(_)) => {
                 one.grids[self.level] == two.grids[other.level]
@@ -229,8 +228,7 @@ impl ClaimJob {
 /// grids.
 fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
     let first = &problems[batch[0].problem];
-    let levels =
-        NestedGrids { grids: &first.grids, prolongation: first.problem.saddle().prolongation };
+    let levels = NestedGrids { grids: &first.grids, prolongation: first.prolongation() };
     let mut runs = Vec::new();
     for job in batch {
         let ClaimProblem { law, published: loads, .. } = &problems[job.problem];

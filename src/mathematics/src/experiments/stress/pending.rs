@@ -56,8 +56,8 @@ impl Pending {
 /// Makes the runs of all series together, since those of one alone would leave lanes idle: those of the paper's method
 /// on the grid `coarse` in vector lanes, the others side by side.
 pub(super) fn made(coarse: Grid, pending: Vec<Pending>) -> Vec<StressRun> {
-    let is_saddle = |k: &usize| pending[*k].saddle_job().is_some();
-    let mut saddle: Vec<_> = (0..pending.len()).filter(is_saddle).collect();
+    let mut saddle: Vec<usize> = (0..pending.len()).collect();
+    saddle.retain(|&k| pending[k].saddle_job().is_some());
     // Dealt out like cards: each batch begins with long runs.
     saddle.sort_by_key(|&k| pending[k].is_short());
     let count = (saddle.len() / BATCH).max(1);
