@@ -112,10 +112,10 @@ mod tests {
     #[test]
     fn filters_of_rows_ask_for_columns_that_are_there() {
         for (template, expected) in [
-            ("{{ rows | where(key=\"of\", value=\"a\") | column(key=\"x\") | median }}", "2"),
+            ("{{ rows | where(key=\"of\", value=\"a\") | column(key=\"x\") | median }}", "2.0"),
             ("{{ rows | where(key=\"x\", least=2) | column(key=\"y\") | median }}", "19.5"),
             ("{{ rows | where(key=\"x\", most=2) | length }}", "3"),
-            ("{{ rows | order(x=\"x\", y=\"y\") | round(precision=9) }}", "2"),
+            ("{{ rows | order(x=\"x\", y=\"y\") | round(precision=9) }}", "2.0"),
             (
                 "{{ rows | where(key=\"of\", value=\"b\") | order(x=\"x\", y=\"y\") is none }}",
                 "true",
