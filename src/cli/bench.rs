@@ -11,10 +11,12 @@ use crate::replication::scene::Scene;
 use crate::replication::scenes::named_f;
 use crate::table::Table;
 use crate::timing::measure::{TimingPlan, measure, threads};
-use crate::timing::recorded::{self, OwnMesh, Peer, SolverTime, Timings, to_discretisation};
+use crate::timing::recorded::{self, GOALS, Timings, number, text};
 use clap::Args;
 use signorini_mathematics::experiments::timed::TimedPlan;
+use signorini_mathematics::experiments::{Row, Rows};
 use signorini_mathematics::solvers::{SOLVERS, Solver};
+use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
 
 #[derive(Args)]
@@ -75,7 +77,7 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
         timings.peer.clone_from(&record.peers);
         timings.own_mesh.clone_from(&record.own_meshes);
     }
-    if args.json { say_json(&timings) } else { say(&text(&timings)) }?;
+    if args.json { say_json(&timings) } else { say(&in_words(&timings)) }?;
     if plan.interrupted.load(Ordering::Relaxed) {
         let record = if args.record { "; nothing was recorded" } else { "" };
         talk(&format!("interrupted: these are the times measured until then{record}"));
@@ -114,8 +116,8 @@ fn paper_problems() -> Result<Vec<(String, String)>> {
 struct RecordFile {
     file: OutputFile,
     /// Parts of the earlier record that are kept.
-    peers: Vec<Peer>,
-    own_meshes: Vec<OwnMesh>,
+    peers: Rows,
+    own_meshes: Rows,
 }
 
 impl RecordFile {
@@ -132,7 +134,8 @@ impl RecordFile {
     }
 }
 
-fn text(timings: &Timings) -> String {
+fn in_words(timings: &Timings) -> String {
+    let timings = &timings.extended();
     let Timings { machine, bandwidth, .. } = timings;
     let mut text = format!(
         "{}, {} cores, {}\n{}\n{}; load average {}\n",
@@ -141,131 +144,145 @@ fn text(timings: &Timings) -> String {
     text += "noise: distance of the quartiles of a time over its median\n";
     text += &format!("memory, one thread: in-place update {bandwidth:.1} GB/s\n");
     if !timings.multigrid.is_empty() {
-        text += &format!("\nmultigrid, {}\n{}", TimedPlan::SCALED.name(), multigrid(timings));
+        text += &format!("\nmultigrid, {}\n", TimedPlan::SCALED.name());
+        text += &shown(timings.multigrid.iter(), &MULTIGRID);
     }
-    if !timings.solver.is_empty() {
-        text += &solvers(timings);
+    for problem in problems(timings) {
+        let rows = timings.solver.iter().filter(|row| row["problem"] == problem);
+        text += &format!("\n{problem}\n{}", shown(rows, &SOLVER));
     }
     if !timings.spectral.is_empty() {
         text += "\nspectral: error of the energy against a finer resolution, relative\n";
-        text += &spectral(timings);
+        text += &shown(timings.spectral.iter(), &SPECTRAL);
     }
     if !timings.adapted.is_empty() {
         text += "\nguaranteed error of multigrid on refined meshes, relative\n";
-        text += &adapted(timings);
+        text += &shown(timings.adapted.iter(), &ADAPTED);
     }
     text + &summary(timings)
 }
 
-fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
-}
+/// Column of a table: its head, and what it shows of a row.
+type Column = (&'static str, fn(&Row) -> String);
 
-fn multigrid(timings: &Timings) -> String {
-    let head = ["grid", "threads", "goal", "WU", "ns", "noise", "stream"];
-    let mut table = Table::new(head, &[2]);
-    for line in &timings.multigrid {
-        table.rows.push(vec![
-            format!("1/{}", line.cells),
-            line.threads.to_string(),
-            line.goal.in_words().to_owned(),
-            format!("{:.1}", line.work_units),
-            format!("{:.1}", line.ns()),
-            percent(line.spread),
-            format!("{:.1}", line.traffic / timings.bandwidth),
-        ]);
+const MULTIGRID: [Column; 7] = [
+    ("grid", grid),
+    ("threads", |row| row["threads"].to_string()),
+    ("goal", |row| GOALS_IN_WORDS[usize::from(row["goal"] != GOALS[0])].into()),
+    ("WU", |row| format!("{:.1}", number(row, "work_units"))),
+    ("ns", |row| format!("{:.1}", number(row, "ns"))),
+    ("noise", noise),
+    ("stream", |row| format!("{:.1}", number(row, "stream"))),
+];
+const SOLVER: [Column; 7] = [
+    ("solver", |row| text(row, "solver").into()),
+    ("grid", grid),
+    ("goal", |row| text(row, "goal").into()),
+    ("error", |row| format!("{:.2e}", number(row, "error"))),
+    ("rel. KKT", |row| format!("{:.1e}", number(row, "kkt"))),
+    ("seconds", seconds),
+    ("noise", noise),
+];
+const SPECTRAL: [Column; 6] = [
+    ("problem", |row| text(row, "problem").into()),
+    ("nodes", |row| row["nodes"].to_string()),
+    ("levels", |row| row["levels"].to_string()),
+    ("error", error),
+    ("seconds", seconds),
+    ("noise", noise),
+];
+const ADAPTED: [Column; 5] = [
+    ("domain", |row| text(row, "problem").into()),
+    ("meshes", |row| text(row, "way").into()),
+    ("nodes", |row| row["nodes"].to_string()),
+    ("error", error),
+    ("seconds", seconds),
+];
+
+/// Heads of columns of text.
+const TEXTS: [&str; 5] = ["solver", "goal", "problem", "domain", "meshes"];
+/// [`GOALS`] in words.
+const GOALS_IN_WORDS: [&str; 2] = ["discretisation error", "rounding floor"];
+
+/// Returns the columns of some rows as a table.
+fn shown<'a>(rows: impl Iterator<Item = &'a Row>, columns: &[Column]) -> String {
+    let mut left: Vec<usize> = (0..columns.len()).collect();
+    left.retain(|&k| TEXTS.contains(&columns[k].0));
+    let mut table = Table::new(columns.iter().map(|column| column.0), &left);
+    for row in rows {
+        table.rows.push(columns.iter().map(|(_, shown)| shown(row)).collect());
     }
     in_columns(&table)
 }
 
-/// Returns a table for each problem.
-fn solvers(timings: &Timings) -> String {
-    let mut text = String::new();
-    for problem in timings.problems() {
-        let head = ["solver", "grid", "goal", "error", "rel. KKT", "seconds", "noise"];
-        let mut table = Table::new(head, &[0, 2]);
-        for line in timings.solver.iter().filter(|line| line.problem == problem) {
-            table.rows.push(vec![
-                line.solver.to_string(),
-                format!("1/{}", line.cells),
-                line.goal.clone(),
-                format!("{:.2e}", line.error),
-                format!("{:.1e}", line.kkt),
-                format!("{:.6}", line.seconds),
-                percent(line.spread),
-            ]);
-        }
-        text += &format!("\n{problem}\n{}", in_columns(&table));
-    }
-    text
+/// Noise of a time in per cent.
+fn noise(row: &Row) -> String {
+    format!("{:.0} %", 100.0 * number(row, "spread"))
+}
+
+fn grid(row: &Row) -> String {
+    format!("1/{}", row["cells"])
+}
+
+fn seconds(row: &Row) -> String {
+    format!("{:.6}", number(row, "seconds"))
+}
+
+fn error(row: &Row) -> String {
+    format!("{:.1e}", number(row, "error"))
+}
+
+/// Problems on which solvers on grids were timed, in their order.
+fn problems(timings: &Timings) -> Vec<&str> {
+    timings.solver.texts("problem").unwrap_or_default()
 }
 
 /// Returns for each problem the factors by which the fastest solver is faster than the others on the finest grid that
 /// all of them solved to the discretisation error: each in its fastest run.
 fn summary(timings: &Timings) -> String {
-    let mut text = String::new();
-    for problem in timings.problems() {
+    let mut all = String::new();
+    for problem in problems(timings) {
         let Some(fastest) = fastest_on_common_grid(timings, problem) else { continue };
         let [first, others @ ..] = &fastest[..] else { continue };
-        text += &format!(
-            "\n{problem}, 1/{}: {} took {:.6} s to the discretisation error\n",
-            first.cells, first.solver, first.seconds
+        all += &format!(
+            "\n{problem}, {}: {} took {} s to the discretisation error\n",
+            grid(first),
+            text(first, "solver"),
+            seconds(first)
         );
         for other in others {
-            let ratio = other.seconds / first.seconds;
+            let ratio = number(other, "seconds") / number(first, "seconds");
             // Quartiles of a quotient, as if both times were off by half the distance of their quartiles.
-            let spread = 0.5 * ratio * (first.spread + other.spread);
-            text += &format!("{ratio:8.1} +- {spread:.1} times faster than {}\n", other.solver);
+            let spread = 0.5 * ratio * (number(first, "spread") + number(other, "spread"));
+            let solver = text(other, "solver");
+            all += &format!("{ratio:8.1} +- {spread:.1} times faster than {solver}\n");
         }
     }
-    text
+    all
 }
 
 /// Returns the fastest run of each solver on the finest grid that all solvers solved, fastest first; none without such
 /// a grid.
-fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec<&'a SolverTime>> {
-    let mut by_grid = Vec::new();
+fn fastest_on_common_grid<'a>(timings: &'a Timings, problem: &str) -> Option<Vec<&'a Row>> {
+    let mut by_grid: Vec<BTreeMap<u64, &Row>> = Vec::new();
     for solver in Solver::on_grids() {
-        let lines = timings.solver.iter();
-        by_grid.push(to_discretisation(
-            lines.filter(|line| line.solver == solver && line.problem == problem),
-        ));
+        let mut fastest = BTreeMap::new();
+        for row in timings.solver.iter().filter(|row| row["reached"] == true) {
+            if row["solver"] == solver.entry().name && row["problem"] == problem {
+                let known = fastest.entry(row["cells"].as_u64()?).or_insert(row);
+                if number(row, "seconds") < number(known, "seconds") {
+                    *known = row;
+                }
+            }
+        }
+        by_grid.push(fastest);
     }
     by_grid.retain(|runs| !runs.is_empty());
     let mut grids = by_grid.first()?.keys().rev();
     let grid = grids.find(|&grid| by_grid.iter().all(|runs| runs.contains_key(grid)))?;
     let mut fastest: Vec<_> = by_grid.iter().map(|runs| runs[grid]).collect();
-    fastest.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    fastest.sort_by(|a, b| number(a, "seconds").total_cmp(&number(b, "seconds")));
     Some(fastest)
-}
-
-fn spectral(timings: &Timings) -> String {
-    let mut table = Table::new(["problem", "nodes", "levels", "error", "seconds", "noise"], &[0]);
-    for line in &timings.spectral {
-        table.rows.push(vec![
-            line.problem.clone(),
-            line.nodes.to_string(),
-            line.levels.to_string(),
-            format!("{:.1e}", line.error),
-            format!("{:.6}", line.seconds),
-            percent(line.spread),
-        ]);
-    }
-    in_columns(&table)
-}
-
-fn adapted(timings: &Timings) -> String {
-    let mut table = Table::new(["domain", "meshes", "nodes", "error", "seconds"], &[0, 1]);
-    for line in &timings.adapted {
-        table.rows.push(vec![
-            line.problem.clone(),
-            line.way.name().to_owned(),
-            line.nodes.to_string(),
-            format!("{:.1e}", line.error),
-            format!("{:.6}", line.seconds),
-        ]);
-    }
-    in_columns(&table)
 }
 
 #[cfg(test)]
@@ -276,26 +293,26 @@ mod tests {
     fn a_table_without_lines_is_left_out() {
         let mut timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
         assert_eq!(heads(&timings), [true; 3]);
-        timings.multigrid.clear();
-        timings.solver.clear();
+        timings.multigrid = Rows::default();
+        timings.solver = Rows::default();
         assert_eq!(heads(&timings), [false, false, true]);
-        timings.spectral.clear();
+        timings.spectral = Rows::default();
         assert_eq!(heads(&timings), [false; 3]);
     }
 
     #[test]
     fn the_summary_names_the_fastest_solver_of_each_problem_and_fits_the_terminal() {
         let timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
-        let summary = summary(&timings);
+        let summary = summary(&timings.extended());
         assert!(summary.contains("multigrid took") && summary.contains(" times faster than "));
-        for line in text(&timings).lines() {
+        for line in in_words(&timings).lines() {
             assert!(line.chars().count() <= 80, "{line}");
         }
     }
 
     /// Presence of the tables of multigrid, of the solvers on grids, and of the spectral solver.
     fn heads(timings: &Timings) -> [bool; 3] {
-        let text = text(timings);
+        let text = in_words(timings);
         ["WU", "rel. KKT", "levels"].map(|head| text.contains(head))
     }
 }

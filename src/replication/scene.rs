@@ -314,18 +314,8 @@ impl Scene {
 
     /// Returns the problem in the form that experiments take, if it belongs to a published table.
     pub fn table_problem(&self) -> Option<TableProblem> {
-        let number = self.paper_table?;
-        let SaddleSettings { prolongation, max_iterations, .. } = self.saddle();
-        Some(TableProblem {
-            number,
-            f: self.statement.f.clone(),
-            law: self.statement.law,
-            load: self.load(),
-            prolongation,
-            grids: self.statement.fineness.cells(),
-            r: self.r().to_vec(),
-            max_iterations,
-        })
+        let (number, r) = (self.paper_table?, self.r().to_vec());
+        Some(TableProblem { number, r, statement: self.statement.clone() })
     }
 
     /// Returns f of a scene on the square, as those of published tables are.

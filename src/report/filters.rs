@@ -30,42 +30,11 @@ pub(super) fn register(tera: &mut Tera) {
         format!("[{}]", texts.join(","))
     });
     tera.register_filter("plain", |x: f64, _: Kwargs, _: &State| x.to_string());
-    // Of rows, which have their values under dotted keys.
-    tera.register_filter("where", rows_where);
-    tera.register_filter(
-        "column",
-        |rows: Vec<Value>, kwargs: Kwargs, _: &State| -> TeraResult<_> {
-            Ok(column(&rows, kwargs.must_get::<&str>("key")?))
-        },
-    );
-    tera.register_filter("also", |rows: Vec<Value>, kwargs: Kwargs, _: &State| -> TeraResult<_> {
-        Ok([rows, kwargs.must_get::<Vec<Value>>("rows")?].concat())
-    });
-    tera.register_filter("least", |x: Vec<f64>, _: Kwargs, _: &State| extreme(x, f64::min));
-    tera.register_filter("greatest", |x: Vec<f64>, _: Kwargs, _: &State| extreme(x, f64::max));
-    tera.register_filter("total", |n: Vec<usize>, _: Kwargs, _: &State| n.iter().sum::<usize>());
     tera.register_function("require", require);
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
     // Two numbers that are shown alike are compared as they are shown.
     tera.register_filter("shown", |text: String, _: Kwargs, _: &State| as_shown(&text));
     tera.register_filter("text", |text: String, _: Kwargs, _: &State| plain_text(&text));
-}
-
-/// Filter `{{ ROWS | where(key="a.b", value=VALUE) }}`: the rows with this value.
-fn rows_where(rows: Vec<Value>, kwargs: Kwargs, _: &State) -> TeraResult<Vec<Value>> {
-    let (key, value) = (kwargs.must_get::<&str>("key")?, kwargs.must_get::<Value>("value")?);
-    Ok(rows.into_iter().filter(|row| row.get_from_path(key) == Some(&value)).collect())
-}
-
-/// Returns the values of the rows under this key, for rows that have one.
-fn column(rows: &[Value], key: &str) -> Vec<Value> {
-    let values = rows.iter().filter_map(|row| row.get_from_path(key)).cloned();
-    values.filter(|value| !value.is_none()).collect()
-}
-
-/// Returns the least or the greatest of some numbers.
-fn extreme(numbers: Vec<f64>, of_two: fn(f64, f64) -> f64) -> TeraResult<f64> {
-    numbers.into_iter().reduce(of_two).ok_or_else(|| tera::Error::message("no numbers"))
 }
 
 /// Returns a text of the user in a form that shows it unchanged, in Markdown, in `<code>` there, and as the value of an

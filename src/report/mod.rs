@@ -15,6 +15,7 @@ mod mathml;
 mod outputs;
 mod pages;
 mod prices;
+mod rows;
 mod settings;
 mod summary;
 

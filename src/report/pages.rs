@@ -1,7 +1,7 @@
 //! Pages in Markdown, made from templates and data.
 
 use super::data::{Trees, as_shown, of_tables};
-use super::filters;
+use super::{filters, rows};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
@@ -22,6 +22,7 @@ pub fn pages(
 ) -> Result<BTreeMap<String, String>, String> {
     let mut tera = Tera::new();
     filters::register(&mut tera);
+    rows::register(&mut tera);
     let trees = Trees::default();
     trees.register(&mut tera);
     tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))

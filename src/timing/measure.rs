@@ -7,10 +7,9 @@ mod median;
 use super::bandwidth::bandwidth;
 use super::machine::cores;
 use crate::pipeline::error::{Error, Result};
-use crate::timing::recorded::{
-    AdaptedTime, Machine, SCHEMA, Scaling, SolverTime, Spectral, Timings,
-};
+use crate::timing::recorded::{Machine, SCHEMA, Timings};
 use median::{MedianTime, time};
+use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::experiments::timed::{TimedFacts, TimedPlan, TimedRun};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -51,12 +50,12 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings> 
         schema: SCHEMA,
         bandwidth: bandwidth(&plan.timed, 5),
         machine,
-        multigrid: Vec::new(),
-        solver: Vec::new(),
-        spectral: Vec::new(),
-        peer: Vec::new(),
-        own_mesh: Vec::new(),
-        adapted: Vec::new(),
+        multigrid: Rows::default(),
+        solver: Rows::default(),
+        spectral: Rows::default(),
+        peer: Rows::default(),
+        own_mesh: Rows::default(),
+        adapted: Rows::default(),
     };
     let (mut series, mut said) = (BTreeMap::new(), String::new());
     while !plan.ended()
@@ -73,7 +72,7 @@ pub fn measure(plan: &TimingPlan, mut say: impl FnMut(&str)) -> Result<Timings> 
             let Some(facts) = run.judged().map_err(failed)? else { continue };
             let median = median(&run, plan.repeats).map_err(failed)?;
             series.entry(run.series).or_default().push(median.seconds);
-            timings.enter(facts, median);
+            timings.enter(facts, &median);
         }
     }
     Ok(timings)
@@ -112,37 +111,17 @@ pub fn threads() -> Vec<usize> {
 
 impl Timings {
     /// Enters a time with the facts of its run.
-    fn enter(&mut self, facts: TimedFacts, MedianTime { seconds, spread }: MedianTime) {
-        match facts {
-            TimedFacts::Scaling { cells, threads, goal, work_units, traffic } => self
-                .multigrid
-                .push(Scaling { cells, threads, goal, work_units, traffic, seconds, spread }),
-            TimedFacts::OnGrid { solver, problem, cells, goal, error, discretisation, kkt } => {
-                self.solver.push(SolverTime {
-                    solver,
-                    problem,
-                    cells,
-                    goal,
-                    error,
-                    discretisation,
-                    kkt,
-                    seconds,
-                    spread,
-                });
-            }
-            TimedFacts::Spectral { problem, resolution, error } => {
-                let (nodes, levels) = (resolution.nodes, resolution.levels);
-                self.spectral.push(Spectral { problem, nodes, levels, error, seconds, spread });
-            }
-            TimedFacts::Refined { problem, way, nodes, error } => {
-                self.adapted.push(AdaptedTime {
-                    problem: problem.into(),
-                    way,
-                    nodes,
-                    error,
-                    seconds,
-                });
-            }
+    fn enter(&mut self, TimedFacts { table, mut row }: TimedFacts, time: &MedianTime) {
+        row.insert("seconds".into(), time.seconds.into());
+        if table != "adapted" {
+            row.insert("spread".into(), time.spread.into());
         }
+        let rows = match table {
+            "multigrid" => &mut self.multigrid,
+            "solver" => &mut self.solver,
+            "spectral" => &mut self.spectral,
+            _ => &mut self.adapted,
+        };
+        rows.0.push(row);
     }
 }

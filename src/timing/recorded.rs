@@ -2,18 +2,17 @@
 
 use crate::pipeline::error::{Error, Result, from_record};
 use serde::{Deserialize, Deserializer, Serialize};
-use signorini_mathematics::experiments::adapted::Way;
-pub use signorini_mathematics::experiments::timed::MultigridGoal as Goal;
+use serde_json::Value;
 use signorini_mathematics::experiments::timed::TimedPlan;
-use signorini_mathematics::solvers::Solver;
-use std::collections::BTreeMap;
+use signorini_mathematics::experiments::{Row, Rows};
 
 /// Path of the record in the project.
 pub const PATH: &str = "pipeline/timings.toml";
 /// Version of the format.
 pub const SCHEMA: u8 = 1;
 
-/// Measured times. Every time is a median; its `spread` is the distance of the quartiles over the median.
+/// Measured times. Every time in `seconds` is a median, whose `spread` is the distance of the quartiles over it. Grids
+/// have so many `cells` per side. The columns of each table are in [`TABLES`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timings {
@@ -24,25 +23,49 @@ pub struct Timings {
     pub bandwidth: f64,
     /// Machine on which the times were measured.
     pub machine: Machine,
-    /// Multigrid on one problem, from grid to grid.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub multigrid: Vec<Scaling>,
-    /// All solvers that use a grid, on problems with known solutions, the paper's first.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub solver: Vec<SolverTime>,
-    /// The spectral solver on the problems with piecewise constant f, resolution by resolution.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub spectral: Vec<Spectral>,
-    /// Solvers of others beside ours; entered by hand, kept by `bench --record`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub peer: Vec<Peer>,
-    /// Solvers of others beside ours on a user's mesh; entered by hand, kept by `bench --record`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub own_mesh: Vec<OwnMesh>,
-    /// Guaranteed error against time, on adapted and on uniform meshes.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub adapted: Vec<AdaptedTime>,
+    /// Multigrid on one problem, from grid to grid, to each of [`GOALS`]: work units are sweeps of the finest grid, the
+    /// traffic is that in bytes per unknown, each pass reading and writing each row once. The time is without those for
+    /// the workspace and the load vector.
+    #[serde(default)]
+    pub multigrid: Rows,
+    /// All solvers that use a grid, on problems with known solutions, the paper's first, to goals in words. Errors, and
+    /// those of the discrete solution, are in the discrete L2 norm; without a formula, relative ones of the energy.
+    /// `kkt` is the natural residual over the largest component of the load. The time is without that for the load
+    /// vectors.
+    #[serde(default)]
+    pub solver: Rows,
+    /// The spectral solver on the problems with piecewise constant f, by the Gauss nodes of a panel and the number of
+    /// panels that get shorter towards corners and jumps. The error is that of the energy against a finer resolution,
+    /// relative, at least one rounding; the time is that from f to the energy, the start on a coarse grid included.
+    #[serde(default)]
+    pub spectral: Rows,
+    /// Solvers of others beside ours, in the same run of a script of `benches/peers`, entered by hand: microseconds per
+    /// unknown, one thread, and the relative natural residuals that were reached. The times of a `whole` run are those
+    /// from f to the solution vector, with memory, load vector and matrix.
+    #[serde(default)]
+    pub peer: Rows,
+    /// Solvers of others likewise on a user's mesh, without a coarser one, by `benches/peers/meshes.py own`, matrix and
+    /// load vector given.
+    #[serde(default)]
+    pub own_mesh: Rows,
+    /// Guaranteed error, over the norm of the solution, on adapted and on uniform meshes; the time is that from the
+    /// coarsest mesh to the bounds.
+    #[serde(default)]
+    pub adapted: Rows,
 }
+
+/// Tables of the record, and their columns, in the order in which they are written.
+const TABLES: [(&str, &str); 6] = [
+    ("multigrid", "cells threads goal work_units traffic seconds spread"),
+    ("solver", "solver problem cells goal error discretisation kkt seconds spread"),
+    ("spectral", "problem nodes levels error seconds spread"),
+    ("peer", "solver f cells theirs their_kkt ours our_kkt whole"),
+    ("own_mesh", "mesh nodes solver theirs their_kkt ours our_kkt"),
+    ("adapted", "problem way nodes error seconds"),
+];
+
+/// Goals of multigrid that are timed: the discretisation error, and the rounding floor.
+pub const GOALS: [&str; 2] = ["discretisation", "floor"];
 
 /// Machine and its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,187 +87,7 @@ pub struct Machine {
     pub repeats: usize,
 }
 
-/// Multigrid on one grid.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scaling {
-    /// Cells per side.
-    pub cells: usize,
-    /// Number of threads that multigrid could use.
-    pub threads: usize,
-    /// Goal of multigrid.
-    pub goal: Goal,
-    /// Cost in sweeps of the finest grid.
-    #[serde(deserialize_with = "positive")]
-    pub work_units: f64,
-    /// Bytes moved per unknown, each pass reading and writing each row once.
-    #[serde(deserialize_with = "positive")]
-    pub traffic: f64,
-    /// Median time, without that for the workspace and the load vector.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-    /// Noise.
-    pub spread: f64,
-}
-
-impl Scaling {
-    /// Number of nodes of the grid.
-    pub fn unknowns(&self) -> usize {
-        nodes(self.cells)
-    }
-
-    /// Returns the nanoseconds per unknown.
-    pub fn ns(&self) -> f64 {
-        ns_per_node(self.cells, self.seconds)
-    }
-}
-
-/// Number of nodes of the grid with this number of cells per side.
-pub fn nodes(cells: usize) -> usize {
-    (cells + 1) * (cells + 1)
-}
-
-/// Returns the nanoseconds per node of a run of `seconds` on the grid with this number of cells per side.
-pub fn ns_per_node(cells: usize, seconds: f64) -> f64 {
-    1e9 * seconds / nodes(cells) as f64
-}
-
-/// One solver on one problem, grid and goal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SolverTime {
-    /// The solver.
-    pub solver: Solver,
-    /// Name of the problem, as in `exact(name)` where its solution has a formula.
-    pub problem: String,
-    /// Cells per side.
-    pub cells: usize,
-    /// Goal of the solver, in words.
-    pub goal: String,
-    /// Error against the known solution, in the discrete L2 norm; if it has no formula, relative error of the energy.
-    #[serde(deserialize_with = "positive")]
-    pub error: f64,
-    /// Error of the discrete solution, measured likewise.
-    #[serde(deserialize_with = "positive")]
-    pub discretisation: f64,
-    /// Natural residual over the largest component of the load.
-    pub kkt: f64,
-    /// Median time, without that for the load vectors.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-    /// Noise.
-    pub spread: f64,
-}
-
-/// The spectral solver at one resolution.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Spectral {
-    /// Name of the problem, as in [`SolverTime`].
-    pub problem: String,
-    /// Gauss nodes of a panel.
-    pub nodes: usize,
-    /// Number of panels that get shorter towards corners and jumps of f.
-    pub levels: u32,
-    /// Error of the energy against a finer resolution, relative; at least one rounding.
-    #[serde(deserialize_with = "positive")]
-    pub error: f64,
-    /// Median time from f to the energy, the start on a coarse grid included.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-    /// Noise.
-    pub spread: f64,
-}
-
-/// Solver of others on one grid, measured by a script of `benches/peers`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Peer {
-    /// Name, version and configuration.
-    pub solver: String,
-    /// f in the notation of scenes.
-    pub f: String,
-    /// Cells per side.
-    pub cells: usize,
-    /// Time of the other solver in microseconds per unknown, one thread.
-    #[serde(deserialize_with = "positive")]
-    pub theirs: f64,
-    /// Relative natural residual that the other solver reached.
-    #[serde(deserialize_with = "positive")]
-    pub their_kkt: f64,
-    /// Time of multigrid in microseconds per unknown for the same problem, in the same run, one thread.
-    #[serde(deserialize_with = "positive")]
-    pub ours: f64,
-    /// Relative natural residual that multigrid reached.
-    #[serde(deserialize_with = "positive")]
-    pub our_kkt: f64,
-    /// True if both times are those from f to the solution vector, with memory, load vector and matrix.
-    #[serde(default)]
-    pub whole: bool,
-}
-
-/// Solver of others on a mesh without a coarser one, measured by `benches/peers/meshes.py own`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OwnMesh {
-    /// Mesh in words.
-    pub mesh: String,
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Name, version and configuration of the other solver.
-    pub solver: String,
-    /// Time of the other solver in microseconds per node, one thread, matrix and load vector given.
-    #[serde(deserialize_with = "positive")]
-    pub theirs: f64,
-    /// Relative natural residual that the other solver reached.
-    #[serde(deserialize_with = "positive")]
-    pub their_kkt: f64,
-    /// Time of multigrid in microseconds per node, likewise.
-    #[serde(deserialize_with = "positive")]
-    pub ours: f64,
-    /// Relative natural residual that multigrid reached.
-    #[serde(deserialize_with = "positive")]
-    pub our_kkt: f64,
-}
-
-/// Run on meshes that are refined in one way, from the coarsest mesh to the bounds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AdaptedTime {
-    /// Name of the domain.
-    pub problem: String,
-    /// Way of refinement.
-    pub way: Way,
-    /// Number of nodes of the finest mesh.
-    pub nodes: usize,
-    /// Guaranteed error over the norm of the solution.
-    #[serde(deserialize_with = "positive")]
-    pub error: f64,
-    /// Median time.
-    #[serde(deserialize_with = "positive")]
-    pub seconds: f64,
-}
-
-/// Goal of a run under the stopping rule of the published tables.
-pub const PUBLISHED: &str = TimedPlan::PUBLISHED;
-
-/// Returns, per grid, the fastest run whose error came down to that of the discretisation.
-pub fn to_discretisation<'a>(
-    lines: impl IntoIterator<Item = &'a SolverTime>,
-) -> BTreeMap<usize, &'a SolverTime> {
-    let mut fastest = BTreeMap::new();
-    for line in
-        lines.into_iter().filter(|line| line.error <= TimedPlan::REACHED * line.discretisation)
-    {
-        let known = fastest.entry(line.cells).or_insert(line);
-        if line.seconds < known.seconds {
-            *known = line;
-        }
-    }
-    fastest
-}
-
-/// Reads a positive number, as medians and norms are.
+/// Reads a positive number.
 fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f64, D::Error> {
     let x = f64::deserialize(deserializer)?;
     match x > 0.0 && x.is_finite() {
@@ -253,25 +96,89 @@ fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f
     }
 }
 
+/// Returns what is wrong with a value in a column of a table.
+fn mistake(table: &str, column: &str, value: &Value) -> Option<String> {
+    let (is_right, wrong) = match (table, column) {
+        ("multigrid", "goal") => (GOALS.iter().any(|goal| value == goal), "unknown variant"),
+        ("adapted", "way") => (value == "adaptive" || value == "uniform", "unknown variant"),
+        (_, "f" | "goal" | "mesh" | "problem" | "solver") => (value.is_string(), "not a text"),
+        (_, "cells" | "threads" | "nodes" | "levels") => (value.is_u64(), "not a natural number"),
+        (_, "kkt" | "spread") => (value.is_number(), "not a number"),
+        (_, "whole") => (value.is_boolean(), "neither true nor false"),
+        _ => (value.as_f64() > Some(0.0), "not a positive number"),
+    };
+    (!is_right).then(|| format!("{column} = {value}: {wrong}"))
+}
+
+/// Returns what is wrong with a row of a table.
+fn mistake_in_row(table: &str, columns: &str, row: &Row) -> Option<String> {
+    for column in columns.split(' ') {
+        match row.get(column) {
+            None if column == "whole" => (),
+            None => return Some(format!("missing field `{column}`")),
+            Some(value) => {
+                if let Some(why) = mistake(table, column, value) {
+                    return Some(why);
+                }
+            }
+        }
+    }
+    let unknown = row.keys().find(|name| !columns.split(' ').any(|column| column == *name))?;
+    Some(format!("unknown field `{unknown}`"))
+}
+
+/// Goal of a run under the stopping rule of the published tables.
+pub const PUBLISHED: &str = TimedPlan::PUBLISHED;
+
+/// Number in a column of a row of the record.
+///
+/// # Panics
+/// If there is none.
+pub fn number(row: &Row, column: &str) -> f64 {
+    row[column].as_f64().expect("the columns are checked")
+}
+
+/// Text in a column of a row of the record.
+///
+/// # Panics
+/// If there is none.
+pub fn text<'a>(row: &'a Row, column: &str) -> &'a str {
+    row[column].as_str().expect("the columns are checked")
+}
+
 const HEADER: &str = "# Written by `signorini bench --record`; do not edit what was measured.\n\
     # [[peer]] and [[own_mesh]] sections are entered by hand from benches/peers, and kept.\n\n";
 
 impl Timings {
-    /// Returns the names of the problems on which solvers were timed, in their order.
-    pub fn problems(&self) -> Vec<&str> {
-        let mut problems = Vec::new();
-        for line in &self.solver {
-            if !problems.contains(&&*line.problem) {
-                problems.push(&*line.problem);
-            }
+    /// Returns all tables, in the order of [`TABLES`].
+    fn tables(&self) -> [&Rows; 6] {
+        [&self.multigrid, &self.solver, &self.spectral, &self.peer, &self.own_mesh, &self.adapted]
+    }
+
+    /// Returns the times with columns that follow from the others: rows of `multigrid` with their `unknowns`, the time
+    /// per unknown in nanoseconds, `ns`, and that in which the memory could have moved the bytes, `stream`; rows of
+    /// `solver` with whether the error has `reached` that of the discretisation.
+    pub fn extended(&self) -> Self {
+        let mut timings = self.clone();
+        for row in &mut timings.multigrid.0 {
+            let nodes = (number(row, "cells") + 1.0) * (number(row, "cells") + 1.0);
+            let ns = 1e9 * number(row, "seconds") / nodes;
+            let stream = number(row, "traffic") / self.bandwidth;
+            row.insert("unknowns".into(), (nodes as usize).into());
+            row.extend([("ns".into(), ns.into()), ("stream".into(), stream.into())]);
         }
-        problems
+        for row in &mut timings.solver.0 {
+            let reached =
+                number(row, "error") <= TimedPlan::REACHED * number(row, "discretisation");
+            row.insert("reached".into(), reached.into());
+        }
+        timings
     }
 
     /// Parses the record.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of the mistake and the remedy.
+    /// [`Error::Input`] with the place of the mistake and the remedy.
     pub fn parse(text: impl AsRef<[u8]>) -> Result<Self> {
         const REMEDY: &str =
             "correct it, or move the file away; `signorini bench --record` writes a new one";
@@ -284,11 +191,41 @@ impl Timings {
                  with `signorini bench --record`"
             )));
         }
-        Ok(timings)
+        match timings.mistake() {
+            None => Ok(timings),
+            Some(mistake) => Err(Error::input(format!("{PATH}: {mistake}; {REMEDY}"))),
+        }
+    }
+
+    /// Returns what is wrong with the tables, and where.
+    fn mistake(&self) -> Option<String> {
+        for (rows, (table, columns)) in self.tables().into_iter().zip(TABLES) {
+            for (row, k) in rows.iter().zip(1..) {
+                if let Some(mistake) = mistake_in_row(table, columns, row) {
+                    return Some(format!("[[{table}]] number {k}: {mistake}"));
+                }
+            }
+        }
+        None
     }
 
     /// Returns the text of the record.
     pub fn to_toml(&self) -> String {
-        HEADER.to_owned() + &toml::to_string(self).expect("plain data")
+        let Self { schema, bandwidth, machine, .. } = self;
+        let machine = toml::to_string(machine).expect("plain data");
+        let mut text =
+            format!("{HEADER}schema = {schema}\nbandwidth = {bandwidth:?}\n\n[machine]\n{machine}");
+        for (rows, (table, columns)) in self.tables().into_iter().zip(TABLES) {
+            for row in rows.iter() {
+                text += &format!("\n[[{table}]]\n");
+                for name in columns.split(' ') {
+                    if let Some(value) = row.get(name) {
+                        let value = toml::Value::try_from(value).expect("plain data");
+                        text += &format!("{name} = {value}\n");
+                    }
+                }
+            }
+        }
+        text
     }
 }

@@ -13,6 +13,7 @@ mod captions;
 mod certificate;
 mod claims;
 mod cli;
+mod columns;
 mod common;
 mod concepts;
 mod contact;

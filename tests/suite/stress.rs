@@ -1,76 +1,79 @@
 //! Extreme parameters, data, tolerances and starts: no solver may hang, claim what is wrong, or return nonsense.
 
+use crate::common::{found, table_problems};
 use crate::solvers::on_threads;
 use proptest::prelude::*;
+use serde_json::{Value, json};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::experiments::Range;
-use signorini_mathematics::experiments::problems::TableProblem;
-use signorini_mathematics::experiments::stress::{self, Stress, stress};
+use signorini_mathematics::experiments::{Findings, Rows};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use std::sync::OnceLock;
 
-fn tables(grids: &[usize]) -> Vec<TableProblem> {
-    ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"]
-        .iter()
-        .zip(1..)
-        .map(|(f, number)| TableProblem {
-            law: None,
-            number,
-            f: (*f).into(),
-            load: LoadRule::default(),
-            prolongation: Prolongation::Bilinear,
-            grids: grids.into(),
-            r: vec![1e6, 10.0, 5.0, 1.0, 0.5],
-            max_iterations: 100_000,
-        })
-        .collect()
+/// Findings of the book's plan with these fields for the paper's problems on these grids.
+fn with(grids: &[usize], fields: &Value) -> Findings {
+    let mut problems = json!(table_problems());
+    for problem in problems.as_array_mut().unwrap() {
+        problem["statement"]["fineness"] = json!({ "grids": grids });
+    }
+    let mut fields = fields.clone();
+    fields["problems"] = problems;
+    found("stress", &fields).unwrap()
 }
 
-/// The experiments of the book, with fewer nodes, iterations and random problems.
-fn found() -> &'static Stress {
-    static ONCE: OnceLock<Stress> = OnceLock::new();
+/// Strict tolerance of the plan, relative to the largest load.
+const STRICT: f64 = 1e-8;
+
+/// Findings with fewer nodes, iterations and random problems than in the book.
+fn findings() -> &'static Findings {
+    static ONCE: OnceLock<Findings> = OnceLock::new();
     ONCE.get_or_init(|| {
-        let full = stress::StressPlan::new(tables(&[4, 8, 16]));
-        stress(&stress::StressPlan { coarse: 8, fine: 32, cap: 4000, random: 200, ..full }).unwrap()
+        let fields = json!({ "coarse": 8, "fine": 32, "cap": 4000, "random": 200 });
+        with(&[4, 8, 16], &fields)
     })
+}
+
+/// Runs of a series by a method.
+fn runs(series: &str, method: &str) -> Rows {
+    let runs = findings()["runs"].wherever("series", series).unwrap();
+    runs.wherever("method", method).unwrap()
 }
 
 #[test]
 fn no_claim_of_a_solver_is_wrong_and_every_failure_is_reported() {
-    for trial in found().trials() {
-        assert!(trial.holds != Some(false), "{trial:?}");
-        assert!(trial.says_that_it_failed() || trial.kkt.is_some(), "{trial:?}");
-    }
+    let runs = &findings()["runs"];
+    assert_eq!(*runs.wherever("holds", false).unwrap(), []);
+    assert_eq!(*runs.wherever("is_silent", true).unwrap(), []);
 }
 
 #[test]
 fn the_signed_rule_is_met_far_from_the_solution_for_every_r() {
-    assert_eq!(found().duality.len(), 3);
-    for (problem, cases) in found().duality.iter().enumerate() {
-        for case in cases {
-            // In the third the cap may come first, where r is small.
-            assert!(case["signed"].converged() || problem == 2 && case.x < 1e-5, "{case:?}");
-            assert!(case["signed"].kkt > Some(0.05), "{case:?}");
-        }
+    let signed = runs("duality", "signed");
+    assert_eq!(signed.texts("problem").unwrap().len(), 3);
+    for run in signed.iter() {
+        // In the third the cap may come first, where r is small.
+        let may_end = run["problem"] == "strong-contact" && run["x"].as_f64() < Some(1e-5);
+        assert!(run["stop"] == "converged" || may_end, "{run:?}");
+        assert!(run["kkt"].as_f64() > Some(0.05), "{run:?}");
     }
 }
 
 #[test]
 fn one_iteration_meets_the_signed_rule_for_every_tolerance_of_the_plateau() {
-    let found = found();
-    let plateau = found.summary.plateau.clone().expect("tolerances met at the same iteration");
-    let Range { least, greatest } = plateau.tolerances;
-    assert!(least <= 1e-14 && greatest >= 1e-6 && plateau.kkt > 0.05, "{plateau:?}");
-    let problem = found.plan.names().iter().position(|name| *name == plateau.problem).unwrap();
-    let (grid, f) = (Grid::new(found.plan.coarse).unwrap(), &found.plan.problems[problem].f);
-    let load = load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage {});
+    let plateau = &findings()["plateau"];
+    let [least, greatest, kkt] =
+        ["least", "greatest", "kkt"].map(|name| plateau.numbers(name).unwrap()[0]);
+    assert!(least <= 1e-14 && greatest >= 1e-6 && kkt > 0.05, "{plateau:?}");
+    let (name, steps) = (plateau.texts("problem").unwrap()[0], plateau[0]["steps"].as_u64());
+    let problem = table_problems().into_iter().find(|problem| problem.name() == name).unwrap();
+    let (grid, f) = (Grid::new(8).unwrap(), problem.statement.source().unwrap());
+    let load = load(grid, &f, LoadRule::LumpedAverage {});
     let largest = load.iter().fold(0.0f64, |largest, entry| entry.abs().max(largest));
-    let [before, after] = [plateau.steps - 1, plateau.steps].map(|max_iterations| {
+    let steps = steps.unwrap() as usize;
+    let [before, after] = [steps - 1, steps].map(|max_iterations| {
         let (rule, tolerance) = (StopRule::Signed, f64::MIN_POSITIVE);
         let params = Params { r: 10.0, tolerance, rule, max_iterations, ..Params::default() };
         let mut pair = Pair::zero(grid);
@@ -82,62 +85,64 @@ fn one_iteration_meets_the_signed_rule_for_every_tolerance_of_the_plateau() {
 
 #[test]
 fn large_r_breaks_nothing_and_the_strict_rule_bounds_the_residual() {
-    let strict = found().plan.strict;
-    for case in found().duality.iter().flatten() {
-        if case.x >= 1.0 {
-            assert_eq!(case["strict"].stop, Some(Stop::Converged), "{case:?}");
-        }
-        if case["strict"].converged() {
-            // A change of a below the tolerance bounds y only by the tolerance over r.
-            assert!(
-                case["strict"].kkt <= Some(1.001 * strict * (1.0 / case.x).max(1.0)),
-                "{case:?}"
-            );
-        }
+    let strict = runs("duality", "strict");
+    for run in strict.iter().filter(|run| run["x"].as_f64() >= Some(1.0)) {
+        assert_eq!(run["stop"], "converged", "{run:?}");
+    }
+    for (r, kkt) in strict.wherever("stop", "converged").unwrap().points("x", "kkt").unwrap() {
+        // A change of a below the tolerance bounds y only by the tolerance over r.
+        assert!(kkt <= 1.001 * STRICT * (1.0 / r).max(1.0), "{r:e} {kkt:e}");
     }
 }
 
 #[test]
 fn the_unit_of_f_changes_nothing_but_an_absolute_tolerance() {
-    let plain = found().scaling.iter().find(|case| case.x == 0).unwrap();
-    for case in &found().scaling {
+    let [multigrid, scaled] = ["multigrid", "scaled"].map(|method| {
+        let runs = runs("scaling", method);
+        let plain = runs.wherever("x", 0.0).unwrap();
+        (runs, plain)
+    });
+    let cycles = multigrid.1.numbers("steps").unwrap()[0];
+    for run in multigrid.0.iter() {
         // 10^k f is rounded anew, and the last cycle only finds that nothing improves any more.
-        let cycles = case["multigrid"].steps.abs_diff(plain["multigrid"].steps);
-        assert!(cycles <= 1, "1e{}", case.x);
-        assert_eq!(case["multigrid"].stop, Some(Stop::RoundingFloor));
-        assert_eq!(case["scaled"].steps, plain["scaled"].steps, "1e{}", case.x);
-        let (kkt, want) = (case["scaled"].kkt.unwrap(), plain["scaled"].kkt.unwrap());
-        assert!((kkt / want - 1.0).abs() < 1e-9, "1e{}", case.x);
-        if case.x < 0 {
-            assert_eq!(case["fixed"].steps, 1, "1e{}", case.x);
-        }
+        assert!((run["steps"].as_f64().unwrap() - cycles).abs() <= 1.0, "{run:?}");
+        assert_eq!(run["stop"], "rounding-floor");
+    }
+    let want = scaled.1.numbers("kkt").unwrap()[0];
+    for run in scaled.0.iter() {
+        assert_eq!(run["steps"], scaled.1[0]["steps"], "{run:?}");
+        assert!((run["kkt"].as_f64().unwrap() / want - 1.0).abs() < 1e-9, "{run:?}");
+    }
+    for (x, steps) in runs("scaling", "fixed").points("x", "steps").unwrap() {
+        assert!(x >= 0.0 || steps == 1.0, "1e{x}");
     }
 }
 
 #[test]
 fn multigrid_stands_a_vanishing_integral_jumps_and_spikes() {
-    for case in found().deficits.iter().flatten().filter(|case| case.x >= 1e-12) {
-        assert_eq!(case["multigrid"].stop, Some(Stop::RoundingFloor), "{case:?}");
-        assert!(case["multigrid"].work < 70.0, "{case:?}");
-    }
-    for case in found().jumps.iter().chain(&found().spikes) {
-        assert_eq!(case["multigrid"].stop, Some(Stop::RoundingFloor), "{case:?}");
-        assert!(case["multigrid"].work < 70.0, "{case:?}");
+    let deficits = runs("deficits", "multigrid");
+    let hard = deficits.iter().filter(|run| run["x"].as_f64() >= Some(1e-12));
+    let (jumps, spikes) = (runs("jumps", "multigrid"), runs("spikes", "multigrid"));
+    for run in hard.chain(jumps.iter()).chain(spikes.iter()) {
+        assert_eq!(run["stop"], "rounding-floor", "{run:?}");
+        assert!(run["work"].as_f64() < Some(70.0), "{run:?}");
     }
 }
 
 #[test]
 fn multigrid_solves_random_problems() {
-    let random = &found().random;
-    assert_eq!((random.unsolved, random.wrong), (0, 0), "{random:?}");
-    assert!(random.most <= 30, "{random:?}");
+    let random = &findings()["random"];
+    for (name, most) in [("unsolved", 0.0), ("wrong", 0.0), ("most", 30.0)] {
+        assert!(random.numbers(name).unwrap()[0] <= most, "{random:?}");
+    }
 }
 
 #[test]
 fn what_is_not_a_number_is_never_a_result() {
-    for case in found().starts.iter().filter(|case| case.x.contains("in one node")) {
-        assert_eq!(case["multigrid"].stop, None);
-        assert_eq!(case["strict"].stop, Some(Stop::Diverged));
+    for start in ["infinite in one node", "NaN in one node"] {
+        let [multigrid, strict] = ["multigrid", "strict"]
+            .map(|method| runs("starts", method).wherever("start", start).unwrap());
+        assert_eq!((&multigrid[0]["stop"], &strict[0]["stop"]), (&Value::Null, &json!("diverged")));
     }
     let grid = Grid::new(8).unwrap();
     let good = load(grid, &"else=-1".parse().unwrap(), LoadRule::default());
@@ -164,20 +169,16 @@ fn what_is_not_a_number_is_never_a_result() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let plan =
-        stress::StressPlan { cap: 500, random: 8, ..stress::StressPlan::new(tables(&[4, 8])) };
-    let found = || stress(&plan).unwrap();
+    let found = || with(&[4, 8], &json!({ "cap": 500, "random": 8 }));
     assert!(on_threads(1, found) == on_threads(3, found));
 }
 
 #[test]
 fn counts_survive_small_errors_of_the_load_but_not_all() {
-    let plan =
-        stress::StressPlan { cap: 10, random: 0, ..stress::StressPlan::new(tables(&[4, 8, 16])) };
-    let noise = stress(&plan).unwrap().load_noise;
-    assert_eq!(noise.least, 1e-15);
-    let change = noise.first_change.expect("errors of one per cent are tried");
-    assert!((1e-12..=1e-2).contains(&change), "{change:e}");
+    let noise = &with(&[4, 8, 16], &json!({ "cap": 10, "random": 0 }))["noise"];
+    assert_eq!(noise.numbers("least").unwrap(), [1e-15]);
+    let change = noise.numbers("first_change").unwrap();
+    assert!((1e-12..=1e-2).contains(&change[0]), "{change:?}");
 }
 
 proptest! {

@@ -1,8 +1,8 @@
 //! Problems on triangulations: closed forms, unlike solvers, guaranteed brackets, and the command line.
 
-use crate::common::{Dice, Project, TABLE};
+use crate::common::{Dice, Project, TABLE, found};
+use serde_json::json;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::experiments::domains::{DomainsPlan, domains};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
 use signorini_mathematics::problem::law::Law;
@@ -25,22 +25,24 @@ fn solved(problem: &Problem, solver: Solver) -> Run {
 
 #[test]
 fn on_the_disc_all_errors_have_their_order() {
-    let plan = DomainsPlan { domains: Vec::new(), disc: 7, ..DomainsPlan::default() };
-    let findings = domains(&plan).unwrap();
-    for problem in findings.disc {
+    let disc = &found("domains", &json!({ "domains": [], "disc": 7, "cube": 1 })).unwrap()["disc"];
+    for (c1, k) in [(0.0, 1), (4.0, 1), (8.0, 1), (12.0, 3)] {
+        let levels = disc.wherever("c1", c1).unwrap().wherever("k", k).unwrap();
+        let name = format!("c1 = {c1}, k = {k}: {levels:?}");
         // Ends of contact lie anywhere between nodes, so that single orders scatter.
-        let orders: Vec<_> = problem.levels.iter().filter_map(|level| level.orders).collect();
-        let [energy, centre, rim, multiplier] = [0, 1, 2, 3].map(|norm| {
-            let of_norm: Option<Vec<f64>> = orders.iter().map(|of| of[norm]).collect();
-            of_norm.map_or(2.0, |of| of.iter().sum::<f64>() / of.len() as f64)
-        });
-        let last = problem.levels.last().unwrap();
-        let name = format!("c1 = {}, k = {}: {orders:?}", problem.c1, problem.k);
+        let [energy, centre, rim, multiplier] =
+            ["energy", "centre", "rim", "multiplier"].map(|of| {
+                let orders = levels.numbers(&format!("{of}_order")).unwrap();
+                // An error that is zero has no orders.
+                let has_all = orders.len() + 1 == levels.len();
+                if has_all { orders.iter().sum::<f64>() / orders.len() as f64 } else { 2.0 }
+            });
         assert!((energy - 2.0).abs() < 0.1, "{name}");
         assert!(centre > 1.6, "{name}");
         assert!(rim > 1.5, "{name}");
         assert!(multiplier > 0.8, "{name}");
-        assert!(last.ends.is_none_or(|ends| ends < 1.0), "{name}");
+        let finest = levels.last().unwrap();
+        assert!(finest["ends"].as_f64().is_none_or(|ends| ends < 1.0), "{name}");
     }
 }
 

@@ -1,47 +1,77 @@
 //! Reference values and finite elements against true solutions; contact, iteration by iteration.
 
-use crate::common::paper_problems;
+use crate::common::found;
 use crate::reference::REFERENCES;
-use signorini_mathematics::experiments::truth::{
-    ElementsOrders, Numbers, ReferenceValue, Truth, TruthPlan, truth,
-};
+use serde_json::json;
+use signorini::timing::recorded::{number, text};
+use signorini_mathematics::experiments::{Findings, Row, Rows};
 use std::sync::OnceLock;
 
-fn found() -> &'static Truth {
-    static ONCE: OnceLock<Truth> = OnceLock::new();
-    ONCE.get_or_init(|| {
-        let plan = TruthPlan::new(paper_problems());
-        truth(&TruthPlan { cells: vec![16, 32, 64], sampled: 8, ..plan }).unwrap()
-    })
+fn findings() -> &'static Findings {
+    static ONCE: OnceLock<Findings> = OnceLock::new();
+    ONCE.get_or_init(|| found("truth", &json!({ "cells": [16, 32, 64], "sampled": 8 })).unwrap())
+}
+
+/// Rows of the table `values` of a problem.
+fn values(problem: &str) -> Rows {
+    findings()["values"].wherever("problem", problem).unwrap()
+}
+
+/// The first value of a quantity.
+fn value<'a>(values: &'a Rows, quantity: &str) -> &'a Row {
+    values.iter().find(|row| row["quantity"] == quantity).unwrap()
+}
+
+/// f of a problem.
+fn f_of(problem: &str) -> String {
+    let references = findings()["references"].wherever("problem", problem).unwrap();
+    text(&references[0], "f").to_owned()
 }
 
 /// All digits but the last are those of the value computed in quadruple precision.
 #[track_caller]
-fn agrees(value: &ReferenceValue, known: f64) {
-    let decimals = value.digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+fn agrees(value: &Row, known: f64) {
+    let digits = text(value, "digits");
+    let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     assert!((12..=14).contains(&decimals), "{value:?}");
-    let printed: f64 = value.digits.parse().unwrap();
+    let printed: f64 = digits.parse().unwrap();
     let last = 0.1f64.powi(decimals as i32);
-    assert!((printed - known).abs() <= 3.0 * last, "{} is not {known}", value.digits);
+    assert!((printed - known).abs() <= 3.0 * last, "{digits} is not {known}");
 }
 
 #[test]
 fn printed_digits_are_right() {
-    let one = |name: &str| found().references.iter().find(|one| one.name == name).unwrap();
     for name in ["problem 1", "problem 2", "two-discs", "corner-disc"] {
-        let one = one(name);
-        let known = REFERENCES.iter().find(|known| known.f == one.f).unwrap();
-        agrees(&one.numbers.energy, known.energy);
-        agrees(&one.numbers.centre, known.centre);
+        let (f, values) = (f_of(name), values(name));
+        let known = REFERENCES.iter().find(|known| known.f == f).unwrap();
+        agrees(value(&values, "energy"), known.energy);
+        agrees(value(&values, "centre"), known.centre);
         // The coordinate of the first end that is not that of a side.
-        let (from, [known, _]) = (&one.numbers.contact[0].from, known.contact.unwrap());
-        let axis = usize::from(from[0].value.abs() == 0.5);
-        agrees(&from[axis], known[axis]);
+        let ([from, _], [x, y]) =
+            (known.contact.unwrap(), ["from x", "from y"].map(|name| value(&values, name)));
+        match number(x, "value").abs() == 0.5 {
+            true => agrees(y, from[1]),
+            false => agrees(x, from[0]),
+        }
     }
-    assert_eq!(one("four-arcs").numbers.contact.len(), 4);
-    let corners = &one("problem 1").numbers.corners;
-    agrees(&corners[0], REFERENCES[3].corners[3]);
-    assert_eq!(corners[2].digits, "0");
+    let forces = values("four-arcs").wherever("quantity", "force").unwrap();
+    assert_eq!(forces.len(), 4);
+    let corners = values("problem 1");
+    agrees(value(&corners, "lower left"), REFERENCES[3].corners[3]);
+    assert_eq!(value(&corners, "upper right")["digits"], "0");
+}
+
+/// Texts of all numbers of a solution of the record, in its order.
+fn texts(solution: &toml::Value) -> Vec<&str> {
+    match solution {
+        toml::Value::String(text) => vec![text],
+        toml::Value::Array(values) => values.iter().flat_map(texts).collect(),
+        table => ["energy", "centre", "corners", "contact", "from", "to", "force"]
+            .iter()
+            .filter_map(|key| table.get(key))
+            .flat_map(texts)
+            .collect(),
+    }
 }
 
 #[test]
@@ -51,55 +81,67 @@ fn the_record_agrees_with_both_programs() {
     assert_eq!(solutions.len(), 6);
     for solution in solutions {
         let f = solution["f"].as_str().unwrap();
-        let mut theirs: Numbers<String> = solution.clone().try_into().unwrap();
+        let theirs = texts(solution);
         // Of the second program and of one in quadruple precision: not the last bit of a double apart.
         if let Some(known) = REFERENCES.iter().find(|known| known.f == f) {
-            let numbers = [(&theirs.energy, known.energy), (&theirs.centre, known.centre)];
-            for (digits, known) in numbers {
+            for (digits, known) in theirs.iter().zip([known.energy, known.centre]) {
                 assert!(
                     (digits.parse::<f64>().unwrap() - known).abs() <= 2e-16 * known.abs(),
                     "{f}"
                 );
             }
         }
-        let ours = found().references.iter().find(|one| one.f == f).unwrap();
-        let mut ours = ours.numbers.clone();
-        assert_eq!(ours.contact.len(), theirs.contact.len(), "{f}");
-        for (ours, theirs) in ours.each().zip(theirs.each()) {
-            let error = (ours.value - theirs.parse::<f64>().unwrap()).abs();
-            assert!(error <= 2e-14, "{f}: {} is not {theirs}", ours.value);
+        let reference = findings()["references"].wherever("f", f).unwrap();
+        let ours = values(text(&reference[0], "problem")).numbers("value").unwrap();
+        assert_eq!(ours.len(), theirs.len(), "{f}");
+        for (ours, theirs) in ours.into_iter().zip(theirs) {
+            let error = (ours - theirs.parse::<f64>().unwrap()).abs();
+            assert!(error <= 2e-14, "{f}: {ours} is not {theirs}");
         }
     }
 }
 
 #[test]
 fn bounds_hold_and_are_sharp() {
-    for one in &found().elements {
-        for level in &one.levels {
-            let [below, above] = level.effectivity;
-            assert!(below <= 1.0 + 1e-9 && above >= 1.0 - 1e-9, "{}: {level:?}", one.name);
-            assert!(level.holds != Some(false), "{}: {level:?}", one.name);
+    let elements = &findings()["elements"];
+    for row in elements.iter() {
+        let [below, above] = ["lower", "upper"].map(|column| number(row, column));
+        assert!(below <= 1.0 + 1e-9 && above >= 1.0 - 1e-9, "{row:?}");
+        assert!(row["holds"] != false, "{row:?}");
+        if row["cells"] != 64 {
+            continue;
         }
-        let [below, above] = one.levels[2].effectivity;
         // Cells that a circle cuts add more than those that a straight jump does.
-        let most = if one.f.contains("disc") { 1.05 } else { 1.02 };
-        assert!(below > 0.98 && above < most, "{}: {:?}", one.name, one.levels[2]);
+        let most = if text(row, "f").contains("disc") { 1.05 } else { 1.02 };
+        assert!(below > 0.98 && above < most, "{row:?}");
         // The load of an accuracy is what the flux balances.
-        let [below, above] = one.levels[2].bilinear;
-        assert!((0.98..=1.0 + 1e-9).contains(&below), "{}: {:?}", one.name, one.levels[2]);
-        assert!((1.0 - 1e-9..1.01).contains(&above), "{}: {:?}", one.name, one.levels[2]);
-        let ElementsOrders { error, energy, .. } = one.orders;
-        assert!((error.unwrap() - 1.0).abs() < 0.1, "{}: {:?}", one.name, one.orders);
-        assert!(energy.is_none_or(|order| (order - 2.0).abs() < 0.1), "{:?}", one.orders);
+        let [below, above] = ["bilinear_lower", "bilinear_upper"].map(|column| number(row, column));
+        assert!((0.98..=1.0 + 1e-9).contains(&below), "{row:?}");
+        assert!((1.0 - 1e-9..1.01).contains(&above), "{row:?}");
     }
-    let summary = found().summary;
-    assert_eq!((summary.brackets, summary.held), (21, 21));
-    assert!(summary.green < 1e-11 && summary.rellich < 1e-11, "{summary:?}");
+    for problem in elements.texts("problem").unwrap() {
+        let rows = elements.wherever("problem", problem).unwrap();
+        // From the coarsest grid to the finest, by two halvings.
+        for (column, order) in [("error", 1.0), ("energy", 2.0)] {
+            let errors = rows.numbers(column).unwrap();
+            if let [coarse, _, fine] = errors[..] {
+                assert!((0.5 * (coarse / fine).log2() - order).abs() < 0.1, "{problem} {errors:?}");
+            }
+        }
+    }
+    assert_eq!(elements.iter().filter(|row| row["holds"] == true).count(), 21);
+    for column in ["green", "rellich"] {
+        let defects = findings()["references"].numbers(column).unwrap();
+        assert!(defects.iter().all(|defect| *defect < 1e-11), "{defects:?}");
+    }
 }
 
 #[test]
 fn values_at_nodes_are_those_of_finite_elements() {
-    let [first, second] = &found().samples[..] else { panic!("two problems") };
+    let samples = |problem: &str| {
+        findings()["samples"].wherever("problem", problem).unwrap().numbers("v").unwrap()
+    };
+    let [first, second] = ["problem 1", "problem 2"].map(samples);
     assert_eq!((first.len(), second.len()), (81, 81));
     // The corners in contact, the others, and the centre.
     assert_eq!((first[80], second[0]), (0.0, 0.0));

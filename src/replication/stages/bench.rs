@@ -12,10 +12,9 @@ use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use signorini_mathematics::experiments::EXPERIMENTS;
+use serde_json::{Value, json};
+use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -28,7 +27,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
     let mut tasks = Vec::new();
     for experiment in &EXPERIMENTS {
-        let plan = serde_json::from_str(&(experiment.plan)(&problems)).expect("a plan is JSON");
+        let plan = (experiment.plan)(&problems);
         let asked = Asked { experiment: experiment.name.into(), plan };
         tasks.push(Task::new(id(experiment.name), &asked, Vec::new(), |asked, _| asked.found()));
     }
@@ -47,8 +46,11 @@ impl Asked {
     fn found(&self) -> Made {
         let named = EXPERIMENTS.iter().find(|one| one.name == self.experiment);
         let experiment = named.ok_or_else(|| format!("no experiment {}", self.experiment))?;
-        let found = (experiment.run)(&self.plan.to_string())? + "\n";
-        Ok(Artifacts::from([(RESULT.into(), found.into_bytes())]))
+        let mut found = json!((experiment.run)(&self.plan)?);
+        // Pages have the plan beside the tables.
+        found["plan"] = self.plan.clone();
+        let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
+        Ok(Artifacts::from([(RESULT.into(), json.into_bytes())]))
     }
 }
 
@@ -59,42 +61,42 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
         picture(
             ["accuracy", "accuracy"],
             "Errors against the width of the grid, problems with known solutions",
-            |it, inputs| it.made(inputs, cost::accuracy(&result(inputs, "accuracy")?)),
+            |it, inputs| it.made(inputs, cost::accuracy(&table(inputs, "accuracy", "errors")?)?),
         ),
         picture(
             ["adapted", "adapted"],
             "Guaranteed error against the number of nodes, adaptive and uniform refinement",
-            |it, inputs| it.made(inputs, cost::adapted(&result(inputs, "adapted")?)),
+            |it, inputs| it.made(inputs, cost::adapted(&table(inputs, "adapted", "errors")?)?),
         ),
         picture(
             ["truth", "ends"],
             "Error of the ends of contact and of the energy against the width of the grid",
-            |it, inputs| it.made(inputs, cost::ends(&result(inputs, "truth")?)),
+            |it, inputs| it.made(inputs, cost::ends(&table(inputs, "truth", "elements")?)?),
         ),
         picture(
             ["claims", "sweep"],
             "Iterations of both problems against the duality parameter, three ways of stopping",
-            |it, inputs| it.made(inputs, claims::sweep(&result(inputs, "claims")?)),
+            |it, inputs| it.made(inputs, claims::sweep(&table(inputs, "claims", "runs")?)?),
         ),
         picture(
             ["claims", "uzawa"],
             "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
-            |it, inputs| it.made(inputs, claims::uzawa(&result(inputs, "claims")?)),
+            |it, inputs| it.made(inputs, claims::uzawa(&table(inputs, "claims", "runs")?)?),
         ),
         picture(
             ["sticking", "sticking"],
             "Length of the arcs that stick against one over the bound of the friction",
-            |it, inputs| it.made(inputs, claims::sticking(&result(inputs, "sticking")?)),
+            |it, inputs| it.made(inputs, claims::sticking(&table(inputs, "sticking", "arcs")?)?),
         ),
         picture(
             ["stress", "duality"],
             "KKT residual at the stop of the paper's method over r",
-            |it, inputs| it.made(inputs, duality(&result(inputs, "stress")?)),
+            |it, inputs| it.made(inputs, duality(&table(inputs, "stress", "runs")?)?),
         ),
         picture(
             ["stress", "tolerances"],
             "KKT residual reached against the tolerance asked for",
-            |it, inputs| it.made(inputs, tolerances(&result(inputs, "stress")?)),
+            |it, inputs| it.made(inputs, tolerances(&table(inputs, "stress", "runs")?)?),
         ),
     ]
 }
@@ -111,7 +113,7 @@ fn rules(project: &Project) -> Task {
     let title = "Counts on the finest grid: printed rule, signed rule, published".into();
     let rules = Rules { title, published: project.paper.clone() };
     drawing("rules", &rules, vec![id("claims")], |Rules { title, published }, inputs| {
-        made(inputs, title, claims::rules(&result(inputs, "claims")?, published))
+        made(inputs, title, claims::rules(&table(inputs, "claims", "runs")?, published)?)
     })
 }
 
@@ -129,10 +131,10 @@ pub(super) fn pictures_of_times(project: &Project) -> Vec<Task> {
             .map(Drawing::new);
     let tasks = [
         drawing("cost", &cost, Vec::new(), |it, inputs| {
-            it.made(inputs, cost::cost(&times(inputs)?))
+            it.made(inputs, cost::cost(&times(inputs)?)?)
         }),
         drawing("race", &race, Vec::new(), |it, inputs| {
-            it.made(inputs, cost::race(&times(inputs)?))
+            it.made(inputs, cost::race(&times(inputs)?)?)
         }),
     ];
     let files = InputFiles::from([(PATH.to_owned(), file.clone())]);
@@ -148,12 +150,15 @@ fn id(experiment: &str) -> String {
     format!("bench/{experiment}")
 }
 
-pub(super) fn result<T: DeserializeOwned>(inputs: &Inputs, experiment: &str) -> Result<T, String> {
-    super::from_json(inputs, &id(experiment), RESULT)
+/// Returns a table of the findings of an experiment.
+pub(super) fn table(inputs: &Inputs, experiment: &str, name: &str) -> Result<Rows, String> {
+    let mut findings: BTreeMap<String, Value> = super::from_json(inputs, &id(experiment), RESULT)?;
+    let rows = findings.remove(name).ok_or_else(|| format!("{experiment} has no table {name}"))?;
+    serde_json::from_value(rows).map_err(|e| format!("{name} of {experiment} is no table: {e}"))
 }
 
 /// Returns the findings of all experiments, by name, for the templates.
-pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, serde_json::Value>, String> {
+pub(super) fn results(inputs: &Inputs) -> Result<BTreeMap<String, Value>, String> {
     let mut results = BTreeMap::new();
     for task in inputs.artifacts.keys() {
         if let Some(name) = task.strip_prefix("bench/") {

@@ -8,11 +8,11 @@ use crate::machine::simd::Largest;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::spectral::{Solution, SpectralParams, spectral};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::sync::OnceLock;
 
 /// A problem whose solution is known.
-pub enum KnownSolution {
+pub(super) enum KnownSolution {
     /// By a formula.
     Formula(Exact),
     /// To rounding, from the spectral solver: f is piecewise constant.
@@ -20,53 +20,53 @@ pub enum KnownSolution {
 }
 
 /// A problem solved by the spectral solver.
-pub struct Spectral {
+pub(super) struct Spectral {
     /// Name.
-    pub name: String,
+    pub(super) name: String,
     /// Right-hand side.
-    pub f: Source,
+    pub(super) f: Source,
     /// Solution.
-    pub solution: Solution,
+    pub(super) solution: Solution,
     /// v at the nodes of the grid with [`SAMPLED`] cells per side.
     samples: OnceLock<Vec<f64>>,
 }
 
 /// Errors of a discrete solution.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SolutionErrors {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(super) struct SolutionErrors {
     /// L2 norm of `v - v_h`; only where v has a formula.
-    pub l2: Option<f64>,
+    pub(super) l2: Option<f64>,
     /// L2 norm of `grad (v - v_h)`.
-    pub h1: f64,
+    pub(super) h1: f64,
     /// Largest error at a node. For solutions of the spectral solver: at a node that also belongs to the grid with
     /// [`SAMPLED`] cells per side.
-    pub max: f64,
+    pub(super) max: f64,
     /// L2 norm on the boundary of the error of the multiplier, by [`multiplier_error`].
-    pub multiplier_l2: f64,
+    pub(super) multiplier_l2: f64,
 }
 
 /// Cells per side of the grid at whose nodes solutions of the spectral solver are evaluated: a power of two.
-pub const SAMPLED: usize = 32;
+pub(super) const SAMPLED: usize = 32;
 
 impl KnownSolution {
     /// Solves for a piecewise constant f in the notation of scenes.
     ///
     /// # Errors
     /// A sentence if f cannot be read, or there is no solution.
-    pub fn spectral(name: &str, f: &str, params: SpectralParams) -> Result<Self, String> {
+    pub(super) fn spectral(name: &str, f: &str, params: SpectralParams) -> Result<Self, String> {
         let f: Source = f.parse().map_err(|e| format!("{name}: {e}"))?;
         let solution = spectral(&f, params).map_err(|e| format!("{name}: {e}"))?;
         Ok(Self::of(name, f, solution))
     }
 
     /// Takes the solution that the spectral solver found for f.
-    pub fn of(name: &str, f: Source, solution: Solution) -> Self {
+    pub(super) fn of(name: &str, f: Source, solution: Solution) -> Self {
         let samples = OnceLock::new();
         Self::Spectral(Box::new(Spectral { name: name.into(), f, solution, samples }))
     }
 
     /// Name, as in `exact(name)` if there is a formula.
-    pub fn name(&self) -> &str {
+    pub(super) fn name(&self) -> &str {
         match self {
             Self::Formula(exact) => exact.name(),
             Self::Spectral(known) => &known.name,
@@ -74,7 +74,7 @@ impl KnownSolution {
     }
 
     /// Right-hand side.
-    pub fn f(&self) -> Source {
+    pub(super) fn f(&self) -> Source {
         match self {
             Self::Formula(exact) => Source::from(*exact),
             Self::Spectral(known) => known.f.clone(),
@@ -82,7 +82,7 @@ impl KnownSolution {
     }
 
     /// Solution of the spectral solver, if it is from there.
-    pub fn solution(&self) -> Option<&Solution> {
+    pub(super) fn solution(&self) -> Option<&Solution> {
         match self {
             Self::Formula(_) => None,
             Self::Spectral(known) => Some(&known.solution),
@@ -90,7 +90,7 @@ impl KnownSolution {
     }
 
     /// Load vector. If f jumps, f is integrated exactly, so that the discrete energy is that of `v_h`.
-    pub fn load(&self, grid: Grid) -> Vec<f64> {
+    pub(super) fn load(&self, grid: Grid) -> Vec<f64> {
         let rule = match self {
             Self::Formula(_) => LoadRule::default(),
             Self::Spectral(_) => LoadRule::Exact { diagonal: Diagonal::default() },
@@ -102,7 +102,7 @@ impl KnownSolution {
     ///
     /// # Panics
     /// If a slice is not of length `grid.nodes()`.
-    pub fn h1_error(&self, grid: Grid, y: &[f64], load: &[f64]) -> f64 {
+    pub(super) fn h1_error(&self, grid: Grid, y: &[f64], load: &[f64]) -> f64 {
         match self {
             Self::Formula(exact) => norms::errors(grid, *exact, y).h1,
             Self::Spectral(known) => known.h1_error(grid, y, load),
@@ -113,7 +113,7 @@ impl KnownSolution {
     ///
     /// # Panics
     /// If a slice is not of length `grid.nodes()`.
-    pub fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> SolutionErrors {
+    pub(super) fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> SolutionErrors {
         match self {
             Self::Formula(exact) => {
                 let norms::Errors { l2, h1, max, .. } = norms::errors(grid, *exact, y);

@@ -6,98 +6,102 @@
 //! Each experiment is one function of its plan, the central function of its module, and an entry of [`EXPERIMENTS`],
 //! by which whoever runs them all needs to know none.
 
-pub mod accuracy;
-pub mod adapted;
-pub mod claims;
-pub mod domains;
-pub mod known;
+mod accuracy;
+mod adapted;
+mod claims;
+mod domains;
+mod known;
 mod numbers;
 pub mod problems;
-pub mod saddle;
-pub mod sticking;
-pub mod stress;
+mod rows;
+mod saddle;
+mod sticking;
+mod stress;
 pub mod timed;
-pub mod trial;
-pub mod truth;
-pub mod work;
+mod trial;
+mod truth;
+mod work;
+
+pub use adapted::coarse_meshes;
+pub use rows::{Findings, Row, Rows};
 
 use problems::TableProblem;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-/// Experiment: a plan, and findings that depend on it alone; both as JSON.
+/// Experiment: a plan, and findings that depend on it alone.
 pub struct Experiment {
     /// Name.
     pub name: &'static str,
     /// Plan of the book for the paper's problems.
-    pub plan: fn(&[TableProblem]) -> String,
+    pub plan: fn(&[TableProblem]) -> Value,
     /// Findings for a plan.
     ///
     /// # Errors
-    /// A sentence if the text is no plan of this experiment, or it cannot be carried out.
-    pub run: fn(&str) -> Result<String, String>,
+    /// A sentence if the value is no plan of this experiment, or it cannot be carried out.
+    pub run: fn(&Value) -> Result<Findings, String>,
 }
 
 /// All experiments of the book.
 pub const EXPERIMENTS: [Experiment; 8] = [
     Experiment {
         name: "accuracy",
-        plan: |problems| json(&accuracy::AccuracyPlan::new(named(problems))),
-        run: |plan| findings(plan, accuracy::accuracy),
+        plan: |problems| json(accuracy::AccuracyPlan::new(named(problems))),
+        run: |plan| found(plan, accuracy::accuracy),
     },
     Experiment {
         name: "adapted",
-        plan: |_| json(&adapted::AdaptedPlan::default()),
-        run: |plan| findings(plan, adapted::adapted),
+        plan: |_| json(adapted::AdaptedPlan::default()),
+        run: |plan| found(plan, adapted::adapted),
     },
     Experiment {
         name: "claims",
-        plan: |problems| json(&claims::ClaimsPlan::new(problems.to_vec())),
-        run: |plan| findings(plan, claims::claims),
+        plan: |problems| json(claims::ClaimsPlan::new(problems.to_vec())),
+        run: |plan| found(plan, claims::claims),
     },
     Experiment {
         name: "friction",
-        plan: |_| json(&claims::ClaimsPlan::friction()),
-        run: |plan| findings(plan, claims::claims),
+        plan: |_| json(claims::ClaimsPlan::friction()),
+        run: |plan| found(plan, claims::claims),
     },
     Experiment {
         name: "domains",
-        plan: |_| json(&domains::DomainsPlan::default()),
-        run: |plan| findings(plan, domains::domains),
+        plan: |_| json(domains::DomainsPlan::default()),
+        run: |plan| found(plan, domains::domains),
     },
     Experiment {
         name: "sticking",
-        plan: |_| json(&sticking::StickingPlan::default()),
-        run: |plan| findings(plan, sticking::sticking),
+        plan: |_| json(sticking::StickingPlan::default()),
+        run: |plan| found(plan, sticking::sticking),
     },
     Experiment {
         name: "truth",
-        plan: |problems| json(&truth::TruthPlan::new(named(problems))),
-        run: |plan| findings(plan, truth::truth),
+        plan: |problems| json(truth::TruthPlan::new(named(problems))),
+        run: |plan| found(plan, truth::truth),
     },
     Experiment {
         name: "stress",
-        plan: |problems| json(&stress::StressPlan::new(problems.to_vec())),
-        run: |plan| findings(plan, stress::stress),
+        plan: |problems| json(stress::StressPlan::new(problems.to_vec())),
+        run: |plan| found(plan, stress::stress),
     },
 ];
 
 /// The paper's problems by name, with f in the notation of scenes.
 fn named(problems: &[TableProblem]) -> Vec<(String, String)> {
-    problems.iter().map(|problem| (problem.name(), problem.f.clone())).collect()
+    problems.iter().map(|problem| (problem.name(), problem.statement.f.clone())).collect()
 }
 
-fn json(data: &impl Serialize) -> String {
-    serde_json::to_string_pretty(data).expect("plans and findings are plain data")
+fn json(data: impl Serialize) -> Value {
+    serde_json::to_value(data).expect("plans and findings are plain data")
 }
 
 /// Runs an experiment on a plan in JSON.
-fn findings<P: DeserializeOwned, F: Serialize>(
-    plan: &str,
-    run: fn(&P) -> Result<F, String>,
-) -> Result<String, String> {
-    let plan = serde_json::from_str(plan).map_err(|e| e.to_string())?;
-    run(&plan).map(|found| json(&found))
+fn found<P: DeserializeOwned>(
+    plan: &Value,
+    run: fn(&P) -> Result<Findings, String>,
+) -> Result<Findings, String> {
+    run(&P::deserialize(plan).map_err(|e| e.to_string())?)
 }
 
 /// Least and greatest of some numbers.
@@ -124,7 +128,7 @@ impl Range {
 }
 
 /// Double nearest to ten to the power of `exponent`.
-pub fn power_of_ten(exponent: i32) -> f64 {
+fn power_of_ten(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().expect("a number")
 }
 

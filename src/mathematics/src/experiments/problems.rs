@@ -1,10 +1,11 @@
 //! The paper's problems, some that test the search for contact, and loads of growing difficulty.
 
-use crate::discrete::grid::{Grid, nested};
+use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
-use crate::discrete::transfer::Prolongation;
 use crate::problem::law::{Law, LawParameter};
 use crate::problem::source::Source;
+use crate::solvers::SaddleSettings;
+use crate::statement::Statement;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -53,63 +54,46 @@ impl FrictionProblem {
     }
 }
 
-/// One of the paper's problems, on the grids and with the parameters of its table.
+/// Problem with a table: its statement, and every r of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableProblem {
     /// Number of its table.
     pub number: u8,
-    /// f in the notation of scenes.
-    pub f: String,
-    /// Law on the boundary; none for the paper's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub law: Option<LawParameter>,
-    /// Quadrature of the load under the paper's stopping rules.
-    pub load: LoadRule,
-    /// Interpolation to the next grid.
-    pub prolongation: Prolongation,
-    /// Cells per side of the nested grids.
-    pub grids: Vec<usize>,
-    /// The paper's values of r.
+    /// Values of r.
     pub r: Vec<f64>,
-    /// Limit of iterations per grid under the paper's stopping rules.
-    pub max_iterations: usize,
-}
-
-/// A [`TableProblem`] on its grids.
-pub(super) struct ProblemOnGrids {
-    pub(super) f: Source,
-    pub(super) grids: Vec<Grid>,
-    /// One load vector per grid.
-    pub(super) loads: Vec<Vec<f64>>,
+    /// Problem, grids, and settings of the paper's method but r and the rule.
+    pub statement: Statement,
 }
 
 impl TableProblem {
     /// Returns the name for a table: of a problem with another law than the paper's, f and the law.
     pub fn name(&self) -> String {
-        match self.law {
+        let f = &self.statement.f;
+        match self.statement.law {
             None => format!("problem {}", self.number),
-            Some(LawParameter::Friction(g)) => format!("`{}`, g = {g}", self.f),
-            Some(LawParameter::Limit(limit)) => format!("`{}`, limit = {limit}", self.f),
+            Some(LawParameter::Friction(g)) => format!("`{f}`, g = {g}"),
+            Some(LawParameter::Limit(limit)) => format!("`{f}`, limit = {limit}"),
         }
     }
 
-    /// Returns the law on the boundary.
-    ///
-    /// # Errors
-    /// A sentence if its parameter makes no law.
-    pub fn law(&self) -> Result<Law, String> {
-        LawParameter::law_or_papers(self.law).map_err(|e| e.to_string())
+    /// Settings of the paper's method.
+    pub(super) fn saddle(&self) -> SaddleSettings {
+        self.statement.saddle.unwrap_or_default()
     }
 
-    /// Returns the problem on its grids.
+    /// Returns f, and the grids of the statement.
     ///
     /// # Errors
     /// A sentence if f cannot be read, or the grids do not nest.
-    pub(super) fn discrete(&self) -> Result<ProblemOnGrids, String> {
-        let f: Source = self.f.parse().map_err(|e| format!("{}: {e}", self.f))?;
-        let grids = nested(&self.grids).map_err(|e| e.to_string())?;
-        let loads = grids.iter().map(|&grid| load(grid, &f, self.load)).collect();
-        Ok(ProblemOnGrids { f, grids, loads })
+    pub(super) fn on_grids(&self) -> Result<(Source, Vec<Grid>), String> {
+        let f = self.statement.source().map_err(|e| format!("{}: {e}", self.statement.f))?;
+        Ok((f, self.statement.grids().map_err(|e| e.to_string())?))
+    }
+
+    /// Load vectors of f on these grids by the quadrature of the statement.
+    pub(super) fn loads(&self, f: &Source, grids: &[Grid]) -> Vec<Vec<f64>> {
+        let rule = self.statement.load.unwrap_or(Statement::LOAD);
+        grids.iter().map(|&grid| load(grid, f, rule)).collect()
     }
 }
 

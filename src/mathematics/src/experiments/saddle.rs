@@ -5,18 +5,18 @@ use crate::problem::law::Law;
 use crate::saddle::{Method, Pair, RunStart, RunState, engine, run_alone};
 
 /// Uzawa's algorithm, each inner minimisation to a tenth of the gradient, with a proximal term of this weight.
-pub const fn loose_uzawa(weight: f64) -> Method {
+pub(super) const fn loose_uzawa(weight: f64) -> Method {
     Method::Uzawa { weight, inner: 0.0, loose: true }
 }
 
 /// Number of sweeps between two checks of the goal, and limit of sweeps.
 #[derive(Clone, Copy, Debug)]
-pub struct CheckInterval {
+pub(super) struct CheckInterval {
     /// Sweeps so far over the sweeps of Arrow-Hurwicz between two checks, of which there is at least one. Uzawa's
     /// algorithm is checked after each step of the multiplier.
-    pub share: usize,
+    pub(super) share: usize,
     /// Sweeps after which the method has failed.
-    pub limit: usize,
+    pub(super) limit: usize,
 }
 
 /// Runs a method on a grid until `done`, which is called before the first sweep too; returns the last pair, and the
@@ -26,7 +26,7 @@ pub struct CheckInterval {
 ///
 /// # Panics
 /// If the load or the pair does not belong to `grid`, or r is not positive.
-pub(crate) fn sweeps_until(
+pub(super) fn sweeps_until(
     grid: Grid,
     start: &RunStart<'_>,
     checks: CheckInterval,

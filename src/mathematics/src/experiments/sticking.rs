@@ -4,6 +4,7 @@
 //! wrong sign. So an arc lies between that sticks. It is about `C exp(-k / g)` long, where k grows with the slope of v
 //! there: short arcs are on no grid.
 
+use super::{Findings, Rows};
 use crate::machine::threads::map;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -12,11 +13,11 @@ use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct StickingPlan {
+pub(super) struct StickingPlan {
     /// f on the square, as text.
-    pub f: String,
+    f: String,
     /// Bounds of the friction.
-    pub g: Vec<f64>,
+    g: Vec<f64>,
 }
 
 impl Default for StickingPlan {
@@ -27,65 +28,71 @@ impl Default for StickingPlan {
     }
 }
 
-/// Findings of the experiment.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct StickingFindings {
-    /// f on the square, as text.
-    pub f: String,
-    /// Lines, one per bound of the friction.
-    pub lines: Vec<StickingLine>,
-    /// Factor C of the law `length = C exp(-k / g)` that fits best: least squares in logarithms.
-    pub factor: f64,
-    /// Constant k of this law.
-    pub rate: f64,
-    /// Greatest factor, at least 1, between a length and this law.
-    pub misfit: f64,
-}
-
 /// Longest arc that sticks under one bound of the friction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StickingLine {
+#[derive(Clone, Debug, Serialize)]
+struct StickingArc {
+    /// f on the square, as text.
+    f: String,
     /// Bound of the friction.
-    pub g: f64,
+    g: f64,
     /// Number of arcs that stick.
-    pub arcs: usize,
+    arcs: usize,
     /// Length of the longest one.
-    pub length: f64,
+    length: f64,
 }
 
-/// Measures the arcs: the central function of this module.
+/// Law `length = C exp(-k / g)` that fits best: least squares in logarithms.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct StickingLaw {
+    /// Factor C.
+    factor: f64,
+    /// Constant k.
+    rate: f64,
+    /// Greatest factor, at least 1, between a length and this law.
+    misfit: f64,
+}
+
+/// Measures the arcs: the central function of this module. Tables `arcs`, one row per bound of the friction, and
+/// `law`.
 ///
 /// # Errors
 /// A sentence if f cannot be read, or a problem has no solution that is found.
-pub fn sticking(plan: &StickingPlan) -> Result<StickingFindings, String> {
-    let f: Source = plan.f.parse().map_err(|e| format!("f: {e}"))?;
-    let lines = map(&plan.g, 1, |&g| line(&f, g)).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let logs: Vec<_> = lines.iter().map(|line| [1.0 / line.g, libm::log(line.length)]).collect();
+pub(super) fn sticking(plan: &StickingPlan) -> Result<Findings, String> {
+    let arcs = map(&plan.g, 1, |&g| longest_arc(&plan.f, g));
+    let arcs = arcs.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let law = law(&arcs);
+    Ok(Findings::from([("arcs".into(), Rows::of(arcs)), ("law".into(), Rows::of([law]))]))
+}
+
+/// Fits the law to the arcs.
+fn law(arcs: &[StickingArc]) -> StickingLaw {
+    let logs: Vec<_> = arcs.iter().map(|arc| [1.0 / arc.g, libm::log(arc.length)]).collect();
     let count = logs.len() as f64;
     let [mean_x, mean_y] = [0, 1].map(|d| logs.iter().map(|log| log[d]).sum::<f64>() / count);
     let covariance: f64 = logs.iter().map(|[x, y]| (x - mean_x) * (y - mean_y)).sum();
     let variance: f64 = logs.iter().map(|[x, _]| (x - mean_x) * (x - mean_x)).sum();
     let rate = -covariance / variance;
     let factor = libm::exp(mean_y + rate * mean_x);
-    let misfits = lines.iter().map(|line| {
-        let ratio = line.length / (factor * libm::exp(-rate / line.g));
+    let misfits = arcs.iter().map(|arc| {
+        let ratio = arc.length / (factor * libm::exp(-rate / arc.g));
         ratio.max(1.0 / ratio)
     });
-    let misfit = misfits.fold(1.0, f64::max);
-    Ok(StickingFindings { f: plan.f.clone(), lines, factor, rate, misfit })
+    StickingLaw { factor, rate, misfit: misfits.fold(1.0, f64::max) }
 }
 
 /// Measures the longest arc under one bound.
-fn line(f: &Source, g: f64) -> Result<StickingLine, String> {
+fn longest_arc(f: &str, g: f64) -> Result<StickingArc, String> {
+    let source: Source = f.parse().map_err(|e| format!("f: {e}"))?;
     let in_words = |e: &dyn std::fmt::Display| format!("friction {g}: {e}");
     let law = Law::friction(g).map_err(|e| in_words(&e))?;
-    let solution = spectral_under(law, f, SpectralParams::default()).map_err(|e| in_words(&e))?;
+    let solution =
+        spectral_under(law, &source, SpectralParams::default()).map_err(|e| in_words(&e))?;
     let lengths = solution.contact.iter().map(|arc| {
         let [[x0, y0], [x1, y1]] = [arc.from, arc.to];
         ((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)).sqrt()
     });
     let length = lengths.fold(0.0, f64::max);
-    Ok(StickingLine { g, arcs: solution.contact.len(), length })
+    Ok(StickingArc { f: f.into(), g, arcs: solution.contact.len(), length })
 }
 
 #[cfg(test)]
@@ -95,13 +102,16 @@ mod tests {
     #[test]
     fn the_arcs_shrink_exponentially_as_friction_gets_weaker() {
         let found = sticking(&StickingPlan::default()).unwrap();
-        assert!(found.lines.iter().all(|line| line.arcs == 2 && line.length > 0.0));
-        assert!(found.lines.is_sorted_by(|one, next| one.length > 2.0 * next.length));
-        let (first, last) = (found.lines[0].length, found.lines[6].length);
-        assert!(first > 1e-2 && last < 1e-4, "{first} {last}");
-        assert!(found.misfit < 1.5, "{found:?}");
+        let (arcs, law) = (&found["arcs"], &found["law"]);
+        assert_eq!(arcs.numbers("arcs").unwrap(), [2.0; 7]);
+        let lengths = arcs.numbers("length").unwrap();
+        assert!(lengths.is_sorted_by(|one, next| *one > 2.0 * next && *next > 0.0));
+        assert!(lengths[0] > 1e-2 && lengths[6] < 1e-4, "{lengths:?}");
+        let [misfit, rate, factor] =
+            ["misfit", "rate", "factor"].map(|name| law.numbers(name).unwrap()[0]);
+        assert!(misfit < 1.5, "{law:?}");
         // No arc of the square is longer than the law at g = infinity would have it be.
-        assert!(found.rate > 0.0 && found.factor > first, "{found:?}");
+        assert!(rate > 0.0 && factor > lengths[0], "{law:?}");
     }
 
     #[test]

@@ -9,35 +9,23 @@ use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::law::Law;
 use crate::saddle::jobs::{Job, run};
 use crate::saddle::{JobGoal, Pair, StopRule};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// End of a run, and the judgement of [`judge`] on the vector that it returned.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Trial {
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Trial {
     /// Reason that the solver gives for its end; none if it refused to begin.
-    pub stop: Option<Stop>,
+    pub(super) stop: Option<Stop>,
     /// Iterations, or cycles on the finest grid.
-    pub steps: usize,
+    pub(super) steps: usize,
     /// Work in units of one sweep of the finest grid.
-    pub work: f64,
+    pub(super) work: f64,
     /// Natural residual over `|F|_inf`; none if it is not finite.
-    pub kkt: Option<f64>,
+    pub(super) kkt: Option<f64>,
     /// Natural residual over `EPSILON * max |y|`: about 1 to 10 if only rounding errors are left.
-    pub floor: Option<f64>,
+    pub(super) floor: Option<f64>,
     /// True if the natural residual is within the bound that the solver claims; none if it claims no bound.
-    pub holds: Option<bool>,
-}
-
-impl Trial {
-    /// True if the solver reports that it reached its goal.
-    pub fn converged(&self) -> bool {
-        self.stop == Some(Stop::Converged)
-    }
-
-    /// True if the solver reports that there is no result.
-    pub fn says_that_it_failed(&self) -> bool {
-        matches!(self.stop, None | Some(Stop::Diverged))
-    }
+    pub(super) holds: Option<bool>,
 }
 
 /// Bound of the natural residual that a solver claims.
@@ -80,7 +68,7 @@ fn finite(x: f64) -> Option<f64> {
 /// that is less than 1. For at a boundary node either the multiplier is zero after its step, and `A y - F`
 /// is the component of the gradient; or it is positive, and the step was `-r y`. The other rules
 /// bound nothing.
-pub(crate) fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
+pub(super) fn saddle_trials(grid: Grid, jobs: &[Job]) -> Vec<Trial> {
     let ends = run(grid, jobs);
     jobs.iter().zip(ends).map(|(job, (end, pair))| saddle_trial(grid, job, end, &pair)).collect()
 }
@@ -99,7 +87,12 @@ fn saddle_trial(grid: Grid, job: &Job, end: End, pair: &Pair) -> Trial {
 }
 
 /// Runs multigrid, by nested iteration or from `start`.
-pub fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal, start: Option<&[f64]>) -> Trial {
+pub(super) fn multigrid_trial(
+    grid: Grid,
+    load: &[f64],
+    goal: Goal,
+    start: Option<&[f64]>,
+) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let problem = Law::SIGNORINI.with_load(load);
     let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), problem, start, &params) else {

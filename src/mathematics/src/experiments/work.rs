@@ -1,6 +1,5 @@
 //! The work of the paper's method: its sweeps against the width of the grid, and its work beside multigrid's.
 
-use super::exponent;
 use super::known::KnownSolution;
 use super::saddle::{CheckInterval, loose_uzawa, sweeps_until};
 use crate::discrete::grid::{self, Grid};
@@ -15,54 +14,39 @@ use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// Number of sweeps that Arrow-Hurwicz takes to a residual, grid by grid.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CostLaw {
+/// Table `sweeps`: number of sweeps that Arrow-Hurwicz takes to a residual on one grid.
+#[derive(Serialize)]
+pub(super) struct SweepsRow {
     /// f in the notation of scenes.
-    pub f: String,
+    f: String,
     /// True if each grid starts from the solution on the grid before, false if from zero.
-    pub nested: bool,
+    nested: bool,
     /// Natural residual over the largest component of the load.
-    pub target: f64,
-    /// Cells per side, and sweeps on that grid.
-    pub sweeps: Vec<(usize, usize)>,
-    /// Exponent of 1/h that fits the three finest grids; none with fewer than two.
-    pub exponent: Option<f64>,
+    target: f64,
+    cells: usize,
+    sweeps: usize,
 }
 
-/// Multigrid and the saddle-point methods on one problem.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Comparison {
-    /// Name of the problem.
-    pub name: String,
-    /// Grid by grid.
-    pub rows: Vec<ComparedWork>,
-    /// Number of grids on which Uzawa's method with loose inner minimisation takes less work than Arrow-Hurwicz.
-    pub uzawa_ahead: usize,
-}
-
-/// Work of each method to an error of at most [`REACHED`] times the discretisation error: visits of unknowns so far, on
-/// all grids, over the number of unknowns of this one.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct ComparedWork {
-    /// Cells per side.
-    pub cells: usize,
-    /// Work units of multigrid.
-    pub multigrid: f64,
-    /// Work units of Arrow-Hurwicz.
-    pub arrow_hurwicz: f64,
-    /// Work units of Uzawa's method with loose inner minimisation.
-    pub uzawa: f64,
+/// Table `compared`: work of each method to an error of at most [`REACHED`] times the discretisation error: visits of
+/// unknowns so far, on all grids, over the number of unknowns of this one.
+#[derive(Serialize)]
+pub(super) struct ComparedWork {
+    problem: &'static str,
+    cells: usize,
+    multigrid: f64,
+    arrow_hurwicz: f64,
+    /// Uzawa's method with loose inner minimisation.
+    uzawa: f64,
 }
 
 /// Duality parameter: above about 10 it makes no difference to these counts.
-pub const R: f64 = 10.0;
+pub(super) const R: f64 = 10.0;
 /// Relative natural residuals.
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
 /// Factor by which the error may exceed the discretisation error that it is said to reach.
-pub const REACHED: f64 = 1.1;
+pub(super) const REACHED: f64 = 1.1;
 /// Two per cent of the sweeps between checks.
 const CHECKS: CheckInterval = CheckInterval { share: 50, limit: 1_000_000 };
 
@@ -70,24 +54,18 @@ const CHECKS: CheckInterval = CheckInterval { share: 50, limit: 1_000_000 };
 ///
 /// # Errors
 /// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
-pub fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<CostLaw>, String> {
+pub(super) fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<SweepsRow>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
     let laws: Result<Vec<_>, String> =
         map(&runs, 1, |&((f, cells), nested)| law(f, cells, nested)).into_iter().collect();
-    Ok(laws?.concat())
+    Ok(laws?.into_iter().flatten().collect())
 }
 
-/// Measures one law for each of [`TARGETS`].
-fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
+/// Counts the sweeps to each of [`TARGETS`] on all grids.
+fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<SweepsRow>, String> {
     let grids = grid::nested(cells).map_err(|e| e.to_string())?;
     let source: Source = f.parse().map_err(|e| format!("{f}: {e}"))?;
-    let mut laws = TARGETS.map(|target| CostLaw {
-        f: f.into(),
-        nested,
-        target,
-        sweeps: Vec::new(),
-        exponent: None,
-    });
+    let mut rows = Vec::new();
     let levels = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
     run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
         let grid = grids[k];
@@ -96,8 +74,7 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
         }
         let load = load(grid, &source, LoadRule::default());
         let mut total = 0;
-        for law in &mut laws {
-            let target = law.target;
+        for target in TARGETS {
             let is_reached =
                 &mut |pair: &Pair| kkt(grid, Law::SIGNORINI, &pair.y, &load).relative <= target;
             let start = RunStart { load: &load, method: Method::ArrowHurwicz, r: R, pair };
@@ -106,24 +83,26 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<CostLaw>, String> {
                 .ok_or_else(|| format!("{f} on grid 1/{}: {target:e} not reached", grid.cells()))?;
             *pair = last;
             total += sweeps;
-            law.sweeps.push((grid.cells(), total));
+            rows.push(SweepsRow {
+                f: f.into(),
+                nested,
+                target,
+                cells: grid.cells(),
+                sweeps: total,
+            });
         }
         Ok::<(), String>(())
     })?;
-    for law in &mut laws {
-        let finest = &law.sweeps[law.sweeps.len().saturating_sub(3)..];
-        let points: Vec<_> = finest.iter().map(|&(n, sweeps)| (n as f64, sweeps as f64)).collect();
-        law.exponent = exponent(&points);
-    }
-    Ok(laws.into())
+    Ok(rows)
 }
 
 /// Runs multigrid, Arrow-Hurwicz and Uzawa to the discretisation error on each of the nested grids.
 ///
 /// # Errors
 /// A sentence if grids do not nest, or a method does not reach the discretisation error.
-pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
-    let known = KnownSolution::Formula(Exact::FreeCorner);
+pub(super) fn compare(cells: &[usize]) -> Result<Vec<ComparedWork>, String> {
+    let exact = Exact::FreeCorner;
+    let known = KnownSolution::Formula(exact);
     let grids = grid::nested(cells).map_err(|e| e.to_string())?;
     let mut levels = Vec::new();
     for grid in grids {
@@ -135,25 +114,25 @@ pub fn compare(cells: &[usize]) -> Result<Comparison, String> {
     let mut rows = Vec::new();
     for (k, level) in levels.iter().enumerate() {
         rows.push(ComparedWork {
+            problem: exact.name(),
             cells: level.grid.cells(),
             multigrid: multigrid[k],
             arrow_hurwicz: arrow_hurwicz[k],
             uzawa: uzawa[k],
         });
     }
-    let uzawa_ahead = rows.iter().filter(|row| row.uzawa < row.arrow_hurwicz).count();
-    Ok(Comparison { name: known.name().into(), rows, uzawa_ahead })
+    Ok(rows)
 }
 
 /// A problem with known solution on one grid.
-pub struct OnGrid {
+pub(super) struct OnGrid {
     /// The grid.
-    pub grid: Grid,
+    pub(super) grid: Grid,
     /// Load vector.
-    pub load: Vec<f64>,
+    pub(super) load: Vec<f64>,
     measure: WorkMeasure,
     /// Error of the discrete solution.
-    pub discretisation: f64,
+    pub(super) discretisation: f64,
 }
 
 /// True values that errors are measured against.
@@ -169,7 +148,7 @@ impl OnGrid {
     ///
     /// # Errors
     /// A sentence if the grid cannot be used.
-    pub fn new(known: &KnownSolution, grid: Grid) -> Result<Self, String> {
+    pub(super) fn new(known: &KnownSolution, grid: Grid) -> Result<Self, String> {
         let measure = match known {
             KnownSolution::Formula(exact) => WorkMeasure::Nodes(nodal_values(*exact, grid)),
             KnownSolution::Spectral(known) => WorkMeasure::Energy(known.solution.energy),
@@ -188,7 +167,7 @@ impl OnGrid {
 
     /// Error of `y` in the discrete L2 norm. Without a formula: the energy of `y`, with negative values on the
     /// boundary set to zero, less the least energy, over the absolute value of the latter.
-    pub fn error(&self, y: &[f64]) -> f64 {
+    pub(super) fn error(&self, y: &[f64]) -> f64 {
         match &self.measure {
             WorkMeasure::Nodes(exact) => {
                 let wrong: Vec<f64> = y.iter().zip(exact).map(|(a, b)| a - b).collect();

@@ -3,101 +3,111 @@
 use crate::figures::Stroke::{Line, Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, Scale, charts};
 use crate::replication::paper::Paper;
-use signorini_mathematics::experiments::claims::{
-    ClaimMeasure, Claims, Count, KktTarget, UzawaCell, VARIANTS,
-};
-use signorini_mathematics::experiments::sticking::StickingFindings;
-use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::experiments::Rows;
 
-/// Draws iterations against r: a row of panels per measure, a column per problem, a curve per grid.
-pub(super) fn sweep(claims: &Claims) -> Picture {
-    let target = claims.targets[0].kkt;
-    let shown = [
-        (ClaimMeasure::Rule(StopRule::Signed), "signed rule".to_owned()),
-        (ClaimMeasure::Rule(StopRule::Printed), "printed rule".to_owned()),
-        (ClaimMeasure::Kkt(target), format!("KKT residual {target:e}")),
-    ];
+/// Names of the axes of the charts of iterations.
+const AXES: [&str; 2] = ["duality parameter r", "iterations"];
+/// Numbers of the paper's problems.
+const PROBLEMS: [u8; 2] = [1, 2];
+
+/// Draws iterations against r: a row of panels per end of the runs, a column per problem, a curve per grid.
+pub(super) fn sweep(runs: &Rows) -> Result<Picture, String> {
+    let swept = runs.wherever("is_swept", true)?.wherever("stop", "converged")?;
+    let target = format!("{:e}", targets(runs)?[0]);
     let mut panels = Vec::new();
-    for (measure, name) in &shown {
-        for problem in &claims.problems {
+    for (end, name) in [
+        ("signed", "signed rule".into()),
+        ("printed", "printed rule".into()),
+        (&target, format!("KKT residual {target}")),
+    ] {
+        for problem in PROBLEMS {
+            let rows = swept.wherever("end", end)?.wherever("problem", problem)?;
+            let mut cells = rows.numbers("cells")?;
+            cells.dedup();
             let mut curves = Vec::new();
-            for row in problem.rows.iter().filter(|row| row.measure == *measure) {
-                let points = reached(claims.r.iter().zip(&row.counts));
-                curves.push(Curve::new(Line, format!("1/{}", row.cells), points));
+            for cells in cells {
+                let points = rows.wherever("cells", cells as usize)?.points("r", "sweeps")?;
+                curves.push(Curve::new(Line, format!("1/{cells}"), points));
             }
-            let title = format!("Problem {}, {name}", problem.number);
-            panels.push(Chart::new(title, ["duality parameter r", "iterations"], curves));
+            panels.push(Chart::new(format!("Problem {problem}, {name}"), AXES, curves));
         }
     }
-    charts(true, &panels)
+    Ok(charts(true, &panels))
 }
 
 /// Draws the counts on the finest grid against r, a panel per problem: under the printed rule, under the signed rule,
 /// and in rings of their own the published ones.
-pub(super) fn rules(claims: &Claims, paper: &Paper) -> Picture {
+pub(super) fn rules(runs: &Rows, paper: &Paper) -> Result<Picture, String> {
     let mut panels = Vec::new();
-    for problem in &claims.problems {
+    for problem in PROBLEMS {
+        let rows = finest(&runs.wherever("problem", problem)?)?.wherever("stop", "converged")?;
         let mut curves = Vec::new();
-        for (rule, name) in [(StopRule::Printed, "printed rule"), (StopRule::Signed, "signed rule")]
-        {
-            for table in problem.tables.iter().filter(|table| table.rule == rule) {
-                let finest =
-                    table.lines.iter().filter_map(|line| Some((&line.r, line.counts.last()?)));
-                curves.push(Curve::new(Marked, name, reached(finest)));
-            }
+        for (end, name) in [("printed", "printed rule"), ("signed", "signed rule")] {
+            let points = rows.wherever("end", end)?.points("r", "sweeps")?;
+            let papers = paper.r.iter().filter_map(|r| points.iter().find(|point| point.0 == *r));
+            curves.push(Curve::new(Marked, name, papers.copied()));
         }
-        for table in paper.table.iter().filter(|table| table.number == problem.number) {
+        for table in paper.table.iter().filter(|table| table.number == problem) {
             for (r, counts) in paper.r.iter().zip(&table.counts) {
                 let point = counts.last().map(|&count| (*r, count as f64));
                 curves.push(Curve::new(Marked, "published", point));
             }
         }
-        let title = format!("Problem {}", problem.number);
-        panels.push(Chart::new(title, ["duality parameter r", "iterations"], curves));
+        panels.push(Chart::new(format!("Problem {problem}"), AXES, curves));
     }
-    charts(true, &panels)
+    Ok(charts(true, &panels))
+}
+
+/// KKT residuals at which runs end, from the largest on.
+fn targets(runs: &Rows) -> Result<Vec<f64>, String> {
+    let mut targets = runs.numbers("target")?;
+    targets.sort_by(|one, other| other.total_cmp(one));
+    targets.dedup();
+    Ok(targets)
+}
+
+/// Rows on the finest of their grids.
+fn finest(rows: &Rows) -> Result<Rows, String> {
+    let cells = rows.numbers("cells")?.into_iter().fold(0.0, f64::max);
+    rows.wherever("cells", cells as usize)
 }
 
 /// Draws sweeps against r to equal KKT residual: a row per residual, on the finest grid for which it was asked.
-pub(super) fn uzawa(claims: &Claims) -> Picture {
+pub(super) fn uzawa(runs: &Rows) -> Result<Picture, String> {
     let mut panels = Vec::new();
-    for &KktTarget { kkt: target, cells } in &claims.targets {
-        for problem in &claims.problems {
-            let shown: Vec<&UzawaCell> = problem
-                .cells
-                .iter()
-                .filter(|cell| cell.target == target && cell.cells == cells)
-                .collect();
-            let points = reached(shown.iter().map(|cell| (&cell.r, &cell.arrow_hurwicz)));
-            let mut curves = vec![Curve::new(Marked, "Arrow-Hurwicz", points)];
-            for (k, variant) in VARIANTS.iter().enumerate() {
-                let points = reached(shown.iter().map(|cell| (&cell.r, &cell.uzawa[k])));
-                curves.push(Curve::new(Marked, variant.name, points));
+    for target in targets(runs)? {
+        let rows = finest(&runs.wherever("target", target)?)?;
+        let cells = rows.numbers("cells")?;
+        for problem in PROBLEMS {
+            let rows = rows.wherever("problem", problem)?;
+            let compared = rows.wherever("is_swept", false)?.numbers("r")?;
+            let mut curves = Vec::new();
+            for method in rows.texts("method")? {
+                let points = rows.wherever("method", method)?.wherever("stop", "converged")?;
+                let points = points.points("r", "sweeps")?;
+                let points = points.into_iter().filter(|(r, _)| compared.contains(r));
+                curves.push(Curve::new(Marked, method, points));
             }
-            let title = format!("Problem {}, h = 1/{cells}, KKT {target:e}", problem.number);
+            let title = format!("Problem {problem}, h = 1/{}, KKT {target:e}", cells[0]);
             panels.push(Chart::new(title, ["duality parameter r", "sweeps"], curves));
         }
     }
-    charts(true, &panels)
+    Ok(charts(true, &panels))
 }
 
 /// Draws the lengths of the arcs that stick against one over the bound of the friction, beside the width of a fine
 /// grid.
-pub(super) fn sticking(found: &StickingFindings) -> Picture {
+pub(super) fn sticking(arcs: &Rows) -> Result<Picture, String> {
     /// Cells per side of the grid.
     const FINE: f64 = 1024.0;
-    let lines = &found.lines;
-    let points = lines.iter().map(|line| (1.0 / line.g, line.length));
-    let ends = [lines.first(), lines.last()].into_iter().flatten().map(|line| 1.0 / line.g);
-    let curves = vec![
-        Curve::new(Marked, "arc that sticks, true solution", points),
-        Curve::new(Reference, format!("h = 1/{FINE}"), ends.map(|x| (x, 1.0 / FINE))),
-    ];
-    let chart = Chart::new(format!("f = {}", found.f), ["1/g", "length"], curves);
-    charts(false, &[chart.scaled([Scale::Linear, Scale::Logarithmic])])
-}
-
-/// Returns points (r, count) of the runs that reached their end.
-fn reached<'a>(counts: impl Iterator<Item = (&'a f64, &'a Count)>) -> Vec<(f64, f64)> {
-    counts.filter_map(|(r, count)| Some((*r, count.reached()? as f64))).collect()
+    let points = arcs.points("g", "length")?.into_iter().map(|(g, length)| (1.0 / g, length));
+    let points: Vec<_> = points.collect();
+    let ends = [points.first(), points.last()].into_iter().flatten().map(|&(x, _)| (x, 1.0 / FINE));
+    let ends = Curve::new(Reference, format!("h = 1/{FINE}"), ends);
+    let title = format!("f = {}", arcs.texts("f")?.join(", "));
+    let curves = vec![Curve::new(Marked, "arc that sticks, true solution", points), ends];
+    Ok(charts(
+        false,
+        &[Chart::new(title, ["1/g", "length"], curves).scaled([Scale::Linear, Scale::Logarithmic])],
+    ))
 }

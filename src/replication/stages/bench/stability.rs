@@ -2,55 +2,47 @@
 
 use crate::figures::Stroke::{Marked, Reference};
 use crate::figures::{Chart, Curve, Picture, charts};
-use signorini_mathematics::experiments::stress::{Stress, StressCase};
-use signorini_mathematics::experiments::trial::Trial;
+use signorini_mathematics::experiments::Rows;
 
-/// Curve with a ring at each case in which the method ran and the value is positive.
-fn marked(
-    label: impl Into<String>,
-    cases: &[StressCase<f64>],
-    method: &str,
-    value: impl Fn(&Trial) -> Option<f64>,
-) -> Curve {
-    let mut points = Vec::new();
-    for case in cases {
-        let value = case.trials.get(method).and_then(&value);
-        if let Some(value) = value.filter(|value| *value > 0.0) {
-            points.push((case.x, value));
-        }
-    }
-    Curve::new(Marked, label, points)
+/// Points with the residual of a method, where it is positive.
+fn residuals(rows: &Rows, method: &str) -> Result<Vec<(f64, f64)>, String> {
+    let mut points = rows.wherever("method", method)?.points("x", "kkt")?;
+    points.retain(|point| point.1 > 0.0);
+    Ok(points)
 }
 
 /// Draws the residual of the paper's method against the duality parameter.
-pub(super) fn duality(found: &Stress) -> Picture {
-    let mut residual = Vec::new();
-    for (name, cases) in found.plan.names().into_iter().zip(&found.duality) {
+pub(super) fn duality(runs: &Rows) -> Result<Picture, String> {
+    let rows = runs.wherever("series", "duality")?;
+    let mut curves = Vec::new();
+    for name in rows.texts("problem")? {
+        let rows = rows.wherever("problem", name)?;
         for rule in ["signed", "strict"] {
             let label = format!("{rule} rule, {name}");
-            residual.push(marked(label, cases, rule, |trial| trial.kkt));
+            curves.push(Curve::new(Marked, label, residuals(&rows, rule)?));
         }
     }
-    let ends = found.duality.first().and_then(|cases| Some((cases.first()?.x, cases.last()?.x)));
-    if let Some((low, high)) = ends {
-        residual.push(Curve::new(Reference, "as large as the load", [(low, 1.0), (high, 1.0)]));
-    }
-    charts(false, &[Chart::new("Where it stops", ["r", "KKT residual"], residual)])
+    let r = rows.numbers("x")?;
+    let ends = [r.first(), r.last()].into_iter().flatten().map(|&r| (r, 1.0));
+    curves.push(Curve::new(Reference, "as large as the load", ends));
+    Ok(charts(false, &[Chart::new("Where it stops", ["r", "KKT residual"], curves)]))
 }
 
 /// Draws the residual of three methods against the tolerance, a panel per problem.
-pub(super) fn tolerances(found: &Stress) -> Picture {
+pub(super) fn tolerances(runs: &Rows) -> Result<Picture, String> {
+    let rows = runs.wherever("series", "tolerances")?;
     let mut panels = Vec::new();
-    for (name, cases) in found.plan.names().into_iter().zip(&found.tolerances) {
+    for name in rows.texts("problem")? {
+        let rows = rows.wherever("problem", name)?;
         let mut curves = Vec::new();
         for (label, method) in
             [("signed rule", "signed"), ("strict rule", "strict"), ("multigrid", "multigrid")]
         {
-            curves.push(marked(label, cases, method, |trial| trial.kkt));
+            curves.push(Curve::new(Marked, label, residuals(&rows, method)?));
         }
-        let asked = cases.iter().map(|case| (case.x, case.x));
+        let asked = rows.wherever("method", "signed")?.points("x", "x")?;
         curves.push(Curve::new(Reference, "as asked", asked));
         panels.push(Chart::new(name, ["tolerance over the load", "KKT residual"], curves));
     }
-    charts(false, &panels)
+    Ok(charts(false, &panels))
 }

@@ -9,7 +9,7 @@ use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
 use crate::replication::scene::{Output, Runs, Scene};
 use crate::replication::stages::solve;
-use signorini_mathematics::experiments::adapted::AdaptedProblem;
+use signorini_mathematics::experiments::coarse_meshes;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::saddle::{Pair, tolerance};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
@@ -75,6 +75,9 @@ pub(super) fn iterates(scene: &Scene) -> Task {
     })
 }
 
+/// Most nodes of the adapted meshes that are drawn.
+const FEW: usize = 600;
+
 /// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
 pub(super) fn drawings() -> [Task; 5] {
     let all: [(&str, &str, Draw); 5] = [
@@ -85,7 +88,7 @@ pub(super) fn drawings() -> [Task; 5] {
             it.made(inputs, meshes()?)
         }),
         ("adapted-mesh", "Adapted meshes of two domains", |it, inputs| {
-            it.made(inputs, adapted_meshes()?)
+            it.made(inputs, beside(&coarse_meshes(FEW)?)?)
         }),
         ("membrane", "The square and its membrane", |it, inputs| it.made(inputs, membrane())),
         ("grid", "The coarsest grid, in the order of the sweep", |it, inputs| {
@@ -120,21 +123,6 @@ fn beside(meshes: &[(String, AnyMesh)]) -> Result<Picture, String> {
         panels.push((&title[..], mesh));
     }
     Ok(mesh_picture(&panels))
-}
-
-/// Draws the last mesh with few nodes of each problem with adapted meshes.
-fn adapted_meshes() -> Result<Picture, String> {
-    /// Most nodes of a mesh.
-    const FEW: usize = 600;
-    let mut adapted = Vec::new();
-    for problem in [AdaptedProblem::lshape(), AdaptedProblem::fixed_free()] {
-        // No mesh so coarse is so accurate: the number of nodes is what ends the run.
-        let run = problem.adapted(f64::EPSILON, FEW, 1)?;
-        let title = format!("{}, {} nodes", problem.domain.name(), run.y.len());
-        let mesh = run.problem.levels().mesh(run.problem.finest()).into_owned();
-        adapted.push((title, mesh));
-    }
-    beside(&adapted)
 }
 
 /// Draws solutions on domains in the plane.

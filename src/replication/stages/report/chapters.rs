@@ -17,8 +17,7 @@ use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, from_json};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::experiments::Range;
-use signorini_mathematics::experiments::truth::{Elements, Truth};
+use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
@@ -47,11 +46,12 @@ pub(super) fn context(
     let mut context = Context::new();
     context.insert("agreement", &results.agreement(&tables)?);
     let problems_and_tables = problems.iter().zip(&tables);
-    let Truth { mut references, elements, .. } = bench::result(inputs, "truth")?;
+    let elements = bench::table(inputs, "truth", "elements")?;
     let mut shown = Vec::new();
     for (scene, table) in problems_and_tables {
         let mut problem = problem(inputs, &results, scene, table)?;
-        problem.insert("error".into(), error(&elements, scene, table.table).into());
+        let error = error(&elements, scene, table.table)?.first().copied();
+        problem.insert("error".into(), error.into());
         context.insert(format!("problem{}", table.table), &problem);
         shown.push(problem);
     }
@@ -69,23 +69,22 @@ pub(super) fn context(
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
     let text = inputs.file(TRUTH)?.ok_or("no true solutions")?;
-    context.insert("digits", &compared(&mut references, text)?);
-    context.insert("references", &references);
+    let references = bench::table(inputs, "truth", "references")?;
+    let mut values = bench::table(inputs, "truth", "values")?;
+    context.insert("digits", &compared(&references, &mut values, text)?);
+    context.insert("values", &values);
     context.insert("figures", &figures(inputs));
     context.insert("provenance", &provenance(inputs)?);
-    let timings = bench::times(inputs)?;
-    context.insert("cost", &times(&timings, &bench::result(inputs, "accuracy")?));
-    context.insert("timings", &timings);
+    context.insert("timings", &times(&bench::times(inputs)?)?);
     context.insert("fields", &described());
     Ok(context)
 }
 
 /// Returns the error of the discrete solution of the paper's problem `number` on the finest grid of its scene, in the
-/// energy norm.
-fn error(elements: &[Elements], scene: &Scene, number: u8) -> Option<f64> {
-    let known = elements.iter().find(|one| one.name == format!("problem {number}"))?;
-    let mut levels = known.levels.iter();
-    levels.find(|level| level.cells == scene.finest().cells()).map(|level| level.error)
+/// energy norm, if it was measured.
+fn error(elements: &Rows, scene: &Scene, number: u8) -> Result<Vec<f64>, String> {
+    let rows = elements.wherever("problem", format!("problem {number}"))?;
+    rows.wherever("cells", scene.finest().cells())?.numbers("error")
 }
 
 /// Returns the fields of a scene and of its statement, the r that is drawn, and `more`.
@@ -180,10 +179,9 @@ fn beyond(gradient: &[f64], tolerance: f64) -> Value {
 
 /// Returns a few numbers that describe a surface.
 fn shape(pair: &Pair, scene: &Scene) -> Value {
-    let heights = Range::of(pair.y.iter().copied());
     json!({
-        "least": heights.map(|range| range.least),
-        "greatest": heights.map(|range| range.greatest),
+        "least": pair.y.iter().copied().reduce(f64::min),
+        "greatest": pair.y.iter().copied().reduce(f64::max),
         // Boundary nodes in contact.
         "contact": pair.in_contact(scene.finest(), scene.law()).into_iter().filter(|&contact| contact).count(),
         // Contact force: the sum of h times the multiplier over the boundary.

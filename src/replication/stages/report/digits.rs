@@ -3,7 +3,7 @@
 use crate::pipeline::error::{Failure, from_record};
 use crate::replication::project::TRUTH;
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::experiments::truth::{Numbers, Reference};
+use signorini_mathematics::experiments::Rows;
 
 /// Contents of `pipeline/truth.toml`, as `benches/peers/truth.py` writes it.
 #[derive(Deserialize)]
@@ -12,19 +12,41 @@ struct TruthFile {
     solution: Vec<Solution>,
 }
 
+/// Solution of one problem, as decimals: a double would lose half of them.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Solution {
     f: String,
-    /// As decimals: a double would lose half of them.
-    #[serde(flatten)]
-    numbers: Numbers<String>,
+    energy: String,
+    centre: String,
+    corners: [String; 4],
+    contact: Vec<Arc>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Arc {
+    from: [String; 2],
+    to: [String; 2],
+    force: String,
+}
+
+impl Solution {
+    /// Returns all numbers, in the order of the table `values`.
+    fn numbers(&self) -> Vec<&String> {
+        let mut numbers = vec![&self.energy, &self.centre];
+        numbers.extend(&self.corners);
+        for Arc { from, to, force } in &self.contact {
+            numbers.extend(from.iter().chain(to).chain([force]));
+        }
+        numbers
+    }
 }
 
 /// Agreement of both programs.
 #[derive(Serialize)]
 pub(super) struct Agreement {
-    /// Names of the solutions that the record does not have.
+    /// Names of the problems that the record does not have.
     missing: Vec<String>,
     /// The largest difference of two numbers.
     difference: f64,
@@ -35,23 +57,30 @@ pub(super) struct Agreement {
 /// Bound of the solver's errors at the finer of its resolutions; values in quadruple precision confirm it.
 const ROUNDING: f64 = 2e-14;
 
-/// Replaces our digits by those of the record.
-pub(super) fn compared(references: &mut [Reference], record: &[u8]) -> Result<Agreement, Failure> {
-    let mut record: TruthFile = from_record(TRUTH, record)?;
+/// Replaces our digits in the table `values` by those of the record; `references` has f of the problems.
+pub(super) fn compared(
+    references: &Rows,
+    values: &mut Rows,
+    record: &[u8],
+) -> Result<Agreement, Failure> {
+    let record: TruthFile = from_record(TRUTH, record)?;
     let (mut missing, mut difference) = (Vec::new(), 0.0f64);
-    for ours in references {
-        let Some(theirs) = record.solution.iter_mut().find(|one| one.f == ours.f) else {
-            missing.push(ours.name.clone());
+    for reference in references.iter() {
+        let Some(theirs) = record.solution.iter().find(|one| reference["f"] == one.f) else {
+            missing.extend(reference["problem"].as_str().map(str::to_owned));
             continue;
         };
-        if ours.numbers.contact.len() != theirs.numbers.contact.len() {
-            return Err(format!("{TRUTH}: `{}` has other arcs of contact here", ours.f).into());
+        let mine = values.0.iter_mut().filter(|row| row["problem"] == reference["problem"]);
+        let (ours, digits) = (mine.collect::<Vec<_>>(), theirs.numbers());
+        if ours.len() != digits.len() {
+            return Err(format!("{TRUTH}: `{}` has other arcs of contact here", theirs.f).into());
         }
-        for (ours, digits) in ours.numbers.each().zip(theirs.numbers.each()) {
+        for (ours, digits) in ours.into_iter().zip(digits) {
             let theirs: f64 =
                 digits.parse().map_err(|_| format!("{TRUTH}: `{digits}` is no number"))?;
-            difference = difference.max((ours.value - theirs).abs());
-            ours.digits = std::mem::take(digits);
+            let value = ours["value"].as_f64().unwrap_or(f64::INFINITY);
+            difference = difference.max((value - theirs).abs());
+            ours.insert("digits".into(), digits.as_str().into());
         }
     }
     Ok(Agreement { missing, difference, agrees: difference <= ROUNDING })
@@ -60,7 +89,7 @@ pub(super) fn compared(references: &mut [Reference], record: &[u8]) -> Result<Ag
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::{Value, json};
+    use serde_json::json;
 
     const RECORD: &str = r#"
 [[solution]]
@@ -71,33 +100,25 @@ corners = ["0", "0", "0", "0"]
 contact = [{ from = ["0.5", "0"], to = ["0.5", "0"], force = "1" }]
 "#;
 
-    /// Number as a [`Reference`] holds it.
-    fn value(value: f64) -> Value {
-        json!({ "value": value, "digits": "" })
-    }
-
-    fn reference(name: &str, f: &str) -> Reference {
-        let (zero, end) = (value(0.0), [value(0.5), value(0.0)]);
-        let numbers = json!({
-            "name": name, "f": f, "energy": value(-0.25), "centre": value(0.123456789012345),
-            "corners": [zero, zero, zero, zero],
-            "contact": [{ "from": end, "to": end, "force": value(1.0) }],
-            "green": 0.0, "rellich": 0.0,
-        });
-        serde_json::from_value(numbers).unwrap()
-    }
-
-    fn of(record: &str) -> (Vec<Reference>, Result<Agreement, Failure>) {
-        let mut references = vec![reference("a", "else=-1"), reference("b", "else=-2")];
-        let agreement = compared(&mut references, record.as_bytes());
-        (references, agreement)
+    /// The values of both problems, compared with the record.
+    fn of(record: &str) -> (Rows, Result<Agreement, Failure>) {
+        let (mut references, mut values) = (Rows::default(), Rows::default());
+        for (problem, f) in [("a", "else=-1"), ("b", "else=-2")] {
+            references.0.extend(json!({ "problem": problem, "f": f }).as_object().cloned());
+            for value in [-0.25, 0.123456789012345, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.5, 0.0, 1.0] {
+                let row = json!({ "problem": problem, "value": value, "digits": "" });
+                values.0.extend(row.as_object().cloned());
+            }
+        }
+        let agreement = compared(&references, &mut values, record.as_bytes());
+        (values, agreement)
     }
 
     #[test]
     fn digits_are_the_records_and_differences_are_seen() {
-        let (references, agreement) = of(RECORD);
-        assert_eq!(references[0].numbers.centre.digits, "0.12345678901234567890");
-        assert_eq!(references[1].numbers.centre.digits, "");
+        let (values, agreement) = of(RECORD);
+        assert_eq!(values[1]["digits"], "0.12345678901234567890");
+        assert_eq!(values[12]["digits"], "");
         let agreement = agreement.unwrap();
         assert!(agreement.agrees && agreement.missing == ["b"]);
         assert!(!of(&RECORD.replace("-0.25", "-0.2500000000001")).1.unwrap().agrees);

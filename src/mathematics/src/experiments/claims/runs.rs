@@ -1,77 +1,97 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
-use super::{ClaimMeasure, ClaimsPlan, Count, KktTarget, VARIANTS, WeightRow};
+use super::problem::ClaimProblem;
+use super::{ClaimMeasure, ClaimsPlan, KktTarget, VARIANTS};
 use crate::discrete::end::End;
-use crate::discrete::grid::Grid;
-use crate::discrete::kkt::kkt;
-use crate::discrete::load::{LoadRule, load};
-use crate::discrete::norms::{largest, worst};
+use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
-use crate::experiments::problems::{ProblemOnGrids, TableProblem};
 use crate::machine::threads::map;
-use crate::problem::law::Law;
 use crate::saddle::batch::LANES;
 use crate::saddle::jobs::{Job, NestedJob, run, run_all_nested};
-use crate::saddle::{self, JobGoal, Method, NestedGrids, Pair, Params, StopRule, arrow_hurwicz};
+use crate::saddle::{JobGoal, Method, NestedGrids, StopRule};
+use serde::Serialize;
 
-/// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
-/// fine grids, and has no solution to converge to.
-const SOLVABLE: LoadRule = LoadRule::LumpedAverage {};
-/// Tolerance of the coarser grid's solution, from which runs towards a KKT residual start.
-const START: f64 = 1e-12;
-/// Cells per side of the finest grid on which weights of the proximal term are compared.
-const MOST_FOR_WEIGHTS: usize = 32;
-/// Duality parameter with which they are compared.
-const R_OF_WEIGHTS: f64 = 100.0;
 /// Stopping rules under which r is swept; the others take the paper's r only.
-pub(super) const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
+const SWEPT: [StopRule; 2] = [StopRule::Signed, StopRule::Printed];
 
 /// Least number of runs for a second batch: many, so that few lanes are idle when only the longest runs are left.
 const RUNS: usize = 12 * LANES;
 
-/// A problem on all its grids.
-pub(super) struct ClaimCase<'a> {
-    pub(super) problem: &'a TableProblem,
-    pub(super) law: Law,
-    pub(super) grids: Vec<Grid>,
-    /// Load vectors under the published rule.
-    pub(super) published: Vec<Vec<f64>>,
-    /// Load vectors under [`SOLVABLE`].
-    pub(super) solvable: Vec<Vec<f64>>,
-    /// Solution on the coarser grid under [`SOLVABLE`], prolonged to each grid; zero on the coarsest grid.
-    pub(super) starts: Vec<Pair>,
+/// Name of the paper's method.
+pub(super) const ARROW_HURWICZ: &str = "Arrow-Hurwicz";
+
+/// Run on one grid.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct ClaimRun {
+    /// Number of the problem.
+    pub(super) problem: u8,
+    /// [`ARROW_HURWICZ`], or the name of a variant of Uzawa's algorithm.
+    pub(super) method: &'static str,
+    /// End of the run: a stopping rule, on nested grids with the paper's tolerances and load, or a KKT residual,
+    /// from the coarser grid's solution with the load averaged around nodes.
+    pub(super) end: String,
+    /// This KKT residual over the largest component of F; none under a stopping rule.
+    pub(super) target: Option<f64>,
+    /// Cells per side.
+    pub(super) cells: usize,
+    /// Duality parameter.
+    pub(super) r: f64,
+    /// True if the run belongs to the sweep over r.
+    pub(super) is_swept: bool,
+    /// Sweeps on this grid.
+    pub(super) sweeps: usize,
+    /// `converged`, or the reason for another end.
+    pub(super) stop: Stop,
+    /// KKT residual at the end over the largest component of F.
+    pub(super) kkt: f64,
+    /// Last change of the multiplier.
+    pub(super) delta_a: f64,
+}
+
+impl ClaimRun {
+    /// Sweeps as a number for ratios.
+    pub(super) fn count(&self) -> f64 {
+        self.sweeps as f64
+    }
 }
 
 /// A run to be made.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) struct ClaimJob {
+struct ClaimJob {
     /// Index of the problem in the plan.
-    pub(super) problem: usize,
+    problem: usize,
     /// Measure by which it ends: a stopping rule on all grids in turn, or a KKT residual on one of them.
-    pub(super) measure: ClaimMeasure,
+    measure: ClaimMeasure,
     /// Index of this grid; zero under a stopping rule.
-    pub(super) level: usize,
+    level: usize,
     /// Index in [`VARIANTS`]; `None` stands for Arrow-Hurwicz.
-    pub(super) variant: Option<usize>,
-    pub(super) r: f64,
+    variant: Option<usize>,
+    r: f64,
 }
 
-/// Makes all runs, in parallel. Returns, for each, its ends on the grids that it visits, with the KKT residuals over
-/// the largest component of F.
-pub(super) fn run_all(
-    plan: &ClaimsPlan,
-    problems: &[ClaimCase],
-) -> Vec<(ClaimJob, Vec<(End, f64)>)> {
+/// Makes all runs, in parallel. Returns them on each grid that they visit: by problem, end, method and grid, each in
+/// the order of r.
+pub(super) fn run_all(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<ClaimRun> {
     let batches = batches(plan, problems);
     let done = map(&batches, 1, |batch| match batch[0].measure {
         ClaimMeasure::Rule(_) => run_nested(problems, batch),
         ClaimMeasure::Kkt(_) => run_on_grid(plan, problems, batch),
     });
-    batches.concat().into_iter().zip(done.into_iter().flatten()).collect()
+    let (swept, mut runs) = (plan.r(), Vec::new());
+    for (job, ends) in batches.concat().iter().zip(done.iter().flatten()) {
+        runs.extend(job.on_grids(problems, &swept, ends).map(|run| (*job, run)));
+    }
+    runs.sort_by(|(one, on_one), (two, on_two)| {
+        let by_problem = one.problem.cmp(&two.problem);
+        let by_end = two.target().total_cmp(&one.target()).then(one.rule().cmp(&two.rule()));
+        let by_grid = one.variant.cmp(&two.variant).then(on_one.cells.cmp(&on_two.cells));
+        by_problem.then(by_end).then(by_grid).then(one.r.total_cmp(&two.r))
+    });
+    runs.into_iter().map(|(_, run)| run).collect()
 }
 
 /// All runs; those of a batch share the grids, in turn under a stopping rule, or one grid.
-fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimJob>> {
+fn batches(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<Vec<ClaimJob>> {
     let mut groups: Vec<Vec<ClaimJob>> = Vec::new();
     for job in all_jobs(plan, problems) {
         match groups.iter_mut().find(|group| job.shares_grids(&group[0], problems)) {
@@ -89,7 +109,7 @@ fn batches(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<Vec<ClaimJob>> {
 }
 
 /// All runs, those first that are expected to take longest: over all grids, then on each grid from the finest on.
-fn all_jobs(plan: &ClaimsPlan, problems: &[ClaimCase]) -> Vec<ClaimJob> {
+fn all_jobs(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<ClaimJob> {
     let swept = plan.r();
     let (mut nested, mut on_grids) = (Vec::new(), Vec::new());
     for (index, problem) in problems.iter().enumerate() {
@@ -136,17 +156,46 @@ impl ClaimJob {
     }
 
     /// True if this run and another may be in one batch.
-    fn shares_grids(&self, other: &Self, problems: &[ClaimCase]) -> bool {
+    fn shares_grids(&self, other: &Self, problems: &[ClaimProblem]) -> bool {
         let [one, two] = [self, other].map(|job| &problems[job.problem]);
         match (self.measure, other.measure) {
             (ClaimMeasure::Rule(_), ClaimMeasure::Rule(_)) => {
-                one.grids == two.grids && one.problem.prolongation == two.problem.prolongation
+                one.grids == two.grids && one.prolongation() == two.prolongation()
             }
             (ClaimMeasure::Kkt(_), ClaimMeasure::Kkt(_)) => {
                 one.grids[self.level] == two.grids[other.level]
             }
             _ => false,
         }
+    }
+
+    /// The run on each grid that it visits, with these ends and KKT residuals.
+    fn on_grids<'a>(
+        &'a self,
+        problems: &'a [ClaimProblem],
+        swept: &'a [f64],
+        ends: &'a [(End, f64)],
+    ) -> impl Iterator<Item = ClaimRun> + 'a {
+        let ClaimProblem { problem, grids, .. } = &problems[self.problem];
+        let (end, target, is_swept) = match self.measure {
+            ClaimMeasure::Rule(rule) => (rule.to_string(), None, SWEPT.contains(&rule)),
+            ClaimMeasure::Kkt(target) => {
+                (format!("{target:e}"), Some(target), self.variant.is_none())
+            }
+        };
+        grids[self.level..].iter().zip(ends).map(move |(grid, (ended, kkt))| ClaimRun {
+            problem: problem.number,
+            method: self.variant.map_or(ARROW_HURWICZ, |k| VARIANTS[k].name),
+            end: end.clone(),
+            target,
+            cells: grid.cells(),
+            r: self.r,
+            is_swept: is_swept && swept.contains(&self.r),
+            sweeps: ended.sweeps(),
+            stop: ended.stop,
+            kkt: *kkt,
+            delta_a: ended.change(),
+        })
     }
 
     /// Stopping rule, if it is one that ends the run.
@@ -175,77 +224,18 @@ impl ClaimJob {
     }
 }
 
-impl<'a> ClaimCase<'a> {
-    pub(super) fn new(problem: &'a TableProblem) -> Result<Self, String> {
-        let ProblemOnGrids { f, grids, loads: published } = problem.discrete()?;
-        let law = problem.law()?;
-        let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
-        let params =
-            Params { r: 100.0, tolerance: START, rule: StopRule::PrintedDual, ..Params::default() };
-        let levels = NestedGrids { grids: &grids, prolongation: problem.prolongation };
-        let mut starts = Vec::new();
-        saddle::run_nested(&levels, &mut [Pair::zero(grids[0])], |k, [pair]: &mut [Pair; 1]| {
-            starts.push(pair.clone());
-            if k + 1 == grids.len() {
-                return Ok(());
-            }
-            let outcome = arrow_hurwicz(grids[k], law.with_load(&solvable[k]), &params, pair);
-            match outcome.end.stop {
-                Stop::Converged => Ok(()),
-                stop => Err(format!("no solution on grid 1/{}: {stop}", grids[k].cells())),
-            }
-        })?;
-        Ok(Self { problem, law, grids, published, solvable, starts })
-    }
-
-    /// The end of a run on one grid, with the KKT residual of its last pair.
-    fn measured(&self, grid: Grid, load: &[f64], (end, pair): &(End, Pair)) -> (End, f64) {
-        (*end, kkt(grid, self.law, &pair.y, load).relative)
-    }
-
-    /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for
-    /// which there is time, one count per weight of the proximal term.
-    pub(super) fn weights(&self, plan: &ClaimsPlan) -> WeightRow {
-        let KktTarget { kkt: target, cells: finest } = plan.targets[0];
-        let fits = |grid: &Grid| grid.cells() <= finest.min(MOST_FOR_WEIGHTS);
-        let level = self.grids.iter().rposition(fits).unwrap_or(0);
-        let (grid, load, start) = (self.grids[level], &self.solvable[level], &self.starts[level]);
-        let inner = 0.1 * target * largest(load);
-        let of_weight = |&weight: &f64| Method::Uzawa { weight, inner, loose: true };
-        let mut jobs = Vec::new();
-        for method in plan.weights.iter().map(of_weight).chain([Method::ArrowHurwicz]) {
-            let goal = JobGoal::Kkt(target);
-            let (law, r) = (self.law, R_OF_WEIGHTS);
-            jobs.push(Job { law, load, start, method, r, goal, cap: plan.cap });
-        }
-        let ends = run(grid, &jobs);
-        let mut counts: Vec<_> = ends.iter().map(|(end, _)| Count::of(end)).collect();
-        let arrow_hurwicz = counts.pop().expect("one run more than weights");
-        let without = counts.first().map_or(1.0, |count| count.iterations as f64);
-        let small = plan.weights.iter().zip(&counts).filter(|(weight, _)| **weight <= 1.0);
-        WeightRow {
-            name: self.problem.name(),
-            cells: grid.cells(),
-            change: worst(small.map(|(_, count)| count.iterations as f64 / without - 1.0)),
-            ahead: counts.iter().any(|count| count.iterations <= arrow_hurwicz.iterations),
-            counts,
-            arrow_hurwicz,
-        }
-    }
-}
-
 /// Makes runs over all grids, as [`crate::saddle::solve_nested`] does for one r. Returns, for each run, its ends on the
 /// grids.
-fn run_nested(problems: &[ClaimCase], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
+fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>> {
     let first = &problems[batch[0].problem];
-    let levels = NestedGrids { grids: &first.grids, prolongation: first.problem.prolongation };
+    let levels = NestedGrids { grids: &first.grids, prolongation: first.prolongation() };
     let mut runs = Vec::new();
     for job in batch {
-        let ClaimCase { law, published: loads, .. } = &problems[job.problem];
+        let ClaimProblem { law, published: loads, .. } = &problems[job.problem];
         let rule = job.rule().expect("the runs of a batch are of one kind");
         runs.push(NestedJob { law: *law, loads, r: job.r, rule });
     }
-    let limit = |run: usize, _| problems[batch[run].problem].problem.max_iterations;
+    let limit = |run: usize, _| problems[batch[run].problem].problem.saddle().max_iterations;
     let mut results = Vec::new();
     for (job, ends) in batch.iter().zip(run_all_nested(&levels, &runs, limit)) {
         let case = &problems[job.problem];
@@ -258,12 +248,12 @@ fn run_nested(problems: &[ClaimCase], batch: &[ClaimJob]) -> Vec<Vec<(End, f64)>
 /// Makes runs on one grid towards a KKT residual. Returns the end of each.
 fn run_on_grid(
     plan: &ClaimsPlan,
-    problems: &[ClaimCase],
+    problems: &[ClaimProblem],
     batch: &[ClaimJob],
 ) -> Vec<Vec<(End, f64)>> {
     let mut jobs = Vec::new();
     for run in batch {
-        let ClaimCase { law, solvable, starts, .. } = &problems[run.problem];
+        let ClaimProblem { law, solvable, starts, .. } = &problems[run.problem];
         let (law, load, start) = (*law, &solvable[run.level], &starts[run.level]);
         let method = match run.variant {
             None => Method::ArrowHurwicz,
@@ -283,19 +273,22 @@ fn run_on_grid(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statement::Fineness;
 
     #[test]
     fn every_run_is_in_one_batch_and_no_batch_leaves_lanes_idle_from_the_start() {
         let plan = ClaimsPlan::friction();
         // The first two have the paper's f.
         let papers = plan.problems[..2].iter().cloned();
-        let papers = papers.map(|problem| TableProblem { law: None, ..problem });
-        let papers = ClaimsPlan::new(papers.collect());
+        let mut papers = ClaimsPlan::new(papers.collect());
+        papers.problems.iter_mut().for_each(|problem| problem.statement.law = None);
         for mut plan in [plan, papers] {
             // The batches are the same without the finest grids.
-            plan.problems.iter_mut().for_each(|problem| problem.grids = vec![4, 8, 16]);
+            plan.problems.iter_mut().for_each(|problem| {
+                problem.statement.fineness = Fineness::Grids(vec![4, 8, 16]);
+            });
             let problems: Vec<_> =
-                plan.problems.iter().map(|problem| ClaimCase::new(problem).unwrap()).collect();
+                plan.problems.iter().map(|problem| ClaimProblem::new(problem).unwrap()).collect();
             let (all, batches) = (all_jobs(&plan, &problems), batches(&plan, &problems));
             assert!(batches.iter().all(|batch| batch.len() >= 4 * LANES && batch.len() < 2 * RUNS));
             let batched = batches.concat();

@@ -10,41 +10,38 @@ use crate::levels::Problem;
 use crate::problem::law::ContactNode;
 use crate::saddle::jobs::{NestedJob, run_all_nested};
 use crate::saddle::{NestedLevels, Pair, StopRule};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::borrow::Cow;
 
-/// Counts on one domain.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CountedDomain {
+/// Iterations of the paper's method on a mesh of a domain; those of a limit are counted as such.
+#[derive(Clone, Serialize)]
+pub(super) struct MeshCount {
     /// Name of the domain.
-    pub name: String,
+    name: String,
     /// f, as text.
-    pub f: String,
+    f: String,
     /// Number of dimensions.
-    pub dimension: u8,
-    /// Nodes of the nested meshes, coarsest first.
-    pub nodes: Vec<usize>,
-    /// Counts for each r.
-    pub rows: Vec<CountsRow>,
-}
-
-/// Counts for one r, on each mesh; those of a limit are counted as such.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CountsRow {
+    dimension: u8,
     /// Duality parameter.
-    pub r: f64,
+    r: f64,
+    /// Number of the mesh among the nested ones, the coarsest the first.
+    mesh: usize,
+    /// Number of nodes.
+    nodes: usize,
     /// Iterations under the signed rule, as in Tables 1 and 2.
-    pub signed: Vec<usize>,
+    signed: usize,
     /// Iterations under the rule as printed.
-    pub printed: Vec<usize>,
-    /// Change of the multiplier at the last stop under the signed rule, Delta a.
-    pub delta_a: f64,
+    printed: usize,
+    /// True if the former are fewer.
+    is_earlier: bool,
+    /// Last change of the multiplier under the signed rule, Delta a.
+    delta_a: f64,
 }
 
 /// Order of the nodes on the refined meshes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Numbering {
+enum Numbering {
     /// Old nodes, then new ones in the order of their edges.
     Refinement,
     /// The reverse.
@@ -55,88 +52,49 @@ pub enum Numbering {
     Random,
 }
 
-/// Counts on the disc for one numbering, signed rule.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct NumberingCounts {
+/// Iterations on a mesh of the disc for one numbering, signed rule.
+#[derive(Serialize)]
+pub(super) struct NumberingCount {
     /// Order of the nodes.
-    pub numbering: Numbering,
+    numbering: Numbering,
     /// Duality parameter.
-    pub r: f64,
-    /// Iterations on each mesh.
-    pub counts: Vec<usize>,
-}
-
-/// Comparisons of counts on the finest meshes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CountsSummary {
-    /// Number of pairs of a domain and an r.
-    pub rows: usize,
-    /// Number of these with fewer iterations under the signed rule than under the printed one.
-    pub earlier: usize,
-    /// Least change of the multiplier at the stop of the signed rule.
-    pub least_delta_a: f64,
-    /// Greatest ratio, less 1, between the counts of one domain under the printed rule for r from 10 on.
-    pub printed_spread: f64,
-    /// Greatest ratio between the counts of two numberings for the same r.
-    pub numbering_factor: f64,
-}
-
-/// Least r from which on the method is near the projection.
-const LARGE: f64 = 10.0;
-
-impl CountsSummary {
-    pub(super) fn of(counts: &[CountedDomain], numberings: &[NumberingCounts]) -> Self {
-        let rows: Vec<_> = counts.iter().flat_map(|domain| &domain.rows).collect();
-        let spread = |domain: &CountedDomain| {
-            let rows = domain.rows.iter().filter(|row| row.r >= LARGE);
-            ratio(rows.filter_map(|row| row.printed.last()))
-        };
-        let of_r = |r: f64| {
-            ratio(numberings.iter().filter(|of| of.r == r).filter_map(|of| of.counts.last()))
-        };
-        Self {
-            rows: rows.len(),
-            earlier: rows.iter().filter(|row| row.signed.last() < row.printed.last()).count(),
-            least_delta_a: rows.iter().fold(f64::INFINITY, |least, row| row.delta_a.min(least)),
-            printed_spread: counts.iter().map(spread).fold(1.0, f64::max) - 1.0,
-            numbering_factor: numberings.iter().map(|of| of_r(of.r)).fold(1.0, f64::max),
-        }
-    }
-}
-
-/// Greatest of some counts over the least.
-fn ratio<'a>(counts: impl Iterator<Item = &'a usize>) -> f64 {
-    let counts: Vec<f64> = counts.map(|&count| count as f64).collect();
-    let (least, most) =
-        counts.iter().fold((f64::INFINITY, 1.0f64), |(l, m), &c| (c.min(l), c.max(m)));
-    if least.is_finite() { most / least } else { 1.0 }
+    r: f64,
+    /// Number of the mesh among the nested ones, the coarsest the first.
+    mesh: usize,
+    /// Iterations.
+    iterations: usize,
 }
 
 /// Counts iterations on one domain.
-pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<CountedDomain, String> {
+pub(super) fn counted(domain: &DomainPlan, plan: &DomainsPlan) -> Result<Vec<MeshCount>, String> {
     let made = problem(domain, domain.first + plan.levels - 1)?;
     let Nested { networks, loads } = nested(&made)?;
     let (levels, loads) = (&networks[domain.first..], &loads[domain.first..]);
     let rules = [StopRule::Signed, StopRule::Printed];
     let runs = plan.r.iter().flat_map(|&r| rules.map(|rule| (r, rule)));
     let ends = ends(levels, &made, loads, runs, plan.max_iterations);
-    let mut rows = Vec::new();
+    let mut counts = Vec::new();
     for (&r, ends) in plan.r.iter().zip(ends.chunks(rules.len())) {
-        let [signed, printed] = [0, 1].map(|rule: usize| iterations(&ends[rule]));
-        let delta_a = ends[0].last().map_or(0.0, End::change);
-        rows.push(CountsRow { r, signed, printed, delta_a });
+        for (k, (signed, printed)) in ends[0].iter().zip(&ends[1]).enumerate() {
+            counts.push(MeshCount {
+                name: domain.name.clone(),
+                f: made.levels().facts().f.clone(),
+                dimension: made.levels().facts().dimension,
+                r,
+                mesh: k + 1,
+                nodes: levels[k].network.nodes(),
+                signed: signed.iterations,
+                printed: printed.iterations,
+                is_earlier: signed.iterations < printed.iterations,
+                delta_a: signed.change(),
+            });
+        }
     }
-    Ok(CountedDomain {
-        name: domain.name.clone(),
-        f: made.levels().facts().f.clone(),
-        dimension: made.levels().facts().dimension,
-        nodes: levels.iter().map(|level| level.network.nodes()).collect(),
-        rows,
-    })
+    Ok(counts)
 }
 
 /// Counts iterations on the disc for each numbering.
-pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, String> {
+pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCount>, String> {
     let Some(disc) = plan.domains.iter().find(|domain| domain.name == "disc") else {
         return Ok(Vec::new());
     };
@@ -152,7 +110,13 @@ pub(super) fn numberings(plan: &DomainsPlan) -> Result<Vec<NumberingCounts>, Str
         let runs = plan.numbered_r.iter().map(|&r| (r, StopRule::Signed));
         let ends = ends(&levels, &made, &loads, runs, plan.max_iterations);
         for (&r, ends) in plan.numbered_r.iter().zip(&ends) {
-            counts.push(NumberingCounts { numbering, r, counts: iterations(ends) });
+            let iterations = ends.iter().map(|end| end.iterations).enumerate();
+            counts.extend(iterations.map(|(k, iterations)| NumberingCount {
+                numbering,
+                r,
+                mesh: k + 1,
+                iterations,
+            }));
         }
     }
     Ok(counts)
@@ -170,11 +134,6 @@ fn ends<L: NestedLevels + ?Sized>(
     let runs: Vec<_> = runs.map(|(r, rule)| NestedJob { law, loads, r, rule }).collect();
     let ended = run_all_nested(levels, &runs, |_, _| limit);
     ended.iter().map(|levels| levels.iter().map(|(end, _)| *end).collect()).collect()
-}
-
-/// Iterations on each level.
-fn iterations(ends: &[End]) -> Vec<usize> {
-    ends.iter().map(|end| end.iterations).collect()
 }
 
 /// Nested discrete problems of a mesh, with their load vectors.

@@ -1,7 +1,6 @@
 //! Convergence on the cube to solutions with a formula.
 
 use crate::discrete::norms::Errors;
-use crate::experiments::accuracy::KnownLevels;
 use crate::machine::threads::{for_runs, map};
 use crate::mesh::{
     ConstantPieces, NestedMeshes, OnCells, mesh_errors, mesh_load, nested_meshes, uniform_cube,
@@ -10,24 +9,35 @@ use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::exact::CubeExact;
 use crate::problem::law::Law;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// Errors on one mesh.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CubeLevel {
+/// Errors of a known solution on one mesh, solved to the rounding floor, and orders against the mesh before.
+#[derive(Clone, Serialize)]
+pub(super) struct CubeErrors {
+    /// Name of the solution, as in `exact(name)`.
+    name: &'static str,
     /// Cells per side.
-    pub cells: usize,
-    /// Errors in L2, in the H1 seminorm, and the greatest at a node, solved to the rounding floor.
-    pub errors: [f64; 3],
-    /// Observed orders against the mesh before.
-    pub orders: Option<[f64; 3]>,
+    cells: usize,
+    /// Error in L2.
+    l2: f64,
+    /// Order of this error.
+    l2_order: Option<f64>,
+    /// Error in the H1 seminorm.
+    h1: f64,
+    /// Order of this error.
+    h1_order: Option<f64>,
+    /// Greatest error at a node.
+    max: f64,
+    /// Order of this error.
+    max_order: Option<f64>,
 }
 
 /// Measures the errors of every known solution on the last two refinements: one order for each.
-pub(super) fn convergence(refinements: usize) -> Result<Vec<KnownLevels<CubeLevel>>, String> {
+pub(super) fn convergence(refinements: usize) -> Result<Vec<CubeErrors>, String> {
     let cubes = nested_meshes(&uniform_cube(1), refinements).map_err(|e| e.to_string())?;
     let on_cube = |&exact: &CubeExact| on_cube(&LatticeSource::new(exact, refinements), &cubes);
-    map(&CubeExact::ALL, 1, on_cube).into_iter().collect()
+    let all: Result<Vec<_>, _> = map(&CubeExact::ALL, 1, on_cube).into_iter().collect();
+    Ok(all?.concat())
 }
 
 /// f of a known solution, with its values at hand on a lattice twice as fine as the last refinement. The vertices of
@@ -86,21 +96,33 @@ impl OnCells<3> for LatticeSource {
     }
 }
 
-fn on_cube(
-    source: &LatticeSource,
-    cubes: &NestedMeshes<3, 4>,
-) -> Result<KnownLevels<CubeLevel>, String> {
-    let mut levels: Vec<CubeLevel> = Vec::new();
+fn on_cube(source: &LatticeSource, cubes: &NestedMeshes<3, 4>) -> Result<Vec<CubeErrors>, String> {
     let finest = cubes.meshes.len() - 1;
+    let (mut rows, mut coarser) = (Vec::new(), None);
     for times in finest.saturating_sub(1)..=finest {
-        let Errors { l2, h1, max, .. } = errors(source, cubes, times)?;
-        let errors = [l2, h1, max];
-        let orders = levels
-            .last()
-            .map(|coarser| [0, 1, 2].map(|norm| libm::log2(coarser.errors[norm] / errors[norm])));
-        levels.push(CubeLevel { cells: 1 << times, errors, orders });
+        let fine = errors(source, cubes, times)?;
+        let [l2_order, h1_order, max_order] = match &coarser {
+            Some(coarser) => orders(coarser, &fine).map(Some),
+            None => [None; 3],
+        };
+        rows.push(CubeErrors {
+            name: source.exact.name(),
+            cells: 1 << times,
+            l2: fine.l2,
+            l2_order,
+            h1: fine.h1,
+            h1_order,
+            max: fine.max,
+            max_order,
+        });
+        coarser = Some(fine);
     }
-    Ok(KnownLevels { name: source.exact.name().into(), levels })
+    Ok(rows)
+}
+
+/// Orders of the errors in L2, in the H1 seminorm, and at a node, from one mesh to the next.
+fn orders(coarse: &Errors, fine: &Errors) -> [f64; 3] {
+    [coarse.l2 / fine.l2, coarse.h1 / fine.h1, coarse.max / fine.max].map(libm::log2)
 }
 
 fn errors(
@@ -127,10 +149,10 @@ mod tests {
         for exact in CubeExact::ALL {
             let source = LatticeSource::new(exact, 5);
             let errors = [4, 5].map(|times| errors(&source, &cubes, times).unwrap());
-            let rate = |norm: fn(&Errors) -> f64| libm::log2(norm(&errors[0]) / norm(&errors[1]));
-            assert!((rate(|e| e.l2) - 2.0).abs() < 0.1, "{exact:?} L2 {}", rate(|e| e.l2));
-            assert!((rate(|e| e.h1) - 1.0).abs() < 0.05, "{exact:?} H1 {}", rate(|e| e.h1));
-            assert!((rate(|e| e.max) - 2.0).abs() < 0.2, "{exact:?} max {}", rate(|e| e.max));
+            let [l2, h1, max] = orders(&errors[0], &errors[1]);
+            assert!((l2 - 2.0).abs() < 0.1, "{exact:?} L2 {l2}");
+            assert!((h1 - 1.0).abs() < 0.05, "{exact:?} H1 {h1}");
+            assert!((max - 2.0).abs() < 0.2, "{exact:?} max {max}");
         }
     }
 }

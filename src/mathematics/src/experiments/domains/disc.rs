@@ -10,44 +10,40 @@ use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::disc::DiscProblem;
 use crate::problem::law::{ContactNode, Law};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Problem on the disc with a known solution.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct DiscFindings {
+/// Errors on one refinement of the disc, and orders against the mesh before, none of an error that is zero.
+#[derive(Clone, Serialize)]
+pub(super) struct DiscErrors {
     /// Coefficients c0, c1 and k of f.
-    pub c0: f64,
+    c0: f64,
     /// See [`DiscProblem`].
-    pub c1: f64,
+    c1: f64,
     /// See [`DiscProblem`].
-    pub k: u32,
-    /// Energy of the true solution.
-    pub energy: f64,
-    /// Refinements, coarsest first.
-    pub levels: Vec<DiscLevel>,
-}
-
-/// Errors on one refinement.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct DiscLevel {
+    k: u32,
     /// Number of nodes.
-    pub nodes: usize,
+    nodes: usize,
     /// Error of the energy.
-    pub energy: f64,
+    energy: f64,
+    /// Order of this error.
+    energy_order: Option<f64>,
     /// Norm of the error's gradient in L2 of the polygon.
-    pub h1: f64,
+    h1: f64,
     /// Error of v at the centre.
-    pub centre: f64,
+    centre: f64,
+    /// Order of this error.
+    centre_order: Option<f64>,
     /// Largest error of v on the rim.
-    pub rim: f64,
+    rim: f64,
+    /// Order of this error.
+    rim_order: Option<f64>,
     /// Error of the multiplier on the rim in L2.
-    pub multiplier: f64,
+    multiplier: f64,
+    /// Order of this error.
+    multiplier_order: Option<f64>,
     /// Largest distance of an end of contact from the true one over the longest edge; none if all is in contact.
-    pub ends: Option<f64>,
-    /// Orders of the errors of the energy, at the centre, on the rim and of the multiplier against the mesh before;
-    /// none of an error that is zero.
-    pub orders: Option<[Option<f64>; 4]>,
+    ends: Option<f64>,
 }
 
 impl OnCells<2> for DiscProblem {
@@ -69,9 +65,10 @@ const PROBLEMS: [DiscProblem; 4] = [
 ];
 
 /// Measures the errors on all refinements from the third on.
-pub(super) fn convergence(refinements: usize) -> Result<Vec<DiscFindings>, String> {
+pub(super) fn convergence(refinements: usize) -> Result<Vec<DiscErrors>, String> {
     let discs = discs(refinements)?;
-    map(&PROBLEMS, 1, |&problem| on_discs(problem, &discs)).into_iter().collect()
+    let on_discs = map(&PROBLEMS, 1, |&problem| on_discs(problem, &discs)).into_iter();
+    Ok(on_discs.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 /// The disc and its refinements.
@@ -80,30 +77,31 @@ fn discs(refinements: usize) -> Result<NestedMeshes<2, 3>, String> {
     nested_meshes(&coarsest, refinements).map_err(|e| e.to_string())
 }
 
-fn on_discs(problem: DiscProblem, discs: &NestedMeshes<2, 3>) -> Result<DiscFindings, String> {
-    let mut levels: Vec<DiscLevel> = Vec::new();
+fn on_discs(problem: DiscProblem, discs: &NestedMeshes<2, 3>) -> Result<Vec<DiscErrors>, String> {
+    let mut rows: Vec<DiscErrors> = Vec::new();
     for times in 3..discs.meshes.len() {
-        let mut level = errors(problem, discs, times)?;
-        level.orders = levels.last().map(|before| {
-            [
-                before.energy / level.energy,
-                before.centre / level.centre,
-                before.rim / level.rim,
-                before.multiplier / level.multiplier,
-            ]
-            .map(|ratio| Some(libm::log2(ratio.abs())).filter(|order| order.is_finite()))
-        });
-        levels.push(level);
+        let mut fine = errors(problem, discs, times)?;
+        if let Some(coarse) = rows.last() {
+            fine.energy_order = order(coarse.energy, fine.energy);
+            fine.centre_order = order(coarse.centre, fine.centre);
+            fine.rim_order = order(coarse.rim, fine.rim);
+            fine.multiplier_order = order(coarse.multiplier, fine.multiplier);
+        }
+        rows.push(fine);
     }
-    let DiscProblem { c0, c1, k } = problem;
-    Ok(DiscFindings { c0, c1, k, energy: problem.energy(), levels })
+    Ok(rows)
+}
+
+/// Order of an error from one mesh to the next; none if one is zero.
+fn order(coarse: f64, fine: f64) -> Option<f64> {
+    Some(libm::log2((coarse / fine).abs())).filter(|order| order.is_finite())
 }
 
 fn errors(
     problem: DiscProblem,
     discs: &NestedMeshes<2, 3>,
     times: usize,
-) -> Result<DiscLevel, String> {
+) -> Result<DiscErrors, String> {
     let (levels, mesh) = (&discs.networks[..=times], &discs.meshes[times]);
     let load = mesh_load(mesh, &problem).map_err(|e| e.to_string())?.load;
     let loaded = Law::SIGNORINI.with_load(&load);
@@ -131,15 +129,22 @@ fn errors(
         });
         distances.fold(0.0, f64::max) / mesh.width()
     });
-    Ok(DiscLevel {
+    let DiscProblem { c0, c1, k } = problem;
+    Ok(DiscErrors {
+        c0,
+        c1,
+        k,
         nodes: y.len(),
         energy: judged.energy - problem.energy(),
+        energy_order: None,
         h1: gradient_error(&problem, mesh, &y),
         centre: y[0] - problem.centre(),
+        centre_order: None,
         rim,
+        rim_order: None,
         multiplier: square.sqrt(),
+        multiplier_order: None,
         ends,
-        orders: None,
     })
 }
 

@@ -5,7 +5,7 @@ mod counts;
 mod cube;
 mod disc;
 
-use super::accuracy::KnownLevels;
+use super::{Findings, Rows};
 use crate::levels::{Problem, Reserve};
 use crate::machine::threads::map;
 use crate::mesh::AnyMesh;
@@ -14,41 +14,38 @@ use crate::problem::law::Law;
 use crate::solvers::{Run, Settings, Solver, solve};
 use serde::{Deserialize, Serialize};
 
-pub use counts::{CountedDomain, CountsRow, CountsSummary, Numbering, NumberingCounts};
 pub(super) use counts::{Nested, nested};
-pub use cube::CubeLevel;
-pub use disc::{DiscFindings, DiscLevel};
 
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct DomainsPlan {
+pub(super) struct DomainsPlan {
     /// Domains with their f.
-    pub domains: Vec<DomainPlan>,
+    domains: Vec<DomainPlan>,
     /// Values of the duality parameter.
-    pub r: Vec<f64>,
+    r: Vec<f64>,
     /// Values of the duality parameter for the numberings.
-    pub numbered_r: Vec<f64>,
+    numbered_r: Vec<f64>,
     /// Number of nested meshes for the counts.
-    pub levels: usize,
+    levels: usize,
     /// Limit on iterations.
-    pub max_iterations: usize,
+    max_iterations: usize,
     /// Number of refinements of the disc.
-    pub disc: usize,
+    disc: usize,
     /// Number of refinements of the cube.
-    pub cube: usize,
+    cube: usize,
 }
 
 /// Domain of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct DomainPlan {
+struct DomainPlan {
     /// Built-in domain.
-    pub name: String,
+    name: String,
     /// f, as text.
-    pub f: String,
+    f: String,
     /// Number of refinements of the coarsest mesh on which the counts begin.
-    pub first: usize,
+    first: usize,
     /// Number of refinements for the cost.
-    pub refinements: usize,
+    refinements: usize,
 }
 
 impl Default for DomainsPlan {
@@ -78,76 +75,49 @@ impl Default for DomainsPlan {
     }
 }
 
-/// Result of the experiment.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct DomainsFindings {
-    /// Convergence on the disc.
-    pub disc: Vec<DiscFindings>,
-    /// Convergence on the cube.
-    pub cube: Vec<KnownLevels<CubeLevel>>,
-    /// Counts on nested meshes.
-    pub counts: Vec<CountedDomain>,
-    /// Counts for other numberings of the disc.
-    pub numberings: Vec<NumberingCounts>,
-    /// Comparisons of the counts.
-    pub summary: CountsSummary,
-    /// Cost of multigrid.
-    pub cost: Vec<DomainCost>,
-    /// Greatest work units to the discretisation error and to the rounding floor.
-    pub most: [f64; 2],
-    /// Greatest effectivity.
-    pub effectivity: f64,
-    /// Greatest algebraic error at the discretisation error over the bound.
-    pub algebraic: f64,
-}
-
 /// Cost of multigrid on one domain.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct DomainCost {
+#[derive(Serialize)]
+struct DomainCost {
     /// Name of the domain.
-    pub name: String,
+    name: String,
     /// f, as text.
-    pub f: String,
+    f: String,
     /// Nodes of the finest mesh.
-    pub nodes: usize,
-    /// Work in sweeps of the finest mesh, to the discretisation error and to the rounding floor.
-    pub work_units: [f64; 2],
-    /// Steps on the finest mesh, to both goals.
-    pub steps: [usize; 2],
-    /// Algebraic error at the first goal over the guaranteed bound of the whole error, in the energy norm.
-    pub algebraic: f64,
-    /// KKT residual over the largest load, at the second goal.
-    pub relative: f64,
+    nodes: usize,
+    /// Work in sweeps of the finest mesh to the discretisation error.
+    rough_work: f64,
+    /// Steps on the finest mesh to the discretisation error.
+    rough_steps: usize,
+    /// Algebraic error there over the guaranteed bound of the whole error, in the energy norm.
+    algebraic: f64,
+    /// Work in sweeps of the finest mesh to the rounding floor.
+    floor_work: f64,
+    /// Steps on the finest mesh to the rounding floor.
+    floor_steps: usize,
+    /// KKT residual over the largest load at the rounding floor.
+    relative: f64,
     /// Guaranteed bound of the error over an estimate of the error, extrapolated from the energies on three meshes;
     /// none where the domain changes with the mesh.
-    pub effectivity: Option<f64>,
+    effectivity: Option<f64>,
 }
 
-/// Runs the experiment.
+/// Runs the experiment: tables `disc` and `cube` of errors, `counts` and `numberings` of iterations, and `cost` of
+/// multigrid.
 ///
 /// # Errors
 /// A sentence if a problem cannot be solved.
-pub fn domains(plan: &DomainsPlan) -> Result<DomainsFindings, String> {
+pub(super) fn domains(plan: &DomainsPlan) -> Result<Findings, String> {
     let cost: Result<Vec<_>, _> = map(&plan.domains, 1, cost).into_iter().collect();
     let cost = cost?;
     let counts: Result<Vec<_>, _> =
         map(&plan.domains, 1, |domain| counts::counted(domain, plan)).into_iter().collect();
-    let mut most = [0.0f64; 2];
-    for of in &cost {
-        most = [0, 1].map(|goal| of.work_units[goal].max(most[goal]));
-    }
-    let (counts, numberings) = (counts?, counts::numberings(plan)?);
-    Ok(DomainsFindings {
-        disc: disc::convergence(plan.disc)?,
-        cube: cube::convergence(plan.cube)?,
-        summary: CountsSummary::of(&counts, &numberings),
-        counts,
-        numberings,
-        effectivity: cost.iter().filter_map(|of| of.effectivity).fold(0.0, f64::max),
-        algebraic: cost.iter().fold(0.0, |most, of| of.algebraic.max(most)),
-        cost,
-        most,
-    })
+    Ok(Findings::from([
+        ("disc".into(), Rows::of(disc::convergence(plan.disc)?)),
+        ("cube".into(), Rows::of(cube::convergence(plan.cube)?)),
+        ("counts".into(), Rows::of(counts?.concat())),
+        ("numberings".into(), Rows::of(counts::numberings(plan)?)),
+        ("cost".into(), Rows::of(cost)),
+    ]))
 }
 
 /// Coarsest mesh of a domain.
@@ -185,10 +155,12 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
         name: domain.name.clone(),
         f: domain.f.clone(),
         nodes: exact.y.len(),
-        work_units: [&rough, &exact].map(|run| run.last().end.work_units),
-        steps: [&rough, &exact].map(|run| run.last().end.iterations),
+        rough_work: rough.last().end.work_units,
+        rough_steps: rough.last().end.iterations,
         algebraic: (2.0 * (rough.last().energy - exact.last().energy).max(0.0)).sqrt()
             / bounds.error[1],
+        floor_work: exact.last().end.work_units,
+        floor_steps: exact.last().end.iterations,
         relative: exact.last().kkt.relative,
         effectivity: is_polygon.then(|| bounds.error[1] / (2.0 * remaining).sqrt()),
     })

@@ -3,12 +3,12 @@
 use crate::discrete::grid::Grid;
 use crate::experiments::numbers::RandomNumbers;
 use crate::experiments::power_of_ten;
-use crate::experiments::problems::{ProblemOnGrids, TableProblem};
+use crate::experiments::problems::TableProblem;
 use crate::problem::law::Law;
 use crate::saddle::jobs::{NestedJob, run_all_nested};
 use crate::saddle::{NestedGrids, StopRule};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Exponents of the powers of ten that bound the relative errors of the load.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -15..=-2;
@@ -18,14 +18,14 @@ const REPETITIONS: u64 = 16;
 const TOGETHER: usize = 4;
 
 /// Sizes of random relative errors of the load, and the least one that changes a count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LoadNoise {
+#[derive(Serialize)]
+pub(super) struct LoadNoise {
     /// Least size tried.
-    pub least: f64,
+    least: f64,
     /// Repetitions for each r and size.
-    pub repetitions: u64,
+    repetitions: u64,
     /// Least size that changes a count; none if no size that was tried does.
-    pub first_change: Option<f64>,
+    first_change: Option<f64>,
 }
 
 impl LoadNoise {
@@ -59,7 +59,8 @@ struct Repeated {
 
 impl<'a> Undisturbed<'a> {
     fn new(problem: &'a TableProblem) -> Result<Self, String> {
-        let ProblemOnGrids { grids, loads, .. } = problem.discrete()?;
+        let (f, grids) = problem.on_grids()?;
+        let loads = problem.loads(&f, &grids);
         let mut table = Self { problem, grids, loads, counts: Vec::new() };
         let rows = 0..problem.r.len();
         let undisturbed: Vec<_> =
@@ -114,7 +115,8 @@ impl<'a> Undisturbed<'a> {
             let (law, r, rule) = (Law::SIGNORINI, self.problem.r[*row], StopRule::Signed);
             nested.push(NestedJob { law, loads, r, rule });
         }
-        let grids = NestedGrids { grids: &self.grids, prolongation: self.problem.prolongation };
+        let grids =
+            NestedGrids { grids: &self.grids, prolongation: self.problem.saddle().prolongation };
         let all = run_all_nested(&grids, &nested, |run, grid| limit(repeated[run].row, grid));
         all.iter().map(|ends| ends.iter().map(|(end, _)| end.count()).collect()).collect()
     }

@@ -7,7 +7,7 @@ use crate::experiments::problems::nodal_load;
 use crate::experiments::trial::{Trial, multigrid_trial};
 use crate::machine::threads::map_range;
 use crate::multigrid::Goal;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::array::from_fn;
 
 const SEED: u64 = 0x5167_6e6f;
@@ -17,22 +17,22 @@ const DOUBLINGS: usize = 5;
 const WAVES: usize = 12;
 
 /// Result of multigrid on random problems, to the rounding floor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RandomProblems {
+#[derive(Serialize)]
+pub(super) struct RandomProblems {
     /// Number of problems.
-    pub problems: usize,
+    problems: usize,
     /// Cells per side of the coarsest grid.
-    pub coarsest: usize,
+    coarsest: usize,
     /// Cells per side of the finest grid.
-    pub finest: usize,
+    finest: usize,
     /// Mean number of cycles.
-    pub mean: f64,
+    mean: f64,
     /// Greatest number of cycles.
-    pub most: usize,
+    most: usize,
     /// Number of problems on which multigrid did not reach the rounding floor.
-    pub unsolved: usize,
+    unsolved: usize,
     /// Number of problems on which its claim was wrong.
-    pub wrong: usize,
+    wrong: usize,
 }
 
 impl RandomProblems {

@@ -1,7 +1,7 @@
 //! Runs of the experiments, one function per kind of stress.
 
-use super::pending::StressJob;
-use super::{Series, StressCase, StressPlan};
+use super::pending::{Pending, StressJob};
+use super::{StressPlan, StressRun};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::largest;
@@ -15,10 +15,6 @@ use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::jobs::Job;
 use crate::saddle::{JobGoal, Method, Pair, StopRule};
-use std::collections::BTreeMap;
-
-/// A series whose runs are yet to be made.
-type Pending<X> = Vec<StressCase<X, StressJob>>;
 
 /// Duality parameter of the series that do not vary it.
 const R: f64 = 10.0;
@@ -34,7 +30,9 @@ const EXPONENTS: [i32; 15] =
     [-305, -300, -200, -150, -100, -50, -10, 0, 10, 50, 100, 150, 200, 300, 305];
 
 /// Loads of a problem.
-pub(super) struct Loads {
+struct Loads {
+    /// Name of the problem.
+    name: String,
     /// Load on the coarse grid.
     coarse: Vec<f64>,
     /// Load on the fine grid.
@@ -47,7 +45,7 @@ pub(super) struct StressLoads<'a> {
     pub(super) coarse: Grid,
     fine: Grid,
     /// Loads of all problems.
-    pub(super) loads: Vec<Loads>,
+    loads: Vec<Loads>,
 }
 
 impl<'a> StressLoads<'a> {
@@ -55,12 +53,25 @@ impl<'a> StressLoads<'a> {
         let coarse = Grid::new(plan.coarse).map_err(|e| e.to_string())?;
         let fine = Grid::new(plan.fine).map_err(|e| e.to_string())?;
         let mut loads = Vec::new();
-        for text in plan.problems.iter().map(|problem| &problem.f).chain([&plan.contact.1]) {
-            let f: Source = text.parse().map_err(|e| format!("{e}"))?;
+        let papers = plan.problems.iter().map(|one| (one.name(), one.statement.f.clone()));
+        for (name, f) in papers.chain([plan.contact.clone()]) {
+            let f: Source = f.parse().map_err(|e| format!("{e}"))?;
             let rule = LoadRule::LumpedAverage {};
-            loads.push(Loads { coarse: load(coarse, &f, rule), fine: load(fine, &f, rule) });
+            loads.push(Loads { name, coarse: load(coarse, &f, rule), fine: load(fine, &f, rule) });
         }
         Ok(Self { plan, coarse, fine, loads })
+    }
+
+    /// Runs of all series but `floors`.
+    pub(super) fn pending(&self) -> Vec<Pending> {
+        let mut all: Vec<Pending> = self.loads.iter().flat_map(|of| self.duality(of)).collect();
+        all.extend(self.scaling());
+        all.extend([1.0, -1.0].into_iter().flat_map(|odd| self.deficits(odd)));
+        all.extend(self.loads.iter().flat_map(|of| self.tolerances(of)));
+        all.extend(self.starts());
+        all.extend(self.jumps());
+        all.extend(self.spikes());
+        all
     }
 
     /// Paper's method under the printed rule and the dual one together, on the coarse grid.
@@ -87,16 +98,17 @@ impl<'a> StressLoads<'a> {
         }
     }
 
-    pub(super) fn duality(&self, loads: &Loads) -> Pending<f64> {
-        over(-8..=12, |r| {
+    fn duality(&self, loads: &Loads) -> Vec<Pending> {
+        let pending = over("duality", -8..=12, |r| {
             [
                 ("signed", self.signed(&loads.coarse, r, self.plan.tolerance)),
                 ("strict", self.strict(&loads.coarse, r, Pair::zero(self.coarse))),
             ]
-        })
+        });
+        of_problem(&loads.name, pending)
     }
 
-    pub(super) fn scaling(&self) -> Pending<i32> {
+    fn scaling(&self) -> Vec<Pending> {
         let Some(loads) = self.loads.last() else { return Vec::new() };
         let mut pending = Vec::new();
         for exponent in EXPONENTS {
@@ -108,25 +120,26 @@ impl<'a> StressLoads<'a> {
                 ("fixed", self.signed(&coarse, R, self.plan.tolerance)),
                 ("multigrid", self.multigrid(&fine, None)),
             ];
-            pending.push(StressCase::pending(exponent, runs));
+            pending.extend(together("scaling", f64::from(exponent), runs));
         }
         pending
     }
 
-    pub(super) fn deficits(&self, odd: f64) -> Pending<f64> {
-        over((-14..=-1).rev(), |deficit| {
+    fn deficits(&self, odd: f64) -> Vec<Pending> {
+        let pending = over("deficits", (-14..=-1).rev(), |deficit| {
             let coarse = quadrants(self.coarse, odd, deficit);
             let fine = quadrants(self.fine, odd, deficit);
             [
                 ("strict", self.strict(&coarse, R, Pair::zero(self.coarse))),
                 ("multigrid", self.multigrid(&fine, None)),
             ]
-        })
+        });
+        of_problem(&format!("odd quadrant {odd}"), pending)
     }
 
-    pub(super) fn tolerances(&self, loads: &Loads) -> Pending<f64> {
+    fn tolerances(&self, loads: &Loads) -> Vec<Pending> {
         let load = &loads.coarse;
-        over((1..=9).map(|k| -2 * k), |tolerance| {
+        let pending = over("tolerances", (1..=9).map(|k| -2 * k), |tolerance| {
             let bound = tolerance * largest(load);
             let (grid, goal) = (self.coarse, Goal::Kkt(bound));
             [
@@ -134,7 +147,8 @@ impl<'a> StressLoads<'a> {
                 ("strict", self.to_floor(load, StopRule::PrintedDual, bound)),
                 ("multigrid", StressJob::Multigrid { grid, load: load.clone(), goal, start: None }),
             ]
-        })
+        });
+        of_problem(&loads.name, pending)
     }
 
     /// Paper's method on the coarse grid with a tolerance that may be below its rounding floor.
@@ -148,15 +162,16 @@ impl<'a> StressLoads<'a> {
         }
     }
 
-    pub(super) fn floors(&self) -> Series<f64> {
-        map(&GRIDS, 1, |&cells| self.floor(cells))
+    /// Runs of the series `floors`.
+    pub(super) fn floors(&self) -> Vec<StressRun> {
+        map(&GRIDS, 1, |&cells| self.floor(cells)).concat()
     }
 
-    fn floor(&self, cells: usize) -> StressCase<f64> {
+    fn floor(&self, cells: usize) -> Vec<StressRun> {
         let grid = Grid::new(cells).expect("not below the least");
         let load = quadrants(grid, -1.0, self.plan.deficit);
         let floor = multigrid_trial(grid, &load, Goal::RoundingFloor, None);
-        let mut trials = BTreeMap::from([("multigrid".to_owned(), floor)]);
+        let mut runs = vec![run("floors", cells as f64, "multigrid").ended(floor)];
         if cells <= FINEST_SADDLE {
             let job = Job {
                 law: Law::SIGNORINI,
@@ -168,12 +183,13 @@ impl<'a> StressLoads<'a> {
                 // More iterations than the method needs.
                 cap: 60 * cells * cells,
             };
-            trials.insert("strict".into(), saddle_trials(grid, &[job]).remove(0));
+            let strict = run("floors", cells as f64, "strict");
+            runs.push(strict.ended(saddle_trials(grid, &[job]).remove(0)));
         }
-        StressCase { x: cells as f64, trials }
+        runs
     }
 
-    pub(super) fn starts(&self) -> Pending<String> {
+    fn starts(&self) -> Vec<Pending> {
         let coarse = quadrants(self.coarse, -1.0, self.plan.deficit);
         let fine = quadrants(self.fine, -1.0, self.plan.deficit);
         let starts: [(&str, StartValue); 9] = [
@@ -190,47 +206,75 @@ impl<'a> StressLoads<'a> {
         let mut pending = Vec::new();
         for (name, value) in starts {
             let pair = Pair { y: start(self.coarse, value), ..Pair::zero(self.coarse) };
-            let runs = [
+            let jobs = [
                 ("strict", self.strict(&coarse, R, pair)),
                 ("multigrid", self.multigrid(&fine, Some(start(self.fine, value)))),
             ];
-            pending.push(StressCase::pending(name.to_owned(), runs));
+            for (method, job) in jobs {
+                let (series, start) = ("starts", Some(name));
+                let run = StressRun { series, start, method, ..StressRun::default() };
+                pending.push(Pending { run, job });
+            }
         }
         pending
     }
 
-    pub(super) fn jumps(&self) -> Pending<f64> {
-        self.loads_of_size(|x, y, size| match (x <= 0.0, y <= 0.0) {
+    fn jumps(&self) -> Vec<Pending> {
+        self.loads_of_size("jumps", |x, y, size| match (x <= 0.0, y <= 0.0) {
             (true, true) => -size,
             (true, false) => 0.3 * size,
             _ => 1.0,
         })
     }
 
-    pub(super) fn spikes(&self) -> Pending<f64> {
+    fn spikes(&self) -> Vec<Pending> {
         let h = self.fine.h();
-        self.loads_of_size(|x, y, size| {
+        self.loads_of_size("spikes", |x, y, size| {
             if (x - 0.25).abs().max((y - 0.125).abs()) < 0.5 * h { size } else { -1.0 }
         })
     }
 
     /// Series over the size of a feature of f, which is given as a function of x, y and this size.
-    fn loads_of_size(&self, f: impl Fn(f64, f64, f64) -> f64) -> Pending<f64> {
-        over(0..=15, |size| {
+    fn loads_of_size(
+        &self,
+        series: &'static str,
+        f: impl Fn(f64, f64, f64) -> f64,
+    ) -> Vec<Pending> {
+        over(series, 0..=15, |size| {
             let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
             [("multigrid", self.multigrid(&load, None))]
         })
     }
 }
 
-/// Runs for each power of ten.
+/// Run of a series for one x that is yet to end.
+fn run(series: &'static str, x: f64, method: &'static str) -> StressRun {
+    StressRun { series, x: Some(x), method, ..StressRun::default() }
+}
+
+/// Runs of a series for one x.
+fn together<const N: usize>(
+    series: &'static str,
+    x: f64,
+    jobs: [(&'static str, StressJob); N],
+) -> [Pending; N] {
+    jobs.map(|(method, job)| Pending { run: run(series, x, method), job })
+}
+
+/// Runs of a series for each power of ten.
 fn over<const N: usize>(
+    series: &'static str,
     exponents: impl IntoIterator<Item = i32>,
-    runs: impl Fn(f64) -> [(&'static str, StressJob); N],
-) -> Pending<f64> {
-    let mut pending = Vec::new();
-    for x in exponents.into_iter().map(power_of_ten) {
-        pending.push(StressCase::pending(x, runs(x)));
+    jobs: impl Fn(f64) -> [(&'static str, StressJob); N],
+) -> Vec<Pending> {
+    let powers = exponents.into_iter().map(power_of_ten);
+    powers.flat_map(|x| together(series, x, jobs(x))).collect()
+}
+
+/// The runs as those of a problem.
+fn of_problem(name: &str, mut pending: Vec<Pending>) -> Vec<Pending> {
+    for one in &mut pending {
+        one.run.problem = Some(name.to_owned());
     }
     pending
 }

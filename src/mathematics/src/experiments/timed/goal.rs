@@ -9,12 +9,12 @@ use crate::multigrid::{Goal, MultigridParams, solve_square};
 use crate::problem::law::Law;
 use crate::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
 use crate::solvers::Solver;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Goals of multigrid that are timed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum MultigridGoal {
+pub(super) enum MultigridGoal {
     /// An algebraic error of at most a tenth of the discretisation error in the energy norm.
     Discretisation,
     /// The smallest residual in double precision.
@@ -23,10 +23,10 @@ pub enum MultigridGoal {
 
 impl MultigridGoal {
     /// Both goals, that of a larger residual first.
-    pub const ALL: [Self; 2] = [Self::Discretisation, Self::Floor];
+    pub(super) const ALL: [Self; 2] = [Self::Discretisation, Self::Floor];
 
     /// Name in words.
-    pub fn in_words(self) -> &'static str {
+    fn in_words(self) -> &'static str {
         match self {
             Self::Discretisation => "discretisation error",
             Self::Floor => "rounding floor",

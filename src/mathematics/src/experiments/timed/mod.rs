@@ -11,11 +11,9 @@ mod resolved;
 mod scaling;
 mod solved;
 
-pub use goal::MultigridGoal;
-
-use super::adapted::Way;
 use super::known::KnownSolution;
 use super::problems::CONTACT;
+use super::rows::Row;
 use crate::experiments::work::REACHED;
 use crate::problem::exact::Exact;
 use crate::solvers::Solver;
@@ -37,59 +35,13 @@ pub struct TimedPlan {
     pub problems: Vec<(String, String)>,
 }
 
-/// Facts about a run that was judged.
+/// Facts about a run that was judged: a row of the record of times, but for the time.
 #[derive(Clone, Debug, PartialEq)]
-pub enum TimedFacts {
-    /// Multigrid on [`TimedPlan::SCALED`] in a workspace that is there.
-    Scaling {
-        /// Cells per side.
-        cells: usize,
-        /// Number of threads that multigrid can use.
-        threads: usize,
-        /// Goal.
-        goal: MultigridGoal,
-        /// Cost in sweeps of the finest grid.
-        work_units: f64,
-        /// Bytes moved per unknown, each pass reading and writing each row once.
-        traffic: f64,
-    },
-    /// A solver on a grid.
-    OnGrid {
-        /// Solver.
-        solver: Solver,
-        /// Name of the problem, as in `exact(name)` where its solution has a formula.
-        problem: String,
-        /// Cells per side.
-        cells: usize,
-        /// Goal, in words.
-        goal: String,
-        /// Error against the known solution, as [`super::work::OnGrid::error`] measures it.
-        error: f64,
-        /// Error of the discrete solution, measured likewise.
-        discretisation: f64,
-        /// Natural residual over the largest component of the load.
-        kkt: f64,
-    },
-    /// The spectral solver at one resolution.
-    Spectral {
-        /// Name of the problem.
-        problem: String,
-        /// Resolution.
-        resolution: SpectralParams,
-        /// Error of the energy against a finer resolution, relative; at least one rounding.
-        error: f64,
-    },
-    /// Meshes that are refined, from the coarsest mesh to the bounds.
-    Refined {
-        /// Name of the domain.
-        problem: &'static str,
-        /// Way of refinement.
-        way: Way,
-        /// Number of nodes of the finest mesh.
-        nodes: usize,
-        /// Guaranteed error over the norm of the solution.
-        error: f64,
-    },
+pub struct TimedFacts {
+    /// Name of the table.
+    pub table: &'static str,
+    /// The row.
+    pub row: Row,
 }
 
 /// A run, with all that is made before the clock starts.

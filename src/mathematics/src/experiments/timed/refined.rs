@@ -1,10 +1,24 @@
 //! Adaptive and uniform refinement to a guaranteed error.
 
 use super::{Prepared, TimedFacts, TimedRun};
-use crate::experiments::adapted::{AdaptedDomain, AdaptedProblem, BoundedRun, Way};
+use crate::experiments::adapted::{AdaptedProblem, BoundedRun, Way};
+use crate::experiments::rows::row_of;
 use crate::solvers::Adaption;
+use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Table `adapted`: meshes that are refined, from the coarsest mesh to the bounds.
+#[derive(Serialize)]
+struct RefinedRow {
+    /// Name of the domain.
+    problem: &'static str,
+    way: Way,
+    /// Number of nodes of the finest mesh.
+    nodes: usize,
+    /// Guaranteed error over the norm of the solution.
+    error: f64,
+}
 
 /// Guaranteed errors, over the norm of the solution, to which adaptive refinement goes.
 const GOALS: [f64; 3] = [0.03, 0.01, 0.003];
@@ -35,7 +49,7 @@ fn uniform_nodes(refinements: usize) -> usize {
 fn adaptive_run(goal: f64, most_nodes: usize, missed: Arc<AtomicBool>) -> TimedRun {
     let run = TimedRun::new(
         format!("adaptive refinement, L-shape, error {goal}"),
-        move || AdaptedProblem::lshape().adapted(goal, most_nodes, Adaption::BISECTIONS),
+        move || AdaptedProblem::LShape.adapted(goal, most_nodes, Adaption::BISECTIONS),
         move |run: Result<BoundedRun, String>| {
             let run = run?;
             missed.store(relative(&run)? > goal, Ordering::Relaxed);
@@ -48,7 +62,7 @@ fn adaptive_run(goal: f64, most_nodes: usize, missed: Arc<AtomicBool>) -> TimedR
 fn uniform_run(refinements: usize) -> TimedRun {
     let run = TimedRun::new(
         format!("uniform refinement, L-shape, {refinements} times"),
-        move || AdaptedProblem::lshape().uniform_finest(refinements),
+        move || AdaptedProblem::LShape.uniform_finest(refinements),
         |run: Result<BoundedRun, String>| facts(Way::Uniform, &run?),
     );
     let rival = Some(Way::Adaptive.name());
@@ -62,7 +76,8 @@ fn relative(run: &BoundedRun) -> Result<f64, String> {
 
 fn facts(way: Way, run: &BoundedRun) -> Result<Option<TimedFacts>, String> {
     let (nodes, error) = (run.y.len(), relative(run)?);
-    Ok(Some(TimedFacts::Refined { problem: AdaptedDomain::LShape.name(), way, nodes, error }))
+    let row = RefinedRow { problem: AdaptedProblem::LShape.name(), way, nodes, error };
+    Ok(Some(TimedFacts { table: "adapted", row: row_of(row) }))
 }
 
 #[cfg(test)]
@@ -72,7 +87,7 @@ mod tests {
     #[test]
     fn uniform_meshes_have_so_many_nodes() {
         for refinements in 0..4 {
-            let run = AdaptedProblem::lshape().uniform_finest(refinements).unwrap();
+            let run = AdaptedProblem::LShape.uniform_finest(refinements).unwrap();
             assert_eq!(run.y.len(), uniform_nodes(refinements));
         }
     }

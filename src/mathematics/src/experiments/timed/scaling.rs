@@ -1,11 +1,14 @@
 //! Multigrid from grid to grid.
 
-use super::{MultigridGoal, Prepared, TimedFacts, TimedPlan, TimedRun};
+use super::goal::MultigridGoal;
+use super::{Prepared, TimedFacts, TimedPlan, TimedRun};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
+use crate::experiments::rows::row_of;
 use crate::multigrid::{InputError, Multigrid};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use serde::Serialize;
 use std::sync::{Arc, Mutex};
 
 /// Runs on all grids from 1/32 on, to both goals.
@@ -21,19 +24,27 @@ struct Workspace {
     y: Vec<f64>,
 }
 
-/// Cost of a run, in sweeps and in bytes per unknown.
-struct ScalingCost {
+/// Table `multigrid`: multigrid on [`TimedPlan::SCALED`] in a workspace that is there.
+#[derive(Serialize)]
+struct ScalingRow {
+    cells: usize,
+    /// Number of threads that multigrid can use.
+    threads: usize,
+    goal: MultigridGoal,
+    /// Cost in sweeps of the finest grid.
     work_units: f64,
+    /// Bytes moved per unknown, each pass reading and writing each row once.
     traffic: f64,
 }
 
 impl Workspace {
-    fn solve(&mut self, goal: MultigridGoal) -> Result<ScalingCost, InputError> {
+    /// Solves; returns work units and traffic.
+    fn solve(&mut self, goal: MultigridGoal) -> Result<[f64; 2], InputError> {
         let problem = Law::SIGNORINI.with_load(&self.load);
         let end = self.multigrid.solve(problem, None, &goal.params())?;
         // A caller waits for the solution in the order of the load.
         self.multigrid.write_solution(&mut self.y);
-        Ok(ScalingCost { work_units: end.work_units, traffic: self.multigrid.traffic() })
+        Ok([end.work_units, self.multigrid.traffic()])
     }
 }
 
@@ -51,8 +62,9 @@ fn on_grid(cells: usize, threads: &[usize]) -> Prepared {
                 format!("multigrid, h = 1/{cells}"),
                 move || workspace.lock().expect("no run has panicked").solve(goal),
                 move |cost: Result<_, InputError>| {
-                    let ScalingCost { work_units, traffic } = cost.map_err(|e| e.to_string())?;
-                    Ok(Some(TimedFacts::Scaling { cells, threads, goal, work_units, traffic }))
+                    let [work_units, traffic] = cost.map_err(|e| e.to_string())?;
+                    let row = ScalingRow { cells, threads, goal, work_units, traffic };
+                    Ok(Some(TimedFacts { table: "multigrid", row: row_of(row) }))
                 },
             );
             runs.push(TimedRun { threads: Some(threads), ..run });

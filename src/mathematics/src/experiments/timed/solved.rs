@@ -7,17 +7,36 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::transfer::Prolongation;
 use crate::experiments::known::KnownSolution;
+use crate::experiments::rows::row_of;
 use crate::experiments::work::{OnGrid, R};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::saddle::{NestedGrids, Params, StopRule, solve_nested};
 use crate::solvers::Solver;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// Problems with a formula for the solution and a contact set that is not the whole boundary.
 const FORMULAS: [Exact; 2] = [Exact::FreeSegment, TimedPlan::SCALED];
 /// Cells per side of the finest grid on which the paper's method stops as in the tables.
 const PUBLISHED_FINEST: usize = 64;
+
+/// Table `solver`: a solver on a grid.
+#[derive(Serialize)]
+struct SolvedRow {
+    solver: Solver,
+    /// Name of the problem, as in `exact(name)` where its solution has a formula.
+    problem: String,
+    cells: usize,
+    /// Goal, in words.
+    goal: String,
+    /// Error against the known solution, as [`OnGrid::error`] measures it.
+    error: f64,
+    /// Error of the discrete solution, measured likewise.
+    discretisation: f64,
+    /// Natural residual over the largest component of the load.
+    kkt: f64,
+}
 
 /// Problem on which solvers run.
 struct TimedProblem {
@@ -106,7 +125,7 @@ impl TimedProblem {
     /// Facts about a nodal vector on one of the grids.
     fn facts(&self, solver: Solver, level: usize, goal: String, y: &[f64]) -> TimedFacts {
         let level = &self.levels[level];
-        TimedFacts::OnGrid {
+        let row = SolvedRow {
             solver,
             problem: self.known.name().into(),
             cells: level.grid.cells(),
@@ -114,6 +133,7 @@ impl TimedProblem {
             error: level.error(y),
             discretisation: level.discretisation,
             kkt: kkt(level.grid, Law::SIGNORINI, y, &level.load).relative,
-        }
+        };
+        TimedFacts { table: "solver", row: row_of(row) }
     }
 }

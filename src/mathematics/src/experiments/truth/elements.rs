@@ -5,86 +5,50 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::judge;
 use crate::discrete::load::{self, LoadRule};
-use crate::experiments::exponent;
 use crate::experiments::known::KnownSolution;
 use crate::mesh::{arcs, square_boundary};
 use crate::multigrid::{self, MultigridParams};
 use crate::problem::law::Law;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// One problem on all grids, solved by multigrid to the rounding floor.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Elements {
-    /// Name of the problem.
-    pub name: String,
+/// Table `elements`: a problem on one grid, solved by multigrid to the rounding floor.
+#[derive(Serialize)]
+pub(super) struct ElementsRow {
+    problem: String,
     /// f in the notation of scenes.
-    pub f: String,
-    /// Grid by grid.
-    pub levels: Vec<ElementsLevel>,
-    /// Exponents of h in the errors.
-    pub orders: ElementsOrders,
-}
-
-/// Exponents of h in the errors of finite elements.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct ElementsOrders {
-    /// Exponent for the error in the energy norm, fitted to the three finest grids.
-    pub error: Option<f64>,
-    /// Exponent for the energy, fitted likewise.
-    pub energy: Option<f64>,
-    /// Exponent for the ends of contact, fitted to all grids since these errors jump from grid to grid.
-    pub ends: Option<f64>,
-}
-
-/// One problem on one grid.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct ElementsLevel {
-    /// Cells per side.
-    pub cells: usize,
+    f: String,
+    cells: usize,
+    /// Width of the grid.
+    h: f64,
     /// True error: L2 norm of `grad (v - v_h)`.
-    pub error: f64,
-    /// Guaranteed bounds of the error over the error: at most 1, and at least 1.
-    pub effectivity: [f64; 2],
-    /// Guaranteed bounds over the error for the solution with the load against bilinear hats.
-    pub bilinear: [f64; 2],
+    error: f64,
+    /// Guaranteed lower bound of the error over the error, at most 1.
+    lower: f64,
+    /// Guaranteed upper bound of the error over the error, at least 1.
+    upper: f64,
+    /// As `lower`, for the solution with the load against bilinear hats.
+    bilinear_lower: f64,
+    /// As `upper`, likewise.
+    bilinear_upper: f64,
     /// Energy of `v_h` less the true energy, if the latter is known.
-    pub energy: Option<f64>,
+    energy: Option<f64>,
     /// Width of the guaranteed bracket of the true energy.
-    pub bracket: f64,
+    bracket: f64,
     /// True if the true energy lies in the guaranteed bracket; none if it is not known.
-    pub holds: Option<bool>,
+    holds: Option<bool>,
     /// Largest distance along the boundary between a true end of contact and the computed one; none if the numbers of
     /// arcs differ.
-    pub ends: Option<f64>,
+    ends: Option<f64>,
 }
 
-impl Elements {
-    /// Solves a problem with known solution on grids with these cells per side.
-    pub(super) fn against(known: &KnownSolution, cells: &[usize]) -> Result<Self, String> {
-        let mut levels = Vec::new();
-        for &cells in cells {
-            let level = ElementsLevel::of(known, cells);
-            levels.push(level.map_err(|e| format!("{}, h = 1/{cells}: {e}", known.name()))?);
-        }
-        let finest = &levels[levels.len().saturating_sub(3)..];
-        let orders = ElementsOrders {
-            error: order(finest, |level| Some(level.error)),
-            energy: order(finest, |level| level.energy),
-            ends: order(&levels, |level| level.ends),
-        };
-        Ok(Self { name: known.name().into(), f: known.f().to_string(), levels, orders })
+/// Solves a problem with known solution on grids with these cells per side.
+pub(super) fn against(known: &KnownSolution, cells: &[usize]) -> Result<Vec<ElementsRow>, String> {
+    let mut rows = Vec::new();
+    for &cells in cells {
+        let row = ElementsRow::of(known, cells);
+        rows.push(row.map_err(|e| format!("{}, h = 1/{cells}: {e}", known.name()))?);
     }
-}
-
-/// Exponent of h in an error, if it is known on two grids.
-fn order(levels: &[ElementsLevel], error: fn(&ElementsLevel) -> Option<f64>) -> Option<f64> {
-    let mut points = Vec::new();
-    for level in levels.iter().rev() {
-        if let Some(error) = error(level) {
-            points.push((1.0 / level.cells as f64, error));
-        }
-    }
-    exponent(&points)
+    Ok(rows)
 }
 
 /// Solution on one grid, its error in the energy norm, and the guaranteed bounds.
@@ -111,7 +75,7 @@ impl Bounded {
     }
 }
 
-impl ElementsLevel {
+impl ElementsRow {
     fn of(known: &KnownSolution, cells: usize) -> Result<Self, String> {
         let grid = Grid::new(cells).map_err(|e| e.to_string())?;
         let load = known.load(grid);
@@ -122,11 +86,19 @@ impl ElementsLevel {
         let truth = known.solution();
         let judgement = judge(grid, Law::SIGNORINI, &y, &load);
         let contact = arcs(&[square_boundary(grid)], &y, &judgement);
+        let [lower, upper] = bounds.error.map(|bound| bound / error);
+        let [bilinear_lower, bilinear_upper] =
+            bilinear.bounds.error.map(|bound| bound / bilinear.error);
         Ok(Self {
+            problem: known.name().into(),
+            f: known.f().to_string(),
             cells,
+            h: 1.0 / cells as f64,
             error,
-            effectivity: bounds.error.map(|bound| bound / error),
-            bilinear: bilinear.bounds.error.map(|bound| bound / bilinear.error),
+            lower,
+            upper,
+            bilinear_lower,
+            bilinear_upper,
             energy: truth.map(|truth| judgement.energy - truth.energy),
             bracket: high - low,
             holds: truth.map(|truth| low <= truth.energy && truth.energy <= high),

@@ -3,37 +3,35 @@
 mod elements;
 mod reference;
 
-pub use elements::{Elements, ElementsLevel, ElementsOrders};
-pub use reference::{Numbers, Reference, ReferenceArc, ReferenceValue};
-
 use super::known::KnownSolution;
 use super::problems::CONTACT;
+use super::{Findings, Rows};
 use crate::discrete::grid::Grid;
-use crate::discrete::norms::worst;
 use crate::machine::threads::map;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::saddle::Pair;
-use crate::spectral::{SpectralParams, spectral};
-use reference::Resolutions;
+use crate::spectral::{Checks, SpectralParams, spectral};
+use elements::against;
+use reference::{ValueRow, values};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct TruthPlan {
+pub(super) struct TruthPlan {
     /// Names, and right-hand sides in the notation of scenes.
-    pub problems: Vec<(String, String)>,
+    problems: Vec<(String, String)>,
     /// Two resolutions whose common digits are given, as nodes of a panel and levels of panels.
-    pub resolutions: [(usize, u32); 2],
+    resolutions: [(usize, u32); 2],
     /// Cells per side of the grids on which finite elements are measured.
-    pub cells: Vec<usize>,
+    cells: Vec<usize>,
     /// Cells per side of the grid at whose nodes the solutions of the first two problems are given.
-    pub sampled: usize,
+    sampled: usize,
 }
 
 impl TruthPlan {
     /// Plan of the book: the paper's problems `first`, then others, with several arcs of contact and with discs.
-    pub fn new(first: impl IntoIterator<Item = (String, String)>) -> Self {
+    pub(super) fn new(first: impl IntoIterator<Item = (String, String)>) -> Self {
         let [strong, two_arcs] = CONTACT;
         let others = [
             ("four-arcs", "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5"),
@@ -53,76 +51,30 @@ impl TruthPlan {
     }
 }
 
-/// Result of the experiment.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Truth {
-    /// References, one per problem.
-    pub references: Vec<Reference>,
-    /// Finite elements on the same problems, then on those with solutions in closed form.
-    pub elements: Vec<Elements>,
-    /// Cells per side of the grid of `samples`.
-    pub sampled: usize,
-    /// v of the first two problems at the nodes, row by row from the lower left corner.
-    pub samples: Vec<Vec<f64>>,
-    /// Multipliers of the first two problems at the boundary nodes, anticlockwise from the lower left corner.
-    pub multipliers: Vec<Vec<f64>>,
-    /// Numbers over all problems that the chapter mentions.
-    pub summary: TruthSummary,
+/// Table `references`: checks of the solution of a problem.
+#[derive(Serialize)]
+struct ReferenceRow {
+    problem: String,
+    /// f in the notation of scenes.
+    f: String,
+    /// Absolute value of the total force plus the integral of f, over the latter: zero but for errors.
+    green: f64,
+    /// Absolute value of the energy by Rellich's identity less the energy, over the latter: zero but for errors.
+    rellich: f64,
 }
 
-/// Findings on identities and bounds over all problems.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct TruthSummary {
-    /// Largest absolute value of [`Reference::green`].
-    pub green: f64,
-    /// Largest absolute value of [`Reference::rellich`].
-    pub rellich: f64,
-    /// Number of brackets of a true energy that is known.
-    pub brackets: usize,
-    /// Number of brackets that hold the true energy.
-    pub held: usize,
-    /// Greatest guaranteed bounds over the error.
-    pub effectivity: EffectivitySummary,
+/// Table `samples`: v at a node, row by row from the lower left corner.
+#[derive(Serialize)]
+struct SampleRow {
+    problem: String,
+    v: f64,
 }
 
-/// Greatest guaranteed bounds of the error over the error.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct EffectivitySummary {
-    /// Cells per side of the coarsest grid that counts.
-    pub from: usize,
-    /// Greatest with the default load.
-    pub exact: f64,
-    /// Greatest with the load against bilinear hats.
-    pub bilinear: f64,
-}
-
-/// Cells per side from which the guaranteed bound of the error is close to the error.
-const EFFECTIVE_FROM: usize = 64;
-
-impl EffectivitySummary {
-    fn of(elements: &[Elements]) -> Self {
-        let levels = elements.iter().flat_map(|elements| &elements.levels);
-        let fine = || levels.clone().filter(|level| level.cells >= EFFECTIVE_FROM);
-        Self {
-            from: EFFECTIVE_FROM,
-            exact: worst(fine().map(|level| level.effectivity[1])),
-            bilinear: worst(fine().map(|level| level.bilinear[1])),
-        }
-    }
-}
-
-impl TruthSummary {
-    fn of(references: &[Reference], elements: &[Elements]) -> Self {
-        let levels = elements.iter().flat_map(|elements| &elements.levels);
-        let holds: Vec<bool> = levels.filter_map(|level| level.holds).collect();
-        Self {
-            green: worst(references.iter().map(|reference| reference.green)),
-            rellich: worst(references.iter().map(|reference| reference.rellich)),
-            brackets: holds.len(),
-            held: holds.iter().filter(|holds| **holds).count(),
-            effectivity: EffectivitySummary::of(elements),
-        }
-    }
+/// Table `multipliers`: the multiplier at a boundary node, anticlockwise from the lower left corner.
+#[derive(Serialize)]
+struct MultiplierRow {
+    problem: String,
+    a: f64,
 }
 
 /// Runs the experiment.
@@ -133,35 +85,61 @@ impl TruthSummary {
 ///
 /// # Errors
 /// A sentence if a right-hand side cannot be read, or there is no solution.
-pub fn truth(plan: &TruthPlan) -> Result<Truth, String> {
+pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
     let solved = map(&plan.problems, 1, |(name, f)| {
         solve(name, f, plan.resolutions).map_err(|e| format!("{name}: {e}"))
     });
-    let solved: Vec<(Reference, KnownSolution)> =
-        solved.into_iter().collect::<Result<_, String>>()?;
-    let (references, mut known): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
-    let sampled = known.iter().take(2).filter_map(KnownSolution::solution);
+    let solved: Vec<SolvedTwice> = solved.into_iter().collect::<Result<_, String>>()?;
     let grid = Grid::new(plan.sampled).map_err(|e| e.to_string())?;
-    let sampled = sampled.map(|solution| solution.on_grid(grid));
-    let (samples, multipliers) = sampled.map(|Pair { y, a }| (y, a)).unzip();
+    let (mut references, mut values, mut known) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut samples, mut multipliers) = (Vec::new(), Vec::new());
+    for one in solved {
+        if known.len() < SAMPLED_PROBLEMS
+            && let Some(solution) = one.known.solution()
+        {
+            let problem = &one.reference.problem;
+            let Pair { y, a } = solution.on_grid(grid);
+            samples.extend(y.into_iter().map(|v| SampleRow { problem: problem.clone(), v }));
+            multipliers
+                .extend(a.into_iter().map(|a| MultiplierRow { problem: problem.clone(), a }));
+        }
+        references.push(one.reference);
+        values.extend(one.values);
+        known.push(one.known);
+    }
     known.extend(Exact::ALL.map(KnownSolution::Formula));
-    let elements = map(&known, 1, |known| Elements::against(known, &plan.cells));
-    let elements = elements.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let summary = TruthSummary::of(&references, &elements);
-    Ok(Truth { references, elements, sampled: plan.sampled, samples, multipliers, summary })
+    let mut elements = Vec::new();
+    for rows in map(&known, 1, |known| against(known, &plan.cells)) {
+        elements.extend(rows?);
+    }
+    Ok(Findings::from([
+        ("references".into(), Rows::of(references)),
+        ("values".into(), Rows::of(values)),
+        ("elements".into(), Rows::of(elements)),
+        ("samples".into(), Rows::of(samples)),
+        ("multipliers".into(), Rows::of(multipliers)),
+    ]))
+}
+
+/// Number of problems, the first, whose solutions are given at nodes.
+const SAMPLED_PROBLEMS: usize = 2;
+
+/// A problem, solved at two resolutions.
+struct SolvedTwice {
+    reference: ReferenceRow,
+    values: Vec<ValueRow>,
+    known: KnownSolution,
 }
 
 /// Solves a problem with the spectral solver at two resolutions; the finer one is the known solution.
-fn solve(
-    name: &str,
-    text: &str,
-    resolutions: [(usize, u32); 2],
-) -> Result<(Reference, KnownSolution), String> {
+fn solve(name: &str, text: &str, resolutions: [(usize, u32); 2]) -> Result<SolvedTwice, String> {
     let [rough, fine] = resolutions.map(|(nodes, levels)| SpectralParams { nodes, levels });
     let f: Source = text.parse().map_err(|e| format!("{e}"))?;
     let rough = spectral(&f, rough).map_err(|e| e.to_string())?;
     let fine = rough.at_resolution(fine).map_err(|e| e.to_string())?;
-    let solutions = Resolutions { rough, fine };
-    let reference = Reference::of(name, &f, &solutions);
-    Ok((reference, KnownSolution::of(name, f, solutions.fine)))
+    let Checks { green, rellich, .. } = fine.checks;
+    let (green, rellich) = (green.abs(), rellich.abs());
+    let reference = ReferenceRow { problem: name.into(), f: f.to_string(), green, rellich };
+    let values = values(name, [&rough, &fine]);
+    Ok(SolvedTwice { reference, values, known: KnownSolution::of(name, f, fine) })
 }

@@ -1,0 +1,153 @@
+//! Problems on adapted and on uniform meshes, with guaranteed bounds.
+
+use crate::bounds::{Accuracy, Bounds};
+use crate::levels::Problem;
+use crate::mesh::{
+    AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
+};
+use crate::problem::law::Law;
+use crate::solvers::{Adaption, Settings, Solver, solve};
+use serde::{Deserialize, Serialize};
+
+/// Problem of the experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::experiments) enum AdaptedProblem {
+    /// The L-shape with a load in its inner corner's square, all of its boundary in contact.
+    LShape,
+    /// The unit square, whose lower side is fixed on its left half, free on its right half; the other sides are in
+    /// contact.
+    FixedFree,
+}
+
+impl AdaptedProblem {
+    pub(super) const ALL: [Self; 2] = [Self::LShape, Self::FixedFree];
+
+    /// Name in pictures and tables.
+    pub(in crate::experiments) fn name(self) -> &'static str {
+        match self {
+            Self::LShape => "L-shape",
+            Self::FixedFree => "square, fixed and free",
+        }
+    }
+
+    /// f, as text.
+    pub(super) fn f(self) -> &'static str {
+        match self {
+            Self::LShape => "rect(-9,0,-9,0)=3; else=-2",
+            Self::FixedFree => "rect(-9,0,-9,0)=-4; else=2",
+        }
+    }
+
+    /// First mesh.
+    ///
+    /// # Errors
+    /// A sentence if it fails the checks of meshes.
+    fn mesh(self) -> Result<PlaneMesh, String> {
+        match self {
+            Self::LShape => {
+                BuiltIn::LShape.plane().ok_or_else(|| "the L-shape lies in the plane".into())
+            }
+            Self::FixedFree => {
+                let square = lattice_mesh(&[-0.5, 0.0, 0.5]);
+                let part =
+                    |name, condition| Part { names: Names::from(name), condition, curve: None };
+                MeshData {
+                    points: square.points,
+                    cells: square.cells,
+                    facets: vec![
+                        Facet { nodes: [0, 1], part: 0 },
+                        Facet { nodes: [1, 2], part: 1 },
+                    ],
+                    parts: vec![part("fixed", Condition::Fixed), part("free", Condition::Free)],
+                    ..MeshData::default()
+                }
+                .mesh()
+                .map_err(|e| e.to_string())
+            }
+        }
+    }
+
+    /// Solves on adapted meshes until the guaranteed error, over the norm of the solution, is at most `accuracy`, or a
+    /// mesh would have more than `most_nodes`; returns with the run the bounds on each mesh.
+    ///
+    /// # Errors
+    /// A sentence if there is no solution, or no bound on a mesh.
+    pub(in crate::experiments) fn adapted(
+        self,
+        accuracy: f64,
+        most_nodes: usize,
+        bisections: usize,
+    ) -> Result<BoundedRun, String> {
+        let mesh = self.mesh()?;
+        let goal = Accuracy::Error(accuracy);
+        let adaption = Adaption {
+            coarsest: &mesh,
+            f: self.f(),
+            law: Law::SIGNORINI,
+            goal,
+            most_nodes,
+            bisections,
+        };
+        let solved = adaption.run(&mut (), &|_| ()).map_err(|e| e.to_string())?;
+        let bounds: Result<Vec<_>, _> = solved.bounds().iter().cloned().collect();
+        let bounds = bounds.map_err(|e| e.to_string())?;
+        let y = solved.pair().y;
+        Ok(BoundedRun { problem: solved.problem, y, bounds })
+    }
+
+    /// Solves on the mesh after so many uniform refinements, with bounds on this mesh alone.
+    ///
+    /// # Errors
+    /// A sentence if there is no solution, or no bound.
+    pub(in crate::experiments) fn uniform_finest(
+        self,
+        refinements: usize,
+    ) -> Result<BoundedRun, String> {
+        let mesh = AnyMesh::from(self.mesh()?);
+        let problem = Problem::on_mesh(&mesh, refinements, self.f(), Law::SIGNORINI)
+            .map_err(|e| e.to_string())?;
+        let run = solve(&problem, &Settings::of(Solver::Multigrid)).map_err(|e| e.to_string())?;
+        let bounds = problem.bounds(&run.y).map_err(|e| e.to_string())?;
+        Ok(BoundedRun { problem, y: run.y, bounds: vec![bounds] })
+    }
+
+    /// Solves on the first mesh and on its uniform refinements, with bounds on each.
+    ///
+    /// # Errors
+    /// A sentence if there is no solution, or no bound on a mesh.
+    pub(super) fn uniform(self, refinements: usize) -> Result<BoundedRun, String> {
+        let mut bounds = Vec::new();
+        for times in 0..refinements {
+            bounds.extend(self.uniform_finest(times)?.bounds);
+        }
+        let mut run = self.uniform_finest(refinements)?;
+        bounds.append(&mut run.bounds);
+        Ok(BoundedRun { bounds, ..run })
+    }
+}
+
+/// Problem on nested meshes, with guaranteed bounds.
+pub(in crate::experiments) struct BoundedRun {
+    /// Problem.
+    pub(super) problem: Problem,
+    /// Nodal vector on the finest mesh.
+    pub(in crate::experiments) y: Vec<f64>,
+    /// Bounds on each mesh, coarsest first, or on the finest alone.
+    pub(in crate::experiments) bounds: Vec<Bounds>,
+}
+
+/// The last adapted mesh with at most so many nodes of each problem, with its name and number of nodes as a title.
+///
+/// # Errors
+/// A sentence if a problem cannot be solved.
+pub fn coarse_meshes(most_nodes: usize) -> Result<Vec<(String, AnyMesh)>, String> {
+    let mut meshes = Vec::new();
+    for problem in AdaptedProblem::ALL {
+        // No mesh so coarse is so accurate: the number of nodes is what ends the run.
+        let run = problem.adapted(f64::EPSILON, most_nodes, 1)?;
+        let title = format!("{}, {} nodes", problem.name(), run.y.len());
+        meshes.push((title, run.problem.levels().mesh(run.problem.finest()).into_owned()));
+    }
+    Ok(meshes)
+}

@@ -1,0 +1,126 @@
+//! Tables of findings: rows of plain values under the names of columns.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::ops::Deref;
+
+/// Findings: tables, by name.
+pub type Findings = BTreeMap<String, Rows>;
+
+/// Row of a table: a value under the name of each column.
+pub type Row = Map<String, Value>;
+
+/// Rows of a table: a text, a number, a flag or nothing under the name of each column; a list only where one cell of a
+/// page shows it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Rows(pub Vec<Row>);
+
+impl Deref for Rows {
+    type Target = [Row];
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl Rows {
+    /// Rows of some records, whose fields are the columns.
+    ///
+    /// # Panics
+    /// If a record has no fields.
+    pub(crate) fn of<T: Serialize>(records: impl IntoIterator<Item = T>) -> Self {
+        Self(records.into_iter().map(row_of).collect())
+    }
+
+    /// Values of a column, in the order of the rows.
+    ///
+    /// # Errors
+    /// A sentence with the names of the columns if no row has this one.
+    pub fn column(&self, name: &str) -> Result<Vec<&Value>, String> {
+        let values: Vec<_> = self.iter().filter_map(|row| row.get(name)).collect();
+        match self.first() {
+            Some(row) if values.is_empty() => {
+                let names: Vec<_> = row.keys().map(String::as_str).collect();
+                Err(format!("no column `{name}`; there are {}", names.join(", ")))
+            }
+            _ => Ok(values),
+        }
+    }
+
+    /// Rows with this value in a column.
+    ///
+    /// # Errors
+    /// As [`Rows::column`].
+    pub fn wherever(&self, name: &str, value: impl Into<Value>) -> Result<Self, String> {
+        self.column(name)?;
+        let value = value.into();
+        Ok(Self(self.iter().filter(|row| row.get(name) == Some(&value)).cloned().collect()))
+    }
+
+    /// Numbers of a column, of the rows that have one there.
+    ///
+    /// # Errors
+    /// As [`Rows::column`].
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
+        Ok(self.column(name)?.into_iter().filter_map(Value::as_f64).collect())
+    }
+
+    /// Texts of a column, each once.
+    ///
+    /// # Errors
+    /// As [`Rows::column`].
+    pub fn texts(&self, name: &str) -> Result<Vec<&str>, String> {
+        let mut texts = Vec::new();
+        for text in self.column(name)?.into_iter().filter_map(Value::as_str) {
+            if !texts.contains(&text) {
+                texts.push(text);
+            }
+        }
+        Ok(texts)
+    }
+
+    /// Numbers of two columns, of the rows that have one in both.
+    ///
+    /// # Errors
+    /// As [`Rows::column`].
+    pub fn points(&self, x: &str, y: &str) -> Result<Vec<(f64, f64)>, String> {
+        self.column(x)?;
+        self.column(y)?;
+        let points = self.iter().map(|row| Some((row.get(x)?.as_f64()?, row.get(y)?.as_f64()?)));
+        Ok(points.flatten().collect())
+    }
+}
+
+/// Row of a record, whose fields are the columns.
+///
+/// # Panics
+/// If it has no fields.
+pub(crate) fn row_of<T: Serialize>(record: T) -> Row {
+    match serde_json::to_value(record) {
+        Ok(Value::Object(row)) => row,
+        other => panic!("a row has columns, not {other:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn rows_are_asked_by_names_that_are_there() {
+        let rows = Rows::of([
+            json!({ "of": "a", "x": 1, "y": 0.5 }),
+            json!({ "of": "b", "x": 2, "y": null }),
+            json!({ "of": "a", "x": 3, "y": 2.0 }),
+        ]);
+        assert_eq!(rows.texts("of").unwrap(), ["a", "b"]);
+        assert_eq!(rows.points("x", "y").unwrap(), [(1.0, 0.5), (3.0, 2.0)]);
+        assert_eq!(rows.wherever("of", "a").unwrap().numbers("x").unwrap(), [1.0, 3.0]);
+        assert!(rows.wherever("x", 2).unwrap().numbers("y").unwrap().is_empty());
+        assert_eq!(rows.numbers("z").unwrap_err(), "no column `z`; there are of, x, y");
+        assert_eq!(Rows::default().numbers("z"), Ok(Vec::new()));
+    }
+}

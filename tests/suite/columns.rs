@@ -1,0 +1,84 @@
+//! Templates name tables and columns that are there: of findings, of recorded times, and of other data.
+
+use crate::common::{found, table_problems};
+use regex::Regex;
+use serde_json::{Value, json};
+use signorini::timing::recorded::Timings;
+use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, and of the times of
+/// both fast solvers.
+const OTHERS: [&str; 7] =
+    ["name", "found.exact", "found.delta_a_exact", "candidates", "chosen", "milliseconds", "ratio"];
+
+/// Fields of the plan of an experiment with which it takes next to no time.
+fn coarse(experiment: &str) -> Value {
+    let problems = || {
+        let mut problems = json!(table_problems());
+        for problem in problems.as_array_mut().unwrap() {
+            problem["statement"]["fineness"] = json!({ "grids": [4, 8, 16] });
+        }
+        problems
+    };
+    let targets = json!([{ "kkt": 1e-3, "cells": 16 }, { "kkt": 1e-6, "cells": 16 }]);
+    match experiment {
+        "accuracy" => json!({
+            "cells": [8, 16], "contact": [8, 16], "others": [8], "compared": [4, 8],
+            "laws": [["exact(free-corner)", [4, 8]]],
+        }),
+        "adapted" => json!({ "refinements": 2, "finest": 400, "fitted": 10, "most_nodes": 200 }),
+        "claims" => json!({ "per_decade": 1, "problems": problems(), "targets": targets }),
+        "friction" => json!({ "problems": problems(), "targets": targets }),
+        "domains" => json!({ "levels": 2, "disc": 2, "cube": 1 }),
+        "stress" => json!({
+            "coarse": 8, "fine": 16, "cap": 200, "random": 10, "problems": problems(),
+        }),
+        "truth" => json!({ "cells": [16], "sampled": 8 }),
+        _ => json!({}),
+    }
+}
+
+fn enter(rows: &Rows, columns: &mut BTreeSet<String>) {
+    columns.extend(rows.iter().flat_map(|row| row.keys().cloned()));
+}
+
+#[test]
+fn every_table_and_column_that_a_template_names_is_there() {
+    let (mut tables, mut columns) = (BTreeSet::new(), BTreeSet::from(OTHERS.map(str::to_owned)));
+    for experiment in &EXPERIMENTS {
+        tables.insert(format!("{}.plan", experiment.name));
+        for (table, rows) in found(experiment.name, &coarse(experiment.name)).unwrap() {
+            enter(&rows, &mut columns);
+            tables.insert(format!("{}.{table}", experiment.name));
+        }
+    }
+    let timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap().extended();
+    for rows in json!(timings).as_object().unwrap().values() {
+        if let Ok(rows) = serde_json::from_value(rows.clone()) {
+            enter(&rows, &mut columns);
+        }
+    }
+    let table = Regex::new(r"\bbench\.(\w+\.\w+)").unwrap();
+    let column =
+        Regex::new(r#"\b(?:where|column|order)\((?:key|x)="([^"]+)"(?:, y="([^"]+)")?"#).unwrap();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates");
+    let mut seen = 0;
+    for template in fs::read_dir(folder).unwrap() {
+        let path = template.unwrap().path();
+        let text = fs::read_to_string(&path).unwrap();
+        for named in table.captures_iter(&text) {
+            assert!(tables.contains(&named[1]), "{}: no table {}", path.display(), &named[1]);
+        }
+        for named in column.captures_iter(&text) {
+            for name in named.iter().skip(1).flatten() {
+                let name = name.as_str();
+                assert!(columns.contains(name), "{}: no column {name}", path.display());
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 100, "{seen}");
+}
