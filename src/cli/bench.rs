@@ -1,8 +1,8 @@
 //! `bench`: run times of every solver on this machine; `--record` keeps them for the book.
 
-use super::current_folder;
 use super::interrupt::{at_work, interrupted};
 use super::output::{OutputFile, in_columns, say, say_json, talk};
+use super::project_root;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::read_if_there;
 use crate::replication::fields::values::solver_parser;
@@ -94,7 +94,7 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
 /// project, by the scenes that the program contains.
 fn paper_problems() -> Result<Vec<(String, String)>> {
     let mut own = Vec::new();
-    if let Ok(root) = Project::find(&current_folder()?) {
+    if let Ok(root) = project_root() {
         let folder = Project::read_scenes(&root)?;
         refuse_broken(&folder.broken)?;
         own = folder.scenes;
@@ -122,7 +122,7 @@ struct RecordFile {
 
 impl RecordFile {
     fn open() -> Result<Self> {
-        let path = Project::find(&current_folder()?)?.join(recorded::PATH);
+        let path = project_root()?.join(recorded::PATH);
         let (peers, own_meshes) = match read_if_there(&path)? {
             Some(text) => {
                 let Timings { peer, own_mesh, .. } = Timings::parse(text)?;

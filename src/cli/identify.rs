@@ -4,9 +4,9 @@ mod args;
 mod table;
 mod watch;
 
-use super::current_folder;
 use super::interrupt::{at_work, interrupted};
 use super::output::{say_json, tell};
+use super::project_root;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::project::Project;
 pub(super) use args::{EXAMPLES, IdentifyArgs};
@@ -39,7 +39,7 @@ struct Reading {
 }
 
 pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
-    let project = Project::read(Project::find(&current_folder()?)?)?;
+    let project = Project::read(project_root()?)?;
     // A search takes long: better in a project without mistakes.
     project.select(&[])?;
     let asked = Search::read(args, &project)?;

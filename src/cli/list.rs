@@ -1,11 +1,12 @@
 //! `list`: the scenes of the project, the solvers, the domains, and the problems with known solutions.
 
-use super::current_folder;
 use super::name_parser;
 use super::output::{say, say_json, talk, tell};
+use super::{project_root, scene};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::write::command;
 use crate::replication::project::Project;
+use crate::replication::scene::Scene;
 use crate::replication::scenes::SceneFolder;
 use crate::table::Table;
 use clap::Args;
@@ -77,11 +78,8 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
 }
 
 fn list_scene(name: &str, json: bool) -> Result<u8> {
-    let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
-    let scene = folder.named(name)?;
-    let (name, title) = (scene.name.clone(), scene.title.clone());
-    let shown =
-        SceneCommand { schema: 1, name, title, command: command(&scene.statement).join(" ") };
+    let Scene { name, title, statement, .. } = scene(name)?;
+    let shown = SceneCommand { schema: 1, name, title, command: command(&statement).join(" ") };
     match json {
         true => say_json(&shown)?,
         // To be copied: not broken between words.
@@ -95,7 +93,7 @@ const BROKEN: u8 = 2;
 
 /// Returns the scenes of the project; none, with a note, outside a project and in one without scenes.
 fn scenes() -> Result<SceneFolder> {
-    let root = Project::find(&current_folder()?);
+    let root = project_root();
     match root.and_then(|root| Project::read_scenes(&root)) {
         Ok(folder) => {
             folder.ignored.iter().for_each(|file| talk(&format!("note: {file}")));

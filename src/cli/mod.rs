@@ -23,6 +23,8 @@ mod status;
 
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::composed;
+use crate::replication::project::Project;
+use crate::replication::scene::Scene;
 use crate::timing::machine;
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -387,6 +389,16 @@ fn help(cli: &clap::Command, name: &str) -> String {
     let text = printed.render().to_string();
     // Without the padding of empty lines.
     text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+/// Returns the root of the project that the current folder is in.
+fn project_root() -> Result<PathBuf> {
+    Project::find(&current_folder()?)
+}
+
+/// Returns a scene of the project, and checks none.
+fn scene(name: &str) -> Result<Scene> {
+    Project::read_scenes(&project_root()?)?.named(name).cloned()
 }
 
 fn current_folder() -> Result<PathBuf> {

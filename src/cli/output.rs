@@ -4,7 +4,6 @@ use crate::pipeline;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, link_target, write_atomically};
 use crate::table::Table;
-use std::fmt::Display;
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -109,24 +108,6 @@ pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) -> Vec<Str
         warnings.push(warning);
     }
     warnings
-}
-
-/// Refuses an option that has no use with the value `chosen` of the option `by`; `options` holds the name of each, true
-/// if it is given, and the values with which it has a use.
-pub(super) fn check_options<T: Display + PartialEq>(
-    by: &str,
-    chosen: T,
-    options: &[(&str, bool, &[T])],
-) -> Result<()> {
-    let Some((option, _, takers)) =
-        options.iter().find(|(_, given, takers)| *given && !takers.contains(&chosen))
-    else {
-        return Ok(());
-    };
-    let takers = takers.iter().map(T::to_string).collect::<Vec<_>>().join(", ");
-    Err(Error::input(format!(
-        "{option} is for {by} {takers}, not {chosen}; leave it out, or change {by}"
-    )))
 }
 
 /// Returns the warning that a nodal load moves jumps of f by half a cell, a part `moved` of the integral of |f|.

@@ -2,7 +2,7 @@
 
 use super::interrupt::interrupted;
 use super::output::{for_talk, moved_jumps, refuse_tilde};
-use super::{CacheArgs, current_folder, threads};
+use super::{CacheArgs, project_root, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
 use crate::pipeline::{
@@ -51,7 +51,7 @@ impl Workplace {
     /// Returns the workplace with the project that `read` reads.
     fn with(cache: &CacheArgs, read: impl FnOnce(PathBuf) -> Result<Project>) -> Result<Self> {
         cache.cache_dir.as_deref().map_or(Ok(()), refuse_tilde)?;
-        let root = Project::find(&current_folder()?)?;
+        let root = project_root()?;
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
         outside_report(&root, &folder, "the cache")?;
         let mut project = read(root)?;

@@ -15,7 +15,7 @@ mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
-use super::output::{OutputFile, check_options, say_json, tell};
+use super::output::{OutputFile, say_json, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
 use adapting::ShownMeshes;
@@ -126,7 +126,13 @@ impl SolveArgs {
             ("--recover", self.recover),
             ("--h", self.fields.h.is_some() && *solver == Solver::Spectral),
         ];
-        check_options("--solver", *solver, &[("--recover", self.recover, &Solver::on_grids())])?;
+        if self.recover && !solver.entry().is_discrete {
+            let takers: Vec<_> = Solver::on_grids().iter().map(Solver::to_string).collect();
+            let takers = takers.join(", ");
+            return Err(Error::input(format!(
+                "--recover is for --solver {takers}, not {solver}; leave it out, or change --solver"
+            )));
+        }
         if self.recover && !domain.is_square() {
             return Err(Error::input(
                 "--recover is for the square; leave it out, or solve on the square",

@@ -4,7 +4,6 @@ use super::SolveArgs;
 use super::advice::{Remedy, Warning};
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
-use crate::cli::current_folder;
 use crate::cli::output::{OutputFile, warn_of_outside};
 use crate::cli::shown::signed;
 use crate::pipeline::error::{Error, Result};
@@ -13,7 +12,6 @@ use crate::replication::fields::Fields;
 use crate::replication::fields::read::overridden;
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
-use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
 use serde_json::Value;
@@ -402,8 +400,7 @@ fn check_size(mesh: &AnyMesh, statement: &Statement, memory: Memory) -> Result<(
 }
 
 fn scene(name: &str) -> Result<Scene> {
-    let folder = Project::read_scenes(&Project::find(&current_folder()?)?)?;
-    let scene = folder.named(name)?.clone();
+    let scene = crate::cli::scene(name)?;
     scene.check()?;
     Ok(scene)
 }

@@ -1,14 +1,13 @@
 //! Scene of the project that `solve --save` writes.
 
 use super::request::Request;
-use crate::cli::current_folder;
 use crate::cli::output::talk;
+use crate::cli::project_root;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::write_atomically;
 use crate::pipeline::names::refuse_forbidden_name;
 use crate::replication::fields::write;
 use crate::replication::mesh_files::FOLDER;
-use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::scenes::SCENES;
 use std::fs;
@@ -22,7 +21,7 @@ pub(super) fn save(name: &str, request: &Request, dimension: u8) -> Result<()> {
     if name.contains(['/', '\\']) || name.starts_with('.') {
         return Err(Error::input(format!("{option}: give a name without folders, such as plate")));
     }
-    let root = Project::find(&current_folder()?).map_err(in_option)?;
+    let root = project_root().map_err(in_option)?;
     let place = format!("{SCENES}/{name}.toml");
     let path = root.join(&place);
     if path.exists() {

@@ -4,9 +4,7 @@ use super::Fields;
 use super::table::{Domains, FIELDS, Field};
 use clap::{Arg, Args, Command};
 use serde::Serialize;
-use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
-use signorini_mathematics::statement::{Domain, Statement};
-use toml::Value;
+use signorini_mathematics::solvers::{SOLVERS, Solver};
 
 /// Fields of a statement in words.
 #[derive(Debug, Serialize)]
@@ -70,16 +68,17 @@ pub(crate) fn described() -> DescribedFields {
 impl Field {
     /// Describes the field, by its option among these.
     fn described(&self, options: &[&Arg]) -> DescribedField {
-        let long = self.name.replace('_', "-");
-        let option = options.iter().find(|option| option.get_long() == Some(&long));
-        let option = option.expect("each field is an option");
+        let name = self.option();
+        let is_own = |option: &&&Arg| option.get_long() == name.strip_prefix("--");
+        let option = options.iter().find(is_own).expect("each field is an option");
         let help = option.get_help().map(ToString::to_string).unwrap_or_default();
         let (meaning, default) = match help.split_once(DEFAULT) {
             Some((meaning, default)) => (meaning.trim_end(), Some(default.trim_end_matches(']'))),
             None => (help.as_str(), None),
         };
         let in_words = default.map(|text| text.strip_prefix(OF_SCENE).unwrap_or(text).to_owned());
-        let default = match (self.name, self.usual_value()) {
+        let usual = self.usual(true).filter(|value| value.as_str() != Some(""));
+        let default = match (self.name, usual) {
             ("f", _) => "must be given".into(),
             (_, Some(value)) => format!("`{value}`"),
             (_, None) => in_words.unwrap_or_else(|| "none".into()),
@@ -88,8 +87,9 @@ impl Field {
         if !option.is_hide_possible_values_set() {
             let all = option.get_possible_values();
             let names: Vec<_> = all.iter().map(|value| format!("`{}`", value.get_name())).collect();
-            more +=
-                &(if names.is_empty() { String::new() } else { format!(": {}", names.join(", ")) });
+            if !names.is_empty() {
+                more += &format!(": {}", names.join(", "));
+            }
         }
         let goes_with = self.goes_with();
         if !goes_with.is_empty() {
@@ -99,19 +99,11 @@ impl Field {
         DescribedField {
             key: self.key(),
             // A stroke would end the cell of a table.
-            option: format!("{} {value_name}", self.option()).replace('|', "\\|"),
+            option: format!("{name} {value_name}").replace('|', "\\|"),
             meaning: meaning.to_owned(),
             more,
             default,
         }
-    }
-
-    /// Value in a usual statement on the square, as TOML; none if it has none there.
-    fn usual_value(&self) -> Option<String> {
-        let saddle = Some(SaddleSettings::default());
-        let usual = Statement { saddle, ..Statement::usual(Domain::square(), "") };
-        let value = (self.value)(&usual).filter(|value| value.as_str() != Some(""));
-        value.as_ref().map(Value::to_string)
     }
 
     /// Solvers and domains that have the field, in words; nothing if all have.

@@ -228,12 +228,14 @@ fn cells_of_width(width: f64) -> Option<usize> {
 /// Returns, in words, what a statement has in place of that of a scene.
 pub(crate) fn overridden(of_scene: &Statement, asked: &Statement) -> Vec<String> {
     let mut all = Vec::new();
-    for field in FIELDS.iter().filter(|field| !field.is_about_fineness()) {
-        if field.name == "load" {
-            all.extend(fineness_overridden(of_scene, asked));
+    let mut fineness = fineness_overridden(of_scene, asked);
+    for field in &FIELDS {
+        if field.is_about_fineness() {
+            // All fields that say how fine have one line.
+            all.extend(fineness.take());
+        } else if let Some([new, old]) = field.differing([asked, of_scene]) {
+            all.push(format!("{} {new} instead of {old}", field.name.replace('_', "-")));
         }
-        let Some([new, old]) = field.differing([asked, of_scene]) else { continue };
-        all.push(format!("{} {new} instead of {old}", field.name.replace('_', "-")));
     }
     all
 }

@@ -252,10 +252,14 @@ fn curves(domain: &Domain) -> Option<Value> {
 impl Field {
     /// Value in a statement that a scene or a command has to name; none if it is the usual one.
     pub(super) fn named(&self, statement: &Statement) -> Option<Value> {
-        let usual = Statement::usual(Domain::square(), "");
-        let saddle = statement.saddle.map(|_| SaddleSettings::default());
-        let usual = (self.value)(&Statement { saddle, ..usual });
+        let usual = self.usual(statement.saddle.is_some());
         (self.value)(statement).filter(|value| Some(value) != usual.as_ref())
+    }
+
+    /// Value in a usual statement on the square, with the settings of a saddle-point method or without.
+    pub(super) fn usual(&self, has_saddle: bool) -> Option<Value> {
+        let saddle = has_saddle.then(SaddleSettings::default);
+        (self.value)(&Statement { saddle, ..Statement::usual(Domain::square(), "") })
     }
 
     /// Values as options have them, one for each time that the option is given.

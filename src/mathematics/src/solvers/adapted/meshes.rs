@@ -45,6 +45,8 @@ const LEAST_GAIN: f64 = 0.6;
 const AIM: f64 = 0.95;
 /// Part of the error that is left at most when the number of nodes has doubled; 0.71 is usual.
 const FALL: f64 = 0.9;
+/// Number of meshes with a bound from which on they tell whether the error falls.
+const LEAST_ERRORS: usize = 4;
 /// Numbers whose work takes as long as that on a node.
 const COST: usize = 16;
 /// Number of nodes up to which the polygon of a curved domain may be too coarse for a flux that balances f.
@@ -205,8 +207,11 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// True if the error has hardly fallen while the number of nodes has doubled, twice.
+    /// True if the error has hardly fallen while the number of nodes has doubled, twice; the first meshes do not tell.
     fn has_stalled(&self) -> bool {
+        if self.errors.len() < LEAST_ERRORS {
+            return false;
+        }
         let Some(&[nodes, error]) = self.errors.last() else { return false };
         [0.5, 0.25].into_iter().all(|part| {
             let mut before = self.errors.iter().rev();
