@@ -86,7 +86,8 @@ impl Rows {
     /// # Errors
     /// As [`Rows::column`].
     pub fn points(&self, x: &str, y: &str) -> Result<Vec<(f64, f64)>, String> {
-        (self.column(x)?, self.column(y)?);
+        self.column(x)?;
+        self.column(y)?;
         let points = self.iter().map(|row| Some((row.get(x)?.as_f64()?, row.get(y)?.as_f64()?)));
         Ok(points.flatten().collect())
     }
