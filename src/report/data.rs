@@ -50,8 +50,8 @@ pub(super) fn as_shown(text: &str) -> String {
 pub(super) struct RowFiles(Arc<Mutex<BTreeMap<String, String>>>);
 
 impl RowFiles {
-    /// Registers the filter `rows`: `{{ ROWS | rows(name="NAME") }}` makes `data/NAME-rows.csv` of the rows, and returns
-    /// the path of the file in the book.
+    /// Registers the filter `rows`: `{{ ROWS | rows(name="NAME") }}` makes `data/NAME-rows.csv` of the rows, and
+    /// returns the path of the file in the book.
     pub(super) fn register(&self, tera: &mut Tera) {
         let files = self.clone();
         tera.register_filter("rows", move |value: tera::Value, kwargs: Kwargs, _: &State| {
