@@ -1,11 +1,12 @@
 //! Data of the tables on the pages: CSV with all digits, made from the tables themselves, so that the file behind a
-//! table has the columns, the names and the rows of the table; and JSON of the values of which a table shows a part.
+//! table has the columns, the names and the rows of the table; and CSV of the rows of which a table shows a part.
 //!
 //! Between the rendering of a template and the page, a number is in the text twice, as it is shown and with all its
 //! digits: [`with_digits`].
 
 use crate::table::quoted;
 use regex::Regex;
+use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock, Mutex};
 use tera::{Kwargs, State, Tera, TeraResult};
@@ -44,30 +45,35 @@ pub(super) fn as_shown(text: &str) -> String {
     NUMBER.replace_all(text, "$1").into_owned()
 }
 
-/// JSON for which the templates asked, by the name of its file.
+/// Rows for which the templates asked as CSV, by the name of the file.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trees(Arc<Mutex<BTreeMap<String, String>>>);
+pub(super) struct RowFiles(Arc<Mutex<BTreeMap<String, String>>>);
 
-impl Trees {
-    /// Registers the filter `tree`: `{{ VALUE | tree(name="NAME") }}` makes `data/NAME.json` of the value, and returns
-    /// the path of the file in the book.
+impl RowFiles {
+    /// Registers the filter `rows`: `{{ ROWS | rows(name="NAME") }}` makes `data/NAME-rows.csv` of the rows, and
+    /// returns the path of the file in the book.
     pub(super) fn register(&self, tera: &mut Tera) {
-        let trees = self.clone();
-        tera.register_filter("tree", move |value: tera::Value, kwargs: Kwargs, _: &State| {
-            trees.add(&value, &kwargs)
+        let files = self.clone();
+        tera.register_filter("rows", move |value: tera::Value, kwargs: Kwargs, _: &State| {
+            files.add(&value, &kwargs)
         });
     }
 
     fn add(&self, value: &tera::Value, kwargs: &Kwargs) -> TeraResult<String> {
-        let file = format!("{}.json", kwargs.must_get::<String>("name")?);
+        let file = format!("{}-rows.csv", kwargs.must_get::<String>("name")?);
         // Its maps are ordered; those of templates are not, and would be in another order in each run.
         let value = serde_json::to_value(value).map_err(tera::Error::message)?;
-        let json = format!("{value}\n");
+        let rows: Vec<BTreeMap<String, Json>> =
+            serde_json::from_value(value).map_err(tera::Error::message)?;
+        let mut csv = line(rows.iter().take(1).flat_map(BTreeMap::keys).cloned());
+        for row in &rows {
+            csv += &line(row.values().map(in_cell));
+        }
         let mut files = self.0.lock().expect("no panic while it is held");
-        if files.get(&file).is_some_and(|there| *there != json) {
+        if files.get(&file).is_some_and(|there| *there != csv) {
             return Err(tera::Error::message(format!("two different data are named `{file}`")));
         }
-        files.insert(file.clone(), json);
+        files.insert(file.clone(), csv);
         Ok(format!("data/{file}"))
     }
 
@@ -75,6 +81,20 @@ impl Trees {
     pub(super) fn files(&self) -> BTreeMap<String, String> {
         self.0.lock().expect("no panic while it is held").clone()
     }
+}
+
+/// Returns a value as a cell of CSV: nothing where there is none.
+fn in_cell(value: &Json) -> String {
+    match value {
+        Json::Null => String::new(),
+        Json::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// Returns a line of CSV.
+fn line(cells: impl Iterator<Item = String>) -> String {
+    cells.map(|cell| quoted(&cell)).collect::<Vec<_>>().join(",") + "\n"
 }
 
 /// Returns the CSV of each table of a rendered page that links to it as `data/NAME.csv`, by the name of its file.
@@ -115,12 +135,9 @@ fn csv(table: &str) -> String {
             }
         }
     }
-    let line = |cells: Vec<String>| {
-        cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n"
-    };
-    let mut csv = line(columns.iter().map(|(name, _)| name.clone()).collect());
+    let mut csv = line(columns.iter().map(|(name, _)| name.clone()));
     for k in 0..rows.len() {
-        csv += &line(columns.iter().map(|(_, cells)| cells[k].clone()).collect());
+        csv += &line(columns.iter().map(|(_, cells)| cells[k].clone()));
     }
     csv
 }
@@ -284,23 +301,20 @@ mod tests {
     }
 
     #[test]
-    fn a_name_stands_for_one_tree() {
-        let (mut tera, trees) = (Tera::new(), Trees::default());
-        trees.register(&mut tera);
-        let context =
-            tera::Context::from_serialize(&json!({ "a": [{ "z": 1, "x": 1, "y": 1 }], "b": [] }));
-        let context = context.unwrap();
+    fn a_name_stands_for_the_same_rows() {
+        let (mut tera, files) = (Tera::new(), RowFiles::default());
+        files.register(&mut tera);
+        let rows = json!([{ "z": 1.5, "x": "a, b", "y": null }, { "z": 2, "x": "c", "y": true }]);
+        let context = tera::Context::from_serialize(&json!({ "a": rows, "b": [] })).unwrap();
         tera.add_raw_templates([
-            ("first", "{{ a | tree(name=\"a\") }}"),
-            ("second", "{{ b | tree(name=\"a\") }}"),
+            ("first", "{{ a | rows(name=\"a\") }}"),
+            ("second", "{{ b | rows(name=\"a\") }}"),
         ])
         .unwrap();
-        assert_eq!(tera.render("first", &context).unwrap(), "data/a.json");
-        assert_eq!(
-            trees.files(),
-            BTreeMap::from([("a.json".into(), "[{\"x\":1,\"y\":1,\"z\":1}]\n".into())])
-        );
+        assert_eq!(tera.render("first", &context).unwrap(), "data/a-rows.csv");
+        let csv = "x,y,z\n\"a, b\",,1.5\nc,true,2\n";
+        assert_eq!(files.files(), BTreeMap::from([("a-rows.csv".into(), csv.into())]));
         let error = tera.render("second", &context).unwrap_err().to_string();
-        assert!(error.contains("two different data are named `a.json`"), "{error}");
+        assert!(error.contains("two different data are named `a-rows.csv`"), "{error}");
     }
 }
