@@ -36,7 +36,8 @@ impl Prolongation {
     }
 }
 
-/// Prolongs the nodal vector `coarse`, of numbers or of one for each of several problems, to the grid with twice the cells per side.
+/// Prolongs the nodal vector `coarse`, of numbers or of one for each of several problems, to the grid with twice the
+/// cells per side.
 ///
 /// # Panics
 /// If `coarse.len() != grid.nodes()`.

@@ -24,6 +24,7 @@ pub(super) struct SolutionFields<'a> {
 
 /// Grid or mesh to whose nodes and cells arrays belong.
 #[derive(Clone)]
+#[expect(clippy::large_enum_variant, reason = "one value for each file")]
 pub(super) enum FieldPlace<'a> {
     /// The square: x runs fastest.
     Grid(Grid),

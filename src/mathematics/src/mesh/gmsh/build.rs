@@ -259,7 +259,7 @@ mod tests {
             mesh.origin = MeshOrigin::default();
             assert_eq!(mesh, square);
         }
-        let named = read(beside("31 1 2 5 9 15 16\n").as_bytes()).unwrap_err().to_string();
+        let named = read(beside("31 1 2 5 9 15 16\n").as_bytes()).unwrap_err();
         assert!(
             named.starts_with("element 31 is a line on no triangle, and in a group: "),
             "{named}"
@@ -304,7 +304,7 @@ mod tests {
             ),
         ] {
             assert!(alone.contains(from), "{alone}");
-            let fault = read(alone.replace(from, to).as_bytes()).unwrap_err().to_string();
+            let fault = read(alone.replace(from, to).as_bytes()).unwrap_err();
             assert!(fault.starts_with(said), "{fault}");
         }
         let nothing = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n\
@@ -312,12 +312,12 @@ mod tests {
         let nothing = nothing.replace("$Nodes", &format!("{entity}$Nodes"));
         // With a Physical Volume, and surfaces meshed alone, version 4 has neither nodes nor elements.
         let (geometry, _) = nothing.split_once("$Nodes").unwrap();
-        let fault = read(geometry.as_bytes()).unwrap_err().to_string();
+        let fault = read(geometry.as_bytes()).unwrap_err();
         assert!(fault.starts_with("the file has no section $Nodes; "), "{fault}");
         let in_group = geometry.replace("1 1 1 0 0", "1 1 1 1 5 0");
-        let fault = read(in_group.as_bytes()).unwrap_err().to_string();
+        let fault = read(in_group.as_bytes()).unwrap_err();
         assert!(fault.starts_with("the file has a Physical Volume and no tetrahedra: "), "{fault}");
-        let fault = read(nothing.as_bytes()).unwrap_err().to_string();
+        let fault = read(nothing.as_bytes()).unwrap_err();
         assert_eq!(
             fault,
             "the mesh has no tetrahedra; mesh the volume itself, not only its boundary"
@@ -334,9 +334,7 @@ mod tests {
         corners.iter().zip(turned).for_each(|(from, to)| text = text.replace(from, to));
         assert!((plane(text.as_bytes()).volume() - 1.0).abs() < 1e-5);
         let bent = text.replace("-0.500004", "-0.5001");
-        assert!(
-            read(bent.as_bytes()).unwrap_err().to_string().contains("is off the plane of nodes")
-        );
+        assert!(read(bent.as_bytes()).unwrap_err().contains("is off the plane of nodes"));
         // A strip is no line, however narrow.
         for narrow in
             [["12 1 0 0", "13 1 0 1e-6", "14 0 0 1e-6"], ["12 1 0 0", "13 1 1e-6 0", "14 0 1e-6 0"]]
@@ -443,13 +441,13 @@ mod tests {
         // Two conditions meet on the lower edge.
         let refused = mesh.set_condition("south", Condition::Fixed).unwrap_err();
         assert_eq!(
-            refused.to_string(),
+            refused,
             "facets named south, loaded would be free and fixed; choose one of the two"
         );
         assert_eq!(mesh.set_condition("south", Condition::Free), Ok(()));
         let refused = mesh.set_condition("diagonal", Condition::Free).unwrap_err();
         assert_eq!(
-            refused.to_string(),
+            refused,
             "`diagonal` lies inside the domain, where no condition holds; the parts of the boundary are south, \
              loaded, boundary"
         );
@@ -474,7 +472,7 @@ mod tests {
             .replace("2 2 \"plate\"\n", "")
             .replace("$Elements\n4", "$Elements\n2")
             .replace(cells, "");
-        let said = read(text.as_bytes()).unwrap_err().to_string();
+        let said = read(text.as_bytes()).unwrap_err();
         assert_eq!(
             said,
             "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical \
@@ -483,7 +481,7 @@ mod tests {
         let (before, _) = text.split_once("$PhysicalNames").unwrap();
         let (_, after) = text.split_once("$EndPhysicalNames\n").unwrap();
         let text = format!("{before}{after}").replace("22 1 2 1 1 11 12", "22 1 2 0 1 11 12");
-        let said = read(text.as_bytes()).unwrap_err().to_string();
+        let said = read(text.as_bytes()).unwrap_err();
         assert_eq!(said, "the mesh has no triangles; mesh the area itself, not only its boundary");
     }
 }

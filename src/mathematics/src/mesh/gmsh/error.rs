@@ -285,7 +285,7 @@ mod tests {
         assert!(read(SQUARE_41.replace("4.1 0 8", "4.10 0 8").as_bytes()).is_ok());
         let (nodes, _) = SQUARE_22.split_once("$Elements").unwrap();
         assert_eq!(
-            read(nodes.as_bytes()).unwrap_err().to_string(),
+            read(nodes.as_bytes()).unwrap_err(),
             "the file has no section $Elements; save the mesh, not only the geometry"
         );
     }

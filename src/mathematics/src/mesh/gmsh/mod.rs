@@ -254,7 +254,7 @@ mod tests {
     /// Message for a file after `from` in its text became `to`.
     pub(super) fn after(text: &str, from: &str, to: &str) -> String {
         assert!(text.contains(from), "{from}");
-        read(text.replacen(from, to, 1).as_bytes()).unwrap_err().to_string()
+        read(text.replacen(from, to, 1).as_bytes()).unwrap_err()
     }
 
     #[test]
@@ -270,7 +270,7 @@ mod tests {
             assert_eq!(plane(&encode(&SQUARE_41_BINARY, is_big_endian)), square);
             assert_eq!(plane(&encode(&SQUARE_40_BINARY, is_big_endian)), square);
             let bytes = encode(&SQUARE_22_BINARY, is_big_endian);
-            let message = read(&bytes[..bytes.len() - 20]).unwrap_err().to_string();
+            let message = read(&bytes[..bytes.len() - 20]).unwrap_err();
             assert_eq!(message, "$Elements, byte 327: the file ends too soon; save the mesh again");
         }
     }

@@ -91,7 +91,7 @@ mod tests {
             assert_eq!(plane(quadrangle(corners).as_bytes()).cells().len(), 2, "{corners:?}");
         }
         let crosswise = quadrangle(["13 1 1 0", "14 0 1 0"]).replace("11 12 13 14", "11 12 14 13");
-        let said = read(crosswise.as_bytes()).unwrap_err().to_string();
+        let said = read(crosswise.as_bytes()).unwrap_err();
         assert_eq!(
             said,
             "element 23 is a quadrangle whose sides cross: name its corners in their order around it"
