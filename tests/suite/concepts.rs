@@ -8,10 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Most items of the mathematics that the program names.
-const ITEMS_OF_THE_MATHEMATICS: usize = 110;
+const ITEMS_OF_THE_MATHEMATICS: usize = 85;
 
 /// Most public types of the mathematics: structures, enumerations, traits and names of types.
-const TYPES_OF_THE_MATHEMATICS: usize = 232;
+const TYPES_OF_THE_MATHEMATICS: usize = 160;
 
 /// Most methods of the trait of geometry and load.
 const METHODS_OF_LEVELS: usize = 15;

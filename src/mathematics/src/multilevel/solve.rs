@@ -24,10 +24,10 @@ const LAST_STEP: f64 = 0.1;
 /// Steps in which the residual has to halve; if it does not, no further step may raise the energy.
 const PATIENCE: usize = 10;
 /// Number of steps over which their speed is measured.
-const MEASURED_STEPS: usize = 12;
+const MEASURED_STEPS: usize = 8;
 /// Part of the residual that is left after these steps from which on they are slow: 15 to 21 steps are usual to rounding
 /// errors, and each leaves a third.
-const SLOW: f64 = 0.1;
+const SLOW: f64 = 0.03;
 /// Most steps on the coarsest level of aggregates.
 const COARSEST_STEPS: usize = 30;
 
