@@ -18,9 +18,9 @@ use std::f64::consts::PI;
 pub struct DiscFindings {
     /// Coefficients c0, c1 and k of f.
     pub c0: f64,
-    /// See [`DiscProblem`].
+    /// See `DiscProblem`.
     pub c1: f64,
-    /// See [`DiscProblem`].
+    /// See `DiscProblem`.
     pub k: u32,
     /// Energy of the true solution.
     pub energy: f64,
