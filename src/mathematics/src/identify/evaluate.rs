@@ -26,7 +26,7 @@ pub struct Table {
     pub delta_a: Vec<f64>,
 }
 
-/// Runs candidates of some geometries under one variant against one table, in the lanes of [`Lanes`].
+/// Runs candidates of some geometries under one variant against one table, in the lanes of `Lanes`.
 ///
 /// Everything that does not depend on the values of f is prepared once: the load vectors of the
 /// pieces, of which that of f is the combination, and all buffers. Clone it for another thread.

@@ -254,7 +254,7 @@ impl Law {
         (sum + measure * a) / (diagonal + measure * r)
     }
 
-    /// Minimiser of the energy over one boundary unknown, [`Law::relax`] as r grows: the diagonal entry times y is
+    /// Minimiser of the energy over one boundary unknown, `Law::relax` as r grows: the diagonal entry times y is
     /// `sum` and the flux times `measure`.
     #[inline(always)]
     pub fn settle(self, sum: f64, diagonal: f64, measure: f64) -> f64 {

@@ -79,7 +79,7 @@ use sums::Summands;
 /// conditions. There is no recovery.
 ///
 /// # Errors
-/// As [`BoundedProblem::bounds`].
+/// As `BoundedProblem::bounds`.
 ///
 /// # Panics
 /// If `y`, `network` and `mesh` have not the same number of nodes, or `f` is not that of the mesh.

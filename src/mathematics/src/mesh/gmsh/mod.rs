@@ -26,7 +26,7 @@ use nodes::FileNodes;
 use scanner::{Scanner, Version};
 
 /// Reads a mesh: in space if there are tetrahedra, else in the plane, whose place is in
-/// [`MeshOrigin`](super::MeshOrigin).
+/// `MeshOrigin`.
 ///
 /// Nodes keep the order of the file; nodes of no line, triangle or tetrahedron are left out. A group without a name has
 /// its number for a name; cells without a group are the region `domain`. An element may be in several groups: facets of

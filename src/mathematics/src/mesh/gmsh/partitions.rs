@@ -60,7 +60,7 @@ mod tests {
 
     /// Refusal of a file, if it is refused.
     fn said(text: &str) -> Option<String> {
-        read(text.as_bytes()).err().map(|fault| fault)
+        read(text.as_bytes()).err()
     }
 
     /// File without one of the cells of the square.
