@@ -113,7 +113,7 @@ impl SolveArgs {
     fn check_most_nodes(&self, statement: &Statement) -> Result<()> {
         match self.most_nodes {
             Some(most) if !is_adapted(statement) => Err(Error::input(format!(
-                "--most-nodes {most} is about an accuracy on a mesh; add --accuracy 1e-2 and a --domain, or leave it out"
+                "--most-nodes {most} is about an accuracy on a mesh; add --accuracy and --domain, or leave it out"
             ))),
             _ => Ok(()),
         }

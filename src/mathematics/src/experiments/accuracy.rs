@@ -143,7 +143,7 @@ pub(super) fn accuracy(plan: &AccuracyPlan) -> Result<Findings, String> {
         work.extend(known.work);
     }
     work.extend(others?);
-    let sampled = Grid::new(SAMPLED).map_err(|e| e.to_string())?;
+    let sampled = Grid::new(SAMPLED).map_err(|e| e.clone())?;
     let free_corner = nodal_values(Exact::FreeCorner, sampled);
     let facts = Facts {
         sampled: SAMPLED,
@@ -175,7 +175,7 @@ fn known(solution: &KnownSolution, plan: &AccuracyPlan) -> Result<KnownRows, Str
     };
     let mut known = KnownRows { errors: Vec::new(), work: Vec::new() };
     for &n in cells {
-        let grid = Grid::new(n).map_err(|e| e.to_string())?;
+        let grid = Grid::new(n).map_err(|e| e.clone())?;
         let load = solution.load(grid);
         let (cost, [rough, _, y]) = cost(solution.name(), n, &load)?;
         let errors = solution.errors(grid, &y, &load);
@@ -206,7 +206,7 @@ fn known(solution: &KnownSolution, plan: &AccuracyPlan) -> Result<KnownRows, Str
 fn others(cells: &[usize], problems: &[(String, String)]) -> Result<Vec<WorkRow>, String> {
     let mut rows = Vec::new();
     for &n in cells {
-        Grid::new(n).map_err(|e| e.to_string())?;
+        Grid::new(n).map_err(|e| e.clone())?;
         let mut loads = paper_loads(n, problems)?;
         loads.extend(stress_loads(n));
         for counted in map(&loads, 1, |(name, load)| cost(name, n, load)) {
@@ -221,7 +221,7 @@ fn others(cells: &[usize], problems: &[(String, String)]) -> Result<Vec<WorkRow>
 fn cost(name: &str, n: usize, load: &[f64]) -> Result<(Vec<WorkRow>, [Vec<f64>; 3]), String> {
     let failed = |e: InputError| format!("{name} on grid 1/{n}: {e}");
     let mut workspace = Multigrid::square(n).map_err(failed)?;
-    let grid = Grid::new(n).map_err(|e| e.to_string())?;
+    let grid = Grid::new(n).map_err(|e| e.clone())?;
     let (mut rows, mut solutions) = (Vec::new(), [const { Vec::new() }; 3]);
     for ((words, goal), solution) in GOALS.into_iter().zip(&mut solutions) {
         let params = MultigridParams { goal, ..MultigridParams::default() };

@@ -63,7 +63,7 @@ pub(super) fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<SweepsRow>, Str
 
 /// Counts the sweeps to each of [`TARGETS`] on all grids.
 fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<SweepsRow>, String> {
-    let grids = grid::nested(cells).map_err(|e| e.to_string())?;
+    let grids = grid::nested(cells).map_err(|e| e.clone())?;
     let source: Source = f.parse().map_err(|e| format!("{f}: {e}"))?;
     let mut rows = Vec::new();
     let levels = NestedGrids { grids: &grids, prolongation: Prolongation::default() };
@@ -103,7 +103,7 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<SweepsRow>, String>
 pub(super) fn compare(cells: &[usize]) -> Result<Vec<ComparedWork>, String> {
     let exact = Exact::FreeCorner;
     let known = KnownSolution::Formula(exact);
-    let grids = grid::nested(cells).map_err(|e| e.to_string())?;
+    let grids = grid::nested(cells).map_err(|e| e.clone())?;
     let mut levels = Vec::new();
     for grid in grids {
         levels.push(OnGrid::new(&known, grid)?);

@@ -2,14 +2,14 @@
 
 /// Symmetric positive definite matrix, and its factors `A = L D L'`, with the pattern of L and zeros kept.
 ///
-/// The rows of L are computed one after the other, along the paths of the elimination tree (J. W. H. Liu, SIAM J. Matrix
-/// Anal. Appl. 11 (1990) 134-172; T. A. Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, section 4.7).
+/// The rows of L are computed one after the other, along the paths of the elimination tree (J. W. H. Liu, SIAM J.
+/// Matrix Anal. Appl. 11 (1990) 134-172; T. A. Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, section 4.7).
 pub(crate) struct Factors {
     /// Rows of the matrix left of the diagonal.
     matrix: Rows,
     /// Column of the first entry of each column of L below the diagonal; [`NONE`] without entries.
     parents: Vec<u32>,
-    /// Where the entries of each column of L begin, and the last ones end.
+    /// Places at which the entries of each column of L begin, and the last ones end.
     starts: Vec<usize>,
     /// Rows of the entries of L below the diagonal, column by column, increasing in each.
     rows: Vec<u32>,
@@ -106,8 +106,8 @@ impl Factors {
             + (3 * size_of::<f64>() + 3 * size_of::<u32>()) * self.inverses.len()
     }
 
-    /// Factors the matrix with these entries on the diagonal; a row and a column whose entry is infinite are replaced by
-    /// those of the unit matrix.
+    /// Factors the matrix with these entries on the diagonal; a row and a column whose entry is infinite are replaced
+    /// by those of the unit matrix.
     pub(crate) fn factor(&mut self, diagonal: &[f64]) {
         let Self { matrix, parents, starts, rows, entries, inverses, work } = self;
         work.met.fill(NONE);

@@ -40,8 +40,8 @@ pub(crate) fn reverse_cuthill_mckee(network: &Network) -> Vec<u32> {
 }
 
 /// Returns the place of each node in an order that leaves few entries in factors: by minimum degree, with the upper
-/// bound of the degrees of P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886-905. Small
-/// networks have the order of [`reverse_cuthill_mckee`].
+/// bound of the degrees of P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886-905.
+/// Small networks have the order of [`reverse_cuthill_mckee`].
 ///
 /// A node that is eliminated becomes an element, which couples all nodes that were coupled to it, and takes in the
 /// elements that it was in.

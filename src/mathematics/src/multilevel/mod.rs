@@ -10,8 +10,8 @@
 //! 3. Solve the problem of the coarsest level: of a mesh by the active set method, of aggregates by some steps.
 //! 4. On each finer level in turn (`iterate.rs`): interpolate, relax all nodes once, hold the nodes that reach the
 //!    contact at zero, and apply one step of conjugate gradients to the others.
-//! 5. On the finest network, go on until the goal is reached. If the steps are slow, as where cells are stretched, begin
-//!    again from the vector so far with levels of aggregates alone, which the matrix tells how to coarsen.
+//! 5. On the finest network, go on until the goal is reached. If the steps are slow, as where cells are stretched,
+//!    begin again from the vector so far with levels of aggregates alone, which the matrix tells how to coarsen.
 //!
 //! The preconditioner is a cycle (`cycle.rs`), V over meshes and W over aggregates, whose functions leave out what is
 //! held. Where a fine node is held between coarse nodes that are not, the coarse functions would be too soft: springs

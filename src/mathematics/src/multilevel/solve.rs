@@ -25,8 +25,8 @@ const LAST_STEP: f64 = 0.1;
 const PATIENCE: usize = 10;
 /// Number of steps over which their speed is measured.
 const MEASURED_STEPS: usize = 8;
-/// Part of the residual that is left after these steps from which on they are slow: 15 to 21 steps are usual to rounding
-/// errors, and each leaves a third.
+/// Part of the residual that is left after these steps from which on they are slow: 15 to 21 steps are usual to
+/// rounding errors, and each leaves a third.
 const SLOW: f64 = 0.03;
 /// Most steps on the coarsest level of aggregates.
 const COARSEST_STEPS: usize = 30;

@@ -8,6 +8,7 @@ mod reach;
 mod run;
 mod size;
 mod solved;
+mod solver;
 mod table;
 
 pub use adapted::Adaption;
@@ -17,7 +18,8 @@ pub use reach::{Tried, Watcher};
 pub use run::{FoundSolution, Run};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{ReachEnd, Reached, Solved, recovered};
-pub use table::{SOLVERS, Solver, SolverEntry};
+pub use solver::Solver;
+pub use table::{SOLVERS, SolverEntry};
 
 use crate::bounds::NoBound;
 use crate::discrete::transfer::Prolongation;

@@ -1,30 +1,11 @@
 //! Solvers in one table: names, domains, memory, and the function that runs each.
 
 use super::run::{FoundSolution, active_set, multigrid, saddle, truth};
-use super::{Refusal, Settings};
+use super::{Refusal, Settings, Solver};
 use crate::levels::Problem;
 use crate::multigrid::active_set::{MOST_CELLS, MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE};
 use crate::saddle::{Method, Monitor};
-use serde::{Deserialize, Serialize};
 use std::fmt;
-
-/// Solver, by the names of [`SOLVERS`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Solver {
-    /// The paper's method.
-    ArrowHurwicz,
-    /// Uzawa's method.
-    Uzawa,
-    /// Uzawa's method with the proximal term.
-    UzawaProximal,
-    /// Primal-dual active set.
-    ActiveSet,
-    /// Full multigrid.
-    Multigrid,
-    /// Conformal map and Riemann-Hilbert problem.
-    Spectral,
-}
 
 /// Entry of [`SOLVERS`].
 pub struct SolverEntry {
@@ -171,6 +152,7 @@ fn banded_factors(n: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde::Deserialize;
 
     #[test]
     fn names_are_those_of_records_and_lists_follow_from_the_table() {

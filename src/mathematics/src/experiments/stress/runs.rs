@@ -50,8 +50,8 @@ pub(super) struct StressLoads<'a> {
 
 impl<'a> StressLoads<'a> {
     pub(super) fn new(plan: &'a StressPlan) -> Result<Self, String> {
-        let coarse = Grid::new(plan.coarse).map_err(|e| e.to_string())?;
-        let fine = Grid::new(plan.fine).map_err(|e| e.to_string())?;
+        let coarse = Grid::new(plan.coarse).map_err(|e| e.clone())?;
+        let fine = Grid::new(plan.fine).map_err(|e| e.clone())?;
         let mut loads = Vec::new();
         let papers = plan.problems.iter().map(|one| (one.name(), one.statement.f.clone()));
         for (name, f) in papers.chain([plan.contact.clone()]) {

@@ -49,7 +49,7 @@ impl Workspace {
 }
 
 fn on_grid(cells: usize, threads: &[usize]) -> Prepared {
-    let grid = Grid::new(cells).map_err(|e| e.to_string())?;
+    let grid = Grid::new(cells).map_err(|e| e.clone())?;
     let load = load(grid, &Source::from(TimedPlan::SCALED), LoadRule::default());
     let multigrid = Multigrid::square(cells).map_err(|e| e.to_string())?;
     let workspace = Workspace { y: vec![0.0; load.len()], multigrid, load };

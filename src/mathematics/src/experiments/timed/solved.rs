@@ -63,7 +63,7 @@ fn of_problem(plan: &TimedPlan, known: KnownSolution, is_papers: bool) -> Prepar
     let finest = plan.finest.min(if plan.quick { 32 } else { 1024 });
     let mut levels = Vec::new();
     for cells in (3..).map(|level| 1 << level).take_while(|cells| *cells <= finest) {
-        let grid = Grid::new(cells).map_err(|e| e.to_string())?;
+        let grid = Grid::new(cells).map_err(|e| e.clone())?;
         levels.push(OnGrid::new(&known, grid)?);
     }
     let problem = Arc::new(TimedProblem { known, levels });
@@ -105,7 +105,7 @@ fn published(problem: &Arc<TimedProblem>) -> Result<TimedRun, String> {
     let last = last.ok_or("no grid for the published stop")?;
     let finest = problem.levels[last].grid.cells().ilog2();
     let cells: Vec<usize> = (2..=finest).map(|level| 1 << level).collect();
-    let grids = nested(&cells).map_err(|e| e.to_string())?;
+    let grids = nested(&cells).map_err(|e| e.clone())?;
     let f = problem.known.f();
     let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::default())).collect();
     let judging = Arc::clone(problem);

@@ -77,7 +77,7 @@ impl Bounded {
 
 impl ElementsRow {
     fn of(known: &KnownSolution, cells: usize) -> Result<Self, String> {
-        let grid = Grid::new(cells).map_err(|e| e.to_string())?;
+        let grid = Grid::new(cells).map_err(|e| e.clone())?;
         let load = known.load(grid);
         let against_hats = load::load(grid, &known.f(), LoadRule::Bilinear {});
         let Bounded { y, error, bounds } = Bounded::solve(known, grid, &load, &load)?;

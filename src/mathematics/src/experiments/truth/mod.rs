@@ -90,7 +90,7 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
         solve(name, f, plan.resolutions).map_err(|e| format!("{name}: {e}"))
     });
     let solved: Vec<SolvedTwice> = solved.into_iter().collect::<Result<_, String>>()?;
-    let grid = Grid::new(plan.sampled).map_err(|e| e.to_string())?;
+    let grid = Grid::new(plan.sampled).map_err(|e| e.clone())?;
     let (mut references, mut values, mut known) = (Vec::new(), Vec::new(), Vec::new());
     let (mut samples, mut multipliers) = (Vec::new(), Vec::new());
     for one in solved {
