@@ -12,7 +12,7 @@ pub const PATH: &str = "pipeline/timings.toml";
 pub const SCHEMA: u8 = 1;
 
 /// Measured times. Every time in `seconds` is a median, whose `spread` is the distance of the quartiles over it. Grids
-/// have so many `cells` per side. The columns of each table are in [`TABLES`].
+/// have so many `cells` per side. The columns of each table are in `TABLES`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timings {

@@ -105,7 +105,7 @@ fn solve_on(
     let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();
     run.start = start.map(|y| scaled(&nested.levels.renumbered(y)));
     let end = driver::solve(&mut run, one_sided.limit, params)?;
-    let is_slow = run.is_slow();
+    let is_slow = end.stop == Stop::IterationLimit && run.is_slow();
     let mut y = nested.levels.in_order_of_mesh(run.take_y());
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
     Ok(Improved { y, end, is_slow })
