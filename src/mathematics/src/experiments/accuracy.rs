@@ -89,7 +89,7 @@ struct WorkRow {
 
 /// Table `facts`, of one row.
 #[derive(Serialize)]
-struct Facts {
+struct FactsRow {
     /// Cells per side of the grid at whose nodes solutions without a formula are compared.
     sampled: usize,
     /// Natural residual of the second goal.
@@ -145,7 +145,7 @@ pub(super) fn accuracy(plan: &AccuracyPlan) -> Result<Findings, String> {
     work.extend(others?);
     let sampled = Grid::new(SAMPLED).map_err(|e| e.clone())?;
     let free_corner = nodal_values(Exact::FreeCorner, sampled);
-    let facts = Facts {
+    let facts = FactsRow {
         sampled: SAMPLED,
         tolerance: TOLERANCE,
         asymptotic: ASYMPTOTIC,

@@ -8,12 +8,12 @@
 //!
 //! # Stretched triangles
 //! As long as the height of a triangle over its longest edge is less than [`FLAT`] of that edge, the refinement edges
-//! of the triangle and of its pieces are the longest ones, and the short edge is left as it is: of two long edges both
-//! are marked or none, and of a triangle with an angle near 180 degrees the longest edge alone. Let a needle have the
-//! angles A and C at its short edge ca, and beta at b, where its long edges ab and bc meet; m and q are the midpoints of
-//! these. Of its three pieces, (m, b, q) has the same angles, (c, a, m) has no greater one than A and C, and (m, q, c)
-//! has the angle A + beta at q. From piece to piece beta doubles, until the triangle is stretched no more: beta is less
-//! than 15 degrees while it is, and the sum of all of them less than 30 degrees.
+//! of the triangle and of its pieces are the longest ones, and the short edge is left as it is: of two long edges
+//! both are marked or none, and of a triangle with an angle near 180 degrees the longest edge alone. Let a needle
+//! have the angles A and C at its short edge ca, and beta at b, where its long edges ab and bc meet; m and q are the
+//! midpoints of these. Of its three pieces, (m, b, q) has the same angles, (c, a, m) has no greater one than A and C,
+//! and (m, q, c) has the angle A + beta at q. From piece to piece beta doubles, until the triangle is stretched no
+//! more: beta is less than 15 degrees while it is, and the sum of all of them less than 30 degrees.
 //!
 //! A new node lies between two nodes of the mesh before, as in uniform refinement, or on the curve of its part.
 
@@ -144,10 +144,10 @@ fn split_sides(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Vec<bool> 
     let mut is_split = vec![false; sides.len()];
     let shape = |cell: u32| CellShape::of(&mesh.points, mesh.cells[cell as usize]);
     // Sides to be split, each with a cell that has it.
-    let mut next: Vec<CellSide> = Vec::new();
+    let mut next: Vec<SplitSide> = Vec::new();
     for &cell in marked {
         next.extend(sides_of(sides, cell, shape(cell).split_if_marked()));
-        while let Some(CellSide { cell, side }) = next.pop() {
+        while let Some(SplitSide { cell, side }) = next.pop() {
             if std::mem::replace(&mut is_split[side as usize], true) {
                 continue;
             }
@@ -162,15 +162,15 @@ fn split_sides(mesh: &PlaneMesh, sides: &Sides<3>, marked: &[u32]) -> Vec<bool> 
 }
 
 /// Side with a cell that has it, by their numbers.
-struct CellSide {
+struct SplitSide {
     cell: u32,
     side: u32,
 }
 
 /// Sides of a cell that have a flag.
-fn sides_of(sides: &Sides<3>, cell: u32, flags: [bool; 3]) -> impl Iterator<Item = CellSide> {
+fn sides_of(sides: &Sides<3>, cell: u32, flags: [bool; 3]) -> impl Iterator<Item = SplitSide> {
     let flagged = sides.of_cell[cell as usize].into_iter().zip(flags).filter(|(_, flag)| *flag);
-    flagged.map(move |(side, _)| CellSide { cell, side })
+    flagged.map(move |(side, _)| SplitSide { cell, side })
 }
 
 /// Side of a cell in the making.

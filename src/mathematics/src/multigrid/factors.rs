@@ -2,16 +2,16 @@
 
 /// Symmetric positive definite matrix, and its factors `A = L D L'`, with the pattern of L and zeros kept.
 ///
-/// The rows of L are computed one after the other, along the paths of the elimination tree (J. W. H. Liu, SIAM J.
-/// Matrix Anal. Appl. 11 (1990) 134-172; T. A. Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, section 4.7).
+/// The rows of L are computed one after the other, along the paths of the elimination tree: J. W. H. Liu, SIAM J.
+/// Matrix Anal. Appl. 11 (1990) 134-172; T. A. Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, 4.7.
 pub(crate) struct Factors {
-    /// Rows of the matrix left of the diagonal.
-    matrix: Rows,
+    /// LowerRows of the matrix left of the diagonal.
+    matrix: LowerRows,
     /// Column of the first entry of each column of L below the diagonal; [`NONE`] without entries.
     parents: Vec<u32>,
     /// Places at which the entries of each column of L begin, and the last ones end.
     starts: Vec<usize>,
-    /// Rows of the entries of L below the diagonal, column by column, increasing in each.
+    /// LowerRows of the entries of L below the diagonal, column by column, increasing in each.
     rows: Vec<u32>,
     /// These entries.
     entries: Vec<f64>,
@@ -20,8 +20,8 @@ pub(crate) struct Factors {
     work: RowWork,
 }
 
-/// Rows of the lower triangle of a matrix, without the diagonal.
-struct Rows {
+/// LowerRows of the lower triangle of a matrix, without the diagonal.
+struct LowerRows {
     starts: Vec<usize>,
     columns: Vec<u32>,
     entries: Vec<f64>,
@@ -55,7 +55,7 @@ impl Factors {
     pub(crate) fn new(size: usize, mut lower: Vec<LowerEntry>) -> Self {
         lower.sort_by_key(|entry| (entry.row, entry.column));
         let mut matrix =
-            Rows { starts: vec![0; size + 1], columns: Vec::new(), entries: Vec::new() };
+            LowerRows { starts: vec![0; size + 1], columns: Vec::new(), entries: Vec::new() };
         for entry in &lower {
             matrix.starts[entry.row as usize + 1] += 1;
             matrix.columns.push(entry.column);
@@ -163,7 +163,7 @@ impl Factors {
     }
 }
 
-impl Rows {
+impl LowerRows {
     /// Columns of a row left of the diagonal.
     fn columns(&self, row: usize) -> &[u32] {
         &self.columns[self.starts[row]..self.starts[row + 1]]
@@ -191,7 +191,7 @@ impl Rows {
 
 impl RowWork {
     /// Finds the columns of a row of L left of the diagonal.
-    fn find_pattern(&mut self, matrix: &Rows, parents: &[u32], row: usize) {
+    fn find_pattern(&mut self, matrix: &LowerRows, parents: &[u32], row: usize) {
         self.pattern.clear();
         for &column in matrix.columns(row) {
             let mut next = column;

@@ -52,7 +52,8 @@ pub(crate) trait Refining {
 /// Solves on one grid or mesh after the other until the accuracy is reached.
 ///
 /// # Errors
-/// [`Refusal`] if there is no solution, or no bound; [`Refusal::Interrupted`] if the watcher breaks off before there is one.
+/// [`Refusal`] if there is no solution, or no bound; [`Refusal::Interrupted`] if the watcher breaks off before there is
+/// one.
 pub(crate) fn reach<R: Refining>(
     mut finest: R,
     accuracy: Accuracy,
