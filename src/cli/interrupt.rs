@@ -12,7 +12,8 @@ use std::sync::{Arc, Once};
 static INTERRUPT: Interrupt = Interrupt::new();
 
 /// Order that the first signal gives while something is at work; a second signal, or one while nothing is at work, ends
-/// the process at once. Commands that write nothing need no handler, and do not call this.
+/// the process at once. Commands that write nothing need no handler, and do not call this, but for
+/// `solve` to an accuracy on meshes, which ends with its best answer.
 pub(super) fn interrupted() -> &'static Interrupt {
     static HANDLER: Once = Once::new();
     HANDLER.call_once(|| {

@@ -112,7 +112,7 @@ impl SolveArgs {
     /// Refuses a number of nodes where no mesh is adapted.
     fn check_most_nodes(&self, statement: &Statement) -> Result<()> {
         match self.most_nodes {
-            Some(most) if !is_adapted(statement) => Err(Error::input(format!(
+            Some(most) if adapting::of_meshes(statement).is_none() => Err(Error::input(format!(
                 "--most-nodes {most} is about an accuracy on a mesh; add --accuracy and --domain, or leave it out"
             ))),
             _ => Ok(()),
@@ -147,11 +147,6 @@ impl SolveArgs {
     }
 }
 
-/// True if meshes are adapted to an accuracy.
-fn is_adapted(statement: &Statement) -> bool {
-    statement.accuracy().is_some() && !statement.domain.is_square()
-}
-
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let (request, problem) = Request::read(args)?;
     let file = args.file(&request, &problem)?;
@@ -160,7 +155,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     }
     let mut shown = ShownMeshes::new(&request.statement, args.verbose);
     // The first signal ends the way to an accuracy with the answer so far.
-    let _at_work = is_adapted(&request.statement).then(at_work);
+    let _at_work = adapting::of_meshes(&request.statement).map(|_| at_work());
     let solved = request.solved(problem, &mut shown);
     shown.end();
     let answer = Answer::new(&request, solved?);

@@ -2,7 +2,6 @@
 
 use super::axes::Entry;
 use super::text::{Ticks, power_of_ten};
-use signorini_mathematics::experiments::Range;
 
 /// Panel with curves.
 #[derive(Clone, Debug)]
@@ -141,9 +140,9 @@ impl Scale {
     /// Returns the ends of an axis, as numbers on it: around all values with a margin; on a logarithmic axis whole
     /// decades if these are few.
     fn extent(self, values: impl Iterator<Item = f64>) -> (f64, f64) {
-        let numbers = Range::of(values.map(|value| self.number(value)));
-        let whole = Range { least: 0.0, greatest: 1.0 };
-        let Range { least: low, greatest: high } = numbers.unwrap_or(whole);
+        let numbers: Vec<f64> = values.map(|value| self.number(value)).collect();
+        let low = numbers.iter().copied().reduce(f64::min).unwrap_or(0.0);
+        let high = numbers.iter().copied().reduce(f64::max).unwrap_or(1.0);
         let margin = 0.03 * (high - low);
         match self == Self::Logarithmic && high - low < 2.0 {
             true => (libm::floor(low), libm::ceil(high).max(libm::floor(low) + 1.0)),

@@ -27,22 +27,22 @@ const STEPS: f64 = 1000.0;
 
 impl Monitor for ShownMeshes {}
 
-/// A signal ends the way to an accuracy, with the best answer so far.
+/// A signal ends the way to an accuracy on meshes, with the best answer so far; on the square it ends the program.
 impl Watcher for ShownMeshes {
     fn tried(&mut self, tried: Tried<'_>) -> ControlFlow<()> {
         if let Some(accuracy) = self.accuracy {
             self.show(accuracy, tried);
+            if interrupted().is_asked() {
+                return ControlFlow::Break(());
+            }
         }
-        match interrupted().is_asked() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
+        ControlFlow::Continue(())
     }
 }
 
 impl ShownMeshes {
     pub(super) fn new(statement: &Statement, verbose: bool) -> Self {
-        let accuracy = statement.accuracy().filter(|_| !statement.domain.is_square());
+        let accuracy = of_meshes(statement);
         let bar = accuracy.and_then(|_| bar("[{bar:30}] {elapsed}  {wide_msg}"));
         if let Some(bar) = &bar {
             bar.set_length(STEPS as u64);
@@ -80,6 +80,11 @@ impl ShownMeshes {
             bar.finish_and_clear();
         }
     }
+}
+
+/// Accuracy to which meshes are adapted; none on the square, and if none is asked for.
+pub(super) fn of_meshes(statement: &Statement) -> Option<Accuracy> {
+    statement.accuracy().filter(|_| !statement.domain.is_square())
 }
 
 /// Bound that was reached, in words.

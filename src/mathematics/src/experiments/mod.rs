@@ -26,8 +26,8 @@ pub use adapted::coarse_meshes;
 pub use rows::{Findings, Row, Rows};
 
 use problems::TableProblem;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Experiment: a plan, and findings that depend on it alone.
@@ -102,29 +102,6 @@ fn found<P: DeserializeOwned>(
     run: fn(&P) -> Result<Findings, String>,
 ) -> Result<Findings, String> {
     run(&P::deserialize(plan).map_err(|e| e.to_string())?)
-}
-
-/// Least and greatest of some numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Range {
-    /// Least.
-    pub least: f64,
-    /// Greatest.
-    pub greatest: f64,
-}
-
-impl Range {
-    /// Returns the least and the greatest of `values`, or `None` without values.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let mut values = values.into_iter();
-        let first = values.next()?;
-        let mut range = Self { least: first, greatest: first };
-        for x in values {
-            range.least = range.least.min(x);
-            range.greatest = range.greatest.max(x);
-        }
-        Some(range)
-    }
 }
 
 /// Double nearest to ten to the power of `exponent`.

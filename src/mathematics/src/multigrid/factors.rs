@@ -5,13 +5,13 @@
 /// The rows of L are computed one after the other, along the paths of the elimination tree: J. W. H. Liu, SIAM J.
 /// Matrix Anal. Appl. 11 (1990) 134-172; T. A. Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, 4.7.
 pub(crate) struct Factors {
-    /// LowerRows of the matrix left of the diagonal.
+    /// Rows of the matrix left of the diagonal.
     matrix: LowerRows,
     /// Column of the first entry of each column of L below the diagonal; [`NONE`] without entries.
     parents: Vec<u32>,
     /// Places at which the entries of each column of L begin, and the last ones end.
     starts: Vec<usize>,
-    /// LowerRows of the entries of L below the diagonal, column by column, increasing in each.
+    /// Rows of the entries of L below the diagonal, column by column, increasing in each.
     rows: Vec<u32>,
     /// These entries.
     entries: Vec<f64>,
@@ -20,7 +20,7 @@ pub(crate) struct Factors {
     work: RowWork,
 }
 
-/// LowerRows of the lower triangle of a matrix, without the diagonal.
+/// Rows of the lower triangle of a matrix, without the diagonal.
 struct LowerRows {
     starts: Vec<usize>,
     columns: Vec<u32>,
