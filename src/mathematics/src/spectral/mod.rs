@@ -107,6 +107,7 @@ mod newton;
 mod panels;
 mod parts;
 mod place;
+pub mod plane;
 mod potential;
 mod problem;
 mod rule;
