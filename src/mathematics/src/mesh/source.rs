@@ -74,7 +74,7 @@ impl<const D: usize> MeshSource<D> {
     }
 
     /// f on the cells of a region.
-    fn on(&self, region: u16) -> &Source<D> {
+    pub(crate) fn on(&self, region: u16) -> &Source<D> {
         self.regions[region as usize].as_ref().unwrap_or(&self.rest)
     }
 

@@ -3,10 +3,7 @@
 //! A sign before a power is that of the power, as in print: `-x^2` is `-(x^2)`; and `2^3^2` is `2^(3^2)`. Functions are
 //! those of the `libm` crate, so that values have the same bits on all machines.
 
-mod polynomial;
 mod read;
-
-pub use polynomial::Polynomial;
 
 use super::error::SourceError;
 use std::fmt;

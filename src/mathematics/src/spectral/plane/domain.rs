@@ -45,6 +45,18 @@ impl PlaneSide {
         self.point(s).coordinates()
     }
 
+    /// Distance from the start along the side of its point that is nearest to `z`, about.
+    pub(super) fn nearest(&self, z: Complex) -> f64 {
+        let Arc { curve, span, .. } = self.arc;
+        let (along, length) = (self.way() * (curve.place(z) - span[0]), self.length());
+        let Some(period) = curve.period() else { return along.clamp(0.0, length) };
+        match along.rem_euclid(period) {
+            s if s <= length => s,
+            s if s - length < period - s => length,
+            _ => 0.0,
+        }
+    }
+
     /// 1 if the side runs along its curve, -1 if against it.
     #[inline(always)]
     pub(super) fn way(&self) -> f64 {

@@ -3,11 +3,16 @@
 #![expect(missing_docs, unused, clippy::todo, reason = "bodies follow")]
 
 mod domain;
+mod on_mesh;
+mod outline;
+mod regions;
+mod start;
 
 use crate::mesh::Condition;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
+pub(crate) use on_mesh::solve_on_mesh;
 
 /// Right-hand side of a domain in the plane.
 #[derive(Clone, Debug)]
@@ -135,6 +140,9 @@ pub enum PlaneError {
     /// The domain is not as said.
     #[error("{0}")]
     Domain(String),
+    /// f is not one that is served.
+    #[error("{0}")]
+    Source(String),
     /// The contact set was not found, or a check failed.
     #[error("{0}")]
     NotFound(String),
