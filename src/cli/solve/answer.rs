@@ -63,6 +63,11 @@ impl Answer {
             answer.judge(request);
             request.clock.ended(Part::Bounds);
         }
+        if let Some(found) = answer.solved.truth() {
+            let notes = &answer.solved.problem.levels().facts().notes;
+            let facts = notes.iter().chain(&found.note).cloned();
+            answer.warnings = facts.map(Warning::fact).collect();
+        }
         answer
     }
 
@@ -176,25 +181,10 @@ impl Answer {
                 "relative": kkt.relative,
             },
             "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
-            "bound": null,
+            "bound": bound::json(&self.solved),
         });
-        match self.solved.bounds().last()? {
-            Ok(bounds) => {
-                json["bound"] = json!({
-                    "energy": bounds.energy,
-                    "error": bounds.error,
-                    "recovered": bounds.recovered,
-                    "relative": {
-                        "energy": bounds.relative_energy(),
-                        "error": bounds.relative(),
-                    },
-                    "reserve": problem.reserves(),
-                });
-                if let Some(curve) = bounds.curve {
-                    json["bound"]["curve"] = curve.into();
-                }
-            }
-            Err(reason) => json["bound_reason"] = reason.to_string().into(),
+        if let Err(reason) = self.solved.bounds().last()? {
+            json["bound_reason"] = reason.to_string().into();
         }
         if !problem.law().is_signorini() {
             json["states"] = json!(states);

@@ -18,7 +18,7 @@ use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
-use signorini_mathematics::spectral::TrueSolution;
+use signorini_mathematics::spectral::{TrueChecks, TrueSolution};
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -47,7 +47,7 @@ pub(super) struct Outcomes {
     /// Greatest nodal error per grid; empty if no exact solution is known.
     pub(super) errors: Vec<f64>,
     /// Guaranteed bounds per grid, or none where there are none; empty for the saddle-point methods, which end where
-    /// their rule says so, and the spectral solver.
+    /// their rule says so, and the spectral solver on the square, else with one for it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) bounds: Vec<Option<Bounds>>,
     /// True if the accuracy of the energy was asked for.
@@ -74,8 +74,11 @@ pub(super) struct WithoutGrid {
 
 impl WithoutGrid {
     fn of(found: &TrueSolution) -> Self {
-        let (steps, energy) = (found.steps, found.solution.energy);
-        Self { steps, energy, resolution: found.solution.checks.resolution }
+        let resolution = match found.checks {
+            TrueChecks::Square(checks) => checks.resolution,
+            TrueChecks::Plane(_) => None,
+        };
+        Self { steps: found.steps, energy: found.energy, resolution }
     }
 }
 
@@ -236,9 +239,9 @@ impl Cell {
             without_grid: solved.truth().map(WithoutGrid::of),
             ..Outcomes::default()
         };
-        if outcomes.r.is_none() && outcomes.without_grid.is_none() {
+        if outcomes.r.is_none() {
             outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
-            outcomes.reserve = solved.problem.reserves();
+            outcomes.reserve = solved.reserves();
         }
         outcomes
     }
@@ -386,6 +389,7 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
         reserves += match reserve {
             Reserve::Polygon => ", on the polygon or polyhedron of the mesh",
             Reserve::Quadrature => ", but for the quadrature of f",
+            Reserve::Sampled => ", but for what lies between samples on the boundary",
         };
     }
     let relative = match bounds.relative() {

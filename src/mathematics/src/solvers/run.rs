@@ -4,14 +4,15 @@ use super::{Refusal, SaddleSettings, Settings, Solver};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
-use crate::levels::{Discrete, Problem};
+use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
+use crate::mesh::PlaneMesh;
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
-use crate::spectral::{TrueSolution, true_solution};
+use crate::spectral::{TrueSolution, true_solution, true_solution_on};
 use std::borrow::Cow;
 
 /// Run of a solver on levels.
@@ -59,10 +60,23 @@ impl FoundSolution {
     }
 }
 
-/// Values of a true solution at the nodes of the finest grid, and the multiplier at its boundary nodes.
+/// Values of a true solution at the nodes of the finest level, and the multiplier at the boundary nodes where the law
+/// holds.
 pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
-    let lattices = problem.lattices().expect("true solutions are on the square");
-    found.solution.on_grid(lattices.finest())
+    if let (Some(solution), Some(lattices)) = (found.on_square(), problem.lattices()) {
+        return solution.on_grid(lattices.finest());
+    }
+    let (level, law) = (problem.finest(), problem.law());
+    let mesh = problem.levels().mesh(level);
+    let points = mesh.plane().map_or(&[][..], PlaneMesh::points);
+    let (mut y, mut a) = (found.values(points), Vec::new());
+    for contact in problem.domain(level).contact().iter() {
+        let [value, flux] = found.on_boundary(points[contact.node]);
+        // What violates the law is an error of the method, which must not be taken for penetration.
+        y[contact.node] = if law.hi().is_infinite() { value.max(0.0) } else { value };
+        a.push(law.project(flux));
+    }
+    Pair { y, a }
 }
 
 /// Judges a vector of the finest level.
@@ -187,13 +201,22 @@ impl Monitor for Measuring<'_> {
     }
 }
 
-/// Finds the true solution on the square, without a level.
+/// Finds the true solution on a domain in the plane, without a level: on the square for constant pieces by its closed
+/// form.
 pub(super) fn truth(
     problem: &Problem,
     settings: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    let lattices = problem.lattices().ok_or(Refusal::NotOnMeshes(settings.solver))?;
-    let found = true_solution(problem.law(), lattices.source())?;
+    let law = problem.law();
+    let found = match problem.lattices().map(Lattices::source) {
+        Some(f) if !f.is_smooth() => true_solution(law, f)?,
+        _ => {
+            let mesh = problem.levels().mesh(0);
+            let mesh = mesh.plane().ok_or(Refusal::NotInSpace(settings.solver))?;
+            let f = read(mesh, &problem.levels().facts().f).map_err(ProblemError::from)?;
+            true_solution_on(mesh, &f, law)?
+        }
+    };
     Ok(FoundSolution::Truth(found.into()))
 }

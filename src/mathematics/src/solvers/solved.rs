@@ -6,7 +6,7 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::prolong_boundary;
-use crate::levels::Problem;
+use crate::levels::{Problem, Reserve};
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
@@ -125,18 +125,32 @@ impl Solved {
         self.run().map_or(&[], |run| &run.ends)
     }
 
-    /// Guaranteed bounds on the last levels, the finest last: on all for an accuracy, else on the finest alone; none of
-    /// a true solution.
+    /// Bounds on the last levels, the finest last: on all for an accuracy, else on the finest alone; of a true solution
+    /// its own, if it has any. They are guaranteed but for what [`Solved::reserves`] lists.
     pub fn bounds(&self) -> &[Result<Bounds, NoBound>] {
-        self.bounds
-            .get_or_init(|| self.run().map(|run| self.problem.bounds(&run.y)).into_iter().collect())
+        self.bounds.get_or_init(|| {
+            let bounds = match &self.found {
+                FoundSolution::Vector(run) => Some(self.problem.bounds(&run.y)),
+                FoundSolution::Truth(found) => found.bracket.map(|of| Ok(Bounds::of_energy(of))),
+            };
+            bounds.into_iter().collect()
+        })
+    }
+
+    /// Approximations that the bounds leave out.
+    pub fn reserves(&self) -> Vec<Reserve> {
+        match &self.found {
+            FoundSolution::Vector(_) => self.problem.reserves(),
+            FoundSolution::Truth(found) if found.is_sampled => vec![Reserve::Sampled],
+            FoundSolution::Truth(_) => Vec::new(),
+        }
     }
 
     /// Energy: that of v or, where the energy itself was asked for, of the true solution.
     pub fn energy(&self) -> f64 {
         match &self.found {
             FoundSolution::Vector(run) => run.last().energy,
-            FoundSolution::Truth(found) => found.solution.energy,
+            FoundSolution::Truth(found) => found.energy,
         }
     }
 
@@ -145,7 +159,7 @@ impl Solved {
     pub fn contact(&self) -> Option<Vec<ContactArc>> {
         match &self.found {
             FoundSolution::Vector(Run { y, judgement, .. }) => self.problem.arcs(y, judgement),
-            FoundSolution::Truth(found) => Some(found.solution.contact.clone()),
+            FoundSolution::Truth(found) => Some(found.contact.clone()),
         }
     }
 
@@ -153,7 +167,7 @@ impl Solved {
     pub fn force(&self) -> f64 {
         match &self.found {
             FoundSolution::Vector(run) => run.judgement.force(),
-            FoundSolution::Truth(found) => found.solution.force(),
+            FoundSolution::Truth(found) => found.force,
         }
     }
 

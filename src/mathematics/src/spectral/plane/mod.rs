@@ -11,8 +11,11 @@ mod start;
 use crate::mesh::Condition;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::text::plain;
+use std::fmt;
+
 pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
-pub(crate) use on_mesh::solve_on_mesh;
+pub(crate) use on_mesh::{PlaneTruth, solve_on_mesh};
 
 /// Right-hand side of a domain in the plane.
 #[derive(Clone, Debug)]
@@ -105,7 +108,7 @@ pub struct PlaneArc {
 }
 
 /// Conditions that must hold of a solution and were not used to find it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PlaneChecks {
     /// Largest |v| where v = 0, between the rows, over the size of v and psi.
     pub residual: f64,
@@ -146,6 +149,26 @@ pub enum PlaneError {
     /// The contact set was not found, or a check failed.
     #[error("{0}")]
     NotFound(String),
+}
+
+impl PlaneError {
+    /// True if the input is the reason, and not that no solution was found.
+    pub fn is_of_input(&self) -> bool {
+        !matches!(self, Self::NotFound(_))
+    }
+}
+
+impl fmt::Display for PlaneChecks {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { residual, balance, flux, sign, bracket } = self;
+        write!(
+            out,
+            "v where it is zero {residual:.1e}, balance {balance:.1e}, least room of the flux {}, least v {}, bounds \
+             apart by {bracket:.1e}",
+            plain(*flux, 2),
+            plain(*sign, 2)
+        )
+    }
 }
 
 /// Solves a problem from a contact set.

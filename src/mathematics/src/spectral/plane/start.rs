@@ -53,7 +53,7 @@ fn place_of(curve: &ClosedCurve, node: usize) -> Complex {
 }
 
 /// Number of the side that is nearest to a point, and its distance.
-fn nearest_side(sides: &[PlaneSide], z: Complex) -> (usize, f64) {
+pub(super) fn nearest_side(sides: &[PlaneSide], z: Complex) -> (usize, f64) {
     let distances = sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
     let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
     nearest.expect("a loop has sides")

@@ -1,0 +1,132 @@
+//! Answer of the spectral solver, whatever the domain.
+
+use super::plane::{PlaneChecks, PlaneTruth, solve_on_mesh};
+use super::{Checks, Solution, SpectralError, SpectralParams, spectral_under};
+use crate::discrete::contact::ContactArc;
+use crate::mesh::{MeshSource, PlaneMesh};
+use crate::problem::law::Law;
+use crate::problem::source::Source;
+use serde::Serialize;
+use std::fmt;
+
+/// True solution.
+pub struct TrueSolution {
+    /// J(v).
+    pub energy: f64,
+    /// Bounds of the energy; none on the square, where two resolutions and identities stand for it.
+    pub bracket: Option<[f64; 2]>,
+    /// True if the bounds rest on samples of what is small on the boundary.
+    pub is_sampled: bool,
+    /// Arcs in contact, each with the domain on the left.
+    pub contact: Vec<ContactArc>,
+    /// Integral of dv/dn over the boundary where the law holds.
+    pub force: f64,
+    /// Number of Newton steps; on the square of those at the usual resolution.
+    pub steps: usize,
+    /// Checks.
+    pub checks: TrueChecks,
+    /// Remark on f, if another one was solved in its place.
+    pub note: Option<String>,
+    form: TrueForm,
+}
+
+/// Solution in the form of its method.
+enum TrueForm {
+    /// Conformal map and Riemann-Hilbert problem, at the finer of two resolutions.
+    Square(Box<Solution>),
+    /// Powers at corners and ends.
+    Plane(Box<PlaneTruth>),
+}
+
+/// Checks of a true solution.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum TrueChecks {
+    /// On the square, for constant pieces.
+    Square(Checks),
+    /// On other domains.
+    Plane(PlaneChecks),
+}
+
+impl fmt::Display for TrueChecks {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Square(checks) => checks.fmt(out),
+            Self::Plane(checks) => checks.fmt(out),
+        }
+    }
+}
+
+/// Solves the problem on the square under a law at the usual resolution, and from there at the finer one, with twelve
+/// digits of the energy or more.
+///
+/// # Errors
+/// As [`spectral_under`], or if the finer solution fails a check.
+pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError> {
+    let usual = spectral_under(law, f, SpectralParams::default())?;
+    let solution = usual.at_resolution(SpectralParams::FINER)?;
+    Ok(TrueSolution {
+        energy: solution.energy,
+        bracket: None,
+        is_sampled: false,
+        contact: solution.contact.clone(),
+        force: solution.force(),
+        steps: usual.steps,
+        checks: TrueChecks::Square(solution.checks),
+        note: None,
+        form: TrueForm::Square(solution.into()),
+    })
+}
+
+/// Solves the problem on the domain of a mesh in the plane, whose boundary is straight or lies on the circles of its
+/// parts.
+///
+/// # Errors
+/// [`SpectralError::Plane`].
+pub(crate) fn true_solution_on(
+    mesh: &PlaneMesh,
+    f: &MeshSource<2>,
+    law: Law,
+) -> Result<TrueSolution, SpectralError> {
+    let truth = solve_on_mesh(mesh, f, law)?;
+    let solution = &truth.solution;
+    Ok(TrueSolution {
+        energy: solution.energy,
+        bracket: Some([solution.bracket.lower, solution.bracket.upper]),
+        is_sampled: !solution.bracket.reserve.is_empty(),
+        contact: truth.contact(mesh),
+        force: solution.force,
+        steps: solution.steps,
+        checks: TrueChecks::Plane(solution.checks),
+        note: truth.note.clone(),
+        form: TrueForm::Plane(truth.into()),
+    })
+}
+
+impl TrueSolution {
+    /// Solution on the square in its closed form; none on another domain.
+    pub fn on_square(&self) -> Option<&Solution> {
+        match &self.form {
+            TrueForm::Square(solution) => Some(solution),
+            TrueForm::Plane(_) => None,
+        }
+    }
+
+    /// v at points of the domain and its boundary.
+    pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+        match &self.form {
+            TrueForm::Square(solution) => {
+                points.iter().map(|&[x, y]| solution.value(x, y)).collect()
+            }
+            TrueForm::Plane(truth) => truth.solution.values(points),
+        }
+    }
+
+    /// v and dv/dn at the point of the boundary nearest to this one; dv/dn in a corner is that on one of its sides.
+    pub fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
+        match &self.form {
+            TrueForm::Square(solution) => solution.on_boundary(point),
+            TrueForm::Plane(truth) => truth.on_boundary(point),
+        }
+    }
+}
