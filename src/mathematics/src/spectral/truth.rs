@@ -89,16 +89,15 @@ pub(crate) fn true_solution_on(
     law: Law,
 ) -> Result<TrueSolution, SpectralError> {
     let truth = solve_on_mesh(mesh, f, law)?;
-    let solution = &truth.solution;
     Ok(TrueSolution {
-        energy: solution.energy,
-        bracket: Some([solution.bracket.lower, solution.bracket.upper]),
-        is_sampled: !solution.bracket.reserve.is_empty(),
+        energy: truth.energy(),
+        bracket: Some(truth.bracket()),
+        is_sampled: truth.is_sampled(),
         contact: truth.contact(mesh),
-        force: solution.force,
-        steps: solution.steps,
-        checks: TrueChecks::Plane(solution.checks),
-        note: truth.note.clone(),
+        force: truth.force(),
+        steps: truth.steps(),
+        checks: TrueChecks::Plane(truth.checks()),
+        note: truth.note(),
         form: TrueForm::Plane(truth.into()),
     })
 }
@@ -118,7 +117,7 @@ impl TrueSolution {
             TrueForm::Square(solution) => {
                 points.iter().map(|&[x, y]| solution.value(x, y)).collect()
             }
-            TrueForm::Plane(truth) => truth.solution.values(points),
+            TrueForm::Plane(truth) => truth.values(points),
         }
     }
 

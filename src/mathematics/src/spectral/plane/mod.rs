@@ -3,6 +3,7 @@
 #![expect(missing_docs, unused, clippy::todo, reason = "bodies follow")]
 
 mod domain;
+mod frame;
 mod on_mesh;
 mod outline;
 mod regions;

@@ -1,11 +1,12 @@
 //! Problems on the domains of meshes, solved from their finite element solutions.
 
+use super::frame::Frame;
 use super::outline::outline;
 use super::regions::regions;
-use super::start::{nearest_side, start};
+use super::start::{MeshSolution, nearest_side};
 use super::{
-    PlaneArc, PlaneDomain, PlaneError, PlaneProblem, PlaneSolution, PlaneSource, Polynomial,
-    SidePlace, solve,
+    PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem, PlaneSolution,
+    PlaneSource, Polynomial, SidePlace, solve,
 };
 use crate::discrete::contact::ContactArc;
 use crate::mesh::{Condition, MeshSource, Names, PlaneMesh, boundary_curves};
@@ -22,12 +23,11 @@ const ROUNDING: f64 = 1e-13;
 
 /// True solution on the domain of a mesh.
 pub(crate) struct PlaneTruth {
-    /// Domain with f and law.
+    frame: Frame,
+    /// Domain, f and law in the frame.
     problem: PlaneProblem,
-    /// Solution.
-    pub solution: PlaneSolution,
-    /// Remark on f, if a polynomial took its place.
-    pub note: Option<String>,
+    /// Solution in the frame.
+    solution: PlaneSolution,
 }
 
 /// Solves the problem on the domain of a mesh, whose boundary is straight or lies on the circles of its parts.
@@ -39,22 +39,62 @@ pub(crate) fn solve_on_mesh(
     f: &MeshSource<2>,
     law: Law,
 ) -> Result<PlaneTruth, PlaneError> {
-    let problem = PlaneProblem::on_mesh(mesh, f, law)?;
+    let frame = Frame::of(mesh, f);
+    let problem = problem(mesh, f, law, frame)?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
     for most_nodes in STARTS {
-        let Some(start) = start(&problem, mesh, f, most_nodes) else { continue };
-        match solve(&problem, &start) {
+        let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
+        match solve(&problem, &solution.start(&problem.domain, frame)) {
             Err(failed) => error = failed,
-            Ok(solution) => {
-                let note = problem.source.note();
-                return Ok(PlaneTruth { problem, solution, note });
-            }
+            Ok(solution) => return Ok(PlaneTruth { frame, problem, solution }),
         }
     }
     Err(error)
 }
 
 impl PlaneTruth {
+    /// J(v).
+    pub(crate) fn energy(&self) -> f64 {
+        self.frame.energy() * self.solution.energy
+    }
+
+    /// Bounds of the energy.
+    pub(crate) fn bracket(&self) -> [f64; 2] {
+        let PlaneBracket { lower, upper, .. } = self.solution.bracket;
+        [lower, upper].map(|end| self.frame.energy() * end)
+    }
+
+    /// True if the bounds rest on samples.
+    pub(crate) fn is_sampled(&self) -> bool {
+        !self.solution.bracket.reserve.is_empty()
+    }
+
+    /// Integral of dv/dn over the boundary where the law holds.
+    pub(crate) fn force(&self) -> f64 {
+        self.frame.v() * self.solution.force
+    }
+
+    /// Number of Newton steps.
+    pub(crate) fn steps(&self) -> usize {
+        self.solution.steps
+    }
+
+    /// Checks, all relative.
+    pub(crate) fn checks(&self) -> PlaneChecks {
+        self.solution.checks
+    }
+
+    /// Remark on f, if a polynomial took its place that is not f but for rounding.
+    pub(crate) fn note(&self) -> Option<String> {
+        match &self.problem.source {
+            PlaneSource::Polynomial(fitted) if fitted.error > ROUNDING => Some(format!(
+                "f is a polynomial that differs from the formula by {:.1e} of it at most, where looked at",
+                fitted.error
+            )),
+            _ => None,
+        }
+    }
+
     /// Arcs in contact, with the names of the parts of a mesh.
     pub(crate) fn contact(&self, mesh: &PlaneMesh) -> Vec<ContactArc> {
         let mut arcs = Vec::new();
@@ -69,55 +109,53 @@ impl PlaneTruth {
             let along = (from.side..from.side + count).map(|side| &sides[side % sides.len()]);
             let under_law = along.filter(|side| side.condition == Condition::Contact);
             let part = Names::all(under_law.map(|side| &mesh.parts()[side.part].names));
-            let arc = ContactArc::new(*points, *force);
+            let points = points.map(|point| self.frame.outside(point));
+            let arc = ContactArc::new(points, self.frame.v() * force);
             arcs.push(ContactArc { closed: *closed, part: Some(part), ..arc });
         }
         arcs
     }
 
+    /// v at points of the domain.
+    pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+        let points: Vec<_> = points.iter().map(|&point| self.frame.point(point)).collect();
+        let values = self.solution.values(&points);
+        values.into_iter().map(|v| self.frame.v() * v).collect()
+    }
+
     /// v and dv/dn at the point of the boundary nearest to this one.
-    pub(crate) fn on_boundary(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let z = Complex::new(x, y);
-        let loops = self.problem.domain.loops().iter().map(|sides| nearest_side(sides, z));
-        let nearest = loops.enumerate().min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
+    pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.frame.point(point);
+        let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
+        let nearest = loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
+        let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
         let (ring, (side, _)) = nearest.expect("a domain has a boundary");
-        let s = self.problem.domain.loops()[ring][side].nearest(z);
-        self.solution.on_boundary(ring, SidePlace { side, s })
+        let place = SidePlace { side, s: loops[ring][side].nearest(z) };
+        let [value, flux] = self.solution.on_boundary(ring, place);
+        [self.frame.v() * value, self.frame.flux() * flux]
     }
 }
 
-impl PlaneSource {
-    /// Remark that a polynomial took the place of f, unless f is one but for rounding.
-    fn note(&self) -> Option<String> {
-        match self {
-            Self::Polynomial(fitted) if fitted.error > ROUNDING => Some(format!(
-                "f is a polynomial that differs from the formula by {:.1e} of it at most, where looked at",
-                fitted.error
-            )),
-            _ => None,
-        }
+/// Returns the problem on the domain of a mesh in a frame.
+///
+/// # Errors
+/// [`PlaneError`] if the boundary is neither straight nor on circles, or f is of a kind that is not served.
+fn problem(
+    mesh: &PlaneMesh,
+    f: &MeshSource<2>,
+    law: Law,
+    frame: Frame,
+) -> Result<PlaneProblem, PlaneError> {
+    let circles: Vec<_> =
+        mesh.parts().iter().map(|part| part.curve.map(|of| frame.circle(of))).collect();
+    let mut loops = Vec::new();
+    for mut curve in boundary_curves(mesh) {
+        curve.points.iter_mut().for_each(|point| *point = frame.point(*point));
+        loops.push(outline(&curve, &circles)?);
     }
-}
-
-impl PlaneProblem {
-    /// Problem on the domain of a mesh.
-    ///
-    /// # Errors
-    /// [`PlaneError::Domain`] if its boundary is neither straight nor on circles, or f is of a kind that is not served.
-    pub(crate) fn on_mesh(
-        mesh: &PlaneMesh,
-        f: &MeshSource<2>,
-        law: Law,
-    ) -> Result<Self, PlaneError> {
-        let circles: Vec<_> = mesh.parts().iter().map(|part| part.curve).collect();
-        let mut loops = Vec::new();
-        for curve in boundary_curves(mesh) {
-            loops.push(outline(&curve, &circles)?);
-        }
-        let domain = PlaneDomain::new(loops)?;
-        let source = source(mesh, f, &domain)?;
-        Ok(Self { domain, law, source })
-    }
+    let domain = PlaneDomain::new(loops)?;
+    let source = source(mesh, f, &domain, frame)?;
+    Ok(PlaneProblem { domain, law: frame.law(law), source })
 }
 
 /// Returns f as the solver takes it.
@@ -125,6 +163,7 @@ fn source(
     mesh: &PlaneMesh,
     f: &MeshSource<2>,
     domain: &PlaneDomain,
+    frame: Frame,
 ) -> Result<PlaneSource, PlaneError> {
     let mut in_use = mesh.regions().to_vec();
     in_use.sort_unstable();
@@ -132,9 +171,9 @@ fn source(
     let first = f.on(in_use[0]);
     if in_use.iter().all(|&region| f.on(region) == first) {
         if !first.is_smooth() {
-            return Ok(PlaneSource::Pieces(first.clone()));
+            return Ok(PlaneSource::Pieces(frame.pieces(first)));
         }
-        let fitted = Polynomial::fitted(|point| first.at(point), domain);
+        let fitted = Polynomial::fitted(|at| frame.f(first.at(frame.outside(at))), domain);
         return match fitted.error {
             error if error <= FITTED => Ok(PlaneSource::Polynomial(fitted)),
             error => Err(PlaneError::Source(format!(
@@ -146,7 +185,7 @@ fn source(
     for region in in_use {
         match f.on(region) {
             Source::Pieces { background, pieces } if pieces.is_empty() => {
-                values[usize::from(region)] = *background;
+                values[usize::from(region)] = frame.f(*background);
             }
             _ => {
                 let text = "f has shapes or a formula beside a region with another value".into();
@@ -154,5 +193,5 @@ fn source(
             }
         }
     }
-    Ok(PlaneSource::Regions(regions(mesh, &values)?))
+    Ok(PlaneSource::Regions(regions(mesh, &values, frame)?))
 }

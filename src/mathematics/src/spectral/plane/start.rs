@@ -1,6 +1,7 @@
 //! Contact set with which Newton's method begins, of a finite element solution.
 
-use super::{LoopStart, PlaneProblem, PlaneSide, PlaneStart, SidePlace};
+use super::frame::Frame;
+use super::{LoopStart, PlaneDomain, PlaneSide, PlaneStart, SidePlace};
 use crate::discrete::contact::reach;
 use crate::discrete::kkt::judge;
 use crate::mesh::{
@@ -16,34 +17,59 @@ use std::collections::HashMap;
 /// Most refinements of the first mesh.
 const MOST_TIMES: usize = 12;
 
-/// Returns the contact set of the solution on the finest refinement of a mesh with no more nodes than this, about; none
-/// if there is no solution.
-pub(super) fn start(
-    problem: &PlaneProblem,
-    coarsest: &PlaneMesh,
-    f: &MeshSource<2>,
-    most_nodes: f64,
-) -> Option<PlaneStart> {
-    let fits = |times: &usize| AnyMesh::from(coarsest.clone()).nodes_after(*times) <= most_nodes;
-    let times = (1..=MOST_TIMES).take_while(fits).count();
-    let NestedMeshes { meshes, networks } = nested_meshes(coarsest, times).ok()?;
-    let (finest, network) = (meshes.last()?, &networks.last()?.network);
-    let (load, law) = (mesh_load(finest, f).ok()?.load, problem.law);
-    let params = MultigridParams::default();
-    let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
-    let judgement = judge(network, law, &y, &load);
-    let nodes = judgement.contact.iter().map(|contact| contact.node);
-    let states: HashMap<_, _> = nodes.zip(judgement.states.iter().copied()).collect();
-    let mut curves = boundary_curves(finest);
-    let mut loops = Vec::new();
-    for sides in problem.domain.loops() {
-        let distance = |curve: &ClosedCurve| nearest_side(sides, place_of(curve, 0)).1;
-        let number = (0..curves.len())
-            .min_by(|&one, &other| distance(&curves[one]).total_cmp(&distance(&curves[other])))?;
-        let curve = curves.swap_remove(number);
-        loops.push(NodesOfLoop::new(&curve, sides, &y, &states).start(law));
+/// Finite element solution on the boundary.
+pub(super) struct MeshSolution {
+    law: Law,
+    /// v at all nodes.
+    y: Vec<f64>,
+    /// States of the nodes where the law holds.
+    states: HashMap<usize, BoundaryState>,
+    curves: Vec<ClosedCurve>,
+}
+
+impl MeshSolution {
+    /// Solution on the finest refinement of a mesh with no more nodes than this, about; none if there is no solution.
+    pub(super) fn new(
+        coarsest: &PlaneMesh,
+        f: &MeshSource<2>,
+        law: Law,
+        most_nodes: f64,
+    ) -> Option<Self> {
+        let of_either = AnyMesh::from(coarsest.clone());
+        let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
+        let NestedMeshes { meshes, networks } = nested_meshes(coarsest, fits.count()).ok()?;
+        let (finest, network) = (meshes.last()?, &networks.last()?.network);
+        let load = mesh_load(finest, f).ok()?.load;
+        let params = MultigridParams::default();
+        let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
+        let judgement = judge(network, law, &y, &load);
+        let nodes = judgement.contact.iter().map(|contact| contact.node);
+        let states = nodes.zip(judgement.states.iter().copied()).collect();
+        Some(Self { law, y, states, curves: boundary_curves(finest) })
     }
-    Some(PlaneStart { loops })
+
+    /// Contact set on a domain in a frame.
+    pub(super) fn start(mut self, domain: &PlaneDomain, frame: Frame) -> PlaneStart {
+        for point in self.curves.iter_mut().flat_map(|curve| &mut curve.points) {
+            *point = frame.point(*point);
+        }
+        // In the units of the frame, since their ends are compared.
+        let law = frame.law(self.law);
+        let mut start = PlaneStart::default();
+        for sides in domain.loops() {
+            let distances = self.curves.iter().map(|curve| distance_from(sides, curve));
+            let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
+            let (number, _) = nearest.expect("as many curves as loops");
+            let nodes = NodesOfLoop::new(&self.curves[number], sides, &self.y, &self.states);
+            start.loops.push(nodes.start(law));
+        }
+        start
+    }
+}
+
+/// Distance of a node of a curve from a loop.
+fn distance_from(sides: &[PlaneSide], curve: &ClosedCurve) -> f64 {
+    nearest_side(sides, place_of(curve, 0)).1
 }
 
 /// Point of a curve after so many edges.
