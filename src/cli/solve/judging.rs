@@ -13,7 +13,7 @@ use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::tolerance;
-use signorini_mathematics::solvers::ReachEnd;
+use signorini_mathematics::solvers::{ReachEnd, takes_spectral};
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;
@@ -79,6 +79,9 @@ impl Answer {
     fn shortfall(&self, request: &Request, accuracy: Accuracy, bounds: &Bounds) -> Option<Warning> {
         let (reason, remedy) = match self.solved.reached.as_ref()?.end {
             ReachEnd::Goal | ReachEnd::NoSolution => return None,
+            ReachEnd::Finest { .. } if takes_spectral(&self.solved.problem) => {
+                ("memory has no room for more nodes", "ask for less, or use --solver spectral")
+            }
             ReachEnd::Finest { .. } => ("memory has no room for more nodes", "ask for less"),
             ReachEnd::MostNodes { .. } => ("no more nodes are allowed", "raise --most-nodes"),
             ReachEnd::Interrupted { .. } => ("interrupted", "let it run to its end"),
@@ -87,6 +90,9 @@ impl Answer {
             }
             ReachEnd::Rounding { .. } if self.solved.problem.levels().facts().by_quadrature => {
                 ("the bound no longer falls", "ask for less, or write jumps of f as shapes")
+            }
+            ReachEnd::Rounding { .. } if takes_spectral(&self.solved.problem) => {
+                ("the bound no longer falls", "ask for less, or use --solver spectral")
             }
             ReachEnd::Rounding { .. } => ("the bound no longer falls", "ask for less"),
         };

@@ -17,7 +17,7 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
-use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
+use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher, takes_spectral};
 use signorini_mathematics::spectral::{TrueChecks, TrueSolution};
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
@@ -68,17 +68,17 @@ pub(super) struct WithoutGrid {
     pub(super) steps: usize,
     /// Energy of the solution.
     pub(super) energy: f64,
-    /// Difference of the energies at two resolutions, over the energy.
-    pub(super) resolution: Option<f64>,
+    /// Difference of the energies at two resolutions, or of the bounds, over the energy.
+    pub(super) accuracy: Option<f64>,
 }
 
 impl WithoutGrid {
     fn of(found: &TrueSolution) -> Self {
-        let resolution = match found.checks {
+        let accuracy = match found.checks {
             TrueChecks::Square(checks) => checks.resolution,
-            TrueChecks::Plane(_) => None,
+            TrueChecks::Plane(checks) => Some(checks.bracket),
         };
-        Self { steps: found.steps, energy: found.energy, resolution }
+        Self { steps: found.steps, energy: found.energy, accuracy }
     }
 }
 
@@ -201,8 +201,9 @@ impl Cell {
                 "{asked}: the error is bounded on no mesh by less than the solution, as where v = 0; leave it out"
             ),
             true => format!(
-                "{asked}: {best:.1e} is reached with {} nodes, and no more; ask for less",
-                solved.problem.lengths()[0]
+                "{asked}: {best:.1e} is reached with {} nodes, and no more; ask for less{}",
+                solved.problem.lengths()[0],
+                if takes_spectral(&solved.problem) { ", or use solver = \"spectral\"" } else { "" }
             ),
         }))
     }

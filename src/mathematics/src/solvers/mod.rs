@@ -15,7 +15,7 @@ pub use adapted::Adaption;
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{Tried, Watcher};
-pub use run::{FoundSolution, Run};
+pub use run::{FoundSolution, Run, takes_spectral};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{ReachEnd, Reached, Solved, recovered};
 pub use solver::Solver;

@@ -5,14 +5,14 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
-use crate::mesh::PlaneMesh;
+use crate::mesh::{MeshSource, PlaneMesh};
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
-use crate::spectral::{TrueSolution, true_solution, true_solution_on};
+use crate::spectral::{SpectralError, TrueSolution, check_plane, true_solution, true_solution_on};
 use std::borrow::Cow;
 
 /// Run of a solver on levels.
@@ -201,22 +201,36 @@ impl Monitor for Measuring<'_> {
     }
 }
 
+/// Coarsest mesh of a problem in the plane, and f on it, as the spectral solver takes them.
+fn on_coarsest<T>(
+    problem: &Problem,
+    take: impl FnOnce(&PlaneMesh, &MeshSource<2>) -> Result<T, SpectralError>,
+) -> Result<T, Refusal> {
+    let mesh = problem.levels().mesh(0);
+    let mesh = mesh.plane().ok_or(Refusal::NotInSpace(Solver::Spectral))?;
+    let f = read(mesh, &problem.levels().facts().f).map_err(ProblemError::from)?;
+    Ok(take(mesh, &f)?)
+}
+
+/// True if the spectral solver takes the domain and f of a problem, whether or not it then finds the solution.
+pub fn takes_spectral(problem: &Problem) -> bool {
+    match problem.lattices().map(Lattices::source) {
+        Some(f) if !f.is_smooth() => true,
+        _ => on_coarsest(problem, |mesh, f| check_plane(mesh, f, problem.law())).is_ok(),
+    }
+}
+
 /// Finds the true solution on a domain in the plane, without a level: on the square for constant pieces by its closed
 /// form.
 pub(super) fn truth(
     problem: &Problem,
-    settings: &Settings,
+    _: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let law = problem.law();
     let found = match problem.lattices().map(Lattices::source) {
         Some(f) if !f.is_smooth() => true_solution(law, f)?,
-        _ => {
-            let mesh = problem.levels().mesh(0);
-            let mesh = mesh.plane().ok_or(Refusal::NotInSpace(settings.solver))?;
-            let f = read(mesh, &problem.levels().facts().f).map_err(ProblemError::from)?;
-            true_solution_on(mesh, &f, law)?
-        }
+        _ => on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, law))?,
     };
     Ok(FoundSolution::Truth(found.into()))
 }

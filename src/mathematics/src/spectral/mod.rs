@@ -133,8 +133,8 @@ pub use plane::{PlaneChecks, PlaneError};
 use problem::SpectralProblem;
 use search::FoundTrace;
 use trace::{BoundaryValues, Sign, Trace};
-pub(crate) use truth::true_solution_on;
 pub use truth::{TrueChecks, TrueSolution, true_solution};
+pub(crate) use truth::{check_plane, true_solution_on};
 
 /// Starts that are tried in turn. The first is enough unless the integral of f nearly vanishes.
 const STARTS: [ContactStart; 6] = [

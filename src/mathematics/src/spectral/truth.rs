@@ -1,6 +1,6 @@
 //! Answer of the spectral solver, whatever the domain.
 
-use super::plane::{PlaneChecks, PlaneTruth, solve_on_mesh};
+use super::plane::{PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh};
 use super::{Checks, Solution, SpectralError, SpectralParams, spectral_under};
 use crate::discrete::contact::ContactArc;
 use crate::mesh::{MeshSource, PlaneMesh};
@@ -100,6 +100,18 @@ pub(crate) fn true_solution_on(
         note: truth.note(),
         form: TrueForm::Plane(truth.into()),
     })
+}
+
+/// Checks that [`true_solution_on`] takes the domain of a mesh, and f.
+///
+/// # Errors
+/// [`SpectralError::Plane`].
+pub(crate) fn check_plane(
+    mesh: &PlaneMesh,
+    f: &MeshSource<2>,
+    law: Law,
+) -> Result<(), SpectralError> {
+    Ok(check_on_mesh(mesh, f, law)?)
 }
 
 impl TrueSolution {

@@ -234,8 +234,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "is_papers_law": scene.statement.law.is_none(),
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
-        // Difference of the energies of a true solution at two resolutions, over the energy.
-        "resolution": outcomes.without_grid.and_then(|end| end.resolution).map(f64::abs),
+        // Accuracy of the energy of a true solution, over the energy.
+        "accuracy": outcomes.without_grid.and_then(|end| end.accuracy).map(f64::abs),
         "f": f,
         "integral_f": integral_f,
         // The exact solution in LaTeX, if it is known.

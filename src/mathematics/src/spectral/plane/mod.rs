@@ -16,7 +16,7 @@ use crate::problem::text::plain;
 use std::fmt;
 
 pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
-pub(crate) use on_mesh::{PlaneTruth, solve_on_mesh};
+pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 
 /// Right-hand side of a domain in the plane.
 #[derive(Clone, Debug)]

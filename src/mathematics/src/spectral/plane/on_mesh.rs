@@ -52,6 +52,18 @@ pub(crate) fn solve_on_mesh(
     Err(error)
 }
 
+/// Checks that [`solve_on_mesh`] takes the domain of a mesh, and f.
+///
+/// # Errors
+/// [`PlaneError`].
+pub(crate) fn check_on_mesh(
+    mesh: &PlaneMesh,
+    f: &MeshSource<2>,
+    law: Law,
+) -> Result<(), PlaneError> {
+    problem(mesh, f, law, Frame::of(mesh, f)).map(|_| ())
+}
+
 impl PlaneTruth {
     /// J(v).
     pub(crate) fn energy(&self) -> f64 {
