@@ -18,6 +18,7 @@
 //! | read the paper's method as the paper writes it | [`saddle::Plain`] |
 //! | solve many loads on one grid of the square | [`multigrid::Multigrid`] |
 //! | have the true solution on the square to rounding | [`spectral::spectral_under`] |
+//! | have it on any domain in the plane | [`solvers::solve`] with [`solvers::Solver::Spectral`] |
 //! | write files for NumPy and ParaView | [`formats`] |
 //!
 //! On the square:
