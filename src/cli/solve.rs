@@ -123,10 +123,11 @@ impl SolveArgs {
     /// Refuses options about the file that is written where there is none, or that a solver or a domain does not have.
     fn check_file_options(&self, statement: &Statement) -> Result<()> {
         let Statement { solver, domain, .. } = statement;
+        let refine = self.fields.domain.refine.filter(|_| self.save.is_none());
         let of_the_file = [
             ("--recover", self.recover),
             ("--h", self.fields.h.is_some() && *solver == Solver::Spectral),
-            ("--refine", self.fields.domain.refine.is_some() && *solver == Solver::Spectral),
+            ("--refine", refine.is_some() && *solver == Solver::Spectral),
         ];
         if self.recover && !solver.entry().is_discrete {
             let takers: Vec<_> = Solver::on_grids().iter().map(Solver::to_string).collect();
