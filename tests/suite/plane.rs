@@ -85,9 +85,10 @@ fn digits_of_another_program_are_reached() {
         assert!(high - low < 1e-6 * energy.abs(), "{name}: {low} {high}");
         let arcs = solved.contact().unwrap();
         for end in ends {
-            let is_there = arcs.iter().flat_map(|arc| [arc.from, arc.to]).any(|[x, y]| {
-                (x - end[0]).abs() < 1e-6 && (y - end[1]).abs() < 1e-6
-            });
+            let is_there = arcs
+                .iter()
+                .flat_map(|arc| [arc.from, arc.to])
+                .any(|[x, y]| (x - end[0]).abs() < 1e-6 && (y - end[1]).abs() < 1e-6);
             assert!(is_there, "{name}: {end:?} {arcs:?}");
         }
     }
@@ -95,7 +96,9 @@ fn digits_of_another_program_are_reached() {
 
 /// A Gmsh file of triangles, with the edges of a part named `low`.
 fn file(points: &[[f64; 2]], cells: &[[usize; 3]], low: &[[usize; 2]]) -> Vec<u8> {
-    let mut text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"low\"\n$EndPhysicalNames\n".to_owned();
+    let mut text =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"low\"\n$EndPhysicalNames\n"
+            .to_owned();
     text += &format!("$Nodes\n{}\n", points.len());
     for (k, [x, y]) in (1..).zip(points) {
         text += &format!("{k} {x} {y} 0\n");
@@ -154,7 +157,10 @@ fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
             assert!(low <= energy && energy <= high, "{name}: {low} {energy} {high}");
             let rounding = 1e-10 * energy.abs();
             let [lower, upper] = brackets[1];
-            assert!(lower - rounding <= energy && energy <= upper + rounding, "{name}: {lower} {energy} {upper}");
+            assert!(
+                lower - rounding <= energy && energy <= upper + rounding,
+                "{name}: {lower} {energy} {upper}"
+            );
             assert!(upper - lower < 0.01 * (high - low), "{name}: {lower} {upper}");
         }
     }
@@ -168,7 +174,10 @@ fn values_at_nodes_and_files_are_those_of_the_true_solution() {
     let solve = ["solve", "--domain", "lshape", "--f", f, "--solver", "spectral"];
     let json = project.run(&[&solve[..], &["--json"]].concat()).json();
     assert_eq!(json["bound"]["energy"].as_array().unwrap().len(), 2, "{json}");
-    assert!(json["grids"].is_null() && json["checks"]["residual"].as_f64().unwrap() < 1e-6, "{json}");
+    assert!(
+        json["grids"].is_null() && json["checks"]["residual"].as_f64().unwrap() < 1e-6,
+        "{json}"
+    );
     let written = |file: &str| {
         let out = ["--refine", "2", "--out", file];
         assert_eq!(project.run(&[&solve[..], &out].concat()).code, Some(0));
@@ -202,7 +211,10 @@ fn what_is_not_served_gets_one_line() {
     for (args, words) in [
         (&["--domain", "cube", "--f", "else=-1"][..], "is for domains in the plane"),
         (&["--domain", "lshape", "--f", "formula(abs(x) - 2)"], "f is no polynomial"),
-        (&["--domain", "round.msh", "--f", "else=-1"], "on a circle, as low=0,0,1; use --solver multigrid"),
+        (
+            &["--domain", "round.msh", "--f", "else=-1"],
+            "on a circle, as low=0,0,1; use --solver multigrid",
+        ),
         (&["--domain", "lshape", "--f", "else=-1", "--refine", "2"], "--refine is about the file"),
         (&["--domain", "lshape", "--f", "else=1"], "lower f somewhere"),
     ] {
@@ -225,7 +237,8 @@ fn scenes_and_options_agree_on_it() {
     project.run(&["run", "ring"]).lines();
     project.run(&["run", "ring"]).nothing_to_do();
     let options = ["solve", "--domain", "annulus", "--fixed", "inner", "--f", "else=-1"];
-    let of_options = project.run(&[&options[..], &["--solver", "spectral", "--json"]].concat()).json();
+    let of_options =
+        project.run(&[&options[..], &["--solver", "spectral", "--json"]].concat()).json();
     let of_scene = project.run(&["solve", "ring", "--json"]).json();
     for field in ["energy", "bound", "contact", "force", "checks", "iterations"] {
         assert_eq!(of_options[field], of_scene[field], "{field}");

@@ -1,22 +1,39 @@
 //! True solution on any domain of the plane with straight and circular sides.
 
-#![expect(missing_docs, unused, clippy::todo, reason = "bodies follow")]
+#![allow(missing_docs, unused)]
 
+mod boundary;
+mod choice;
 mod domain;
+mod energy;
+mod field;
+mod fit;
 mod frame;
+mod functions;
+mod jumps;
+mod least_squares;
+mod newton;
 mod on_mesh;
 mod outline;
+mod polynomial;
+mod psi;
 mod regions;
+mod search;
+mod setup;
+mod signs;
 mod start;
 
-use crate::mesh::Condition;
+use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::text::plain;
-use std::fmt;
-
+use boundary::Spot;
 pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
+pub use polynomial::Polynomial;
+use search::Found;
+use setup::Setup;
+use std::fmt;
 
 /// Right-hand side of a domain in the plane.
 #[derive(Clone, Debug)]
@@ -27,20 +44,6 @@ pub enum PlaneSource {
     Polynomial(Polynomial),
     /// Constant values on regions.
     Regions(Regions),
-}
-
-/// Polynomial in x and y that takes the place of a formula.
-#[derive(Clone, Debug)]
-pub struct Polynomial {
-    /// Largest difference from the formula seen, over the largest value; of rounding if the formula is a polynomial.
-    pub error: f64,
-}
-
-impl Polynomial {
-    /// Polynomial that takes the place of a smooth function on a domain; look at its `error`.
-    pub fn fitted(f: impl Fn([f64; 2]) -> f64, domain: &PlaneDomain) -> Self {
-        todo!()
-    }
 }
 
 /// Constant values on regions with straight or circular borders.
@@ -72,6 +75,8 @@ pub struct PlaneProblem {
 #[derive(Clone, Debug, Default)]
 pub struct PlaneStart {
     pub loops: Vec<LoopStart>,
+    /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
+    pub spacing: f64,
 }
 
 /// Arcs of a loop that stick. What it says of fixed and free sides is not read.
@@ -136,6 +141,8 @@ pub struct PlaneSolution {
     pub unknowns: usize,
     pub rows: usize,
     pub steps: usize,
+    setup: Setup,
+    found: Found,
 }
 
 /// Reason for which there is no solution.
@@ -177,27 +184,111 @@ impl fmt::Display for PlaneChecks {
 /// # Errors
 /// [`PlaneError`], with a sentence for the user.
 pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution, PlaneError> {
-    todo!()
+    let setup = Setup::new(problem)?;
+    let found = search::search(&setup, start)?;
+    let Found { integrals, sizes, signs, fit, nodes, .. } = &found;
+    let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
+    let checks = PlaneChecks {
+        residual: sizes.residual / sizes.value,
+        balance: (integrals.force + integrals.source) / size,
+        flux: signs.flux,
+        sign: signs.value,
+        bracket: f64::NAN,
+    };
+    Ok(PlaneSolution {
+        energy: integrals.energy,
+        bracket: PlaneBracket { lower: f64::NAN, upper: integrals.plain, reserve: Vec::new() },
+        arcs: arcs(&setup, &found),
+        force: nodes
+            .iter()
+            .filter(|node| node.lawful)
+            .map(|node| node.spot.weight * node.flux)
+            .sum(),
+        integral: integrals.source,
+        checks,
+        unknowns: fit.unknowns,
+        rows: fit.rows,
+        steps: found.steps,
+        setup,
+        found,
+    })
+}
+
+/// Arcs that stick, with forces.
+fn arcs(setup: &Setup, found: &Found) -> Vec<PlaneArc> {
+    let mut arcs = Vec::new();
+    for (r, ring) in setup.rings.iter().enumerate() {
+        let turn = ring.length();
+        let own = &found.contact[r];
+        let lawful: Vec<&field::Node> =
+            found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
+        let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
+        let all = [0.0, turn];
+        for &[from, to] in own.arcs.iter().chain(closed.then_some(&all)) {
+            let inside = lawful.iter().filter(|node| (node.t - from).rem_euclid(turn) <= to - from);
+            let ends = [from, to].map(|t| ring.place(t));
+            arcs.push(PlaneArc {
+                ring: r,
+                ends,
+                points: ends.map(|place| ring.sides[place.side].at(place.s)),
+                closed,
+                force: inside.map(|node| node.spot.weight * node.flux).sum(),
+            });
+        }
+    }
+    arcs
 }
 
 impl PlaneSolution {
     /// v at a point of the closed domain.
     pub fn value(&self, point: [f64; 2]) -> f64 {
-        todo!()
+        self.values(&[point])[0]
     }
 
-    /// v at many points, side by side.
+    /// v at many points.
     pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        todo!()
+        let mut values = Vec::with_capacity(points.len());
+        for block in points.chunks(64) {
+            let spots: Vec<Spot> =
+                block.iter().map(|&[x, y]| Spot::inside(Complex::new(x, y))).collect();
+            let fit = &self.found.fit;
+            let [g, _] = fit.sums(&fit.functions.at(&spots, false));
+            values.extend(
+                spots.iter().zip(g).map(|(spot, g)| self.setup.jumps.psi.value(spot.z) + g.re),
+            );
+        }
+        values
     }
 
     /// Gradient of v at a point of the domain.
-    pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
-        todo!()
+    pub fn gradient(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let spots = [Spot::inside(Complex::new(x, y))];
+        let fit = &self.found.fit;
+        let [_, slopes] = fit.sums(&fit.functions.at(&spots, true));
+        let psi = self.setup.jumps.psi.gradients(&[spots[0].z])[0];
+        (psi + slopes[0].conj()).coordinates()
     }
 
     /// v and dv/dn at a point of the boundary.
     pub fn on_boundary(&self, ring: usize, place: SidePlace) -> [f64; 2] {
-        todo!()
+        let walk = &self.found.fit.walk;
+        let mut nearest = (f64::INFINITY, 0);
+        for (k, own) in walk.intervals.iter().enumerate() {
+            if own.ring == ring && own.side == place.side {
+                let after = place.s - own.from;
+                let beyond = (-after).max(after - own.length);
+                if beyond < nearest.0 {
+                    nearest = (beyond, k);
+                }
+            }
+        }
+        let own = &walk.intervals[nearest.1];
+        let after = (place.s - own.from).clamp(0.0, own.length);
+        let spot = match after < 0.5 * own.length {
+            true => walk.spot(nearest.1, 0, after, 0.0),
+            false => walk.spot(nearest.1, 1, own.length - after, 0.0),
+        };
+        let node = &field::nodes_at(&self.setup, &self.found.fit, &[spot])[0];
+        [node.value, node.flux]
     }
 }

@@ -55,7 +55,8 @@ impl MeshSolution {
         }
         // In the units of the frame, since their ends are compared.
         let law = frame.law(self.law);
-        let mut start = PlaneStart::default();
+        let spacing = self.curves.iter().map(longest_edge).fold(0.0, f64::max);
+        let mut start = PlaneStart { spacing, ..PlaneStart::default() };
         for sides in domain.loops() {
             let distances = self.curves.iter().map(|curve| distance_from(sides, curve));
             let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
@@ -70,6 +71,12 @@ impl MeshSolution {
 /// Distance of a node of a curve from a loop.
 fn distance_from(sides: &[PlaneSide], curve: &ClosedCurve) -> f64 {
     nearest_side(sides, place_of(curve, 0)).1
+}
+
+/// Length of the longest edge of a curve.
+fn longest_edge(curve: &ClosedCurve) -> f64 {
+    let edges = (0..curve.points.len()).map(|k| place_of(curve, k + 1) - place_of(curve, k));
+    edges.map(Complex::norm).fold(0.0, f64::max)
 }
 
 /// Point of a curve after so many edges.
@@ -95,9 +102,6 @@ struct NodesOfLoop<'a> {
     states: Vec<BoundaryState>,
 }
 
-/// Number of nodes up to which an arc or a gap is left out: it is opened again if it exists.
-const FEW: usize = 2;
-
 impl<'a> NodesOfLoop<'a> {
     fn new(
         curve: &'a ClosedCurve,
@@ -115,9 +119,7 @@ impl<'a> NodesOfLoop<'a> {
                 None => BoundaryState::SlipsDown,
             });
         }
-        let mut nodes = Self { curve, sides, values, states: own };
-        nodes.leave_out_short();
-        nodes
+        Self { curve, sides, values, states: own }
     }
 
     fn many(&self) -> usize {
@@ -139,21 +141,6 @@ impl<'a> NodesOfLoop<'a> {
     /// Condition on the edge after a node.
     fn condition(&self, k: usize) -> Condition {
         self.curve.conditions[k % self.many()]
-    }
-
-    /// Gives few nodes in a row the state of both neighbours, unless another condition holds beside them.
-    fn leave_out_short(&mut self) {
-        let many = self.many();
-        for k in 0..many {
-            let before = self.state(k + many - 1);
-            let count = (0..many).take_while(|j| self.state(k + j) == self.state(k)).count();
-            let after = self.state(k + count);
-            let under_law =
-                (0..=count).all(|j| self.condition(k + j + many - 1) == Condition::Contact);
-            if before == after && before != self.state(k) && count <= FEW && under_law {
-                (0..count).for_each(|j| self.states[(k + j) % many] = before);
-            }
-        }
     }
 
     /// Arcs that stick, and the flux on the gaps.
