@@ -123,6 +123,15 @@ impl TrueSolution {
         }
     }
 
+    /// Cuts of the functions whose sum the solution is, outward from points of the boundary and behind it, the longest
+    /// first of each point; none on the square in its closed form.
+    pub fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
+        match &self.form {
+            TrueForm::Square(_) => Vec::new(),
+            TrueForm::Plane(truth) => truth.cuts(),
+        }
+    }
+
     /// v at points of the domain and its boundary.
     pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         match &self.form {

@@ -245,6 +245,18 @@ impl PlaneSolution {
         self.values(&[point])[0]
     }
 
+    /// Cuts of the functions, from the points where they are singular outwards.
+    pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
+        let mut cuts = Vec::new();
+        for family in &self.found.fit.functions.families {
+            for &length in &family.lengths {
+                let end = family.point - family.inwards.scaled(length);
+                cuts.push([family.point, end].map(Complex::coordinates));
+            }
+        }
+        cuts
+    }
+
     /// v at many points.
     pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let mut values = Vec::with_capacity(points.len());

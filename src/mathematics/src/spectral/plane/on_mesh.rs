@@ -128,6 +128,12 @@ impl PlaneTruth {
         arcs
     }
 
+    /// Cuts of the functions, from and to.
+    pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
+        let cuts = self.solution.cuts().into_iter();
+        cuts.map(|ends| ends.map(|point| self.frame.outside(point))).collect()
+    }
+
     /// v at points of the domain.
     pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let points: Vec<_> = points.iter().map(|&point| self.frame.point(point)).collect();
