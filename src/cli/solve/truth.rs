@@ -4,6 +4,7 @@ use super::bound::{self, BoundaryWords};
 use crate::pipeline::bar;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::spectral::{PlaneChecks, TrueChecks};
@@ -41,22 +42,24 @@ pub(super) fn json(solved: &Solved) -> Option<Value> {
 /// Returns a true solution in words; nothing of another.
 pub(super) fn text(solved: &Solved) -> String {
     let Some(found) = solved.truth() else { return String::new() };
-    let law = solved.problem.law();
-    let facts = solved.problem.levels().facts();
+    let (problem, law) = (&solved.problem, solved.problem.law());
+    let facts = problem.levels().facts();
     let (words, rounding) = (BoundaryWords::of(law), facts.rounding());
     let mut text = String::new();
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
     text += &format!("energy {}\n{}", plain(found.energy, 16), bound::text(solved, false));
+    let has_parts = problem.levels().mesh(0).part_names().nth(1).is_some();
     for arc in &found.contact {
-        text += &words.arc(arc, rounding, 16);
+        let part = arc.part.clone().filter(|_| has_parts);
+        text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 16);
     }
     if let Some(solution) = found.on_square() {
         text += &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16));
     }
     text += &words.force([found.force, 0.0 - facts.integral], rounding, 16);
-    if solved.problem.domain(solved.problem.finest()).has_fixed_part() {
+    if problem.domain(problem.finest()).has_fixed_part() {
         text += "fixed parts carry the difference\n";
     }
     text + &checks(&found.checks)

@@ -5,7 +5,7 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
-use crate::mesh::{MeshSource, PlaneMesh};
+use crate::mesh::{Condition, MeshSource, PlaneMesh};
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
@@ -68,14 +68,22 @@ pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
     }
     let (level, law) = (problem.finest(), problem.law());
     let mesh = problem.levels().mesh(level);
-    let points = mesh.plane().map_or(&[][..], PlaneMesh::points);
+    let mesh = mesh.plane().expect("true solutions are in the plane");
+    let points = mesh.points();
     let (mut y, mut a) = (found.values(points), Vec::new());
+    // Where functions are singular, at corners, the boundary alone has their values.
+    let free = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Free);
+    for node in free.flat_map(|facet| facet.nodes).map(|node| node as usize) {
+        [y[node], _] = found.on_boundary(points[node]);
+    }
     for contact in problem.domain(level).contact().iter() {
         let [value, flux] = found.on_boundary(points[contact.node]);
         // What violates the law is an error of the method, which must not be taken for penetration.
         y[contact.node] = if law.hi().is_infinite() { value.max(0.0) } else { value };
         a.push(law.project(flux));
     }
+    let fixed = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Fixed);
+    fixed.flat_map(|facet| facet.nodes).for_each(|node| y[node as usize] = 0.0);
     Pair { y, a }
 }
 

@@ -141,16 +141,22 @@ impl PlaneTruth {
         values.into_iter().map(|v| self.frame.v() * v).collect()
     }
 
-    /// v and dv/dn at the point of the boundary nearest to this one.
+    /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
+    /// beside it.
     pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
+        /// Distances from corners, over the length of the side, at which v and dv/dn are taken.
+        const BESIDE: [f64; 2] = [1e-15, 1e-6];
         let [x, y] = self.frame.point(point);
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
         let nearest = loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
         let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
         let (ring, (side, _)) = nearest.expect("a domain has a boundary");
-        let place = SidePlace { side, s: loops[ring][side].nearest(z) };
-        let [value, flux] = self.solution.on_boundary(ring, place);
-        [self.frame.v() * value, self.frame.flux() * flux]
+        let (s, length) = (loops[ring][side].nearest(z), loops[ring][side].length());
+        let [of_value, of_flux] = BESIDE.map(|part| {
+            let place = SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) };
+            self.solution.on_boundary(ring, place)
+        });
+        [self.frame.v() * of_value[0], self.frame.flux() * of_flux[1]]
     }
 }
 
