@@ -189,7 +189,7 @@ pub(super) fn panels(
     for family in &functions.families {
         // Simple poles alone.
         let poles = family.powers.len() == 1;
-        let part = if poles { 0.75 } else { 2.0 };
+        let part = if poles { 0.75 } else { 1.0 };
         near.extend(family.lengths.iter().map(|&d| (family.point - family.inwards.scaled(d), part)));
         if family.split.is_none() && !poles {
             near.push((family.point, 1.0));
