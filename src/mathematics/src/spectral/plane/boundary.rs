@@ -365,6 +365,10 @@ impl Walk {
     ) -> Vec<PlanePanel> {
         /// Ratio of neighbours.
         const RATIO: f64 = 4.0;
+        /// Longest panel, in halves of the interval: in the middle the functions of all splits are seen.
+        const LONGEST: f64 = 0.4;
+        /// Longest panel of a circle, as an angle.
+        const WIDEST: f64 = 0.35;
         let mut panels = Vec::new();
         for (k, interval) in self.intervals.iter().enumerate() {
             let half = 0.5 * interval.length;
@@ -376,7 +380,7 @@ impl Walk {
                     let below = if to / RATIO > shortest { to / RATIO } else { 0.0 };
                     let parts = halved([below, to], |[a, b]| {
                         let middle = self.spot(k, side, 0.5 * (a + b), 0.0);
-                        b - a > 1e-14 && too_long(middle.z, b - a)
+                        b - a > 1e-14 && (b - a > LONGEST * half || (b - a) * interval.curvature.abs() > WIDEST || too_long(middle.z, b - a))
                     });
                     panels.extend(parts.into_iter().rev().map(|span| PlanePanel {
                         interval: k,

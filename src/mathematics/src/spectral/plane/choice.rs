@@ -25,11 +25,20 @@ impl Functions {
             }
             let near = split.lengths[0].min(split.lengths[1]);
             let plain = powers.iter().all(|power| power.log || power.power == 1.0);
-            let (least, most) =
-                if plain { (level.weak, level.weak) } else { (level.strong, usize::MAX) };
-            let ladder =
-                Ladder { from: 0.5 * near, ratio: level.ratio, to: 3.0 * size, least, most };
+            let (least, to) = if plain { (level.weak, 0.5) } else { (level.strong, 3.0) };
+            let ladder = Ladder {
+                from: 0.5 * near,
+                ratio: level.ratio,
+                to: to * size,
+                least,
+                most: usize::MAX,
+            };
             let lengths = ladder.lengths(&setup.domain, split.z, split.inwards());
+            let mut powers = powers;
+            if split.end.is_some() && lengths.iter().all(|&d| d < 0.5 * size) {
+                // Cuts are short: more powers in their place.
+                powers.extend([2.0, 2.5, 3.0, 3.5].map(Power::plain));
+            }
             families.push(Family {
                 point: split.z,
                 split: Some(k),
@@ -135,7 +144,7 @@ impl Ladder {
         let longest = 0.55 * domain.exit(point, -inwards);
         let fits = |d: f64| d < longest && domain.distance(point - inwards.scaled(d)) > 0.3 * d;
         let mut lengths = Vec::new();
-        let mut d = self.from;
+        let mut d = self.from.min(0.99 * longest);
         while (d < self.to || lengths.len() < self.least)
             && lengths.len() < self.most
             && d < longest
@@ -145,10 +154,10 @@ impl Ladder {
             }
             d *= self.ratio;
         }
-        d = self.from.min(longest);
+        d = self.from.min(0.99 * longest);
         let mut tries = 0;
         while lengths.len() < self.least && tries < 20 {
-            d /= self.ratio;
+            d /= self.ratio.min(3.0);
             tries += 1;
             if fits(d) {
                 lengths.push(d);

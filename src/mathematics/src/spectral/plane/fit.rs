@@ -29,7 +29,7 @@ pub(super) struct Fit {
 }
 
 /// Right-hand sides at spots in walking order: -psi where v = 0, and the integral of the flux elsewhere.
-fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]) -> Vec<f64> {
+pub(super) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]) -> Vec<f64> {
     let rule = gauss(5);
     let mut points = Vec::new();
     // Spots between neighbours of a run.
@@ -111,7 +111,7 @@ pub(super) fn spots_on(walk: &Walk, panels: &[PlanePanel], rule: &[GaussNode]) -
 }
 
 /// Continues the imaginary parts of the logarithms of holes along each run.
-fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
+pub(super) fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
     for k in 1..spots.len() {
         let [before, after] = [k - 1, k].map(|k| walk.intervals[spots[k].interval].run);
         if before == after && after != usize::MAX {
@@ -121,13 +121,21 @@ fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
     }
 }
 
+/// Least number of rows per column.
+const ROWS: f64 = 2.5;
+
 impl Fit {
     pub(super) fn new(setup: &Setup, contact: &[RingContact], level: &Level) -> Self {
         let mut walk = Walk::new(&setup.rings, setup.law, contact, &setup.jumps.crossings);
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
-        let panels = panels(setup, &walk, &functions, level, 1.0);
-        let spots = spots_on(&walk, &panels, &gauss(level.nodes));
+        let (rule, mut fineness) = (gauss(level.nodes), 1.0);
+        let mut panels = panels(setup, &walk, &functions, level, fineness);
+        while ((panels.len() * rule.len()) as f64) < ROWS * functions.unknowns() as f64 {
+            fineness *= 1.4;
+            panels = self::panels(setup, &walk, &functions, level, fineness);
+        }
+        let spots = spots_on(&walk, &panels, &rule);
         functions.orthogonalise(&spots, level.degree);
         let mut values = functions.at(&spots, false);
         let mut matrix = Columns::new(spots.len(), functions.unknowns() + walk.runs);
@@ -176,22 +184,19 @@ pub(super) fn panels(
     fineness: f64,
 ) -> Vec<PlanePanel> {
     let longest = 4.0 * setup.diameter / level.degree as f64;
-    let mut tips = Vec::new();
+    // Points with the length of panels, in distances from them.
+    let mut near: Vec<(Complex, f64)> = setup.jumps.singular.iter().map(|&z| (z, 1.0)).collect();
     for family in &functions.families {
-        tips.extend(family.lengths.iter().map(|&d| family.point - family.inwards.scaled(d)));
+        // Simple poles alone.
+        let poles = family.powers.len() == 1;
+        let part = if poles { 0.75 } else { 1.0 };
+        near.extend(family.lengths.iter().map(|&d| (family.point - family.inwards.scaled(d), part)));
+        if family.split.is_none() && !poles {
+            near.push((family.point, 1.0));
+        }
     }
-    let singular: Vec<Complex> = functions
-        .families
-        .iter()
-        .filter(|f| f.split.is_none() && f.powers.len() > 1)
-        .map(|f| f.point)
-        .chain(setup.jumps.singular.iter().copied())
-        .collect();
     walk.panels(0.0, |middle, length| {
-        let length = fineness * length;
-        length > longest
-            || singular.iter().any(|&z| length > (z - middle).norm())
-            || tips.iter().any(|&z| length > 2.0 * (z - middle).norm())
+        fineness * length > longest || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
     })
 }
 

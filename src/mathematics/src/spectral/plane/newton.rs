@@ -22,8 +22,6 @@ struct EndStep {
 
 /// Most steps on a level.
 const MOST: usize = 25;
-/// Step below which the ends are found if steps no longer fall.
-const NOISE: f64 = 1e-6;
 /// Largest part of an arc or a gap by which an end moves.
 const PART: f64 = 0.4;
 
@@ -42,12 +40,13 @@ pub(super) fn settle(
         let moves = end_steps(setup, contact, &fit);
         let largest = moves.iter().fold(0.0f64, |most, m| most.max(m.step.abs())) / setup.perimeter;
         let cut = moves.iter().any(|m| m.cut);
-        if !cut && (largest < level.found || largest < NOISE && largest > last / 3.0) {
-            if largest < NOISE {
+        if !cut && (largest < level.found || largest < level.noise && largest > last / 3.0) {
+            if largest < level.noise {
                 moves.iter().for_each(|m| contact[m.ring].arcs[m.arc][m.which] += m.step);
             }
             return Some(fit);
         }
+        if std::env::var("T").is_ok() { eprintln!("   {largest:.1e} {cut} {moves:?}"); }
         if !largest.is_finite() {
             return None;
         }

@@ -42,6 +42,8 @@ pub(super) struct Level {
     pub nodes: usize,
     /// Step of the ends, in perimeters, below which they are found.
     pub found: f64,
+    /// The same where steps no longer fall.
+    pub noise: f64,
 }
 
 impl Level {
@@ -56,6 +58,7 @@ impl Level {
         poles: 0.0,
         nodes: 6,
         found: 1e-5,
+        noise: 1e-3,
     };
     /// Levels on which the solution is checked, in turn.
     pub(super) const FINE: [Self; 2] = [
@@ -68,7 +71,8 @@ impl Level {
             hole: 16,
             poles: 0.0,
             nodes: 6,
-            found: 1e-7,
+            found: 2e-8,
+            noise: 1e-6,
         },
         Self {
             ratio: 1.8,
@@ -79,7 +83,8 @@ impl Level {
             hole: 24,
             poles: 0.0,
             nodes: 6,
-            found: 1e-7,
+            found: 2e-8,
+            noise: 1e-6,
         },
     ];
 }

@@ -65,7 +65,9 @@ impl Signs {
                 State::Flux(q) => {
                     let right = if q == law.hi() { -node.value } else { node.value };
                     value = value.min(right / sizes.value);
-                    let wrong = right < -(VALUE * sizes.value + RESIDUALS * sizes.residual);
+                    // An end that is a little off.
+                    let near = if distance < NEAR * setup.perimeter { NEAR } else { 0.0 };
+                    let wrong = right < -(VALUE * sizes.value * (1.0 + 1e3 * near / NEAR) + RESIDUALS * sizes.residual);
                     if wrong { Verdict::Sticks } else { Verdict::Right }
                 }
             };
