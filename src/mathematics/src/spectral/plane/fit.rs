@@ -190,13 +190,16 @@ pub(super) fn panels(
         // Simple poles alone.
         let poles = family.powers.len() == 1;
         let part = if poles { 0.75 } else { 1.0 };
-        near.extend(family.lengths.iter().map(|&d| (family.point - family.inwards.scaled(d), part)));
+        near.extend(
+            family.lengths.iter().map(|&d| (family.point - family.inwards.scaled(d), part)),
+        );
         if family.split.is_none() && !poles {
             near.push((family.point, 1.0));
         }
     }
     walk.panels(0.0, |middle, length| {
-        fineness * length > longest || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
+        fineness * length > longest
+            || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
     })
 }
 

@@ -46,7 +46,9 @@ pub(super) fn settle(
             }
             return Some(fit);
         }
-        if std::env::var("T").is_ok() { eprintln!("   {largest:.1e} {cut} {moves:?}"); }
+        if std::env::var("T").is_ok() {
+            eprintln!("   {largest:.1e} {cut} {moves:?}");
+        }
         if !largest.is_finite() {
             return None;
         }

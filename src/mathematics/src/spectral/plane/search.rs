@@ -103,7 +103,8 @@ pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<Found, PlaneEr
         let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
         match Found::on(setup, &mut contact, Level { poles, ..level }, &mut steps, POINTS[1]) {
             Ok(found) => {
-                let better = best.as_ref().is_none_or(|best: &Found| found.errors() < best.errors());
+                let better =
+                    best.as_ref().is_none_or(|best: &Found| found.errors() < best.errors());
                 if better {
                     best = Some(found);
                 }
@@ -160,11 +161,44 @@ fn short(ring: &RingContact, turn: f64, least: f64) -> Option<(usize, bool)> {
 
 fn debug(fit: &Fit, nodes: &[Node], signs: &Signs, contact: &[RingContact]) {
     use super::boundary::State;
-    let at = (0..nodes.len()).max_by(|&a, &b| nodes[a].residual.abs().total_cmp(&nodes[b].residual.abs())).unwrap();
+    let at = (0..nodes.len())
+        .max_by(|&a, &b| nodes[a].residual.abs().total_cmp(&nodes[b].residual.abs()))
+        .unwrap();
     if std::env::var("T").unwrap() == "2" {
-    for n in &nodes[at.saturating_sub(18)..(at + 18).min(nodes.len())] { eprintln!("        {:.12} {:.5} {:.3e} {:.3e}", n.t, n.spot.offset, n.residual, match n.state { State::Flux(q) => n.flux - q, _ => 0.0 }); }
+        for n in &nodes[at.saturating_sub(18)..(at + 18).min(nodes.len())] {
+            eprintln!(
+                "        {:.12} {:.5} {:.3e} {:.3e}",
+                n.t,
+                n.spot.offset,
+                n.residual,
+                match n.state {
+                    State::Flux(q) => n.flux - q,
+                    _ => 0.0,
+                }
+            );
+        }
     }
     let big = fit.coefficients.iter().map(|c| c.norm()).fold(0.0f64, f64::max);
-    let rms = |held: bool| { let v: Vec<f64> = nodes.iter().filter(|n| (n.state == State::Held) == held).map(|n| n.residual).collect(); [(v.iter().map(|x| x*x).sum::<f64>() / v.len() as f64).sqrt(), v.iter().fold(0.0f64, |a, b| a.max(b.abs()))] };
-    eprintln!("  # {} x {} largest {big:.1e} held {:?} flux {:?} worst {:?} off {:.1e} {:?} signs {:.1e} {:.1e} contact {:?} -> {:?}", fit.rows, fit.unknowns, rms(true), rms(false), nodes[at].spot.z, nodes[at].spot.offset, nodes[at].state, signs.flux, signs.value, contact.iter().map(|c| &c.arcs).collect::<Vec<_>>(), signs.mended.as_ref().map(|m| m.iter().map(|c| c.arcs.clone()).collect::<Vec<_>>()));
+    let rms = |held: bool| {
+        let v: Vec<f64> =
+            nodes.iter().filter(|n| (n.state == State::Held) == held).map(|n| n.residual).collect();
+        [
+            (v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64).sqrt(),
+            v.iter().fold(0.0f64, |a, b| a.max(b.abs())),
+        ]
+    };
+    eprintln!(
+        "  # {} x {} largest {big:.1e} held {:?} flux {:?} worst {:?} off {:.1e} {:?} signs {:.1e} {:.1e} contact {:?} -> {:?}",
+        fit.rows,
+        fit.unknowns,
+        rms(true),
+        rms(false),
+        nodes[at].spot.z,
+        nodes[at].spot.offset,
+        nodes[at].state,
+        signs.flux,
+        signs.value,
+        contact.iter().map(|c| &c.arcs).collect::<Vec<_>>(),
+        signs.mended.as_ref().map(|m| m.iter().map(|c| c.arcs.clone()).collect::<Vec<_>>())
+    );
 }
