@@ -131,7 +131,7 @@ impl Solved {
         self.bounds.get_or_init(|| {
             let bounds = match &self.found {
                 FoundSolution::Vector(run) => Some(self.problem.bounds(&run.y)),
-                FoundSolution::Truth(found) => found.bracket.map(|of| Ok(Bounds::of_energy(of))),
+                FoundSolution::Truth(found) => found.bounds().map(Ok),
             };
             bounds.into_iter().collect()
         })
@@ -186,6 +186,13 @@ impl Solved {
             }
             FoundSolution::Truth(found) => values(found, &self.problem),
         }
+    }
+}
+
+impl TrueSolution {
+    /// Bounds that follow from those of the energy, if there are any.
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
+        self.bracket.map(Bounds::of_energy)
     }
 }
 

@@ -21,6 +21,8 @@ pub struct TrueSolution {
     pub contact: Vec<ContactArc>,
     /// Integral of dv/dn over the boundary where the law holds.
     pub force: f64,
+    /// Number of real unknowns, with those of the fit alone; none on the square.
+    pub unknowns: Option<usize>,
     /// Number of Newton steps; on the square of those at the usual resolution.
     pub steps: usize,
     /// Checks.
@@ -71,6 +73,7 @@ pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError
         is_sampled: false,
         contact: solution.contact.clone(),
         force: solution.force(),
+        unknowns: None,
         steps: usual.steps,
         checks: TrueChecks::Square(solution.checks),
         note: None,
@@ -95,6 +98,7 @@ pub(crate) fn true_solution_on(
         is_sampled: truth.is_sampled(),
         contact: truth.contact(mesh),
         force: truth.force(),
+        unknowns: Some(truth.unknowns()),
         steps: truth.steps(),
         checks: TrueChecks::Plane(truth.checks()),
         note: truth.note(),

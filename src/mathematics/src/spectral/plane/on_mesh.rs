@@ -86,6 +86,11 @@ impl PlaneTruth {
         self.frame.v() * self.solution.force
     }
 
+    /// Number of real unknowns.
+    pub(crate) fn unknowns(&self) -> usize {
+        self.solution.unknowns
+    }
+
     /// Number of Newton steps.
     pub(crate) fn steps(&self) -> usize {
         self.solution.steps
