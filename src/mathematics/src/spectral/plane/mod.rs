@@ -3,6 +3,7 @@
 #![allow(missing_docs, unused)]
 
 mod boundary;
+mod bounds;
 mod choice;
 mod domain;
 mod energy;
@@ -157,16 +158,17 @@ pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution
     let found = search::search(&setup, start)?;
     let Found { integrals, sizes, signs, fit, nodes, .. } = &found;
     let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
+    let bracket = bounds::bracket(&setup, &found);
     let checks = PlaneChecks {
         residual: sizes.residual / sizes.value,
         balance: (integrals.force + integrals.source) / size,
         flux: signs.flux,
         sign: signs.value,
-        bracket: f64::NAN,
+        bracket: (bracket.upper - bracket.lower) / integrals.energy.abs(),
     };
     Ok(PlaneSolution {
         energy: integrals.energy,
-        bracket: PlaneBracket { lower: f64::NAN, upper: integrals.plain, reserve: Vec::new() },
+        bracket,
         arcs: arcs(&setup, &found),
         force: nodes
             .iter()
