@@ -46,9 +46,10 @@ pub(super) fn bracket(setup: &Setup, found: &Found) -> PlaneBracket {
     let eta = |n: &Node| allowed(n) - n.flux - share * room(n);
     let moved = weighted(&|n| n.value * eta(n));
     let square = weighted(&|n| eta(n) * eta(n));
-    // What the quadrature of the flux misses.
+    // What the quadrature of the flux misses, and rounding.
     let size = nodes.iter().fold(0.0f64, |most, n| most.max(n.value.abs()));
-    let missed = (integrals.force + integrals.source).abs() * size;
+    let rounding = 2e-15 * (integrals.work.abs() + integrals.flux_work.abs());
+    let missed = (integrals.force + integrals.source).abs() * size + rounding;
     let trace = 2.0 * setup.diameter;
     let lower = -0.5 * (integrals.flux_work + integrals.work) - moved - 0.5 * trace * square - missed;
     let potential = weighted(&|n| if n.lawful { law.potential(n.value) } else { 0.0 });
