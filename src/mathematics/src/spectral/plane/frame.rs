@@ -1,90 +1,96 @@
-//! Coordinates and units in which domain and f are of size one, about.
+//! Coordinates in which a domain has about unit size and lies near the origin, so that lengths can be compared with
+//! fixed small numbers.
 
-use crate::mesh::{MeshSource, PlaneMesh, Round, centroid};
+use super::domain::{PlaneDomain, PlaneSide, SidePlace};
+use super::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, Polynomial, RegionBorder, Regions};
+use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::spectral::curve::{Arc, Curve};
 
-/// Coordinates `(x - origin) / unit`, and f in multiples of `height`. Powers of two change no digit.
+/// Coordinates `(z - origin) / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by its
+/// fourth power.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
-    origin: [f64; 2],
-    unit: f64,
-    /// Unit of f.
-    height: f64,
+    pub origin: Complex,
+    /// A power of two, so that no digit changes.
+    pub unit: f64,
 }
 
 impl Frame {
-    /// Frame in which the built-in domains are as they are.
-    pub(super) fn of(mesh: &PlaneMesh, f: &MeshSource<2>) -> Self {
-        let (points, extent) = (mesh.points(), mesh.extent());
-        let unit = power_of_two(0.5 * extent);
-        let middle: [f64; 2] = std::array::from_fn(|axis| {
-            points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64
+    /// Frame of a domain: that of the plane where the domain has about unit size and is not far away.
+    pub(super) fn of(domain: &PlaneDomain) -> Self {
+        let [x, y] = domain.extent().map(|[low, high]| 0.5 * (low + high));
+        let unit = libm::exp2(libm::log2(0.5 * domain.diameter()).round());
+        let centre = Complex::new(x, y);
+        let origin = if centre.norm() < 2.0 * unit { Complex::default() } else { centre };
+        Self { origin, unit }
+    }
+
+    pub(super) fn seen(&self, [x, y]: [f64; 2]) -> Complex {
+        (Complex::new(x, y) - self.origin).scaled(1.0 / self.unit)
+    }
+
+    fn side(&self, side: &PlaneSide) -> PlaneSide {
+        let Arc { curve, span, ends } = side.arc;
+        let curve = Curve {
+            origin: self.seen(curve.origin.coordinates()),
+            curvature: curve.curvature * self.unit,
+            ..curve
+        };
+        PlaneSide { arc: Arc { curve, span: span.map(|s| s / self.unit), ends }, ..*side }
+    }
+
+    /// The problem in these coordinates.
+    pub(super) fn problem(&self, problem: &PlaneProblem) -> PlaneProblem {
+        let loops = problem.domain.loops.iter();
+        let domain = PlaneDomain {
+            loops: loops.map(|sides| sides.iter().map(|side| self.side(side)).collect()).collect(),
+        };
+        let [lo, hi] = [problem.law.lo(), problem.law.hi()].map(|end| end / self.unit);
+        let law = Law::new(lo, hi).expect("the ends keep their order");
+        let source = match &problem.source {
+            PlaneSource::Pieces(Source::Pieces { background, pieces }) => {
+                let origin = self.origin.coordinates();
+                let seen = pieces.iter().map(|(shape, f)| (shape.seen_from(origin, self.unit), *f));
+                PlaneSource::Pieces(Source::Pieces {
+                    background: *background,
+                    pieces: seen.collect(),
+                })
+            }
+            PlaneSource::Pieces(other) => PlaneSource::Pieces(other.clone()),
+            PlaneSource::Polynomial(f) => {
+                let value =
+                    |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit) + self.origin);
+                let seen = Polynomial::fitted(value, &domain);
+                let error = f.error.max(seen.error);
+                PlaneSource::Polynomial(seen.with_error(error))
+            }
+            PlaneSource::Regions(Regions { borders, known: (point, f) }) => {
+                let borders = borders
+                    .iter()
+                    .map(|b| RegionBorder { side: self.side(&b.side), ..*b })
+                    .collect();
+                PlaneSource::Regions(Regions {
+                    borders,
+                    known: (self.seen(*point).coordinates(), *f),
+                })
+            }
+        };
+        PlaneProblem { domain, law, source }
+    }
+
+    /// Place on a side in these coordinates.
+    pub(super) fn place(&self, SidePlace { side, s }: SidePlace) -> SidePlace {
+        SidePlace { side, s: s / self.unit }
+    }
+
+    /// The start in these coordinates.
+    pub(super) fn start(&self, start: &PlaneStart) -> PlaneStart {
+        let loops = start.loops.iter().map(|own| LoopStart {
+            arcs: own.arcs.iter().map(|ends| ends.map(|place| self.place(place))).collect(),
+            gaps: own.gaps.iter().map(|flux| flux / self.unit).collect(),
         });
-        let is_far = middle.iter().any(|x| x.abs() > extent);
-        let origin = if is_far { middle } else { [0.0; 2] };
-        let values = mesh.cells().iter().zip(mesh.regions());
-        let largest = values.fold(0.0f64, |most, (cell, &region)| {
-            most.max(f.on(region).at(centroid(mesh.vertices(cell))).abs())
-        });
-        let all = mesh.regions().iter().filter_map(|&region| f.on(region).largest());
-        let largest = if largest > 0.0 { largest } else { all.fold(0.0, f64::max) };
-        let height = if largest > 0.0 { power_of_two(largest) } else { 1.0 };
-        Self { origin, unit, height }
+        PlaneStart { loops: loops.collect(), spacing: start.spacing / self.unit }
     }
-
-    /// Point in these coordinates.
-    pub(super) fn point(&self, point: [f64; 2]) -> [f64; 2] {
-        std::array::from_fn(|axis| (point[axis] - self.origin[axis]) / self.unit)
-    }
-
-    /// Point with these coordinates.
-    pub(super) fn outside(&self, point: [f64; 2]) -> [f64; 2] {
-        std::array::from_fn(|axis| self.origin[axis] + self.unit * point[axis])
-    }
-
-    /// Circle in these coordinates.
-    pub(super) fn circle(&self, circle: Round<2>) -> Round<2> {
-        Round::sphere(self.point(circle.centre), circle.radius / self.unit)
-    }
-
-    /// Value of f in these units.
-    pub(super) fn f(&self, value: f64) -> f64 {
-        value / self.height
-    }
-
-    /// Constant pieces in this frame; a formula stays as it is.
-    pub(super) fn pieces(&self, f: &Source) -> Source {
-        let Source::Pieces { background, pieces } = f else { return f.clone() };
-        let seen = pieces
-            .iter()
-            .map(|(shape, value)| (shape.seen_from(self.origin, self.unit), self.f(*value)));
-        Source::Pieces { background: self.f(*background), pieces: seen.collect() }
-    }
-
-    /// Law in these units.
-    pub(super) fn law(&self, law: Law) -> Law {
-        let [lo, hi] = [law.lo(), law.hi()].map(|flux| flux / self.flux());
-        Law::new(lo, hi).unwrap_or(law)
-    }
-
-    /// Unit of dv/dn.
-    pub(super) fn flux(&self) -> f64 {
-        self.height * self.unit
-    }
-
-    /// Unit of v, and of integrals of dv/dn and f.
-    pub(super) fn v(&self) -> f64 {
-        self.flux() * self.unit
-    }
-
-    /// Unit of the energy.
-    pub(super) fn energy(&self) -> f64 {
-        self.v() * self.v()
-    }
-}
-
-/// Power of two next to a positive number.
-fn power_of_two(size: f64) -> f64 {
-    libm::exp2(libm::round(libm::log2(size)))
 }

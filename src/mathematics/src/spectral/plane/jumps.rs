@@ -51,6 +51,11 @@ impl PlaneJumps {
         let inner = inner_points(domain);
         let psi = match source {
             PlaneSource::Polynomial(f) => Psi::Polynomial(f.clone()),
+            PlaneSource::Pieces(f) if f.is_smooth() => {
+                return Err(PlaneError::NotFound(
+                    "f must consist of constant pieces, or be a polynomial".into(),
+                ));
+            }
             PlaneSource::Pieces(f) => {
                 let curves = curves(f);
                 for k in 0..curves.len() {

@@ -3,6 +3,7 @@
 #![allow(missing_docs, unused)]
 
 mod boundary;
+mod bounds;
 mod choice;
 mod domain;
 mod energy;
@@ -29,6 +30,8 @@ use crate::problem::source::Source;
 use crate::problem::text::plain;
 use boundary::Spot;
 pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
+use field::Node;
+use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 pub use polynomial::Polynomial;
 use search::Found;
@@ -141,6 +144,7 @@ pub struct PlaneSolution {
     pub unknowns: usize,
     pub rows: usize,
     pub steps: usize,
+    frame: Frame,
     setup: Setup,
     found: Found,
 }
@@ -184,55 +188,62 @@ impl fmt::Display for PlaneChecks {
 /// # Errors
 /// [`PlaneError`], with a sentence for the user.
 pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution, PlaneError> {
-    let setup = Setup::new(problem)?;
-    let found = search::search(&setup, start)?;
+    let frame = Frame::of(&problem.domain);
+    let setup = Setup::new(&frame.problem(problem))?;
+    let found = search::search(&setup, &frame.start(start))?;
     let Found { integrals, sizes, signs, fit, nodes, .. } = &found;
+    let mut bracket = bounds::bracket(&setup, &found);
     let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
     let checks = PlaneChecks {
         residual: sizes.residual / sizes.value,
         balance: (integrals.force + integrals.source) / size,
         flux: signs.flux,
         sign: signs.value,
-        bracket: f64::NAN,
+        bracket: (bracket.upper - bracket.lower) / integrals.energy.abs(),
     };
+    let square = frame.unit * frame.unit;
+    (bracket.lower, bracket.upper) =
+        (square * square * bracket.lower, square * square * bracket.upper);
+    let force: f64 =
+        nodes.iter().filter(|node| node.lawful).map(|node| node.spot.weight * node.flux).sum();
     Ok(PlaneSolution {
-        energy: integrals.energy,
-        bracket: PlaneBracket { lower: f64::NAN, upper: integrals.plain, reserve: Vec::new() },
-        arcs: arcs(&setup, &found),
-        force: nodes
-            .iter()
-            .filter(|node| node.lawful)
-            .map(|node| node.spot.weight * node.flux)
-            .sum(),
-        integral: integrals.source,
+        energy: square * square * integrals.energy,
+        bracket,
+        arcs: arcs(&problem.domain, frame, &setup, &found),
+        force: square * force,
+        integral: square * integrals.source,
         checks,
         unknowns: fit.unknowns,
         rows: fit.rows,
         steps: found.steps,
+        frame,
         setup,
         found,
     })
 }
 
 /// Arcs that stick, with forces.
-fn arcs(setup: &Setup, found: &Found) -> Vec<PlaneArc> {
+fn arcs(domain: &PlaneDomain, frame: Frame, setup: &Setup, found: &Found) -> Vec<PlaneArc> {
     let mut arcs = Vec::new();
     for (r, ring) in setup.rings.iter().enumerate() {
-        let turn = ring.length();
-        let own = &found.contact[r];
-        let lawful: Vec<&field::Node> =
+        let (turn, own) = (ring.length(), &found.contact[r]);
+        let lawful: Vec<&Node> =
             found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
         let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
         let all = [0.0, turn];
         for &[from, to] in own.arcs.iter().chain(closed.then_some(&all)) {
             let inside = lawful.iter().filter(|node| (node.t - from).rem_euclid(turn) <= to - from);
-            let ends = [from, to].map(|t| ring.place(t));
+            let force: f64 = inside.map(|node| node.spot.weight * node.flux).sum();
+            let ends = [from, to].map(|t| {
+                let SidePlace { side, s } = ring.place(t);
+                SidePlace { side, s: frame.unit * s }
+            });
             arcs.push(PlaneArc {
                 ring: r,
                 ends,
-                points: ends.map(|place| ring.sides[place.side].at(place.s)),
+                points: ends.map(|place| domain.loops[r][place.side].at(place.s)),
                 closed,
-                force: inside.map(|node| node.spot.weight * node.flux).sum(),
+                force: frame.unit * frame.unit * force,
             });
         }
     }
@@ -262,28 +273,28 @@ impl PlaneSolution {
         let mut values = Vec::with_capacity(points.len());
         for block in points.chunks(64) {
             let spots: Vec<Spot> =
-                block.iter().map(|&[x, y]| Spot::inside(Complex::new(x, y))).collect();
+                block.iter().map(|&point| Spot::inside(self.frame.seen(point))).collect();
             let fit = &self.found.fit;
             let [g, _] = fit.sums(&fit.functions.at(&spots, false));
-            values.extend(
-                spots.iter().zip(g).map(|(spot, g)| self.setup.jumps.psi.value(spot.z) + g.re),
-            );
+            let square = self.frame.unit * self.frame.unit;
+            let psi = |spot: &Spot| self.setup.jumps.psi.value(spot.z);
+            values.extend(spots.iter().zip(g).map(|(spot, g)| square * (psi(spot) + g.re)));
         }
         values
     }
 
     /// Gradient of v at a point of the domain.
-    pub fn gradient(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let spots = [Spot::inside(Complex::new(x, y))];
+    pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
+        let spots = [Spot::inside(self.frame.seen(point))];
         let fit = &self.found.fit;
         let [_, slopes] = fit.sums(&fit.functions.at(&spots, true));
         let psi = self.setup.jumps.psi.gradients(&[spots[0].z])[0];
-        (psi + slopes[0].conj()).coordinates()
+        (psi + slopes[0].conj()).scaled(self.frame.unit).coordinates()
     }
 
     /// v and dv/dn at a point of the boundary.
     pub fn on_boundary(&self, ring: usize, place: SidePlace) -> [f64; 2] {
-        let walk = &self.found.fit.walk;
+        let (walk, place) = (&self.found.fit.walk, self.frame.place(place));
         let mut nearest = (f64::INFINITY, 0);
         for (k, own) in walk.intervals.iter().enumerate() {
             if own.ring == ring && own.side == place.side {
@@ -301,6 +312,6 @@ impl PlaneSolution {
             false => walk.spot(nearest.1, 1, own.length - after, 0.0),
         };
         let node = &field::nodes_at(&self.setup, &self.found.fit, &[spot])[0];
-        [node.value, node.flux]
+        [self.frame.unit * self.frame.unit * node.value, self.frame.unit * node.flux]
     }
 }

@@ -1,6 +1,5 @@
 //! Problems on the domains of meshes, solved from their finite element solutions.
 
-use super::frame::Frame;
 use super::outline::outline;
 use super::regions::regions;
 use super::start::{MeshSolution, nearest_side};
@@ -9,7 +8,7 @@ use super::{
     PlaneSource, Polynomial, SidePlace, solve,
 };
 use crate::discrete::contact::ContactArc;
-use crate::mesh::{Condition, MeshSource, Names, PlaneMesh, boundary_curves};
+use crate::mesh::{Condition, MeshSource, Names, PlaneMesh, boundary_curves, centroid};
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -23,10 +22,11 @@ const ROUNDING: f64 = 1e-13;
 
 /// True solution on the domain of a mesh.
 pub(crate) struct PlaneTruth {
-    frame: Frame,
-    /// Domain, f and law in the frame.
+    /// Unit of f, of dv/dn and of v.
+    height: f64,
+    /// Domain, f and law in this unit.
     problem: PlaneProblem,
-    /// Solution in the frame.
+    /// Solution in this unit.
     solution: PlaneSolution,
 }
 
@@ -39,14 +39,14 @@ pub(crate) fn solve_on_mesh(
     f: &MeshSource<2>,
     law: Law,
 ) -> Result<PlaneTruth, PlaneError> {
-    let frame = Frame::of(mesh, f);
-    let problem = problem(mesh, f, law, frame)?;
+    let height = height(mesh, f);
+    let problem = problem(mesh, f, law, height)?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
     for most_nodes in STARTS {
         let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
-        match solve(&problem, &solution.start(&problem.domain, frame)) {
+        match solve(&problem, &solution.start(&problem)) {
             Err(failed) => error = failed,
-            Ok(solution) => return Ok(PlaneTruth { frame, problem, solution }),
+            Ok(solution) => return Ok(PlaneTruth { height, problem, solution }),
         }
     }
     Err(error)
@@ -61,19 +61,30 @@ pub(crate) fn check_on_mesh(
     f: &MeshSource<2>,
     law: Law,
 ) -> Result<(), PlaneError> {
-    problem(mesh, f, law, Frame::of(mesh, f)).map(|_| ())
+    problem(mesh, f, law, height(mesh, f)).map(|_| ())
+}
+
+/// Power of two next to the largest value of f in the middle of a cell, or on a piece: a unit that changes no digit.
+fn height(mesh: &PlaneMesh, f: &MeshSource<2>) -> f64 {
+    let mut largest = 0.0f64;
+    for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
+        let f = f.on(region);
+        let here = f.largest().unwrap_or_else(|| f.at(centroid(mesh.vertices(cell))).abs());
+        largest = largest.max(here);
+    }
+    if largest > 0.0 { libm::exp2(libm::log2(largest).round()) } else { 1.0 }
 }
 
 impl PlaneTruth {
     /// J(v).
     pub(crate) fn energy(&self) -> f64 {
-        self.frame.energy() * self.solution.energy
+        self.height * self.height * self.solution.energy
     }
 
     /// Bounds of the energy.
     pub(crate) fn bracket(&self) -> [f64; 2] {
         let PlaneBracket { lower, upper, .. } = self.solution.bracket;
-        [lower, upper].map(|end| self.frame.energy() * end)
+        [lower, upper].map(|end| self.height * self.height * end)
     }
 
     /// True if the bounds rest on samples.
@@ -83,7 +94,7 @@ impl PlaneTruth {
 
     /// Integral of dv/dn over the boundary where the law holds.
     pub(crate) fn force(&self) -> f64 {
-        self.frame.v() * self.solution.force
+        self.height * self.solution.force
     }
 
     /// Number of real unknowns.
@@ -112,38 +123,42 @@ impl PlaneTruth {
         }
     }
 
-    /// Arcs in contact, with the names of the parts of a mesh.
+    /// Arcs in contact, with the names of the parts of a mesh: those on sides where the law holds.
     pub(crate) fn contact(&self, mesh: &PlaneMesh) -> Vec<ContactArc> {
         let mut arcs = Vec::new();
-        for PlaneArc { ring, ends: [from, to], points, closed, force } in &self.solution.arcs {
+        for PlaneArc { ring, ends, closed, force, .. } in &self.solution.arcs {
             let sides = &self.problem.domain.loops()[*ring];
+            let [from, to] = *ends;
             let count = match closed {
                 true => sides.len(),
                 // An arc that begins and ends on one side either stays on it or goes all the way round.
                 false if from.side == to.side && from.s > to.s => sides.len() + 1,
                 false => (to.side + sides.len() - from.side) % sides.len() + 1,
             };
-            let along = (from.side..from.side + count).map(|side| &sides[side % sides.len()]);
-            let under_law = along.filter(|side| side.condition == Condition::Contact);
-            let part = Names::all(under_law.map(|side| &mesh.parts()[side.part].names));
-            let points = points.map(|point| self.frame.outside(point));
-            let arc = ContactArc::new(points, self.frame.v() * force);
-            arcs.push(ContactArc { closed: *closed, part: Some(part), ..arc });
+            let along = (from.side..from.side + count).map(|side| side % sides.len());
+            let lawful: Vec<usize> =
+                along.filter(|&side| sides[side].condition == Condition::Contact).collect();
+            let (Some(&first), Some(&last)) = (lawful.first(), lawful.last()) else { continue };
+            let start = if first == from.side { from.s } else { 0.0 };
+            let end = if last == to.side { to.s } else { sides[last].length() };
+            let names = lawful.iter().map(|&side| &mesh.parts()[sides[side].part].names);
+            let part = Some(Names::all(names));
+            let points = [sides[first].at(start), sides[last].at(end)];
+            let arc = ContactArc::new(points, self.height * force);
+            arcs.push(ContactArc { closed: *closed, part, ..arc });
         }
         arcs
     }
 
     /// Cuts of the functions, from and to.
     pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
-        let cuts = self.solution.cuts().into_iter();
-        cuts.map(|ends| ends.map(|point| self.frame.outside(point))).collect()
+        self.solution.cuts()
     }
 
     /// v at points of the domain.
     pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        let points: Vec<_> = points.iter().map(|&point| self.frame.point(point)).collect();
-        let values = self.solution.values(&points);
-        values.into_iter().map(|v| self.frame.v() * v).collect()
+        let values = self.solution.values(points);
+        values.into_iter().map(|v| self.height * v).collect()
     }
 
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
@@ -151,7 +166,7 @@ impl PlaneTruth {
     pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
         /// Distances from corners, over the length of the side, at which v and dv/dn are taken.
         const BESIDE: [f64; 2] = [1e-15, 1e-6];
-        let [x, y] = self.frame.point(point);
+        let [x, y] = point;
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
         let nearest = loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
         let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
@@ -161,11 +176,11 @@ impl PlaneTruth {
             let place = SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) };
             self.solution.on_boundary(ring, place)
         });
-        [self.frame.v() * of_value[0], self.frame.flux() * of_flux[1]]
+        [self.height * of_value[0], self.height * of_flux[1]]
     }
 }
 
-/// Returns the problem on the domain of a mesh in a frame.
+/// Returns the problem on the domain of a mesh, in a unit of f.
 ///
 /// # Errors
 /// [`PlaneError`] if the boundary is neither straight nor on circles, or f is of a kind that is not served.
@@ -173,18 +188,24 @@ fn problem(
     mesh: &PlaneMesh,
     f: &MeshSource<2>,
     law: Law,
-    frame: Frame,
+    height: f64,
 ) -> Result<PlaneProblem, PlaneError> {
-    let circles: Vec<_> =
-        mesh.parts().iter().map(|part| part.curve.map(|of| frame.circle(of))).collect();
+    let circles: Vec<_> = mesh.parts().iter().map(|part| part.curve).collect();
     let mut loops = Vec::new();
-    for mut curve in boundary_curves(mesh) {
-        curve.points.iter_mut().for_each(|point| *point = frame.point(*point));
+    for curve in boundary_curves(mesh) {
         loops.push(outline(&curve, &circles)?);
     }
     let domain = PlaneDomain::new(loops)?;
-    let source = source(mesh, f, &domain, frame)?;
-    Ok(PlaneProblem { domain, law: frame.law(law), source })
+    let source = source(mesh, f, &domain, height)?;
+    let [lo, hi] = [law.lo(), law.hi()].map(|flux| flux / height);
+    Ok(PlaneProblem { domain, law: Law::new(lo, hi).unwrap_or(law), source })
+}
+
+/// Returns constant pieces in a unit of f.
+fn in_unit(f: &Source, height: f64) -> Source {
+    let Source::Pieces { background, pieces } = f else { return f.clone() };
+    let pieces = pieces.iter().map(|(shape, value)| (*shape, value / height));
+    Source::Pieces { background: background / height, pieces: pieces.collect() }
 }
 
 /// Returns f as the solver takes it.
@@ -192,7 +213,7 @@ fn source(
     mesh: &PlaneMesh,
     f: &MeshSource<2>,
     domain: &PlaneDomain,
-    frame: Frame,
+    height: f64,
 ) -> Result<PlaneSource, PlaneError> {
     let mut in_use = mesh.regions().to_vec();
     in_use.sort_unstable();
@@ -200,9 +221,9 @@ fn source(
     let first = f.on(in_use[0]);
     if in_use.iter().all(|&region| f.on(region) == first) {
         if !first.is_smooth() {
-            return Ok(PlaneSource::Pieces(frame.pieces(first)));
+            return Ok(PlaneSource::Pieces(in_unit(first, height)));
         }
-        let fitted = Polynomial::fitted(|at| frame.f(first.at(frame.outside(at))), domain);
+        let fitted = Polynomial::fitted(|point| first.at(point) / height, domain);
         return match fitted.error {
             error if error <= FITTED => Ok(PlaneSource::Polynomial(fitted)),
             error => Err(PlaneError::Source(format!(
@@ -214,7 +235,7 @@ fn source(
     for region in in_use {
         match f.on(region) {
             Source::Pieces { background, pieces } if pieces.is_empty() => {
-                values[usize::from(region)] = frame.f(*background);
+                values[usize::from(region)] = background / height;
             }
             _ => {
                 let text = "f has shapes or a formula beside a region with another value".into();
@@ -222,5 +243,5 @@ fn source(
             }
         }
     }
-    Ok(PlaneSource::Regions(regions(mesh, &values, frame)?))
+    Ok(PlaneSource::Regions(regions(mesh, &values)?))
 }

@@ -55,6 +55,11 @@ impl Polynomial {
         best.expect("a degree was tried")
     }
 
+    /// The same with another error.
+    pub(super) fn with_error(self, error: f64) -> Self {
+        Self { error, ..self }
+    }
+
     /// f at a point.
     pub(super) fn value(&self, z: Complex) -> f64 {
         self.terms.iter().map(|term| term.raised(z, 0).re).sum()

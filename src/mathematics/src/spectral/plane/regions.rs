@@ -1,6 +1,5 @@
 //! Borders between regions of a mesh on which f differs: straight, or arcs of circles.
 
-use super::frame::Frame;
 use super::outline::{Outline, OutlineEdge, circle_through};
 use super::{PlaneError, RegionBorder, Regions};
 use crate::mesh::{PlaneMesh, Round, centroid};
@@ -8,15 +7,11 @@ use crate::problem::complex::Complex;
 use crate::spectral::complex::arg;
 use std::collections::{BTreeMap, HashSet};
 
-/// Returns f with these values, in a frame, on the regions of a mesh.
+/// Returns f with these values on the regions of a mesh.
 ///
 /// # Errors
 /// [`PlaneError::Domain`] if a border is neither straight nor an arc.
-pub(super) fn regions(
-    mesh: &PlaneMesh,
-    values: &[f64],
-    frame: Frame,
-) -> Result<Regions, PlaneError> {
+pub(super) fn regions(mesh: &PlaneMesh, values: &[f64]) -> Result<Regions, PlaneError> {
     let of_cells: Vec<_> = mesh.regions().iter().map(|&of| values[usize::from(of)]).collect();
     let mut left: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     for (&[a, b, c], &value) in mesh.cells().iter().zip(&of_cells) {
@@ -29,13 +24,13 @@ pub(super) fn regions(
     let on_boundary: Vec<u32> = mesh.facets().iter().flat_map(|facet| facet.nodes).collect();
     for nodes in paths(&edges, &on_boundary) {
         let values = [left[&[nodes[0], nodes[1]]], left[&[nodes[1], nodes[0]]]];
-        let points = nodes.iter().map(|&node| frame.point(mesh.points()[node as usize]));
+        let points = nodes.iter().map(|&node| mesh.points()[node as usize]);
         let points: Vec<_> = points.map(|[x, y]| Complex::new(x, y)).collect();
         let edges = on_circles(&points);
         let sides = Outline::new(points, edges).sides()?;
         borders.extend(sides.into_iter().map(|side| RegionBorder { side, values }));
     }
-    let known = (frame.point(centroid(mesh.vertices(&mesh.cells()[0]))), of_cells[0]);
+    let known = (centroid(mesh.vertices(&mesh.cells()[0])), of_cells[0]);
     Ok(Regions { borders, known })
 }
 

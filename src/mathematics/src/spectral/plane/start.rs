@@ -1,7 +1,6 @@
 //! Contact set with which Newton's method begins, of a finite element solution.
 
-use super::frame::Frame;
-use super::{LoopStart, PlaneDomain, PlaneSide, PlaneStart, SidePlace};
+use super::{LoopStart, PlaneProblem, PlaneSide, PlaneStart, SidePlace};
 use crate::discrete::contact::reach;
 use crate::discrete::kkt::judge;
 use crate::mesh::{
@@ -19,7 +18,6 @@ const MOST_TIMES: usize = 12;
 
 /// Finite element solution on the boundary.
 pub(super) struct MeshSolution {
-    law: Law,
     /// v at all nodes.
     y: Vec<f64>,
     /// States of the nodes where the law holds.
@@ -45,24 +43,19 @@ impl MeshSolution {
         let judgement = judge(network, law, &y, &load);
         let nodes = judgement.contact.iter().map(|contact| contact.node);
         let states = nodes.zip(judgement.states.iter().copied()).collect();
-        Some(Self { law, y, states, curves: boundary_curves(finest) })
+        Some(Self { y, states, curves: boundary_curves(finest) })
     }
 
-    /// Contact set on a domain in a frame.
-    pub(super) fn start(mut self, domain: &PlaneDomain, frame: Frame) -> PlaneStart {
-        for point in self.curves.iter_mut().flat_map(|curve| &mut curve.points) {
-            *point = frame.point(*point);
-        }
-        // In the units of the frame, since their ends are compared.
-        let law = frame.law(self.law);
+    /// Contact set on the loops of the problem, with the fluxes of its law.
+    pub(super) fn start(&self, problem: &PlaneProblem) -> PlaneStart {
         let spacing = self.curves.iter().map(longest_edge).fold(0.0, f64::max);
         let mut start = PlaneStart { spacing, ..PlaneStart::default() };
-        for sides in domain.loops() {
+        for sides in problem.domain.loops() {
             let distances = self.curves.iter().map(|curve| distance_from(sides, curve));
             let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
             let (number, _) = nearest.expect("as many curves as loops");
             let nodes = NodesOfLoop::new(&self.curves[number], sides, &self.y, &self.states);
-            start.loops.push(nodes.start(law));
+            start.loops.push(nodes.start(problem.law));
         }
         start
     }
