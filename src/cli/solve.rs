@@ -15,7 +15,7 @@ mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
-use super::output::{OutputFile, say_json, tell};
+use super::output::{OutputFile, say_json, talk, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
 use adapting::ShownMeshes;
@@ -156,6 +156,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if let Some(name) = &args.save {
         save::save(name, &request, problem.levels().facts().dimension)?;
     }
+    adapting::note(&request, &problem).iter().for_each(|note| talk(note));
     let mut shown = ShownMeshes::new(&request.statement, args.verbose);
     // The first signal ends the way to an accuracy with the answer so far.
     let _at_work = adapting::of_meshes(&request.statement).map(|_| at_work());

@@ -96,19 +96,28 @@ fn digits_of_another_program_are_reached() {
 
 /// A Gmsh file of triangles, with the edges of a part named `low`.
 fn file(points: &[[f64; 2]], cells: &[[usize; 3]], low: &[[usize; 2]]) -> Vec<u8> {
-    let mut text =
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"low\"\n$EndPhysicalNames\n"
-            .to_owned();
+    file_of_regions(points, &[cells], low)
+}
+
+/// A Gmsh file of triangles in regions named `r1`, `r2` and so on, with the edges of a part named `low`.
+fn file_of_regions(points: &[[f64; 2]], regions: &[&[[usize; 3]]], low: &[[usize; 2]]) -> Vec<u8> {
+    let mut text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n".to_owned();
+    text += &format!("{}\n1 1 \"low\"\n", 1 + regions.len());
+    for region in 2..2 + regions.len() {
+        text += &format!("2 {region} \"r{}\"\n", region - 1);
+    }
+    text += "$EndPhysicalNames\n";
     text += &format!("$Nodes\n{}\n", points.len());
     for (k, [x, y]) in (1..).zip(points) {
         text += &format!("{k} {x} {y} 0\n");
     }
-    text += &format!("$EndNodes\n$Elements\n{}\n", cells.len() + low.len());
+    let cells = (2..).zip(regions).flat_map(|(of, cells)| cells.iter().map(move |cell| (of, cell)));
+    text += &format!("$EndNodes\n$Elements\n{}\n", cells.clone().count() + low.len());
     for (k, [a, b]) in (1..).zip(low) {
         text += &format!("{k} 1 2 1 1 {a} {b}\n");
     }
-    for (k, [a, b, c]) in (1 + low.len()..).zip(cells) {
-        text += &format!("{k} 2 2 0 1 {a} {b} {c}\n");
+    for (k, (region, [a, b, c])) in (1 + low.len()..).zip(cells) {
+        text += &format!("{k} 2 2 {region} 1 {a} {b} {c}\n");
     }
     (text + "$EndElements\n").into_bytes()
 }
@@ -165,6 +174,42 @@ fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
         }
     }
     assert!(asked > 15 && 10 * solved >= 9 * asked, "{solved} of {asked}");
+}
+
+#[test]
+fn regions_of_a_file_are_as_shapes_with_their_borders() {
+    let points = [[-1.0, -0.5], [1.0, -0.5], [0.5, 0.6], [-0.7, 0.4]];
+    let straight = file_of_regions(&points, &[&[[1, 2, 3]], &[[1, 3, 4]]], &[[1, 2]]);
+    // A disc of two rings of nodes around the centre; the inner one is the border.
+    let (mut points, many) = (vec![[0.0; 2]], 24);
+    for radius in [0.5, 1.0] {
+        for k in 0..many {
+            let angle = std::f64::consts::TAU * k as f64 / many as f64;
+            points.push([radius * angle.cos(), radius * angle.sin()]);
+        }
+    }
+    let (mut inner, mut outer, mut rim) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 1..=many {
+        let next = k % many + 1;
+        inner.push([1, 1 + k, 1 + next]);
+        outer.extend([[1 + k, 1 + many + k, 1 + many + next], [1 + k, 1 + many + next, 1 + next]]);
+        rim.push([1 + many + k, 1 + many + next]);
+    }
+    let round = file_of_regions(&points, &[&inner, &outer], &rim);
+    let mut disc = Domain::named("disc.msh");
+    disc.curve.insert("low".into(), vec![0.0, 0.0, 1.0]);
+    for (domain, file, values, shape) in [
+        (Domain::named("trapezium.msh"), straight, [4.0, -6.0], "halfplane(-1.1,1.5,0.35)"),
+        (disc, round, [2.0, -3.0], "disc(0,0,0.5)"),
+    ] {
+        let energy = |f: String| {
+            let solved = statement(domain.clone(), &f).solved(Some(&file));
+            solved.unwrap_or_else(|e| panic!("{f}: {e}")).energy()
+        };
+        let of_regions = energy(format!("region(r1)={}; region(r2)={}", values[0], values[1]));
+        let of_shapes = energy(format!("{shape}={}; else={}", values[0], values[1]));
+        assert!((of_regions / of_shapes - 1.0).abs() < 1e-10, "{of_regions} {of_shapes}");
+    }
 }
 
 #[test]

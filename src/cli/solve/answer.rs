@@ -90,6 +90,12 @@ impl Answer {
         }
     }
 
+    /// Integral of f: of a true solution over the domain, else over the finest level.
+    fn integral(&self) -> f64 {
+        let of_levels = self.solved.problem.levels().facts().integral;
+        self.solved.truth().map_or(of_levels, |found| found.integral)
+    }
+
     /// Energy that answers, which has the accuracy of the energy that was asked for.
     fn energy(&self, request: &Request) -> f64 {
         let of_v = self.solved.energy();
@@ -124,7 +130,7 @@ impl Answer {
             "dimension": levels.facts().dimension,
             "solver": self.solved.run().map_or(solver, |run| run.solver),
             "energy": self.energy(request),
-            "integral_f": levels.facts().integral,
+            "integral_f": self.integral(),
             "contact": self.contact,
             "force": self.force,
             "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
@@ -236,7 +242,7 @@ impl Answer {
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
-        let integral = plain(levels.facts().integral, 4);
+        let integral = plain(self.integral(), 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";

@@ -58,7 +58,7 @@ pub(super) fn text(solved: &Solved) -> String {
     if let Some(solution) = found.on_square() {
         text += &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16));
     }
-    text += &words.force([found.force, 0.0 - facts.integral], rounding, 16);
+    text += &words.force([found.force, 0.0 - found.integral], rounding, 16);
     if problem.domain(problem.finest()).has_fixed_part() {
         text += "fixed parts carry the difference\n";
     }

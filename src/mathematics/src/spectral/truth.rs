@@ -21,7 +21,9 @@ pub struct TrueSolution {
     pub contact: Vec<ContactArc>,
     /// Integral of dv/dn over the boundary where the law holds.
     pub force: f64,
-    /// Number of real unknowns, with those of the fit alone; none on the square.
+    /// Integral of f over the domain.
+    pub integral: f64,
+    /// Number of real unknowns of the sum of functions; none on the square.
     pub unknowns: Option<usize>,
     /// Number of Newton steps; on the square of those at the usual resolution.
     pub steps: usize,
@@ -73,6 +75,7 @@ pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError
         is_sampled: false,
         contact: solution.contact.clone(),
         force: solution.force(),
+        integral: solution.integral,
         unknowns: None,
         steps: usual.steps,
         checks: TrueChecks::Square(solution.checks),
@@ -98,6 +101,7 @@ pub(crate) fn true_solution_on(
         is_sampled: truth.is_sampled(),
         contact: truth.contact(mesh),
         force: truth.force(),
+        integral: truth.integral(),
         unknowns: Some(truth.unknowns()),
         steps: truth.steps(),
         checks: TrueChecks::Plane(truth.checks()),

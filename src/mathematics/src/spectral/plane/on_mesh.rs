@@ -4,8 +4,8 @@ use super::outline::outline;
 use super::regions::regions;
 use super::start::{MeshSolution, nearest_side};
 use super::{
-    PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem, PlaneSolution,
-    PlaneSource, Polynomial, SidePlace, solve,
+    PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem, PlaneSide,
+    PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
 };
 use crate::discrete::contact::ContactArc;
 use crate::mesh::{Condition, MeshSource, Names, PlaneMesh, boundary_curves, centroid};
@@ -97,6 +97,11 @@ impl PlaneTruth {
         self.height * self.solution.force
     }
 
+    /// Integral of f over the domain.
+    pub(crate) fn integral(&self) -> f64 {
+        self.height * self.solution.integral
+    }
+
     /// Number of real unknowns.
     pub(crate) fn unknowns(&self) -> usize {
         self.solution.unknowns
@@ -176,7 +181,30 @@ impl PlaneTruth {
             let place = SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) };
             self.solution.on_boundary(ring, place)
         });
-        [self.height * of_value[0], self.height * of_flux[1]]
+        let ([value, _], [_, flux]) = (of_value, of_flux);
+        // On one of both sides of each condition the number is known without error.
+        let law = self.problem.law;
+        let [value, flux] = match loops[ring][side].condition {
+            Condition::Fixed => [0.0, flux],
+            Condition::Free => [value, 0.0],
+            Condition::Contact if self.sticks(ring, side, s) => [0.0, law.project(flux)],
+            Condition::Contact if value < 0.0 && law.hi().is_finite() => [value, law.hi()],
+            Condition::Contact if law.lo().is_finite() => [value, law.lo()],
+            Condition::Contact => [value, law.hi()],
+        };
+        [self.height * value, self.height * flux]
+    }
+
+    /// True if an arc that sticks holds the point at a distance from the start of a side.
+    fn sticks(&self, ring: usize, side: usize, s: f64) -> bool {
+        let sides = &self.problem.domain.loops()[ring];
+        let start_of = |side: usize| sides[..side].iter().map(PlaneSide::length).sum::<f64>();
+        let (turn, t) = (start_of(sides.len()), start_of(side) + s);
+        let mut arcs = self.solution.arcs.iter().filter(|arc| arc.ring == ring);
+        arcs.any(|arc| {
+            let [from, to] = arc.ends.map(|end| start_of(end.side) + end.s);
+            arc.closed || (t - from).rem_euclid(turn) <= (to - from).rem_euclid(turn)
+        })
     }
 }
 
