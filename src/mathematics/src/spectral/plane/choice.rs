@@ -3,7 +3,7 @@
 use super::boundary::{Split, State, Walk};
 use super::domain::{PlaneDomain, PlaneSide};
 use super::functions::{Family, Functions, Hole, Power};
-use super::jumps::middle;
+use super::continuation::middle;
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use std::f64::consts::PI;

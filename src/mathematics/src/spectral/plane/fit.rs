@@ -6,7 +6,8 @@
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds     from the start of a run, C one unknown each.
 //! ```
 
-use super::boundary::{PlanePanel, RingContact, Spot, State, Walk};
+use super::boundary::{RingContact, State, Walk};
+use super::panels::{PlanePanel, Spot};
 use super::functions::{Functions, Values};
 use super::least_squares::Columns;
 use super::setup::{Level, Setup};
@@ -165,7 +166,7 @@ impl Fit {
         let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
         for (k, c) in self.coefficients.iter().copied().chain(logs).enumerate() {
             let range = k * values.points..(k + 1) * values.points;
-            for (sums, values) in sums.iter_mut().zip([&values.values, &values.slopes]) {
+            for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
                 if let Some(values) = values.get(range.clone()) {
                     sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
                 }
@@ -230,7 +231,7 @@ fn fill(
     }
     let points = values.points;
     for hole in 0..functions.holes.len() {
-        let logs = &mut values.values[(many + hole) * points..(many + hole + 1) * points];
+        let logs = &mut values.all[(many + hole) * points..(many + hole + 1) * points];
         continue_logs(walk, spots, logs);
         for ((x, value), &held) in matrix.column(next).iter_mut().zip(logs.iter()).zip(&held) {
             *x = if held { value.re } else { value.im };
