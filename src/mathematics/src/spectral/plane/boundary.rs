@@ -3,10 +3,9 @@
 //!
 //! [`panels`](super::panels) has the points of intervals.
 
-use super::domain::{PlaneDomain, PlaneSide, SidePlace};
+use super::domain::{PlaneSide, SidePlace};
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
-use crate::problem::law::Law;
 use std::f64::consts::PI;
 
 /// Closed loop of sides with the distances along it.
@@ -149,7 +148,6 @@ const TOGETHER: f64 = 1e-10;
 impl Walk {
     pub(super) fn new(
         rings: &[Ring],
-        law: Law,
         contact: &[RingContact],
         crossings: &[(usize, SidePlace)],
     ) -> Self {
@@ -243,7 +241,12 @@ struct Mark {
 }
 
 /// Corners, crossings and ends of contact of a loop, in order.
-fn marks(r: usize, ring: &Ring, contact: &RingContact, crossings: &[(usize, SidePlace)]) -> Vec<Mark> {
+fn marks(
+    r: usize,
+    ring: &Ring,
+    contact: &RingContact,
+    crossings: &[(usize, SidePlace)],
+) -> Vec<Mark> {
     let turn = ring.length();
     let mut marks: Vec<Mark> = Vec::new();
     for k in 0..ring.sides.len() {

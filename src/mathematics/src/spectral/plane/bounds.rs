@@ -23,7 +23,8 @@ const BETWEEN: f64 = 2.0;
 /// Bounds of a solution.
 pub(super) fn bracket(setup: &Setup, found: &Found) -> PlaneBracket {
     let (law, integrals, nodes) = (setup.law, &found.integrals, &found.nodes);
-    let weighted = |part: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| n.spot.weight * part(n)).sum::<f64>();
+    let weighted =
+        |part: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| n.spot.weight * part(n)).sum::<f64>();
     // The flux minus its violation of the law, or of zero on free sides.
     let allowed = |n: &Node| match n.state {
         _ if n.lawful => law.project(n.flux),
@@ -51,7 +52,8 @@ pub(super) fn bracket(setup: &Setup, found: &Found) -> PlaneBracket {
     let rounding = 2e-15 * (integrals.work.abs() + integrals.flux_work.abs());
     let missed = (integrals.force + integrals.source).abs() * size + rounding;
     let trace = 2.0 * setup.diameter;
-    let lower = -0.5 * (integrals.flux_work + integrals.work) - moved - 0.5 * trace * square - missed;
+    let lower =
+        -0.5 * (integrals.flux_work + integrals.work) - moved - 0.5 * trace * square - missed;
     let potential = weighted(&|n| if n.lawful { law.potential(n.value) } else { 0.0 });
     let mut upper = 0.5 * (integrals.flux_work - integrals.work) + potential + missed;
     if !law.is_bounded() {

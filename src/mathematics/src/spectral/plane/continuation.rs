@@ -74,7 +74,9 @@ impl Builder<'_> {
             }
             let [before, after] = match curve.period() {
                 Some(_) => [jumps[(k + many - 1) % many], jumps[(k + 1) % many]],
-                None => [k.checked_sub(1).and_then(|k| jumps[k]), jumps.get(k + 1).copied().flatten()],
+                None => {
+                    [k.checked_sub(1).and_then(|k| jumps[k]), jumps.get(k + 1).copied().flatten()]
+                }
             };
             let [from, to] = piece.span;
             let half = (0.5 * (to - from)).min(reach);

@@ -1,8 +1,8 @@
 //! v and its flux at quadrature points of the boundary, other ones than the rows of the fit.
 
 use super::boundary::State;
-use super::panels::Spot;
 use super::fit::{Fit, conditions, continue_logs, panels, spots_on};
+use super::panels::Spot;
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;

@@ -7,9 +7,9 @@
 //! ```
 
 use super::boundary::{RingContact, State, Walk};
-use super::panels::{PlanePanel, Spot};
 use super::functions::{Functions, Values};
 use super::least_squares::Columns;
+use super::panels::{PlanePanel, Spot};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use crate::spectral::rule::{GaussNode, gauss};
@@ -23,8 +23,6 @@ pub(super) struct Fit {
     pub coefficients: Vec<Complex>,
     /// Coefficients of the logarithms of holes.
     pub logs: Vec<f64>,
-    /// Constants of the runs.
-    pub constants: Vec<f64>,
     pub unknowns: usize,
     pub rows: usize,
 }
@@ -127,7 +125,7 @@ const ROWS: f64 = 2.5;
 
 impl Fit {
     pub(super) fn new(setup: &Setup, contact: &[RingContact], level: &Level) -> Self {
-        let mut walk = Walk::new(&setup.rings, setup.law, contact, &setup.jumps.crossings);
+        let mut walk = Walk::new(&setup.rings, contact, &setup.jumps.crossings);
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
         let (rule, mut fineness) = (gauss(level.nodes), 1.0);
@@ -152,9 +150,8 @@ impl Fit {
         // The constant, which comes first here, is the first polynomial.
         let polynomials = functions.arnoldi.len() + 1;
         coefficients[..=many - polynomials].rotate_left(1);
-        let (logs, constants) = x[2 * many - 1..].split_at(functions.holes.len());
-        let (logs, constants) = (logs.to_vec(), constants.to_vec());
-        Self { walk, functions, coefficients, logs, constants, unknowns, rows }
+        let logs = x[2 * many - 1..][..functions.holes.len()].to_vec();
+        Self { walk, functions, coefficients, logs, unknowns, rows }
     }
 
     /// g at the points of values.
@@ -191,13 +188,16 @@ pub(super) fn panels(
         // Simple poles alone.
         let poles = family.powers.len() == 1;
         let part = if poles { 0.75 } else { 1.0 };
-        near.extend(family.lengths.iter().map(|&d| (family.point - family.inwards.scaled(d), part)));
+        near.extend(
+            family.lengths.iter().map(|&d| (family.point - family.inwards.scaled(d), part)),
+        );
         if family.split.is_none() && !poles {
             near.push((family.point, 1.0));
         }
     }
     walk.panels(0.0, |middle, length| {
-        fineness * length > longest || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
+        fineness * length > longest
+            || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
     })
 }
 

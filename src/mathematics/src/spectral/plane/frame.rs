@@ -44,25 +44,37 @@ impl Frame {
     /// The problem in these coordinates.
     pub(super) fn problem(&self, problem: &PlaneProblem) -> PlaneProblem {
         let loops = problem.domain.loops.iter();
-        let domain = PlaneDomain { loops: loops.map(|sides| sides.iter().map(|side| self.side(side)).collect()).collect() };
+        let domain = PlaneDomain {
+            loops: loops.map(|sides| sides.iter().map(|side| self.side(side)).collect()).collect(),
+        };
         let [lo, hi] = [problem.law.lo(), problem.law.hi()].map(|end| end / self.unit);
         let law = Law::new(lo, hi).expect("the ends keep their order");
         let source = match &problem.source {
             PlaneSource::Pieces(Source::Pieces { background, pieces }) => {
                 let origin = self.origin.coordinates();
                 let seen = pieces.iter().map(|(shape, f)| (shape.seen_from(origin, self.unit), *f));
-                PlaneSource::Pieces(Source::Pieces { background: *background, pieces: seen.collect() })
+                PlaneSource::Pieces(Source::Pieces {
+                    background: *background,
+                    pieces: seen.collect(),
+                })
             }
             PlaneSource::Pieces(other) => PlaneSource::Pieces(other.clone()),
             PlaneSource::Polynomial(f) => {
-                let value = |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit) + self.origin);
+                let value =
+                    |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit) + self.origin);
                 let seen = Polynomial::fitted(value, &domain);
                 let error = f.error.max(seen.error);
                 PlaneSource::Polynomial(seen.with_error(error))
             }
             PlaneSource::Regions(Regions { borders, known: (point, f) }) => {
-                let borders = borders.iter().map(|b| RegionBorder { side: self.side(&b.side), ..*b }).collect();
-                PlaneSource::Regions(Regions { borders, known: (self.seen(*point).coordinates(), *f) })
+                let borders = borders
+                    .iter()
+                    .map(|b| RegionBorder { side: self.side(&b.side), ..*b })
+                    .collect();
+                PlaneSource::Regions(Regions {
+                    borders,
+                    known: (self.seen(*point).coordinates(), *f),
+                })
             }
         };
         PlaneProblem { domain, law, source }

@@ -51,7 +51,9 @@ impl PlaneJumps {
         let psi = match source {
             PlaneSource::Polynomial(f) => Psi::Polynomial(f.clone()),
             PlaneSource::Pieces(f) if f.is_smooth() => {
-                return Err(PlaneError::NotFound("f must consist of constant pieces, or be a polynomial".into()));
+                return Err(PlaneError::NotFound(
+                    "f must consist of constant pieces, or be a polynomial".into(),
+                ));
             }
             PlaneSource::Pieces(f) => {
                 let curves = curves(f);

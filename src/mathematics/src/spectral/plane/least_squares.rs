@@ -108,7 +108,8 @@ fn reflect(entries: &mut [f64], height: usize, [from, to]: [usize; 2], limit: us
             products[k] = dot(&v[k * tall..(k + 1) * tall], &v[j * tall..(j + 1) * tall]);
         }
         for (i, row) in t[..j].iter_mut().enumerate() {
-            let sum: f64 = row[i..j].iter().zip(&products[i..j]).map(|(t, product)| t * product).sum();
+            let sum: f64 =
+                row[i..j].iter().zip(&products[i..j]).map(|(t, product)| t * product).sum();
             row[j] = -tau * sum;
         }
         t[j][j] = tau;

@@ -1,6 +1,31 @@
-//! True solution on any domain of the plane with straight and circular sides.
-
-#![allow(missing_docs, unused)]
+//! True solution on any domain of the plane with straight and circular sides, holes, and parts that are fixed or free.
+//!
+//! # Method
+//! `v = psi + Re g`. psi is a particular solution in closed form ([`psi`]), so that `-Lap v = f` holds exactly; g is a sum
+//! of analytic functions ([`functions`]): at each corner, end of contact and crossing of a jump of f the fractional
+//! powers and logarithms that a solution has there, with a cut of finite length outside of the domain, in a ladder of
+//! lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole; poles behind
+//! the sides of slots; polynomials. They are fitted to both boundary conditions by least squares ([`fit`]):
+//! ```text
+//! where v = 0:          Re g = -psi,
+//! where dv/dn = q:      Im g - C = -int (psi_n - q) ds,    C one unknown for each run of such sides.
+//! ```
+//! That is the exact form of the singularities, so the error falls exponentially with the number of functions: ten to
+//! thirteen digits of the energy with 200 to 700 unknowns.
+//!
+//! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong a
+//! gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy is a
+//! sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual ([`energy`]);
+//! two bounds follow from how the conditions are missed ([`bounds`]).
+//!
+//! # Limits
+//! Work grows with the cube of the number of corners: about a second for twenty. A contact set whose signs are not all
+//! right, a residual above 2e-8 of v, or an integral of dv/dn that does not balance that of f, is refused.
+//!
+//! # Literature
+//! - A. Gopal, L. N. Trefethen, Solving Laplace problems with corner singularities via rational functions, SIAM J.
+//!   Numer. Anal. 57 (2019).
+//! - P. D. Brubeck, Y. Nakatsukasa, L. N. Trefethen, Vandermonde with Arnoldi, SIAM Rev. 63 (2021).
 
 mod boundary;
 mod bounds;
@@ -22,16 +47,15 @@ mod search;
 mod setup;
 mod signs;
 
-use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use panels::Spot;
 pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
+use field::Node;
+use frame::Frame;
+use panels::Spot;
 pub use polynomial::Polynomial;
 use search::Found;
 use setup::Setup;
-use field::Node;
-use frame::Frame;
 
 /// Right-hand side of a domain in the plane.
 #[derive(Clone, Debug)]
@@ -56,6 +80,7 @@ pub struct Regions {
 /// Border between two regions.
 #[derive(Clone, Copy, Debug)]
 pub struct RegionBorder {
+    /// The border: its condition and part are not read.
     pub side: PlaneSide,
     /// f on the left and on the right.
     pub values: [f64; 2],
@@ -64,14 +89,18 @@ pub struct RegionBorder {
 /// Problem on a domain of the plane.
 #[derive(Clone, Debug)]
 pub struct PlaneProblem {
+    /// The domain.
     pub domain: PlaneDomain,
+    /// The law on sides in contact.
     pub law: Law,
+    /// f.
     pub source: PlaneSource,
 }
 
 /// Contact set with which Newton's method begins, loop by loop.
 #[derive(Clone, Debug, Default)]
 pub struct PlaneStart {
+    /// Arcs that stick, loop by loop.
     pub loops: Vec<LoopStart>,
     /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
     pub spacing: f64,
@@ -90,7 +119,9 @@ pub struct LoopStart {
 /// Two bounds of the energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneBracket {
+    /// Lower bound.
     pub lower: f64,
+    /// Upper bound.
     pub upper: f64,
     /// What the bounds rest on that is not proved, each with the word `sampled`; none if they are guaranteed.
     pub reserve: Vec<String>,
@@ -128,16 +159,23 @@ pub struct PlaneChecks {
 
 /// True solution.
 pub struct PlaneSolution {
+    /// J(v).
     pub energy: f64,
+    /// Bounds of the energy.
     pub bracket: PlaneBracket,
+    /// Arcs that stick, loop by loop in walking order.
     pub arcs: Vec<PlaneArc>,
     /// Integral of dv/dn over the parts where the law holds.
     pub force: f64,
     /// Integral of f over the domain.
     pub integral: f64,
+    /// Checks.
     pub checks: PlaneChecks,
+    /// Real unknowns of the last fit.
     pub unknowns: usize,
+    /// Rows of the last fit.
     pub rows: usize,
+    /// Fits on all levels.
     pub steps: usize,
     frame: Frame,
     setup: Setup,
@@ -174,8 +212,10 @@ pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution
         bracket: (bracket.upper - bracket.lower) / integrals.energy.abs(),
     };
     let square = frame.unit * frame.unit;
-    (bracket.lower, bracket.upper) = (square * square * bracket.lower, square * square * bracket.upper);
-    let force: f64 = nodes.iter().filter(|node| node.lawful).map(|node| node.spot.weight * node.flux).sum();
+    (bracket.lower, bracket.upper) =
+        (square * square * bracket.lower, square * square * bracket.upper);
+    let force: f64 =
+        nodes.iter().filter(|node| node.lawful).map(|node| node.spot.weight * node.flux).sum();
     Ok(PlaneSolution {
         energy: square * square * integrals.energy,
         bracket,
@@ -197,7 +237,8 @@ fn arcs(domain: &PlaneDomain, frame: Frame, setup: &Setup, found: &Found) -> Vec
     let mut arcs = Vec::new();
     for (r, ring) in setup.rings.iter().enumerate() {
         let (turn, own) = (ring.length(), &found.contact[r]);
-        let lawful: Vec<&Node> = found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
+        let lawful: Vec<&Node> =
+            found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
         let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
         let all = [0.0, turn];
         for &[from, to] in own.arcs.iter().chain(closed.then_some(&all)) {
@@ -272,3 +313,6 @@ impl PlaneSolution {
         [self.frame.unit * self.frame.unit * node.value, self.frame.unit * node.flux]
     }
 }
+
+#[cfg(test)]
+mod tests;

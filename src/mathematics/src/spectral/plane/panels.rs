@@ -112,7 +112,10 @@ impl Walk {
                     let below = if to / RATIO > shortest { to / RATIO } else { 0.0 };
                     let parts = halved([below, to], |[a, b]| {
                         let middle = self.spot(k, side, 0.5 * (a + b), 0.0);
-                        b - a > 1e-14 && (b - a > LONGEST * half || (b - a) * interval.curvature.abs() > WIDEST || too_long(middle.z, b - a))
+                        b - a > 1e-14
+                            && (b - a > LONGEST * half
+                                || (b - a) * interval.curvature.abs() > WIDEST
+                                || too_long(middle.z, b - a))
                     });
                     panels.extend(parts.into_iter().rev().map(|span| PlanePanel {
                         interval: k,

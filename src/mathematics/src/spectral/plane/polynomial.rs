@@ -35,7 +35,8 @@ impl Polynomial {
         };
         let mut best = Self { terms: Vec::new(), error: f64::INFINITY };
         for degree in [2, 4, 8, 12] {
-            let nodes: Vec<f64> = (0..=2 * degree).map(|k| libm::cos(PI * k as f64 / (2 * degree) as f64)).collect();
+            let nodes: Vec<f64> =
+                (0..=2 * degree).map(|k| libm::cos(PI * k as f64 / (2 * degree) as f64)).collect();
             let pairs = nodes.iter().flat_map(|&x| nodes.iter().map(move |&y| [x, y]));
             let points: Vec<[f64; 2]> = pairs.map(at).collect();
             let mut found = Self { terms: fit(&f, &points, degree), error: f64::INFINITY };
@@ -134,7 +135,8 @@ fn fit(f: impl Fn([f64; 2]) -> f64, points: &[[f64; 2]], degree: usize) -> Vec<T
     let mut columns = Columns::new(points.len(), unknowns);
     let mut next = 0;
     for &[j, k] in &powers {
-        let values: Vec<Complex> = points.iter().map(|&[x, y]| one([j, k]).raised(Complex::new(x, y), 0)).collect();
+        let values: Vec<Complex> =
+            points.iter().map(|&[x, y]| one([j, k]).raised(Complex::new(x, y), 0)).collect();
         columns.column(next).iter_mut().zip(&values).for_each(|(x, value)| *x = value.re);
         if j != k {
             columns.column(next + 1).iter_mut().zip(&values).for_each(|(x, value)| *x = -value.im);

@@ -9,7 +9,7 @@ use super::polynomial::Polynomial;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
 use crate::spectral::potential::{Jump, Potential};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// psi with `-Lap psi = f`.
 #[derive(Clone)]

@@ -12,7 +12,6 @@ use super::{PlaneError, PlaneStart};
 /// Solution of one level with what is known of it.
 pub(super) struct Found {
     pub contact: Vec<RingContact>,
-    pub level: Level,
     pub fit: Fit,
     pub nodes: Vec<Node>,
     pub sizes: Sizes,
@@ -48,7 +47,6 @@ impl Found {
                     let integrals = Integrals::new(setup, &fit, &nodes);
                     return Ok(Self {
                         contact: contact.clone(),
-                        level,
                         fit,
                         nodes,
                         sizes,
@@ -91,7 +89,8 @@ pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<Found, PlaneEr
         let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
         match Found::on(setup, &mut contact, Level { poles, ..level }, &mut steps, POINTS[1]) {
             Ok(found) => {
-                let better = best.as_ref().is_none_or(|best: &Found| found.errors() < best.errors());
+                let better =
+                    best.as_ref().is_none_or(|best: &Found| found.errors() < best.errors());
                 if better {
                     best = Some(found);
                 }

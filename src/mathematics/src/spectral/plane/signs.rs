@@ -67,7 +67,9 @@ impl Signs {
                     value = value.min(right / sizes.value);
                     // An end that is a little off.
                     let near = if distance < NEAR * setup.perimeter { NEAR } else { 0.0 };
-                    let wrong = right < -(VALUE * sizes.value * (1.0 + 1e3 * near / NEAR) + RESIDUALS * sizes.residual);
+                    let wrong = right
+                        < -(VALUE * sizes.value * (1.0 + 1e3 * near / NEAR)
+                            + RESIDUALS * sizes.residual);
                     if wrong { Verdict::Sticks } else { Verdict::Right }
                 }
             };
