@@ -1,9 +1,9 @@
 //! Which functions are fitted: at corners, ends of contact and crossings, at mirror images, in holes, behind sides.
 
 use super::boundary::{Split, State, Walk};
+use super::continuation::middle;
 use super::domain::{PlaneDomain, PlaneSide};
 use super::functions::{Family, Functions, Hole, Power};
-use super::jumps::middle;
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use std::f64::consts::PI;

@@ -1,7 +1,8 @@
 //! v and its flux at quadrature points of the boundary, other ones than the rows of the fit.
 
-use super::boundary::{Spot, State};
+use super::boundary::State;
 use super::fit::{Fit, conditions, continue_logs, panels, spots_on};
+use super::panels::Spot;
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;
@@ -72,7 +73,7 @@ pub(super) fn boundary_nodes(setup: &Setup, fit: &Fit, level: &Level, points: us
 pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<Node> {
     let mut values = fit.functions.at(spots, true);
     let many = fit.functions.complex() * values.points;
-    for logs in values.values[many..].chunks_mut(values.points) {
+    for logs in values.all[many..].chunks_mut(values.points) {
         continue_logs(&fit.walk, spots, logs);
     }
     let [g, slopes] = fit.sums(&values);

@@ -6,9 +6,10 @@
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds     from the start of a run, C one unknown each.
 //! ```
 
-use super::boundary::{PlanePanel, RingContact, Spot, State, Walk};
+use super::boundary::{RingContact, State, Walk};
 use super::functions::{Functions, Values};
 use super::least_squares::Columns;
+use super::panels::{PlanePanel, Spot};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use crate::spectral::rule::{GaussNode, gauss};
@@ -22,8 +23,6 @@ pub(super) struct Fit {
     pub coefficients: Vec<Complex>,
     /// Coefficients of the logarithms of holes.
     pub logs: Vec<f64>,
-    /// Constants of the runs.
-    pub constants: Vec<f64>,
     pub unknowns: usize,
     pub rows: usize,
 }
@@ -126,7 +125,7 @@ const ROWS: f64 = 2.5;
 
 impl Fit {
     pub(super) fn new(setup: &Setup, contact: &[RingContact], level: &Level) -> Self {
-        let mut walk = Walk::new(&setup.rings, setup.law, contact, &setup.jumps.crossings);
+        let mut walk = Walk::new(&setup.rings, contact, &setup.jumps.crossings);
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
         let (rule, mut fineness) = (gauss(level.nodes), 1.0);
@@ -151,9 +150,8 @@ impl Fit {
         // The constant, which comes first here, is the first polynomial.
         let polynomials = functions.arnoldi.len() + 1;
         coefficients[..=many - polynomials].rotate_left(1);
-        let (logs, constants) = x[2 * many - 1..].split_at(functions.holes.len());
-        let (logs, constants) = (logs.to_vec(), constants.to_vec());
-        Self { walk, functions, coefficients, logs, constants, unknowns, rows }
+        let logs = x[2 * many - 1..][..functions.holes.len()].to_vec();
+        Self { walk, functions, coefficients, logs, unknowns, rows }
     }
 
     /// g at the points of values.
@@ -165,7 +163,7 @@ impl Fit {
         let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
         for (k, c) in self.coefficients.iter().copied().chain(logs).enumerate() {
             let range = k * values.points..(k + 1) * values.points;
-            for (sums, values) in sums.iter_mut().zip([&values.values, &values.slopes]) {
+            for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
                 if let Some(values) = values.get(range.clone()) {
                     sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
                 }
@@ -233,7 +231,7 @@ fn fill(
     }
     let points = values.points;
     for hole in 0..functions.holes.len() {
-        let logs = &mut values.values[(many + hole) * points..(many + hole + 1) * points];
+        let logs = &mut values.all[(many + hole) * points..(many + hole + 1) * points];
         continue_logs(walk, spots, logs);
         for ((x, value), &held) in matrix.column(next).iter_mut().zip(logs.iter()).zip(&held) {
             *x = if held { value.re } else { value.im };

@@ -31,6 +31,11 @@ impl Frame {
         (Complex::new(x, y) - self.origin).scaled(1.0 / self.unit)
     }
 
+    /// Point with these coordinates.
+    pub(super) fn outside(&self, z: Complex) -> [f64; 2] {
+        (self.origin + z.scaled(self.unit)).coordinates()
+    }
+
     fn side(&self, side: &PlaneSide) -> PlaneSide {
         let Arc { curve, span, ends } = side.arc;
         let curve = Curve {

@@ -5,7 +5,7 @@
 //! Anal. 57 (2019), have poles alone; here the powers of the corner itself make the convergence exponential. The
 //! polynomials are those of Brubeck, Nakatsukasa and Trefethen, *Vandermonde with Arnoldi*, SIAM Rev. 63 (2021).
 
-use super::boundary::Spot;
+use super::panels::Spot;
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
@@ -62,14 +62,14 @@ pub(super) struct Functions {
 pub(super) struct Values {
     /// Number of points.
     pub points: usize,
-    pub values: Vec<Complex>,
+    pub all: Vec<Complex>,
     /// Derivatives, if wanted.
     pub slopes: Vec<Complex>,
 }
 
 impl Values {
     pub(super) fn of(&self, function: usize) -> &[Complex] {
-        &self.values[function * self.points..(function + 1) * self.points]
+        &self.all[function * self.points..(function + 1) * self.points]
     }
 }
 
@@ -156,7 +156,7 @@ impl Functions {
                 derivatives.extend(spots.iter().map(|spot| one / (spot.z - hole.middle)));
             }
         }
-        Values { points: many, values, slopes: derivatives }
+        Values { points: many, all: values, slopes: derivatives }
     }
 }
 

@@ -107,9 +107,10 @@ fn reflect(entries: &mut [f64], height: usize, [from, to]: [usize; 2], limit: us
         for k in 0..j {
             products[k] = dot(&v[k * tall..(k + 1) * tall], &v[j * tall..(j + 1) * tall]);
         }
-        for i in 0..j {
-            let sum: f64 = (i..j).map(|k| t[i][k] * products[k]).sum();
-            t[i][j] = -tau * sum;
+        for (i, row) in t[..j].iter_mut().enumerate() {
+            let sum: f64 =
+                row[i..j].iter().zip(&products[i..j]).map(|(t, product)| t * product).sum();
+            row[j] = -tau * sum;
         }
         t[j][j] = tau;
     }

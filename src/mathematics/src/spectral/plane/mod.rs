@@ -1,10 +1,36 @@
-//! True solution on any domain of the plane with straight and circular sides.
-
-#![allow(missing_docs, unused)]
+//! True solution on any domain of the plane with straight and circular sides, holes, and parts that are fixed or free.
+//!
+//! # Method
+//! `v = psi + Re g`. psi is a particular solution in closed form ([`psi`]), so that `-Lap v = f` holds exactly; g is a sum
+//! of analytic functions ([`functions`]): at each corner, end of contact and crossing of a jump of f the fractional
+//! powers and logarithms that a solution has there, with a cut of finite length outside of the domain, in a ladder of
+//! lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole; poles behind
+//! the sides of slots; polynomials. They are fitted to both boundary conditions by least squares ([`fit`]):
+//! ```text
+//! where v = 0:          Re g = -psi,
+//! where dv/dn = q:      Im g - C = -int (psi_n - q) ds,    C one unknown for each run of such sides.
+//! ```
+//! That is the exact form of the singularities, so the error falls exponentially with the number of functions: ten to
+//! thirteen digits of the energy with 200 to 700 unknowns.
+//!
+//! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong a
+//! gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy is a
+//! sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual ([`energy`]);
+//! two bounds follow from how the conditions are missed ([`bounds`]).
+//!
+//! # Limits
+//! Work grows with the cube of the number of corners: about a second for twenty. A contact set whose signs are not all
+//! right, a residual above 2e-8 of v, or an integral of dv/dn that does not balance that of f, is refused.
+//!
+//! # Literature
+//! - A. Gopal, L. N. Trefethen, Solving Laplace problems with corner singularities via rational functions, SIAM J.
+//!   Numer. Anal. 57 (2019).
+//! - P. D. Brubeck, Y. Nakatsukasa, L. N. Trefethen, Vandermonde with Arnoldi, SIAM Rev. 63 (2021).
 
 mod boundary;
 mod bounds;
 mod choice;
+mod continuation;
 mod domain;
 mod energy;
 mod field;
@@ -16,6 +42,7 @@ mod least_squares;
 mod newton;
 mod on_mesh;
 mod outline;
+mod panels;
 mod polynomial;
 mod psi;
 mod regions;
@@ -24,15 +51,14 @@ mod setup;
 mod signs;
 mod start;
 
-use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::text::plain;
-use boundary::Spot;
 pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
 use field::Node;
 use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
+use panels::Spot;
 pub use polynomial::Polynomial;
 use search::Found;
 use setup::Setup;
@@ -61,6 +87,7 @@ pub struct Regions {
 /// Border between two regions.
 #[derive(Clone, Copy, Debug)]
 pub struct RegionBorder {
+    /// The border: its condition and part are not read.
     pub side: PlaneSide,
     /// f on the left and on the right.
     pub values: [f64; 2],
@@ -69,14 +96,18 @@ pub struct RegionBorder {
 /// Problem on a domain of the plane.
 #[derive(Clone, Debug)]
 pub struct PlaneProblem {
+    /// The domain.
     pub domain: PlaneDomain,
+    /// The law on sides in contact.
     pub law: Law,
+    /// f.
     pub source: PlaneSource,
 }
 
 /// Contact set with which Newton's method begins, loop by loop.
 #[derive(Clone, Debug, Default)]
 pub struct PlaneStart {
+    /// Arcs that stick, loop by loop.
     pub loops: Vec<LoopStart>,
     /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
     pub spacing: f64,
@@ -95,7 +126,9 @@ pub struct LoopStart {
 /// Two bounds of the energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneBracket {
+    /// Lower bound.
     pub lower: f64,
+    /// Upper bound.
     pub upper: f64,
     /// What the bounds rest on that is not proved, each with the word `sampled`; none if they are guaranteed.
     pub reserve: Vec<String>,
@@ -133,16 +166,23 @@ pub struct PlaneChecks {
 
 /// True solution.
 pub struct PlaneSolution {
+    /// J(v).
     pub energy: f64,
+    /// Bounds of the energy.
     pub bracket: PlaneBracket,
+    /// Arcs that stick, loop by loop in walking order.
     pub arcs: Vec<PlaneArc>,
     /// Integral of dv/dn over the parts where the law holds.
     pub force: f64,
     /// Integral of f over the domain.
     pub integral: f64,
+    /// Checks.
     pub checks: PlaneChecks,
+    /// Real unknowns of the last fit.
     pub unknowns: usize,
+    /// Rows of the last fit.
     pub rows: usize,
+    /// Fits on all levels.
     pub steps: usize,
     frame: Frame,
     setup: Setup,
@@ -261,8 +301,8 @@ impl PlaneSolution {
         let mut cuts = Vec::new();
         for family in &self.found.fit.functions.families {
             for &length in &family.lengths {
-                let end = family.point - family.inwards.scaled(length);
-                cuts.push([family.point, end].map(Complex::coordinates));
+                let end = self.frame.outside(family.point - family.inwards.scaled(length));
+                cuts.push([self.frame.outside(family.point), end]);
             }
         }
         cuts
@@ -315,3 +355,6 @@ impl PlaneSolution {
         [self.frame.unit * self.frame.unit * node.value, self.frame.unit * node.flux]
     }
 }
+
+#[cfg(test)]
+mod tests;

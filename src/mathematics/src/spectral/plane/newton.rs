@@ -28,7 +28,7 @@ const PART: f64 = 0.4;
 /// Moves the ends of a contact set until none moves any more; returns the fit, or none if that does not happen.
 pub(super) fn settle(
     setup: &Setup,
-    contact: &mut Vec<RingContact>,
+    contact: &mut [RingContact],
     level: &Level,
     steps: &mut usize,
 ) -> Option<Fit> {
@@ -45,9 +45,6 @@ pub(super) fn settle(
                 moves.iter().for_each(|m| contact[m.ring].arcs[m.arc][m.which] += m.step);
             }
             return Some(fit);
-        }
-        if std::env::var("T").is_ok() {
-            eprintln!("   {largest:.1e} {cut} {moves:?}");
         }
         if !largest.is_finite() {
             return None;

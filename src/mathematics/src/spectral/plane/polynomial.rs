@@ -1,6 +1,7 @@
 //! Polynomial right-hand sides.
 
 use super::domain::PlaneDomain;
+use super::least_squares::Columns;
 use crate::problem::complex::Complex;
 use std::f64::consts::PI;
 
@@ -22,37 +23,40 @@ struct Term {
 impl Polynomial {
     /// Polynomial that takes the place of a smooth function on a domain; look at its `error`.
     ///
-    /// It interpolates at Chebyshev points of the box round the domain, with the lowest degree of 2, 4, 8 and 12 that
-    /// is right to rounding between them.
+    /// It is fitted on the box round the domain, with the lowest degree of 2, 4, 8 and 12 that is right to rounding
+    /// between the points of the fit.
     pub fn fitted(f: impl Fn([f64; 2]) -> f64, domain: &PlaneDomain) -> Self {
-        let [[left, right], [low, high]] = domain.extent();
-        let (middle, half) = (
-            [0.5 * (left + right), 0.5 * (low + high)],
-            [0.5 * (right - left), 0.5 * (high - low)],
-        );
-        let at = |x: [f64; 2]| f([0, 1].map(|axis| middle[axis] + half[axis] * x[axis]));
-        let mut best: Option<Self> = None;
+        let extent = domain.extent();
+        let at = |x: [f64; 2]| -> [f64; 2] {
+            std::array::from_fn(|axis| {
+                let [low, high] = extent[axis];
+                0.5 * (low + high + (high - low) * x[axis])
+            })
+        };
+        let mut best = Self { terms: Vec::new(), error: f64::INFINITY };
         for degree in [2, 4, 8, 12] {
-            let coefficients = chebyshev(&at, degree);
-            let mut found = Self { terms: terms(&coefficients, degree, middle, half), error: 0.0 };
+            let nodes: Vec<f64> =
+                (0..=2 * degree).map(|k| libm::cos(PI * k as f64 / (2 * degree) as f64)).collect();
+            let pairs = nodes.iter().flat_map(|&x| nodes.iter().map(move |&y| [x, y]));
+            let points: Vec<[f64; 2]> = pairs.map(at).collect();
+            let mut found = Self { terms: fit(&f, &points, degree), error: f64::INFINITY };
             let (mut worst, mut largest) = (0.0f64, 0.0f64);
             for k in 0..400 {
-                let x = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17]
-                    .map(|x| 2.0 * (x - x.floor()) - 1.0);
-                let [x, y] = [0, 1].map(|axis| middle[axis] + half[axis] * x[axis]);
-                let value = f([x, y]);
-                worst = worst.max((found.value(Complex::new(x, y)) - value).abs());
+                let [x, y] = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17];
+                let point = at([x, y].map(|x| 2.0 * (x - x.floor()) - 1.0));
+                let value = f(point);
+                worst = worst.max((found.value(Complex::new(point[0], point[1])) - value).abs());
                 largest = largest.max(value.abs());
             }
             found.error = if worst > 0.0 { worst / largest } else { 0.0 };
-            if best.as_ref().is_none_or(|best| !(best.error <= found.error)) {
-                best = Some(found);
+            if found.error < best.error {
+                best = found;
             }
-            if best.as_ref().is_some_and(|best| best.error < 1e-13) {
+            if best.error < 1e-13 {
                 break;
             }
         }
-        best.expect("a degree was tried")
+        best
     }
 
     /// The same with another error.
@@ -121,127 +125,32 @@ impl Term {
     }
 }
 
-/// Coefficients of products of Chebyshev polynomials up to a degree each, on the square from -1 to 1, row by row in x.
-fn chebyshev(f: &impl Fn([f64; 2]) -> f64, degree: usize) -> Vec<f64> {
-    let many = degree + 1;
-    let nodes: Vec<f64> =
-        (0..many).map(|k| libm::cos(PI * (k as f64 + 0.5) / many as f64)).collect();
-    let cosine = |j: usize, k: usize| libm::cos(PI * j as f64 * (k as f64 + 0.5) / many as f64);
-    let mut values = Vec::with_capacity(many * many);
-    for &x in &nodes {
-        values.extend(nodes.iter().map(|&y| f([x, y])));
+/// Terms up to a degree whose sum is nearest to a function at points.
+fn fit(f: impl Fn([f64; 2]) -> f64, points: &[[f64; 2]], degree: usize) -> Vec<Term> {
+    // The term with both powers swapped is the same but for the sign of its imaginary part.
+    let powers = (0..=degree).flat_map(|j| (0..=j.min(degree - j)).map(move |k| [j, k]));
+    let one = |powers: [usize; 2]| Term { powers, factor: Complex::new(1.0, 0.0) };
+    let powers: Vec<[usize; 2]> = powers.collect();
+    let unknowns = powers.iter().map(|[j, k]| if j == k { 1 } else { 2 }).sum();
+    let mut columns = Columns::new(points.len(), unknowns);
+    let mut next = 0;
+    for &[j, k] in &powers {
+        let values: Vec<Complex> =
+            points.iter().map(|&[x, y]| one([j, k]).raised(Complex::new(x, y), 0)).collect();
+        columns.column(next).iter_mut().zip(&values).for_each(|(x, value)| *x = value.re);
+        if j != k {
+            columns.column(next + 1).iter_mut().zip(&values).for_each(|(x, value)| *x = -value.im);
+        }
+        next += if j == k { 1 } else { 2 };
     }
-    let mut coefficients = vec![0.0; many * many];
-    for i in 0..many {
-        for j in 0..many {
-            let share = if i == 0 { 1.0 } else { 2.0 } * if j == 0 { 1.0 } else { 2.0 }
-                / (many * many) as f64;
-            for k in 0..many {
-                for l in 0..many {
-                    coefficients[i * many + j] +=
-                        share * cosine(i, k) * cosine(j, l) * values[k * many + l];
-                }
-            }
-        }
-    }
-    coefficients
-}
-
-/// Polynomial of one variable, the coefficient of degree zero first.
-type Series = Vec<Complex>;
-
-/// The sum of products of Chebyshev polynomials as terms in z and its conjugate.
-fn terms(coefficients: &[f64], degree: usize, middle: [f64; 2], half: [f64; 2]) -> Vec<Term> {
-    let many = degree + 1;
-    let largest = coefficients.iter().fold(0.0f64, |most, c| most.max(c.abs()));
-    // Powers of z (rows) and of its conjugate.
-    let mut sums = vec![Complex::default(); (2 * many) * (2 * many)];
-    // x = (z + conj z) / 2 and y = (z - conj z) / 2i, as polynomials in both, scaled to the square.
-    let linear = |axis: usize| {
-        let factor = if axis == 0 { Complex::new(0.5, 0.0) } else { Complex::new(0.0, -0.5) };
-        let scale = 1.0 / half[axis];
-        let constant = Complex::new(-middle[axis] * scale, 0.0);
-        let other = if axis == 0 { factor } else { -factor };
-        [constant, factor.scaled(scale), other.scaled(scale)]
-    };
-    let powers = [0, 1].map(|axis| {
-        let line = linear(axis);
-        let mut known = vec![Pairs::one(many), Pairs::one(many).times(line)];
-        for k in 2..many {
-            let next = known[k - 1].times(line).scaled_less(2.0, &known[k - 2]);
-            known.push(next);
-        }
-        known
-    });
-    for i in 0..many {
-        for j in 0..many {
-            let c = coefficients[i * many + j];
-            if c.abs() > 1e-15 * largest {
-                powers[0][i].product_into(&powers[1][j], c, &mut sums, 2 * many);
-            }
-        }
-    }
-    let mut terms = Vec::new();
-    for j in 0..2 * many {
-        for k in 0..2 * many {
-            let factor = sums[j * 2 * many + k];
-            if factor.norm() > 0.0 {
-                terms.push(Term { powers: [j, k], factor });
-            }
-        }
+    columns.column(unknowns).iter_mut().zip(points).for_each(|(x, &point)| *x = f(point));
+    let mut solution = columns.solve().into_iter();
+    let mut part = || solution.next().expect("a coefficient for each column");
+    let mut terms: Vec<Term> = Vec::with_capacity(powers.len());
+    for [j, k] in powers {
+        let re = part();
+        let im = if j == k { 0.0 } else { part() };
+        terms.push(Term { powers: [j, k], factor: Complex::new(re, im) });
     }
     terms
-}
-
-/// Polynomial in z and its conjugate, of a degree below `many` in each.
-struct Pairs {
-    many: usize,
-    factors: Series,
-}
-
-impl Pairs {
-    fn one(many: usize) -> Self {
-        let mut factors = vec![Complex::default(); many * many];
-        factors[0] = Complex::new(1.0, 0.0);
-        Self { many, factors }
-    }
-
-    /// Product with `constant + a z + b conj(z)`.
-    fn times(&self, [constant, a, b]: [Complex; 3]) -> Self {
-        let many = self.many;
-        let mut factors = vec![Complex::default(); many * many];
-        for j in 0..many {
-            for k in 0..many {
-                let own = self.factors[j * many + k];
-                if own.norm2() == 0.0 {
-                    continue;
-                }
-                factors[j * many + k] = factors[j * many + k] + own * constant;
-                if j + 1 < many {
-                    factors[(j + 1) * many + k] = factors[(j + 1) * many + k] + own * a;
-                }
-                if k + 1 < many {
-                    factors[j * many + k + 1] = factors[j * many + k + 1] + own * b;
-                }
-            }
-        }
-        Self { many, factors }
-    }
-
-    /// A multiple of this less another one.
-    fn scaled_less(self, factor: f64, other: &Self) -> Self {
-        let factors = self.factors.iter().zip(&other.factors).map(|(a, b)| a.scaled(factor) - *b);
-        Self { many: self.many, factors: factors.collect() }
-    }
-
-    /// Adds a multiple of the product with another one.
-    fn product_into(&self, other: &Self, factor: f64, sums: &mut [Complex], width: usize) {
-        let many = self.many;
-        for (at, a) in self.factors.iter().enumerate().filter(|(_, a)| a.norm2() > 0.0) {
-            for (to, b) in other.factors.iter().enumerate().filter(|(_, b)| b.norm2() > 0.0) {
-                let place = (at / many + to / many) * width + at % many + to % many;
-                sums[place] = sums[place] + (*a * *b).scaled(factor);
-            }
-        }
-    }
 }

@@ -9,7 +9,7 @@ use super::polynomial::Polynomial;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
 use crate::spectral::potential::{Jump, Potential};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// psi with `-Lap psi = f`.
 #[derive(Clone)]
@@ -135,18 +135,18 @@ impl Jump {
 fn dilogarithm(y: Complex) -> f64 {
     /// Bernoulli numbers of even order over factorials, B_2k / (2k + 1)!.
     const SERIES: [f64; 12] = [
-        2.777777777777778e-2,
-        -2.777777777777778e-4,
+        1.0 / 36.0,
+        -1.0 / 3600.0,
         4.724111866969009e-6,
         -9.185773074661964e-8,
-        1.897886998897100e-9,
+        1.8978869988971e-9,
         -4.064761645144226e-11,
         8.921691020456452e-13,
         -1.993929586072108e-14,
         4.518980029619918e-16,
         -1.035651761218125e-17,
         2.395218621026187e-19,
-        -5.581785874325010e-21,
+        -5.581785874325009e-21,
     ];
     let one = Complex::new(1.0, 0.0);
     let series = |y: Complex| {

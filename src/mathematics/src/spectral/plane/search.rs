@@ -12,7 +12,6 @@ use super::{PlaneError, PlaneStart};
 /// Solution of one level with what is known of it.
 pub(super) struct Found {
     pub contact: Vec<RingContact>,
-    pub level: Level,
     pub fit: Fit,
     pub nodes: Vec<Node>,
     pub sizes: Sizes,
@@ -42,19 +41,12 @@ impl Found {
             let nodes = boundary_nodes(setup, &fit, &level, points);
             let sizes = Sizes::new(setup, &nodes);
             let signs = Signs::new(setup, contact, &nodes, sizes);
-            if std::env::var("T").is_ok() {
-                debug(&fit, &nodes, &signs, contact);
-            }
             match signs.mended {
-                Some(mended) => {
-                    *contact = mended;
-                    without_contact(contact)?;
-                }
+                Some(mended) => *contact = mended,
                 None => {
                     let integrals = Integrals::new(setup, &fit, &nodes);
                     return Ok(Self {
                         contact: contact.clone(),
-                        level,
                         fit,
                         nodes,
                         sizes,
@@ -82,12 +74,6 @@ impl Found {
             self.sizes.residual, self.sizes.value, self.integrals.source, -self.integrals.force
         ))
     }
-}
-
-/// Refuses a contact set without contact and fixed sides.
-fn without_contact(contact: &[RingContact]) -> Result<(), PlaneError> {
-    let _ = contact;
-    Ok(())
 }
 
 /// Solves a problem from a contact set.
@@ -157,48 +143,4 @@ fn short(ring: &RingContact, turn: f64, least: f64) -> Option<(usize, bool)> {
             () => None,
         }
     })
-}
-
-fn debug(fit: &Fit, nodes: &[Node], signs: &Signs, contact: &[RingContact]) {
-    use super::boundary::State;
-    let at = (0..nodes.len())
-        .max_by(|&a, &b| nodes[a].residual.abs().total_cmp(&nodes[b].residual.abs()))
-        .unwrap();
-    if std::env::var("T").unwrap() == "2" {
-        for n in &nodes[at.saturating_sub(18)..(at + 18).min(nodes.len())] {
-            eprintln!(
-                "        {:.12} {:.5} {:.3e} {:.3e}",
-                n.t,
-                n.spot.offset,
-                n.residual,
-                match n.state {
-                    State::Flux(q) => n.flux - q,
-                    _ => 0.0,
-                }
-            );
-        }
-    }
-    let big = fit.coefficients.iter().map(|c| c.norm()).fold(0.0f64, f64::max);
-    let rms = |held: bool| {
-        let v: Vec<f64> =
-            nodes.iter().filter(|n| (n.state == State::Held) == held).map(|n| n.residual).collect();
-        [
-            (v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64).sqrt(),
-            v.iter().fold(0.0f64, |a, b| a.max(b.abs())),
-        ]
-    };
-    eprintln!(
-        "  # {} x {} largest {big:.1e} held {:?} flux {:?} worst {:?} off {:.1e} {:?} signs {:.1e} {:.1e} contact {:?} -> {:?}",
-        fit.rows,
-        fit.unknowns,
-        rms(true),
-        rms(false),
-        nodes[at].spot.z,
-        nodes[at].spot.offset,
-        nodes[at].state,
-        signs.flux,
-        signs.value,
-        contact.iter().map(|c| &c.arcs).collect::<Vec<_>>(),
-        signs.mended.as_ref().map(|m| m.iter().map(|c| c.arcs.clone()).collect::<Vec<_>>())
-    );
 }

@@ -71,7 +71,7 @@ impl Level {
             hole: 16,
             poles: 0.0,
             nodes: 6,
-            found: 2e-8,
+            found: 1e-7,
             noise: 1e-6,
         },
         Self {
@@ -83,7 +83,7 @@ impl Level {
             hole: 24,
             poles: 0.0,
             nodes: 6,
-            found: 2e-8,
+            found: 1e-7,
             noise: 1e-6,
         },
     ];
