@@ -78,7 +78,8 @@ fn digits_of_another_program_are_reached() {
         let solved = Statement { law, ..statement(domain, f) }.solved(None);
         let solved = solved.unwrap_or_else(|e| panic!("{name}: {e}"));
         let off = (solved.energy() - energy).abs();
-        assert!(off < 1e-9 * energy.abs(), "{name}: {} {off:e}", solved.energy());
+        // They are printed to nine decimals.
+        assert!(off < 6e-10, "{name}: {} {off:e}", solved.energy());
         let bounds = solved.bounds()[0].as_ref().unwrap();
         let [low, high] = bounds.energy;
         assert!(low - 1e-9 < energy && energy < high + 1e-9, "{name}: {low} {high}");
@@ -199,7 +200,7 @@ fn regions_of_a_file_are_as_shapes_with_their_borders() {
     let mut disc = Domain::named("disc.msh");
     disc.curve.insert("low".into(), vec![0.0, 0.0, 1.0]);
     for (domain, file, values, shape) in [
-        (Domain::named("trapezium.msh"), straight, [4.0, -6.0], "halfplane(-1.1,1.5,0.35)"),
+        (Domain::named("trapezium.msh"), straight, [2.0, -6.0], "halfplane(-1.1,1.5,0.35)"),
         (disc, round, [2.0, -3.0], "disc(0,0,0.5)"),
     ] {
         let energy = |f: String| {
