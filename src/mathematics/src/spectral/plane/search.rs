@@ -21,9 +21,9 @@ pub(super) struct Found {
 }
 
 /// Fits on a level after which no correction is tried.
-const STEPS: usize = 50;
+const STEPS: usize = 30;
 /// Corrections of the contact set on a level.
-const CORRECTIONS: usize = 12;
+const CORRECTIONS: usize = 8;
 /// Points of a panel for signs, and for integrals.
 const POINTS: [usize; 2] = [8, 16];
 
