@@ -16,35 +16,43 @@ use super::boundary::State;
 use super::field::Node;
 use super::search::Found;
 use super::setup::Setup;
+use crate::problem::law::Law;
 
 /// Share by which v may be farther below zero between the points than at them.
 const BETWEEN: f64 = 2.0;
+
+/// True on fixed sides.
+fn is_fixed(n: &Node) -> bool {
+    !n.lawful && n.state == State::Held
+}
+
+/// The flux without its violation of the law, or of zero on free sides.
+fn allowed(law: Law, n: &Node) -> f64 {
+    match n.state {
+        _ if n.lawful => law.project(n.flux),
+        State::Held => n.flux,
+        State::Flux(_) => 0.0,
+    }
+}
 
 /// Bounds of a solution.
 pub(super) fn bracket(setup: &Setup, found: &Found) -> PlaneBracket {
     let (law, integrals, nodes) = (setup.law, &found.integrals, &found.nodes);
     let weighted =
         |part: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| n.spot.weight * part(n)).sum::<f64>();
-    // The flux minus its violation of the law, or of zero on free sides.
-    let allowed = |n: &Node| match n.state {
-        _ if n.lawful => law.project(n.flux),
-        State::Held => n.flux,
-        State::Flux(_) => 0.0,
-    };
-    let excess = weighted(&|n| allowed(n) - n.flux);
-    let is_fixed = |n: &Node| !n.lawful && n.state == State::Held;
+    let excess = weighted(&|n| allowed(law, n) - n.flux);
     let fixed = weighted(&|n| f64::from(is_fixed(n)));
     // Room of the flux on the side to which it must go, no more than its own size where that is infinite.
     let room = |n: &Node| match () {
         () if fixed > 0.0 => f64::from(is_fixed(n)),
         () if !n.lawful => 0.0,
-        () if excess > 0.0 && law.lo().is_finite() => allowed(n) - law.lo(),
-        () if excess < 0.0 && law.hi().is_finite() => law.hi() - allowed(n),
+        () if excess > 0.0 && law.lo().is_finite() => allowed(law, n) - law.lo(),
+        () if excess < 0.0 && law.hi().is_finite() => law.hi() - allowed(law, n),
         () => 1.0,
     };
     let rooms = weighted(&room);
-    let share = if rooms > 0.0 { excess / rooms } else { f64::INFINITY };
-    let eta = |n: &Node| allowed(n) - n.flux - share * room(n);
+    let share = if rooms > 0.0 { excess / rooms } else { 0.0 };
+    let eta = |n: &Node| allowed(law, n) - n.flux - share * room(n);
     let moved = weighted(&|n| n.value * eta(n));
     let square = weighted(&|n| eta(n) * eta(n));
     // What the quadrature of the flux misses, and rounding.
@@ -52,8 +60,12 @@ pub(super) fn bracket(setup: &Setup, found: &Found) -> PlaneBracket {
     let rounding = 2e-15 * (integrals.work.abs() + integrals.flux_work.abs());
     let missed = (integrals.force + integrals.source).abs() * size + rounding;
     let trace = 2.0 * setup.diameter;
-    let lower =
-        -0.5 * (integrals.flux_work + integrals.work) - moved - 0.5 * trace * square - missed;
+    let found_room = if rooms > 0.0 { 0.0 } else { f64::INFINITY };
+    let lower = -found_room
+        - 0.5 * (integrals.flux_work + integrals.work)
+        - moved
+        - 0.5 * trace * square
+        - missed;
     let potential = weighted(&|n| if n.lawful { law.potential(n.value) } else { 0.0 });
     let mut upper = 0.5 * (integrals.flux_work - integrals.work) + potential + missed;
     if !law.is_bounded() {

@@ -142,14 +142,13 @@ impl Ladder {
     /// away from it.
     fn lengths(&self, domain: &PlaneDomain, point: Complex, inwards: Complex) -> Vec<f64> {
         let longest = 0.55 * domain.exit(point, -inwards);
-        let fits = |d: f64| d < longest && domain.distance(point - inwards.scaled(d)) > 0.3 * d;
         let mut lengths = Vec::new();
         let mut d = self.from.min(0.99 * longest);
         while (d < self.to || lengths.len() < self.least)
             && lengths.len() < self.most
             && d < longest
         {
-            if fits(d) {
+            if d < longest && domain.distance(point - inwards.scaled(d)) > 0.3 * d {
                 lengths.push(d);
             }
             d *= self.ratio;
@@ -159,7 +158,7 @@ impl Ladder {
         while lengths.len() < self.least && tries < 20 {
             d /= self.ratio.min(3.0);
             tries += 1;
-            if fits(d) {
+            if d < longest && domain.distance(point - inwards.scaled(d)) > 0.3 * d {
                 lengths.push(d);
             }
         }

@@ -61,10 +61,12 @@ pub(super) fn boundary_nodes(setup: &Setup, fit: &Fit, level: &Level, points: us
     }
     // The constants of runs are those of the rows: the integrals here begin elsewhere.
     for run in 0..fit.walk.runs {
-        let own = |node: &&mut Node| fit.walk.intervals[node.spot.interval].run == run;
-        let first = nodes.iter_mut().find(|node| own(node)).map(|node| node.residual);
-        let first = first.unwrap_or_default();
-        nodes.iter_mut().filter(own).for_each(|node| node.residual -= first);
+        let mut first = None;
+        for node in &mut nodes {
+            if fit.walk.intervals[node.spot.interval].run == run {
+                node.residual -= *first.get_or_insert(node.residual);
+            }
+        }
     }
     nodes
 }

@@ -89,11 +89,11 @@ fn add_between(
         true => [length - a.s, length - b.s],
         false => [a.s, b.s],
     };
-    let exact = |spot: &Spot, side: usize, other: f64| {
-        if spot.split == splits[side] && splits[0] != splits[1] { spot.offset } else { other }
-    };
     let side = usize::from(late);
-    let [from, to] = [exact(a, side, from), exact(b, side, to)];
+    // The offset, which has all digits, where it is from that end.
+    let [from, to] = [(a, from), (b, to)].map(|(spot, other)| {
+        if spot.split == splits[side] && splits[0] != splits[1] { spot.offset } else { other }
+    });
     for node in rule {
         let offset = from + (to - from) * node.x;
         into.push(walk.spot(interval, side, offset, (to - from).abs() * node.weight));

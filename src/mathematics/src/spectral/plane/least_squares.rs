@@ -132,8 +132,7 @@ fn apply(v: &[f64], t: &[[f64; BLOCK]; BLOCK], tall: usize, many: usize, trailin
     let Trailing { columns, height, top } = trailing;
     let mut w = [[0.0; WIDE]; BLOCK];
     let wide = columns.len() / height;
-    let start = |c: usize| c.min(wide - 1) * height + top;
-    let others = [0, 1, 2, 3].map(|c| &columns[start(c)..start(c) + tall]);
+    let others = [0, 1, 2, 3].map(|c: usize| &columns[c.min(wide - 1) * height + top..][..tall]);
     for (k, w) in w[..many].iter_mut().enumerate() {
         *w = products(&v[k * tall..(k + 1) * tall], others);
     }

@@ -317,8 +317,9 @@ impl PlaneSolution {
             let fit = &self.found.fit;
             let [g, _] = fit.sums(&fit.functions.at(&spots, false));
             let square = self.frame.unit * self.frame.unit;
-            let psi = |spot: &Spot| self.setup.jumps.psi.value(spot.z);
-            values.extend(spots.iter().zip(g).map(|(spot, g)| square * (psi(spot) + g.re)));
+            for (spot, g) in spots.iter().zip(g) {
+                values.push(square * (self.setup.jumps.psi.value(spot.z) + g.re));
+            }
         }
         values
     }

@@ -99,7 +99,13 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
             true => -k / (1.5 * k1),
             false => -(k * sign).signum() * f64::INFINITY,
         };
-        let room = PART * if wanted > 0.0 { gap } else { arc_length };
+        // What grows, grows no more than threefold.
+        let room = match wanted > 0.0 {
+            // The expansion holds up to the next split only.
+            _ if wanted.is_infinite() => PART * split.lengths[0].min(split.lengths[1]),
+            true => (PART * gap).min(2.0 * arc_length),
+            false => (PART * arc_length).min(2.0 * gap),
+        };
         let step = wanted.clamp(-room, room);
         let along = if which == 0 { -step } else { step };
         steps.push(EndStep { ring: split.ring, arc, which, step: along, cut: step != wanted });

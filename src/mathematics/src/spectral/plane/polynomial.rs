@@ -76,8 +76,7 @@ impl Polynomial {
 
     /// The function r with `int f = oint (x.n) r`: each term over its degree plus 2.
     pub(super) fn radial(&self, z: Complex) -> f64 {
-        let part = |term: &Term| term.raised(z, 0).re / (term.degree() + 2.0);
-        self.terms.iter().map(part).sum()
+        self.terms.iter().map(|term| term.raised(z, 0).re / (term.degree() + 2.0)).sum()
     }
 
     /// The function r with `int f psi = oint (x.n) r`.
@@ -98,9 +97,10 @@ impl Polynomial {
         let mut sum = Complex::default();
         for term in &self.terms {
             let [j, k] = term.powers.map(|power| power as f64 + 1.0);
-            let lowered = |powers: [usize; 2]| Term { powers, ..*term }.raised(z, 0);
             let [p, q] = term.powers;
-            let slopes = lowered([p, q + 1]).scaled(j).conj() + lowered([p + 1, q]).scaled(k);
+            let [by_z, by_conjugate] =
+                [[p, q + 1], [p + 1, q]].map(|powers| Term { powers, ..*term }.raised(z, 0));
+            let slopes = by_z.scaled(j).conj() + by_conjugate.scaled(k);
             sum = sum - slopes.scaled(0.25 / term.product());
         }
         sum
@@ -129,14 +129,14 @@ impl Term {
 fn fit(f: impl Fn([f64; 2]) -> f64, points: &[[f64; 2]], degree: usize) -> Vec<Term> {
     // The term with both powers swapped is the same but for the sign of its imaginary part.
     let powers = (0..=degree).flat_map(|j| (0..=j.min(degree - j)).map(move |k| [j, k]));
-    let one = |powers: [usize; 2]| Term { powers, factor: Complex::new(1.0, 0.0) };
     let powers: Vec<[usize; 2]> = powers.collect();
     let unknowns = powers.iter().map(|[j, k]| if j == k { 1 } else { 2 }).sum();
     let mut columns = Columns::new(points.len(), unknowns);
     let mut next = 0;
     for &[j, k] in &powers {
+        let one = Term { powers: [j, k], factor: Complex::new(1.0, 0.0) };
         let values: Vec<Complex> =
-            points.iter().map(|&[x, y]| one([j, k]).raised(Complex::new(x, y), 0)).collect();
+            points.iter().map(|&[x, y]| one.raised(Complex::new(x, y), 0)).collect();
         columns.column(next).iter_mut().zip(&values).for_each(|(x, value)| *x = value.re);
         if j != k {
             columns.column(next + 1).iter_mut().zip(&values).for_each(|(x, value)| *x = -value.im);
@@ -144,13 +144,13 @@ fn fit(f: impl Fn([f64; 2]) -> f64, points: &[[f64; 2]], degree: usize) -> Vec<T
         next += if j == k { 1 } else { 2 };
     }
     columns.column(unknowns).iter_mut().zip(points).for_each(|(x, &point)| *x = f(point));
-    let mut solution = columns.solve().into_iter();
-    let mut part = || solution.next().expect("a coefficient for each column");
+    let solution = columns.solve();
+    let mut next = 0;
     let mut terms: Vec<Term> = Vec::with_capacity(powers.len());
     for [j, k] in powers {
-        let re = part();
-        let im = if j == k { 0.0 } else { part() };
-        terms.push(Term { powers: [j, k], factor: Complex::new(re, im) });
+        let im = if j == k { 0.0 } else { solution[next + 1] };
+        terms.push(Term { powers: [j, k], factor: Complex::new(solution[next], im) });
+        next += if j == k { 1 } else { 2 };
     }
     terms
 }

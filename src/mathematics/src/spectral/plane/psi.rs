@@ -148,20 +148,15 @@ fn dilogarithm(y: Complex) -> f64 {
         2.395218621026187e-19,
         -5.581785874325009e-21,
     ];
-    let one = Complex::new(1.0, 0.0);
-    let series = |y: Complex| {
-        let u = -ln(one - y);
-        let square = u * u;
-        let mut sum = Complex::default();
-        for c in SERIES.into_iter().rev() {
-            sum = (sum * square).shifted(c);
-        }
-        u - square.scaled(0.25) + sum * square * u
-    };
+    let rest = (-y).shifted(1.0);
     if y.re > 0.5 {
-        let product = ln(y) * ln(one - y);
-        -product.im - series(one - y).im
-    } else {
-        series(y).im
+        return -(ln(y) * ln(rest)).im - dilogarithm(rest);
     }
+    let u = -ln(rest);
+    let square = u * u;
+    let mut sum = Complex::default();
+    for c in SERIES.into_iter().rev() {
+        sum = (sum * square).shifted(c);
+    }
+    (u - square.scaled(0.25) + sum * square * u).im
 }

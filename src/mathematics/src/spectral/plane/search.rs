@@ -20,8 +20,10 @@ pub(super) struct Found {
     pub steps: usize,
 }
 
+/// Fits on a level after which no correction is tried.
+const STEPS: usize = 30;
 /// Corrections of the contact set on a level.
-const CORRECTIONS: usize = 12;
+const CORRECTIONS: usize = 8;
 /// Points of a panel for signs, and for integrals.
 const POINTS: [usize; 2] = [8, 16];
 
@@ -34,7 +36,11 @@ impl Found {
         steps: &mut usize,
         points: usize,
     ) -> Result<Self, PlaneError> {
+        let most = *steps + STEPS;
         for _ in 0..CORRECTIONS {
+            if *steps > most {
+                break;
+            }
             let fit = settle(setup, contact, &level, steps).ok_or_else(|| {
                 PlaneError::NotFound("the ends of the arcs that stick were not found: Newton's method did not settle".into())
             })?;
