@@ -57,8 +57,8 @@ pub(super) struct SolveArgs {
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
     /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The ending alone,
-    /// `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or of the mesh
-    /// of --refine. A picture
+    /// `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or of the
+    /// mesh of --refine. A picture
     /// is a shaded surface on the square and a map on every other domain in the plane, unless --map or --surface says
     /// otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]

@@ -48,8 +48,8 @@ pub struct Timings {
     /// load vector given.
     #[serde(default)]
     pub own_mesh: Rows,
-    /// Guaranteed error, over the norm of the solution, on adapted and on uniform meshes, and of the spectral solver, with
-    /// its unknowns for nodes; the time is that from the coarsest mesh to the bounds.
+    /// Guaranteed error, over the norm of the solution, on adapted and on uniform meshes, and of the spectral solver,
+    /// with its unknowns for nodes; the time is that from the coarsest mesh to the bounds.
     #[serde(default)]
     pub adapted: Rows,
 }

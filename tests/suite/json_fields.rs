@@ -123,7 +123,8 @@ fn each_field_of_solve_has_a_line_in_the_book_and_each_line_a_field() {
         let args = [&["solve", "--json", "--f", SOURCE], width, more].concat();
         answers.push(project.run(&args).json());
     }
-    let others: [&[&str]; 9] = [
+    let others: [&[&str]; 10] = [
+        &["--domain", "disc", "--f", "else=-1", "--solver", "spectral"],
         &["--f", "exact(torsion)", "--h", "1/8"],
         &["--f", "formula(x - 1)", "--h", "1/8", "--recover", "--out", "v.npy"],
         &["--domain", "disc", "--f", MESH, "--refine", "2"],

@@ -162,7 +162,9 @@ fn a_command_that_is_saved_and_run_has_the_numbers_of_solve_to_the_last_bit() {
     let (mut answers, mut saved) = (BTreeMap::new(), 0);
     for domain in DOMAINS {
         let in_space = domain.contains(&"ball") || domain.contains(&"cube");
-        let solvers = if in_space { &SOLVERS[..5] } else { &SOLVERS[..] };
+        // The gear has too many sides for the last.
+        let has_last = !in_space && !domain.iter().any(|word| word.ends_with(".msh"));
+        let solvers = if has_last { &SOLVERS[..] } else { &SOLVERS[..5] };
         for (law, solver) in
             LAWS.iter().flat_map(|law| solvers.iter().map(move |solver| (law, solver)))
         {

@@ -22,9 +22,10 @@ pub(super) fn json(solved: &Solved) -> Option<Value> {
         "checks": found.checks,
     });
     if json["bound"].is_null() {
-        json["bound_reason"] = "the spectral solver checks its digits, see `checks`; --accuracy-energy gives guaranteed \
-            bounds"
-            .into();
+        json["bound_reason"] =
+            "the spectral solver checks its digits, see `checks`; --accuracy-energy gives \
+            guaranteed bounds"
+                .into();
     }
     if let Some(solution) = found.on_square() {
         let [lower_right, upper_right, upper_left, lower_left] = solution.corners();

@@ -1,5 +1,5 @@
-//! True solution: on the square to rounding, by a conformal map and a scalar Riemann-Hilbert problem; on any domain in the
-//! plane with straight and circular sides to ten digits and more ([`plane`]). Both are a [`TrueSolution`].
+//! True solution: on the square to rounding, by a conformal map and a scalar Riemann-Hilbert problem; on any domain in
+//! the plane with straight and circular sides to ten digits and more ([`plane`]). Both are a [`TrueSolution`].
 //!
 //! What follows is the square's.
 //!

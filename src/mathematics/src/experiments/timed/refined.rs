@@ -28,8 +28,8 @@ const GOALS: [f64; 3] = [0.03, 0.01, 0.003];
 const FIRST: usize = 5;
 
 /// Runs on the L-shape, from the coarsest mesh to the bounds: adaptive refinement to each goal, uniform refinement as
-/// long as it takes no longer than that, and the spectral solver; on meshes with at most the nodes of the grid with this number of
-/// cells per side.
+/// long as it takes no longer than that, and the spectral solver; on meshes with at most the nodes of the grid with
+/// this number of cells per side.
 pub(super) fn runs(finest: usize) -> impl Iterator<Item = Prepared> {
     let most_nodes = (finest + 1) * (finest + 1);
     let missed = Arc::new(AtomicBool::new(false));

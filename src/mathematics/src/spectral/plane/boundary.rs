@@ -9,7 +9,7 @@ use crate::problem::complex::Complex;
 use std::f64::consts::PI;
 
 /// Closed loop of sides with the distances along it.
-pub(super) struct Ring {
+pub(super) struct PlaneRing {
     pub sides: Vec<PlaneSide>,
     /// Distance of the start of each side along the loop, and its length at last.
     pub starts: Vec<f64>,
@@ -17,7 +17,7 @@ pub(super) struct Ring {
     smooth: Vec<bool>,
 }
 
-impl Ring {
+impl PlaneRing {
     pub(super) fn new(sides: &[PlaneSide]) -> Self {
         let mut starts = vec![0.0];
         for side in sides {
@@ -115,7 +115,7 @@ pub(super) struct Split {
 
 /// Part of a side between two splits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Interval {
+pub(super) struct PlaneInterval {
     pub ring: usize,
     pub side: usize,
     /// Splits at its ends.
@@ -137,7 +137,7 @@ pub(super) struct Interval {
 pub(super) struct Walk {
     pub splits: Vec<Split>,
     /// In walking order, loop by loop.
-    pub intervals: Vec<Interval>,
+    pub intervals: Vec<PlaneInterval>,
     /// Number of runs.
     pub runs: usize,
 }
@@ -147,7 +147,7 @@ const TOGETHER: f64 = 1e-10;
 
 impl Walk {
     pub(super) fn new(
-        rings: &[Ring],
+        rings: &[PlaneRing],
         contact: &[RingContact],
         crossings: &[(usize, SidePlace)],
     ) -> Self {
@@ -161,7 +161,7 @@ impl Walk {
     fn add_ring(
         &mut self,
         r: usize,
-        ring: &Ring,
+        ring: &PlaneRing,
         contact: &RingContact,
         crossings: &[(usize, SidePlace)],
     ) {
@@ -204,7 +204,7 @@ impl Walk {
                 crossing: mark.crossing,
                 end: mark.end.filter(|_| !mark.corner && states[before] != states[k]),
             });
-            self.intervals.push(Interval {
+            self.intervals.push(PlaneInterval {
                 ring: r,
                 side: place.side,
                 splits: [first + k, first + (k + 1) % many],
@@ -243,7 +243,7 @@ struct Mark {
 /// Corners, crossings and ends of contact of a loop, in order.
 fn marks(
     r: usize,
-    ring: &Ring,
+    ring: &PlaneRing,
     contact: &RingContact,
     crossings: &[(usize, SidePlace)],
 ) -> Vec<Mark> {

@@ -1,11 +1,11 @@
 //! Two bounds of the energy. Since `-Lap v = f` holds exactly, only conditions on the boundary are violated, by what is
 //! seen there.
 //!
-//! *Upper.* Under a bounded law J(v) itself; under the paper's J(v + delta) = J(v) + delta F with delta the largest -v on
-//! the boundary and F = oint l.
+//! *Upper.* Under a bounded law J(v) itself; under the paper's J(v + delta) = J(v) + delta F with delta the largest -v
+//! on the boundary and F = oint l.
 //!
-//! *Lower.* `p = grad v + grad phi` with phi harmonic and `phi_n = eta`, which takes the flux into the law, and the mean
-//! of eta to zero by a share of the room that the flux has. Then
+//! *Lower.* `p = grad v + grad phi` with phi harmonic and `phi_n = eta`, which takes the flux into the law, and the
+//! mean of eta to zero by a share of the room that the flux has. Then
 //! ```text
 //! J >= -1/2 |p|^2 >= -1/2 |grad v|^2 - oint v eta - C/2 oint eta^2,     |grad v|^2 = oint v l + int f v,
 //! ```
@@ -13,8 +13,8 @@
 
 use super::PlaneBracket;
 use super::boundary::State;
-use super::field::Node;
-use super::search::Found;
+use super::field::PlaneNode;
+use super::search::PlaneFound;
 use super::setup::Setup;
 use crate::problem::law::Law;
 
@@ -22,12 +22,12 @@ use crate::problem::law::Law;
 const BETWEEN: f64 = 2.0;
 
 /// True on fixed sides.
-fn is_fixed(n: &Node) -> bool {
+fn is_fixed(n: &PlaneNode) -> bool {
     !n.lawful && n.state == State::Held
 }
 
 /// The flux without its violation of the law, or of zero on free sides.
-fn allowed(law: Law, n: &Node) -> f64 {
+fn allowed(law: Law, n: &PlaneNode) -> f64 {
     match n.state {
         _ if n.lawful => law.project(n.flux),
         State::Held => n.flux,
@@ -36,14 +36,15 @@ fn allowed(law: Law, n: &Node) -> f64 {
 }
 
 /// Bounds of a solution.
-pub(super) fn bracket(setup: &Setup, found: &Found) -> PlaneBracket {
+pub(super) fn bracket(setup: &Setup, found: &PlaneFound) -> PlaneBracket {
     let (law, integrals, nodes) = (setup.law, &found.integrals, &found.nodes);
-    let weighted =
-        |part: &dyn Fn(&Node) -> f64| nodes.iter().map(|n| n.spot.weight * part(n)).sum::<f64>();
+    let weighted = |part: &dyn Fn(&PlaneNode) -> f64| {
+        nodes.iter().map(|n| n.spot.weight * part(n)).sum::<f64>()
+    };
     let excess = weighted(&|n| allowed(law, n) - n.flux);
     let fixed = weighted(&|n| f64::from(is_fixed(n)));
     // Room of the flux on the side to which it must go, no more than its own size where that is infinite.
-    let room = |n: &Node| match () {
+    let room = |n: &PlaneNode| match () {
         () if fixed > 0.0 => f64::from(is_fixed(n)),
         () if !n.lawful => 0.0,
         () if excess > 0.0 && law.lo().is_finite() => allowed(law, n) - law.lo(),
@@ -52,7 +53,7 @@ pub(super) fn bracket(setup: &Setup, found: &Found) -> PlaneBracket {
     };
     let rooms = weighted(&room);
     let share = if rooms > 0.0 { excess / rooms } else { 0.0 };
-    let eta = |n: &Node| allowed(law, n) - n.flux - share * room(n);
+    let eta = |n: &PlaneNode| allowed(law, n) - n.flux - share * room(n);
     let moved = weighted(&|n| n.value * eta(n));
     let square = weighted(&|n| eta(n) * eta(n));
     // What the quadrature of the flux misses, and rounding.

@@ -10,14 +10,14 @@ use crate::spectral::parts::{CurvePart, append, close};
 use crate::spectral::potential::Potential;
 
 /// Jumps of f as they are added, curve by curve.
-pub(super) struct Builder<'a> {
+pub(super) struct BorderBuilder<'a> {
     pub domain: &'a PlaneDomain,
     pub potential: Potential,
     pub edges: Vec<PlaneJump>,
     pub crossings: Vec<(usize, SidePlace)>,
 }
 
-impl Builder<'_> {
+impl BorderBuilder<'_> {
     /// Adds the jumps along a curve, cut into pieces, with their continuation beyond the boundary.
     pub(super) fn add(&mut self, curve: Curve, pieces: &[Piece]) -> Result<(), PlaneError> {
         for piece in pieces {

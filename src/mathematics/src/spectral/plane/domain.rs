@@ -16,9 +16,9 @@ pub struct PlaneSide {
     pub part: usize,
 }
 
-/// Circle.
+/// PlaneCircle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Circle {
+pub struct PlaneCircle {
     /// Centre.
     pub centre: [f64; 2],
     /// Radius.
@@ -36,8 +36,13 @@ impl PlaneSide {
     }
 
     /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
-    pub fn arc(circle: Circle, [from, to]: [f64; 2], condition: Condition, part: usize) -> Self {
-        let Circle { centre: [x, y], radius } = circle;
+    pub fn arc(
+        circle: PlaneCircle,
+        [from, to]: [f64; 2],
+        condition: Condition,
+        part: usize,
+    ) -> Self {
+        let PlaneCircle { centre: [x, y], radius } = circle;
         let normal = Complex::unit(from);
         let origin = Complex::new(x, y) + normal.scaled(radius);
         let curve = Curve { origin, tangent: normal.turned(), curvature: 1.0 / radius };

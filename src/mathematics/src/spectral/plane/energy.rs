@@ -3,13 +3,13 @@
 //! With `q = |x|^2 / 4` and psi, all is on the boundary and on jumps, J = left f - right f:
 //! ```text
 //! int f v   = int f psi + oint (psi l - v psi_n),
-//! int f psi = oint f (psi q_n - q psi_n) - oint f^2 (x.n) q / 4 + sum int J (psi q_n - q psi_n) - J (f + f') (x.n) q / 4,
-//! J(v)      = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
+//! int f psi = oint f (psi q_n - q psi_n) - oint f^2 (x.n) q / 4 + sum int J (psi q_n - q psi_n) - J (f + f') (x.n) q /
+//! 4, J(v)      = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
 //! ```
 //! J(v) less the integral of v l where v should be zero has an error that is quadratic in the residual.
 
 use super::boundary::State;
-use super::field::Node;
+use super::field::PlaneNode;
 use super::fit::Fit;
 use super::psi::Psi;
 use super::setup::Setup;
@@ -35,7 +35,7 @@ pub(super) struct Integrals {
 }
 
 impl Integrals {
-    pub(super) fn new(setup: &Setup, fit: &Fit, nodes: &[Node]) -> Self {
+    pub(super) fn new(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
         let mut sums = Self::default();
         let (mut held, mut slipping) = (0.0, 0.0);
         let origin = setup.centre;

@@ -9,7 +9,7 @@ use crate::spectral::rule::gauss;
 
 /// Values at a point of the boundary.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct PlaneNode {
     pub spot: Spot,
     /// v.
     pub value: f64,
@@ -30,7 +30,7 @@ pub(super) struct Node {
     pub ring: usize,
 }
 
-impl Node {
+impl PlaneNode {
     /// Outer normal.
     pub(super) fn normal(&self) -> Complex {
         -self.spot.tangent.turned()
@@ -49,7 +49,12 @@ pub(super) struct Sizes {
 }
 
 /// Nodes of the boundary in walking order.
-pub(super) fn boundary_nodes(setup: &Setup, fit: &Fit, level: &Level, points: usize) -> Vec<Node> {
+pub(super) fn boundary_nodes(
+    setup: &Setup,
+    fit: &Fit,
+    level: &Level,
+    points: usize,
+) -> Vec<PlaneNode> {
     let panels = panels(setup, &fit.walk, &fit.functions, level, 1.0);
     let spots = spots_on(&fit.walk, &panels, &gauss(points));
     let mut nodes = nodes_at(setup, fit, &spots);
@@ -72,7 +77,7 @@ pub(super) fn boundary_nodes(setup: &Setup, fit: &Fit, level: &Level, points: us
 }
 
 /// Nodes at spots.
-pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<Node> {
+pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<PlaneNode> {
     let mut values = fit.functions.at(spots, true);
     let many = fit.functions.complex() * values.points;
     for logs in values.all[many..].chunks_mut(values.points) {
@@ -87,7 +92,7 @@ pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<Node> {
         let interval = &fit.walk.intervals[spot.interval];
         let psi = setup.jumps.psi.value(spot.z);
         let psi_flux = gradients[k].dot(normal);
-        nodes.push(Node {
+        nodes.push(PlaneNode {
             spot,
             value: psi + g[k].re,
             flux: psi_flux + (slopes[k] * normal).re,
@@ -105,7 +110,7 @@ pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<Node> {
 }
 
 impl Sizes {
-    pub(super) fn new(setup: &Setup, nodes: &[Node]) -> Self {
+    pub(super) fn new(setup: &Setup, nodes: &[PlaneNode]) -> Self {
         let mut sizes = Self { flux: 0.0, value: 0.0, residual: 0.0 };
         for node in nodes {
             sizes.flux += node.spot.weight * node.flux.abs() / setup.perimeter;

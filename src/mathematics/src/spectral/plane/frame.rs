@@ -8,8 +8,8 @@ use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::curve::{Arc, Curve};
 
-/// Coordinates `(z - origin) / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by its
-/// fourth power.
+/// Coordinates `(z - origin) / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by
+/// its fourth power.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub origin: Complex,

@@ -1,11 +1,11 @@
 //! Curves across which f jumps, cut at the boundary and continued beyond it.
 //!
-//! Inside, pieces of curves between the others carry the difference of f on their two sides, whose sum at each vertex is
-//! zero. Outside, a piece is continued along its curve: to the next piece if that has the same jump; else to half the
-//! way, and from there straight to infinity where a ray is free, or in a hole to its middle, where all that enter it
-//! add to zero.
+//! Inside, pieces of curves between the others carry the difference of f on their two sides, whose sum at each vertex
+//! is zero. Outside, a piece is continued along its curve: to the next piece if that has the same jump; else to half
+//! the way, and from there straight to infinity where a ray is free, or in a hole to its middle, where all that enter
+//! it add to zero.
 
-use super::continuation::Builder;
+use super::continuation::BorderBuilder;
 use super::domain::{PlaneDomain, SidePlace};
 use super::psi::Psi;
 use super::{PlaneError, PlaneSource};
@@ -41,7 +41,7 @@ pub(super) type Piece = CurvePart<Option<[f64; 2]>>;
 
 impl PlaneJumps {
     pub(super) fn new(domain: &PlaneDomain, source: &PlaneSource) -> Result<Self, PlaneError> {
-        let mut builder = Builder {
+        let mut builder = BorderBuilder {
             domain,
             potential: Potential::default(),
             edges: Vec::new(),
@@ -113,7 +113,7 @@ fn inner_points(domain: &PlaneDomain) -> Vec<Complex> {
     points
 }
 
-impl Builder<'_> {
+impl BorderBuilder<'_> {
     /// Pieces of the `k`-th curve between the others and the sides, once around a circle.
     fn pieces(&self, curves: &[Curve], k: usize, f: &Source) -> Vec<Piece> {
         let curve = curves[k];

@@ -1,11 +1,11 @@
 //! True solution on any domain of the plane with straight and circular sides, holes, and parts that are fixed or free.
 //!
 //! # Method
-//! `v = psi + Re g`. psi is a particular solution in closed form ([`psi`]), so that `-Lap v = f` holds exactly; g is a sum
-//! of analytic functions ([`functions`]): at each corner, end of contact and crossing of a jump of f the fractional
+//! `v = psi + Re g`. psi is a particular solution in closed form ([`psi`]), so that `-Lap v = f` holds exactly; g is a
+//! sum of analytic functions ([`functions`]): at each corner, end of contact and crossing of a jump of f the fractional
 //! powers and logarithms that a solution has there, with a cut of finite length outside of the domain, in a ladder of
-//! lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole; poles behind
-//! the sides of slots; polynomials. They are fitted to both boundary conditions by least squares ([`fit`]):
+//! lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole; poles
+//! behind the sides of slots; polynomials. They are fitted to both boundary conditions by least squares ([`fit`]):
 //! ```text
 //! where v = 0:          Re g = -psi,
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds,    C one unknown for each run of such sides.
@@ -13,10 +13,10 @@
 //! That is the exact form of the singularities, so the error falls exponentially with the number of functions: ten to
 //! thirteen digits of the energy with 200 to 700 unknowns.
 //!
-//! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong a
-//! gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy is a
-//! sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual ([`energy`]);
-//! two bounds follow from how the conditions are missed ([`bounds`]).
+//! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong
+//! a gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy
+//! is a sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual
+//! ([`energy`]); two bounds follow from how the conditions are missed ([`bounds`]).
 //!
 //! # Limits
 //! Work grows with the cube of the number of corners: about a second for twenty. A contact set whose signs are not all
@@ -37,6 +37,7 @@ mod field;
 mod fit;
 mod frame;
 mod functions;
+mod images;
 mod jumps;
 mod least_squares;
 mod newton;
@@ -54,13 +55,13 @@ mod start;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::text::plain;
-pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
-use field::Node;
+pub use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
+use field::PlaneNode;
 use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 use panels::Spot;
 pub use polynomial::Polynomial;
-use search::Found;
+use search::PlaneFound;
 use setup::Setup;
 use std::fmt;
 
@@ -186,7 +187,7 @@ pub struct PlaneSolution {
     pub steps: usize,
     frame: Frame,
     setup: Setup,
-    found: Found,
+    found: PlaneFound,
 }
 
 /// Reason for which there is no solution.
@@ -231,7 +232,7 @@ pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution
     let frame = Frame::of(&problem.domain);
     let setup = Setup::new(&frame.problem(problem))?;
     let found = search::search(&setup, &frame.start(start))?;
-    let Found { integrals, sizes, signs, fit, nodes, .. } = &found;
+    let PlaneFound { integrals, sizes, signs, fit, nodes, .. } = &found;
     let mut bracket = bounds::bracket(&setup, &found);
     let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
     let checks = PlaneChecks {
@@ -263,11 +264,11 @@ pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution
 }
 
 /// Arcs that stick, with forces.
-fn arcs(domain: &PlaneDomain, frame: Frame, setup: &Setup, found: &Found) -> Vec<PlaneArc> {
+fn arcs(domain: &PlaneDomain, frame: Frame, setup: &Setup, found: &PlaneFound) -> Vec<PlaneArc> {
     let mut arcs = Vec::new();
     for (r, ring) in setup.rings.iter().enumerate() {
         let (turn, own) = (ring.length(), &found.contact[r]);
-        let lawful: Vec<&Node> =
+        let lawful: Vec<&PlaneNode> =
             found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
         let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
         let all = [0.0, turn];

@@ -1,6 +1,6 @@
 //! Domains of meshes: the edges of a boundary joined to straight sides and arcs of circles.
 
-use super::{Circle, PlaneError, PlaneSide};
+use super::{PlaneCircle, PlaneError, PlaneSide};
 use crate::mesh::{ClosedCurve, Condition, Round};
 use crate::problem::complex::Complex;
 use crate::spectral::complex::arg;
@@ -8,7 +8,7 @@ use crate::spectral::curve::Curve;
 use std::f64::consts::TAU;
 
 /// Most sides of a closed curve, for which the time is still one of seconds.
-const MOST_SIDES: usize = 60;
+const MOST_SIDES: usize = 28;
 /// Sine of the angle between two edges below which both belong to one straight side.
 const STRAIGHT: f64 = 1e-6;
 /// Distance of nodes from their straight side, over the size of the curve, that is taken for rounding of the file.
@@ -31,7 +31,7 @@ pub(super) fn outline(
         edges.push(OutlineEdge { circle, condition, part });
     }
     let points = curve.points.iter().map(|&[x, y]| Complex::new(x, y)).collect();
-    let outline = Outline::closed(points, edges);
+    let outline = MeshOutline::closed(points, edges);
     let sides = outline.corners().len();
     if sides > MOST_SIDES {
         let part = curve.label().filter(|part| !part.contains(", "));
@@ -47,7 +47,7 @@ pub(super) fn outline(
 /// Edge of a curve, but for its ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct OutlineEdge {
-    /// Circle on which it lies; none if it is straight.
+    /// PlaneCircle on which it lies; none if it is straight.
     pub circle: Option<Round<2>>,
     /// Condition on the boundary.
     pub condition: Condition,
@@ -56,7 +56,7 @@ pub(super) struct OutlineEdge {
 }
 
 /// Edges of a curve from node to node, closed or open.
-pub(super) struct Outline {
+pub(super) struct MeshOutline {
     /// Nodes; of a closed curve the first is also the last.
     points: Vec<Complex>,
     /// Edge after each node but the last.
@@ -66,7 +66,7 @@ pub(super) struct Outline {
     size: f64,
 }
 
-impl Outline {
+impl MeshOutline {
     /// Path of edges between nodes, one more.
     pub(super) fn new(points: Vec<Complex>, edges: Vec<OutlineEdge>) -> Self {
         let size = points.iter().map(|&z| (z - points[0]).norm()).fold(0.0, f64::max);
@@ -80,7 +80,8 @@ impl Outline {
         Self::new(points, edges)
     }
 
-    /// Node before which an edge is the last of all, and after which the first: of a closed curve, the one before it.
+    /// PlaneNode before which an edge is the last of all, and after which the first: of a closed curve, the one before
+    /// it.
     fn edges_at(&self, k: usize) -> [Option<usize>; 2] {
         let many = self.edges.len();
         match (k, self.is_closed) {
@@ -138,7 +139,7 @@ impl Outline {
         let mut curves = Vec::new();
         for edge in self.edges_at(k).into_iter().flatten() {
             curves.push(match self.edges[edge].circle {
-                Some(circle) => OnCurve::Circle(circle),
+                Some(circle) => OnCurve::Round(circle),
                 None => {
                     let way = self.points[edge + 1] - self.points[edge];
                     OnCurve::Line(Curve::line(node, way.scaled(1.0 / way.norm())))
@@ -193,10 +194,10 @@ impl Outline {
             turn = TAU.copysign(turn);
         }
         let start = arg(ends[0] - middle);
-        Ok(PlaneSide::arc(Circle { centre, radius }, [start, start + turn], condition, part))
+        Ok(PlaneSide::arc(PlaneCircle { centre, radius }, [start, start + turn], condition, part))
     }
 
-    /// Circle on which all nodes lie, as `curve` wants it for a part; none if there is none.
+    /// PlaneCircle on which all nodes lie, as `curve` wants it for a part; none if there is none.
     fn circle_in_words(&self, part: &str) -> Option<String> {
         /// Distance of nodes from the circle, in radii.
         const ON_CIRCLE: f64 = 1e-4;
@@ -215,7 +216,7 @@ fn short(value: f64) -> f64 {
     if (rounded - value).abs() < 1e-9 { rounded + 0.0 } else { value }
 }
 
-/// Circle through three points; none through points of a line.
+/// PlaneCircle through three points; none through points of a line.
 pub(super) fn circle_through([a, b, c]: [Complex; 3]) -> Option<Round<2>> {
     let (u, v) = (b - a, c - a);
     let twice = 2.0 * u.cross(v);
@@ -229,7 +230,7 @@ pub(super) fn circle_through([a, b, c]: [Complex; 3]) -> Option<Round<2>> {
 /// Line or circle of a side at a corner.
 enum OnCurve {
     Line(Curve),
-    Circle(Round<2>),
+    Round(Round<2>),
 }
 
 fn greatest_distance(curves: &[OnCurve], z: Complex) -> f64 {
@@ -240,7 +241,7 @@ impl OnCurve {
     fn nearest(&self, z: Complex) -> Complex {
         match self {
             Self::Line(line) => line.at(line.place(z)),
-            Self::Circle(circle) => {
+            Self::Round(circle) => {
                 let [x, y] = circle.nearest(z.coordinates());
                 Complex::new(x, y)
             }
@@ -318,7 +319,7 @@ mod tests {
             AnyMesh::from(built_in("disc")).refined(5).unwrap().plane().unwrap().clone();
         round.parts_mut()[0].curve = None;
         let refused = measured(&round).unwrap_err().to_string();
-        let hint = "192 sides, more than 60; a curved part is one side if `curve` puts it on a circle, as rim=0,0,1";
+        let hint = "192 sides, more than 28; a curved part is one side if `curve` puts it on a circle, as rim=0,0,1";
         assert!(refused.contains(hint), "{refused}");
     }
 }

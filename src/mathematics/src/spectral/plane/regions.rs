@@ -1,6 +1,6 @@
 //! Borders between regions of a mesh on which f differs: straight, or arcs of circles.
 
-use super::outline::{Outline, OutlineEdge, circle_through};
+use super::outline::{MeshOutline, OutlineEdge, circle_through};
 use super::{PlaneError, RegionBorder, Regions};
 use crate::mesh::{PlaneMesh, Round, centroid};
 use crate::problem::complex::Complex;
@@ -27,7 +27,7 @@ pub(super) fn regions(mesh: &PlaneMesh, values: &[f64]) -> Result<Regions, Plane
         let points = nodes.iter().map(|&node| mesh.points()[node as usize]);
         let points: Vec<_> = points.map(|[x, y]| Complex::new(x, y)).collect();
         let edges = on_circles(&points);
-        let sides = Outline::new(points, edges).sides()?;
+        let sides = MeshOutline::new(points, edges).sides()?;
         borders.extend(sides.into_iter().map(|side| RegionBorder { side, values }));
     }
     let known = (centroid(mesh.vertices(&mesh.cells()[0])), of_cells[0]);

@@ -2,20 +2,20 @@
 
 use super::boundary::RingContact;
 use super::energy::Integrals;
-use super::field::{Node, Sizes, boundary_nodes};
+use super::field::{PlaneNode, Sizes, boundary_nodes};
 use super::fit::Fit;
 use super::newton::{remove, settle};
 use super::setup::{Level, Setup};
-use super::signs::Signs;
+use super::signs::PlaneSigns;
 use super::{PlaneError, PlaneStart};
 
 /// Solution of one level with what is known of it.
-pub(super) struct Found {
+pub(super) struct PlaneFound {
     pub contact: Vec<RingContact>,
     pub fit: Fit,
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<PlaneNode>,
     pub sizes: Sizes,
-    pub signs: Signs,
+    pub signs: PlaneSigns,
     pub integrals: Integrals,
     pub steps: usize,
 }
@@ -27,7 +27,7 @@ const CORRECTIONS: usize = 8;
 /// Points of a panel for signs, and for integrals.
 const POINTS: [usize; 2] = [8, 16];
 
-impl Found {
+impl PlaneFound {
     /// Finds the contact set on a level.
     fn on(
         setup: &Setup,
@@ -42,11 +42,12 @@ impl Found {
                 break;
             }
             let fit = settle(setup, contact, &level, steps).ok_or_else(|| {
-                PlaneError::NotFound("the ends of the arcs that stick were not found: Newton's method did not settle".into())
+                let text = "the ends of the arcs that stick were not found: Newton's method did not settle";
+                PlaneError::NotFound(text.into())
             })?;
             let nodes = boundary_nodes(setup, &fit, &level, points);
             let sizes = Sizes::new(setup, &nodes);
-            let signs = Signs::new(setup, contact, &nodes, sizes);
+            let signs = PlaneSigns::new(setup, contact, &nodes, sizes);
             match signs.mended {
                 Some(mended) => *contact = mended,
                 None => {
@@ -83,20 +84,25 @@ impl Found {
 }
 
 /// Solves a problem from a contact set.
-pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<Found, PlaneError> {
+pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
     let mut steps = 0;
     let poles = if setup.narrow { 12.0 } else { 0.0 };
-    let coarse =
-        Found::on(setup, &mut contact, Level { poles, ..Level::COARSE }, &mut steps, POINTS[0])?;
+    let coarse = PlaneFound::on(
+        setup,
+        &mut contact,
+        Level { poles, ..Level::COARSE },
+        &mut steps,
+        POINTS[0],
+    )?;
     contact = coarse.contact;
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
         let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
-        match Found::on(setup, &mut contact, Level { poles, ..level }, &mut steps, POINTS[1]) {
+        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, &mut steps, POINTS[1]) {
             Ok(found) => {
                 let better =
-                    best.as_ref().is_none_or(|best: &Found| found.errors() < best.errors());
+                    best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());
                 if better {
                     best = Some(found);
                 }

@@ -1,7 +1,7 @@
 //! What does not depend on the contact set, and the levels of resolution.
 
-use super::boundary::{Ring, Walk};
-use super::choice::{Image, images};
+use super::boundary::{PlaneRing, Walk};
+use super::images::{Image, images};
 use super::jumps::PlaneJumps;
 use super::{PlaneDomain, PlaneError, PlaneProblem};
 use crate::problem::complex::Complex;
@@ -11,7 +11,7 @@ use crate::problem::law::Law;
 pub(super) struct Setup {
     pub domain: PlaneDomain,
     pub law: Law,
-    pub rings: Vec<Ring>,
+    pub rings: Vec<PlaneRing>,
     pub jumps: PlaneJumps,
     pub images: Vec<Image>,
     /// Middle of the box round the domain.
@@ -102,7 +102,7 @@ impl Setup {
         });
         Ok(Self {
             images: images(domain, &jumps.singular, diameter),
-            rings: domain.loops.iter().map(|sides| Ring::new(sides)).collect(),
+            rings: domain.loops.iter().map(|sides| PlaneRing::new(sides)).collect(),
             centre: Complex::new(0.5 * (left + right), 0.5 * (low + high)),
             perimeter: domain.perimeter(),
             domain: domain.clone(),

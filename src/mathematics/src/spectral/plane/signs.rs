@@ -1,11 +1,11 @@
-//! Signs on the boundary, and the contact set without those that are wrong.
+//! PlaneSigns on the boundary, and the contact set without those that are wrong.
 
 use super::boundary::{RingContact, State};
-use super::field::{Node, Sizes};
+use super::field::{PlaneNode, Sizes};
 use super::setup::Setup;
 
 /// Largest violations over what is tolerated, and the contact set with them mended, if any.
-pub(super) struct Signs {
+pub(super) struct PlaneSigns {
     /// Least room of the flux in the law, over its size; violations next to a split count less.
     pub flux: f64,
     /// Least v of the right sign where it is not zero, over its size.
@@ -15,7 +15,7 @@ pub(super) struct Signs {
 
 /// What a node is found to be.
 #[derive(Clone, Copy, PartialEq)]
-enum Verdict {
+enum PlaneVerdict {
     Right,
     /// Should be free with this flux.
     Slips(f64),
@@ -34,11 +34,11 @@ const RESIDUALS: f64 = 30.0;
 /// Distance from a split, in perimeters, below which violations of the flux count less.
 const NEAR: f64 = 1e-4;
 
-impl Signs {
+impl PlaneSigns {
     pub(super) fn new(
         setup: &Setup,
         contact: &[RingContact],
-        nodes: &[Node],
+        nodes: &[PlaneNode],
         sizes: Sizes,
     ) -> Self {
         let (mut flux, mut value) = (0.0f64, 0.0f64);
@@ -47,7 +47,7 @@ impl Signs {
         for node in nodes {
             let distance = node.spot.offset;
             let verdict = match node.state {
-                _ if !node.lawful => Verdict::Right,
+                _ if !node.lawful => PlaneVerdict::Right,
                 State::Held => {
                     let share = (distance / (NEAR * setup.perimeter)).min(1.0);
                     let [above_lo, below_hi] = law.room(node.flux);
@@ -55,11 +55,13 @@ impl Signs {
                     flux = flux.min(room / sizes.flux);
                     let tolerated = FLUX * sizes.flux + RESIDUALS * sizes.residual / distance;
                     match room < -tolerated {
-                        true => {
-                            Verdict::Slips(if above_lo < below_hi { law.lo() } else { law.hi() })
-                        }
-                        false if share < 0.1 => Verdict::Unknown,
-                        false => Verdict::Right,
+                        true => PlaneVerdict::Slips(if above_lo < below_hi {
+                            law.lo()
+                        } else {
+                            law.hi()
+                        }),
+                        false if share < 0.1 => PlaneVerdict::Unknown,
+                        false => PlaneVerdict::Right,
                     }
                 }
                 State::Flux(q) => {
@@ -70,12 +72,13 @@ impl Signs {
                     let wrong = right
                         < -(VALUE * sizes.value * (1.0 + 1e3 * near / NEAR)
                             + RESIDUALS * sizes.residual);
-                    if wrong { Verdict::Sticks } else { Verdict::Right }
+                    if wrong { PlaneVerdict::Sticks } else { PlaneVerdict::Right }
                 }
             };
             verdicts.push(verdict);
         }
-        let wrong = verdicts.iter().any(|v| matches!(v, Verdict::Slips(_) | Verdict::Sticks));
+        let wrong =
+            verdicts.iter().any(|v| matches!(v, PlaneVerdict::Slips(_) | PlaneVerdict::Sticks));
         let mended = wrong.then(|| {
             let rings = setup.rings.iter().enumerate();
             rings.map(|(r, ring)| mended(r, ring.length(), &contact[r], nodes, &verdicts)).collect()
@@ -89,30 +92,30 @@ fn mended(
     ring: usize,
     turn: f64,
     contact: &RingContact,
-    nodes: &[Node],
-    verdicts: &[Verdict],
+    nodes: &[PlaneNode],
+    verdicts: &[PlaneVerdict],
 ) -> RingContact {
     let own: Vec<usize> =
         (0..nodes.len()).filter(|&i| nodes[i].ring == ring && nodes[i].lawful).collect();
     let many = own.len();
-    let mut verdicts: Vec<Verdict> = own.iter().map(|&i| verdicts[i]).collect();
+    let mut verdicts: Vec<PlaneVerdict> = own.iter().map(|&i| verdicts[i]).collect();
     // What is not known goes with what is beside it.
     for i in (0..many).chain((0..many).rev()) {
-        if verdicts[i] == Verdict::Unknown {
+        if verdicts[i] == PlaneVerdict::Unknown {
             for beside in [(i + 1) % many, (i + many - 1) % many] {
-                if let slips @ Verdict::Slips(_) = verdicts[beside] {
+                if let slips @ PlaneVerdict::Slips(_) = verdicts[beside] {
                     verdicts[i] = slips;
                 }
             }
         }
     }
-    if !verdicts.iter().any(|v| matches!(v, Verdict::Slips(_) | Verdict::Sticks)) {
+    if !verdicts.iter().any(|v| matches!(v, PlaneVerdict::Slips(_) | PlaneVerdict::Sticks)) {
         return contact.clone();
     }
     // Flux where it slips, none where it sticks.
     let flux = |i: usize| match (verdicts[i], nodes[own[i]].state) {
-        (Verdict::Slips(q), _) => Some(q),
-        (Verdict::Sticks, _) | (_, State::Held) => None,
+        (PlaneVerdict::Slips(q), _) => Some(q),
+        (PlaneVerdict::Sticks, _) | (_, State::Held) => None,
         (_, State::Flux(q)) => Some(q),
     };
     let mut changes: Vec<(f64, Option<f64>)> = Vec::new();
@@ -132,7 +135,7 @@ fn mended(
             .find(|&after| after <= between);
         let both_right = [before, i]
             .iter()
-            .all(|&i| !matches!(verdicts[i], Verdict::Slips(_) | Verdict::Sticks));
+            .all(|&i| !matches!(verdicts[i], PlaneVerdict::Slips(_) | PlaneVerdict::Sticks));
         let after = match kept {
             Some(after) if both_right => after,
             _ => 0.5 * between,

@@ -26,7 +26,7 @@ fn triangle() -> PlaneDomain {
 fn ring(radius: f64, is_outer: bool, condition: Condition) -> Vec<PlaneSide> {
     let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
     vec![PlaneSide::arc(
-        Circle { centre: [0.0; 2], radius },
+        PlaneCircle { centre: [0.0; 2], radius },
         angles,
         condition,
         usize::from(!is_outer),
