@@ -1,7 +1,7 @@
 //! True solution: on the square to rounding, by a conformal map and a scalar Riemann-Hilbert problem; on any domain in
 //! the plane with straight and circular sides to ten digits and more ([`plane`]). Both are a [`TrueSolution`].
 //!
-//! What follows is the square's.
+//! The rest of this page is about the square.
 //!
 //! The problem is invariant under conformal maps, and for a piecewise constant f a particular solution is
 //! known in closed form. What remains is a harmonic function on the disc whose boundary condition changes

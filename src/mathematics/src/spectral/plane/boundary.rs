@@ -231,7 +231,7 @@ impl Walk {
     }
 }
 
-/// What a split is.
+/// Kind of a split.
 #[derive(Clone, Copy, Default)]
 struct Mark {
     t: f64,

@@ -131,7 +131,7 @@ pub struct PlaneBracket {
     pub lower: f64,
     /// Upper bound.
     pub upper: f64,
-    /// What the bounds rest on that is not proved, each with the word `sampled`; none if they are guaranteed.
+    /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are guaranteed.
     pub reserve: Vec<String>,
 }
 
@@ -142,7 +142,7 @@ pub struct PlaneArc {
     pub ring: usize,
     /// Beginning and end in walking order.
     pub ends: [SidePlace; 2],
-    /// The same as points.
+    /// These places as points.
     pub points: [[f64; 2]; 2],
     /// True if it is all of the loop.
     pub closed: bool,

@@ -59,7 +59,7 @@ impl Polynomial {
         best
     }
 
-    /// The same with another error.
+    /// Polynomial with another error.
     pub(super) fn with_error(self, error: f64) -> Self {
         Self { error, ..self }
     }

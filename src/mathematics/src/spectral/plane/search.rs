@@ -74,7 +74,7 @@ impl PlaneFound {
         (self.sizes.residual / self.sizes.value).max(0.1 * balance)
     }
 
-    /// What keeps the checks from passing.
+    /// Reason for which the checks do not pass.
     fn refusal(&self) -> PlaneError {
         PlaneError::NotFound(format!(
             "a check failed: residual {:.1e} of {:.1e}, integral of f {:.10} against {:.10} by dv/dn",

@@ -1,4 +1,4 @@
-//! What does not depend on the contact set, and the levels of resolution.
+//! Data that do not depend on the contact set, and the levels of resolution.
 
 use super::boundary::{PlaneRing, Walk};
 use super::images::{Image, images};
@@ -42,7 +42,7 @@ pub(super) struct Level {
     pub nodes: usize,
     /// Step of the ends, in perimeters, below which they are found.
     pub found: f64,
-    /// The same where steps no longer fall.
+    /// Size below which steps that no longer fall are at rest.
     pub noise: f64,
 }
 

@@ -13,7 +13,7 @@ pub(super) struct PlaneSigns {
     pub mended: Option<Vec<RingContact>>,
 }
 
-/// What a node is found to be.
+/// State in which a node is found.
 #[derive(Clone, Copy, PartialEq)]
 enum PlaneVerdict {
     Right,
