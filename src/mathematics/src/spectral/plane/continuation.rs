@@ -3,11 +3,24 @@
 use super::PlaneError;
 use super::RegionBorder;
 use super::domain::{PlaneDomain, PlaneSide, SidePlace};
-use super::jumps::{ON, Piece, PlaneJump};
 use crate::problem::complex::Complex;
 use crate::spectral::curve::{Arc, Curve, ROUNDING, SAME};
 use crate::spectral::parts::{CurvePart, append, close};
 use crate::spectral::potential::Potential;
+
+/// Piece of a curve inside of the domain across which f jumps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlaneJump {
+    pub arc: Arc,
+    /// f on the left and on the right.
+    pub values: [f64; 2],
+}
+
+/// Distance of points from the boundary below which they are on it.
+pub(super) const ON: f64 = 1e-12;
+
+/// Piece of a curve with f on its left and right, none outside of the domain.
+pub(super) type Piece = CurvePart<Option<[f64; 2]>>;
 
 /// Jumps of f as they are added, curve by curve.
 pub(super) struct BorderBuilder<'a> {

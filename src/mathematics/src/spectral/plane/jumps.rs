@@ -5,23 +5,15 @@
 //! the way, and from there straight to infinity where a ray is free, or in a hole to its middle, where all that enter
 //! it add to zero.
 
-use super::continuation::BorderBuilder;
+use super::continuation::{BorderBuilder, ON, Piece, PlaneJump};
 use super::domain::{PlaneDomain, SidePlace};
 use super::psi::Psi;
 use super::{PlaneError, PlaneSource};
 use crate::problem::complex::Complex;
 use crate::problem::source::Source;
-use crate::spectral::curve::{Arc, Curve, ROUNDING, SAME, borders};
-use crate::spectral::parts::{CurvePart, append, close};
+use crate::spectral::curve::{Curve, ROUNDING, SAME, borders};
+use crate::spectral::parts::{append, close};
 use crate::spectral::potential::Potential;
-
-/// Piece of a curve inside of the domain across which f jumps.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PlaneJump {
-    pub arc: Arc,
-    /// f on the left and on the right.
-    pub values: [f64; 2],
-}
 
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
 pub(super) struct PlaneJumps {
@@ -32,12 +24,6 @@ pub(super) struct PlaneJumps {
     /// Points at which psi, continued beyond the boundary, may be singular: vertices, and centres of circles.
     pub singular: Vec<Complex>,
 }
-
-/// Distance of points from the boundary below which they are on it.
-pub(super) const ON: f64 = 1e-12;
-
-/// Piece of a curve with f on its left and right, none outside of the domain.
-pub(super) type Piece = CurvePart<Option<[f64; 2]>>;
 
 impl PlaneJumps {
     pub(super) fn new(domain: &PlaneDomain, source: &PlaneSource) -> Result<Self, PlaneError> {

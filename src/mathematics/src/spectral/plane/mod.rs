@@ -131,7 +131,8 @@ pub struct PlaneBracket {
     pub lower: f64,
     /// Upper bound.
     pub upper: f64,
-    /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are guaranteed.
+    /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are
+    /// guaranteed.
     pub reserve: Vec<String>,
 }
 
