@@ -34,6 +34,7 @@ pub(crate) fn cuts(panels: &[CutsPanel<'_>]) -> Picture {
     };
     let layout = layout.titled(panels.iter().map(|panel| panel.title), [SIDE, 30.0]);
     let mut picture = layout.picture();
+    picture.table = Some(table(panels));
     for (k, CutsPanel { mesh, truth, .. }) in panels.iter().enumerate() {
         let ranges = Extent::of(mesh).in_square(DOMAIN * SIDE).map(|(low, high)| {
             let (middle, half) = (0.5 * (low + high), 0.5 * (high - low) / DOMAIN);
@@ -62,6 +63,17 @@ pub(crate) fn cuts(panels: &[CutsPanel<'_>]) -> Picture {
         }
     }
     picture
+}
+
+/// Returns the cuts as CSV, from and to.
+fn table(panels: &[CutsPanel<'_>]) -> String {
+    let mut table = "domain,from_x,from_y,to_x,to_y\n".to_owned();
+    for CutsPanel { title, truth, .. } in panels {
+        for [[x, y], [u, v]] in truth.cuts() {
+            table += &format!("{title},{x},{y},{u},{v}\n");
+        }
+    }
+    table
 }
 
 /// Part of the way between two numbers on which they are in a range, from the first on, which is; at most one.
