@@ -212,7 +212,8 @@ impl RunArgs {
         if !self.quiet {
             project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
             for scene in project.select(scenes)? {
-                warn_of_outside(Some(&scene.name), &scene.statement.outside());
+                let f = scene.statement.source();
+                warn_of_outside(Some(&scene.name), &f.map_or_else(Vec::new, |f| f.outside()));
             }
         }
         Ok(())

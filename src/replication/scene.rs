@@ -5,7 +5,7 @@ use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::fields::Fields;
 use crate::replication::fields::table::{Reading, Refused, Voice};
-use crate::replication::mesh_files::{check, find_mesh};
+use crate::replication::mesh_files::{self, find_mesh};
 pub use crate::replication::output::Output;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::Grid;
@@ -16,7 +16,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{MOST_CELLS, SaddleSettings, Solver};
-use signorini_mathematics::statement::{MeshFacts, Statement};
+use signorini_mathematics::statement::Statement;
 use std::path::Path;
 
 /// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors. Tasks read back what was written
@@ -132,28 +132,40 @@ impl Scene {
 
     /// Checks that there is a problem to be solved, and reads the mesh of the domain, if the scene has one, and checks
     /// that it fits the scene. Takes time in the size of the problem: only a run of the scene asks for it. Returns what
-    /// a user has to know of the mesh, in a line each.
+    /// a user has to know, in a line each.
     ///
     /// # Errors
     /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
     pub fn check(&self) -> Result<Vec<String>> {
-        let facts = check(&self.statement, &self.files).map_err(|e| in_scene(&self.name, e))?;
-        let Some(MeshFacts { dimension, nodes, notes, .. }) = facts else { return Ok(Vec::new()) };
+        self.checked().map_err(|e| in_scene(&self.name, e))
+    }
+
+    fn checked(&self) -> Result<Vec<String>> {
+        let mesh = mesh_files::mesh(&self.statement, &self.files)?;
+        let notes = mesh_files::check(&self.statement, mesh.as_ref())?;
+        let Some(mesh) = mesh else {
+            // The load of a published table is the paper's.
+            let own = notes.into_iter().filter(|_| self.paper_table.is_none());
+            return Ok(own
+                .map(|note| note + "; load = { rule = \"bilinear\" } does not")
+                .collect());
+        };
+        let (dimension, (_, nodes)) = (mesh.dimension(), mesh_files::size(&self.statement, &mesh)?);
         if let Some(accuracy) = self.statement.accuracy().filter(|_| dimension == 3) {
             let asked = Voice::Keys.accuracy(accuracy);
             let text =
                 format!("{asked} is for domains in the plane; in space, `refine` says how fine");
-            return Err(in_scene(&self.name, Error::input(text)));
+            return Err(Error::input(text));
         }
         self.statement.solver.check_nodes(dimension, nodes).map_err(|e| {
             let remedy = "choose another `solver`, or fewer refinements";
-            Error::input(format!("scene `{}`: {e}; {remedy}", self.name))
+            Error::input(format!("{e}; {remedy}"))
         })?;
         let mut pictures = [Output::Source, Output::Surface, Output::Map, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(notes),
             Some(output) => Err(Error::input(format!(
-                "scene `{name}`: `{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
+                "`{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
                  at the solution with `signorini solve {name} --out {name}.vtu`",
                 name = self.name
             ))),

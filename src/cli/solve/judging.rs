@@ -5,7 +5,6 @@ use super::advice::{Remedy, Warning, remedies};
 use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
 use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
-use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
@@ -187,8 +186,8 @@ impl Answer {
                 format!("the quadrature of f on {grid} misses {missed} of the integral of |f|"),
                 request.remedies.quadrature,
             ));
-        } else if let Some(moved) = request.moved_jumps(problem) {
-            self.warnings.push(Warning::new(moved_jumps(moved), BILINEAR_LOAD));
+        } else if let Some(moved) = request.note_on_jumps(problem) {
+            self.warnings.push(Warning::new(moved, BILINEAR_LOAD));
         }
     }
 

@@ -198,10 +198,9 @@ impl Request {
         written
     }
 
-    /// Part of the integral of |f| by which the load of a problem moves jumps of f; none for a published table, whose
-    /// load is the paper's.
-    pub(super) fn moved_jumps(&self, problem: &Problem) -> Option<f64> {
-        if self.is_papers { None } else { problem.moved_jumps() }
+    /// Line that the load of a problem moves jumps of f; none for a published table, whose load is the paper's.
+    pub(super) fn note_on_jumps(&self, problem: &Problem) -> Option<String> {
+        if self.is_papers { None } else { problem.note_on_jumps() }
     }
 
     /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.

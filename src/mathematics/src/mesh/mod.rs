@@ -62,7 +62,7 @@ pub(crate) use nested::{NestedMeshes, nested_meshes};
 pub(crate) use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
 pub(crate) use sides::{BoundarySide, Neighbour, Sides};
-pub(crate) use source::MeshSource;
+pub(crate) use source::on_regions;
 pub use uniform::{lattice_mesh, uniform_cube, uniform_square};
 
 /// Condition on a part of the boundary.

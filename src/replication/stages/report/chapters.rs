@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::identify::Findings;
-use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::exact::Known;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Iteration, Pair, StopRule, tolerance};
 use std::collections::BTreeMap;
@@ -222,8 +222,11 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let rule = scene.first_rule();
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let problem = solve::problem(inputs, scene)?;
-    let (f, integral_f) = (&problem.levels().facts().f, problem.levels().facts().integral);
-    let exact = scene.statement.known_solution();
+    let facts = problem.levels().facts();
+    let exact = match facts.known {
+        Some(Known::Square(exact)) => Some(exact.latex()),
+        _ => None,
+    };
     let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
     let held = scene.wants(Output::Map).then(|| {
         solve::pair(inputs, scene, rule, &problem).map(|pair| solve::held(&problem, &pair))
@@ -235,11 +238,11 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
         // Difference of the energies of a true solution at two resolutions, over the energy.
-        "resolution": outcomes.without_grid.and_then(|end| end.resolution).map(f64::abs),
-        "f": f,
-        "integral_f": integral_f,
+        "resolution": outcomes.resolution.map(f64::abs),
+        "f": facts.f,
+        "integral_f": facts.integral,
         // The exact solution in LaTeX, if it is known.
-        "exact": exact.map(Exact::latex),
+        "exact": exact,
         // On the finest level, as `solve` names it.
         "end": outcomes.end(),
         // What is drawn: the solution, or where a rule stops.

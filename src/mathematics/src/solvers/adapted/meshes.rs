@@ -15,11 +15,12 @@ use crate::levels::{
 };
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
-    Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
-    bisect, label_longest_edges, mesh_load, mesh_load_after,
+    Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
+    label_longest_edges, mesh_load, mesh_load_after,
 };
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::{Improved, improve_on_nested_networks};
+use crate::problem::source::Source;
 use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
 use crate::solvers::reach::Refining;
@@ -59,7 +60,8 @@ pub(super) struct Meshes<'a> {
     adaption: &'a Adaption<'a>,
     /// Is told each step.
     ended: Watch<'a>,
-    f: MeshSource<2>,
+    /// f on each region.
+    f: Vec<Source>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
     /// True if cells are stretched, so that the networks before the last one are of no use.
@@ -100,7 +102,7 @@ impl<'a> Meshes<'a> {
         ended(Step::Mesh);
         let load = mesh_load(&mesh, &f)?;
         ended(Step::Load);
-        f.check_scale(&load)?;
+        load.check_scale(&f)?;
         Ok(Self {
             adaption,
             ended,
@@ -366,7 +368,8 @@ impl Refining for Meshes<'_> {
         (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
-        let levels = Triangulations::of(nested, self.f, self.load).with_errors(errors);
+        let levels =
+            Triangulations::of(nested, (self.f, self.adaption.f), self.load).with_errors(errors);
         let run = Run {
             solver: Solver::Multigrid,
             y,
