@@ -4,8 +4,9 @@ use super::advice::{self, Warning, combined, remedies};
 use super::bound::{self, BoundaryWords};
 use super::clock::Part;
 use super::request::Request;
-use super::{adapting, truth};
+use super::truth;
 use crate::cli::output::{in_columns, paragraph};
+use crate::replication::written::reason;
 use crate::table::Table;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
@@ -346,7 +347,7 @@ impl Answer {
     /// Returns the end on adapted meshes, the last with so many nodes.
     fn end_of_meshes(&self, nodes: usize) -> Option<String> {
         let (meshes, way) = (self.meshes()?, self.solved.reached.as_ref()?);
-        let reason = adapting::reason(way.end);
+        let reason = reason(way.end);
         Some(format!("{meshes} meshes, the last of {nodes} nodes: {reason}\n"))
     }
 

@@ -1,6 +1,7 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
 use super::SolveArgs;
+use super::adapting::of_meshes;
 use super::advice::{Remedy, Warning};
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
@@ -159,12 +160,12 @@ impl Request {
         let solved = statement.solve(problem, self.memory, watcher, &steps);
         let solved = solved.map_err(|e| self.refused(&e))?;
         self.check_diverged(&solved)?;
-        if let (Some(accuracy), Some(reached), true) =
-            (statement.accuracy(), &solved.reached, statement.domain.is_square())
-        {
-            voice.check_end(accuracy, reached.end)?;
+        let shortfall = statement.accuracy().and_then(|of| voice.shortfall(of, &solved));
+        match shortfall {
+            // The last of the adapted meshes has an answer.
+            Some(shortfall) if of_meshes(statement).is_none() => Err(shortfall.into()),
+            _ => Ok(solved),
         }
-        Ok(solved)
     }
 
     /// Refuses values that are not finite.

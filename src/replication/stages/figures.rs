@@ -257,11 +257,10 @@ fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
     for scene in scenes {
         let rule = scene.first_rule();
         let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-        let energy = outcomes.final_energy().map_or(String::new(), |energy| energy.to_string());
         let error = outcomes.last_bounds().map_or(String::new(), |of| of.relative().to_string());
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
-        table += &format!("{energy},{error},{held}\n");
+        table += &format!("{},{error},{held}\n", outcomes.energy);
     }
     Ok(table)
 }

@@ -2,7 +2,7 @@
 //! read, and the joins and aggregates of it that the book shows.
 
 use super::from_json;
-use super::solve::{self, CONVERGED, OUTCOMES, Outcomes, WithoutGrid};
+use super::solve::{self, CONVERGED, OUTCOMES, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
@@ -236,13 +236,12 @@ struct GridSolve<'a> {
     level: usize,
     /// End on the grid; none for the spectral solver.
     outcome: Option<Outcome>,
-    /// Energy on the grid, see [`Outcomes::energy`].
-    energy: Option<f64>,
+    iterations: usize,
+    /// Energy on the grid, see [`Outcomes::energy_on`], or of the true solution.
+    energy: f64,
     bounds: Option<Bounds>,
     /// Approximations that the bounds leave out.
     reserve: String,
-    /// End of the spectral solver.
-    without_grid: Option<WithoutGrid>,
 }
 
 impl GridSolve<'_> {
@@ -266,15 +265,6 @@ impl GridSolve<'_> {
         (Some(self.level) == self.scene.grids).then_some(table.delta_a[row])
     }
 
-    fn iterations(&self) -> Option<i64> {
-        let on_grid = self.outcome.map(|outcome| outcome.end.iterations);
-        on_grid.or(self.without_grid.map(|end| end.steps)).map(|count| count as i64)
-    }
-
-    fn energy(&self) -> Option<f64> {
-        self.energy.or(self.without_grid.map(|end| end.energy))
-    }
-
     /// True if the stopping rule was met; none for a solver without.
     fn met(&self) -> Option<bool> {
         self.run?;
@@ -287,8 +277,9 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
     for scene in scenes {
         for &SolveOfRun { ref task, run } in &scene.runs {
             let solved: Outcomes = from_json(inputs, task, OUTCOMES)?;
-            let energies: Vec<f64> = (0..solved.levels.len()).map(|k| solved.energy(k)).collect();
-            let Outcomes { levels, bounds, reserve, without_grid, .. } = solved;
+            let energies: Vec<f64> =
+                (0..solved.levels.len()).map(|level| solved.energy_on(level)).collect();
+            let Outcomes { levels, bounds, reserve, iterations, energy, .. } = solved;
             let mut words = Vec::new();
             for reserve in reserve {
                 words.push(match reserve {
@@ -302,12 +293,12 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 run,
                 level: 1,
                 outcome: None,
-                energy: None,
+                iterations,
+                energy,
                 bounds: None,
                 reserve,
-                without_grid,
             };
-            if without_grid.is_some() {
+            if levels.is_empty() {
                 solves.push(on_grid);
                 continue;
             }
@@ -318,7 +309,8 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 solves.push(GridSolve {
                     level,
                     outcome: Some(outcome),
-                    energy: Some(energy),
+                    iterations: outcome.end.iterations,
+                    energy,
                     bounds,
                     reserve,
                     ..on_grid
@@ -339,13 +331,13 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "cells" => column(solves, |solve| solve.outcome?.cells.map(|cells| cells as i64)),
         "nodes" => column(solves, |solve| Some(solve.outcome?.nodes as i64)),
         "tolerance" => column(solves, |solve| solve.run.map(|_| tolerance(solve.level))),
-        "iterations" => column(solves, GridSolve::iterations),
+        "iterations" => column(solves, |solve| Some(solve.iterations as i64)),
         "stop" => column(solves, |solve| solve.outcome.map_or(CONVERGED, |of| of.name())),
         "met" => column(solves, GridSolve::met),
         "gradient_signed" => column(solves, |solve| solve.outcome?.gradient_signed),
         "gradient_abs" => column(solves, |solve| solve.outcome?.gradient_abs),
         "delta_a" => column(solves, |solve| solve.outcome?.end.delta_a),
-        "energy" => column(solves, GridSolve::energy),
+        "energy" => column(solves, |solve| Some(solve.energy)),
         "energy_lower" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[0])),
         "energy_upper" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[1])),
         "error_bound" => column(solves, |solve| Some(solve.bounds.as_ref()?.error[1])),

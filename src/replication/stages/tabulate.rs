@@ -1,7 +1,7 @@
 //! The `tabulate` stage: the cells of one scene as a table, for each stopping rule in the layout of the paper.
 
 use super::from_json;
-use super::solve::{self, Outcomes, WithoutGrid};
+use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
@@ -118,13 +118,14 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
     let head = ["grid", "iterations", "stop", "energy"];
     let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative", "kkt_relative"];
     let mut table = Table::new(head.into_iter().chain(bounds).map(str::to_owned), &[]);
-    if let Some(WithoutGrid { steps, energy, .. }) = outcomes.without_grid {
-        let row = [String::new(), steps.to_string(), outcomes.end().into(), decimal(energy)];
+    if outcomes.levels.is_empty() {
+        let Outcomes { iterations, energy, .. } = *outcomes;
+        let row = [String::new(), iterations.to_string(), outcomes.end().into(), decimal(energy)];
         table.rows.push(row.into_iter().chain(bounds.map(|_| String::new())).collect());
     }
     for (number, (level, bounds)) in outcomes.levels.iter().zip(&outcomes.bounds).enumerate() {
         let iterations = level.end.iterations.to_string();
-        let energy = outcomes.energy(number);
+        let energy = outcomes.energy_on(number);
         let mut row = vec![level.label(), iterations, level.name().into(), decimal(energy)];
         row.extend(match bounds {
             Some(bounds) => {

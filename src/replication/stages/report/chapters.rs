@@ -255,8 +255,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "rule": rule,
         // The finest level; none for the spectral solver.
         "level": level,
-        "energy": outcomes.final_energy(),
-        "iterations": level.map(|level| level.end.iterations).or(outcomes.without_grid.map(|end| end.steps)),
+        "energy": outcomes.energy,
+        "iterations": outcomes.iterations,
         "nodal_error": outcomes.errors.last(),
     });
     Ok(extended(scene, more))
