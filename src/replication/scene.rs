@@ -87,10 +87,6 @@ impl Scene {
         let outputs = fields.outputs.clone().ok_or_else(|| missing("outputs"))?;
         let usual = fields.usual(Voice::Keys)?;
         let is_papers = fields.paper_table.is_some();
-        if is_papers && !usual.domain.is_square() {
-            let text = "`paper_table` is for the square; leave it out beside `domain`";
-            return Err(Refused::new("paper_table", text));
-        }
         let papers = Solver::ArrowHurwicz;
         if let Some(solver) = fields.solver.filter(|&solver| is_papers && solver != papers) {
             let text = format!(
@@ -216,6 +212,10 @@ impl Scene {
     fn check_on_domain(&self) -> Reading<()> {
         let statement = &self.statement;
         if !statement.domain.is_square() {
+            if self.paper_table.is_some() {
+                let text = "`paper_table` is for the square; leave it out beside `domain`";
+                return Err(Refused::new("paper_table", text));
+            }
             let mut refused = NOT_ON_DOMAINS.iter();
             return match refused.find(|(output, _)| self.outputs.contains(output)) {
                 None => Ok(()),

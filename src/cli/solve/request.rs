@@ -207,7 +207,7 @@ impl Request {
     /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
     pub(super) fn width(&self, problem: &Problem) -> f64 {
         match self.statement.fineness {
-            Fineness::Width(cells) if self.statement.domain.is_cube() => 1.0 / cells as f64,
+            Fineness::Width(cells) => 1.0 / cells as f64,
             _ => problem.levels().facts().width,
         }
     }

@@ -122,8 +122,8 @@ impl Fields {
         }
         if let Some(h) = &self.h {
             let finest = cells(h, voice)?;
-            return Ok(match (&base.fineness, base.domain.is_square()) {
-                (Fineness::Grids(_), true) => base.fineness.with_finest(finest),
+            return Ok(match &base.fineness {
+                Fineness::Grids(_) => base.fineness.with_finest(finest),
                 _ => Fineness::Width(finest),
             });
         }
