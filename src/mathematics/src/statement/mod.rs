@@ -183,8 +183,8 @@ impl Statement {
         Ok(Problem::on_mesh_watched((mesh, times), &self.f, law, watch)?)
     }
 
-    /// Checks that there is a problem to be solved, unless its meshes have more nodes than the usual ones. Returns what a
-    /// user has to know, in a line each.
+    /// Checks that there is a problem to be solved, unless its meshes have more nodes than the usual ones. Returns what
+    /// a user has to know, in a line each.
     ///
     /// # Errors
     /// [`StatementError`].
