@@ -157,7 +157,8 @@ fn in_words(timings: &Timings) -> String {
 /// Returns these columns of a table of the record, parted by blanks.
 fn shown(rows: &Rows, columns: &str) -> String {
     let columns: Vec<&str> = columns.split(' ').collect();
-    let is_text = |column: &str| rows.iter().any(|row| row.get(column).is_some_and(Value::is_string));
+    let is_text =
+        |column: &str| rows.iter().any(|row| row.get(column).is_some_and(Value::is_string));
     let left: Vec<usize> = (0..columns.len()).filter(|&k| is_text(columns[k])).collect();
     let mut table = Table::new(columns.iter().copied(), &left);
     for row in rows.iter() {

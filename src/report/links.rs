@@ -1,6 +1,5 @@
 //! Check of the links and pictures of a page: their targets must exist.
 
-use super::anchors::anchors;
 use super::markdown::{parse, place};
 use percent_encoding::percent_decode_str;
 use pulldown_cmark::{Event, LinkType, Tag};
@@ -156,6 +155,23 @@ fn resolved(page: &str, path: &str) -> Option<String> {
         }
     }
     Some(steps.join("/"))
+}
+
+/// Returns the names of the places in a page to which links may lead, as mdBook writes them.
+fn anchors(html: &str) -> BTreeSet<String> {
+    let places = html.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next());
+    let quotes = [
+        ("&quot;", "\""),
+        ("&#39;", "'"),
+        ("&#x27;", "'"),
+        ("&lt;", "<"),
+        ("&gt;", ">"),
+        ("&amp;", "&"),
+    ];
+    let unescaped = |place: &str| {
+        quotes.iter().fold(place.to_owned(), |text, (from, to)| text.replace(from, to))
+    };
+    places.map(unescaped).collect()
 }
 
 /// Decodes `%20` and its like.
