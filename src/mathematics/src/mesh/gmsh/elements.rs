@@ -4,6 +4,7 @@ use super::error::{Fault, GmshError};
 use super::groups::{Entities, GroupSets};
 use super::nodes::{FileNodes, blocks, entity};
 use super::scanner::{Scanner, Version};
+use std::collections::BTreeSet;
 
 /// Line, triangle, quadrangle or tetrahedron, by its corners.
 pub(super) struct FileElement<const K: usize> {
@@ -50,6 +51,10 @@ pub(super) struct FileElements {
     pub(super) of_higher_order: [usize; 4],
     /// Number of triangles written as quadrangles with a node twice.
     pub(super) collapsed: usize,
+    /// Partitions that own elements, by dimension.
+    pub(super) partitions: [BTreeSet<u64>; 4],
+    /// Partitions to which elements belong as ghosts, in version 2.
+    pub(super) ghosts: BTreeSet<u64>,
     /// Number of points, which mean nothing.
     points: usize,
 }
@@ -144,8 +149,8 @@ impl FileElements {
         Ok(())
     }
 
-    /// Adds an element of version 2, after whose head there are so many numbers: of its group, its entity, and
-    /// its partitions.
+    /// Adds an element of version 2, after whose head there are so many numbers: of its group, its entity, the number
+    /// of its partitions and these, the first its own, the others negative.
     fn add_numbered(
         &mut self,
         scanner: &mut Scanner<'_>,
@@ -153,13 +158,21 @@ impl FileElements {
         head: ElementHead,
         numbers: i64,
     ) -> Result<(), GmshError> {
-        let mut group = 0;
+        let (mut group, mut partition) = (0, 0);
         for k in 0..numbers {
             let number = scanner.whole()?.unsigned_abs();
-            group = if k == 0 { number } else { group };
+            match k {
+                0 => group = number,
+                3 => partition = number,
+                4.. => _ = self.ghosts.insert(number),
+                _ => (),
+            }
         }
         let groups = self.sets.position(&[group]);
-        self.add(scanner, nodes, ElementHead { groups, ..head })?;
+        let shape = self.add(scanner, nodes, ElementHead { groups, ..head })?;
+        if partition != 0 {
+            self.partitions[shape.dimension()].insert(partition);
+        }
         Ok(())
     }
 
@@ -174,6 +187,9 @@ impl FileElements {
             let (dimension, entity) = entity(scanner)?;
             let (number_of_type, count) = (scanner.whole()?, scanner.count()?);
             let groups = self.sets.position(entities.groups(dimension, entity));
+            if let (Some(owned), true) = (self.partitions.get_mut(dimension as usize), count > 0) {
+                owned.extend(entities.partitions_of(dimension, entity));
+            }
             for _ in 0..count {
                 let head = ElementHead { tag: scanner.tag()?, number_of_type, groups };
                 let shape = self.add(scanner, nodes, head)?;

@@ -40,6 +40,14 @@ pub(super) enum GmshError {
         /// Option that makes them.
         option: &'static str,
     },
+    /// Some partitions of several.
+    #[error("the file has {found} of {all} partitions; save the mesh in one file")]
+    Partitions {
+        /// Number of partitions in the file.
+        found: usize,
+        /// Number of all, as far as the file tells.
+        all: String,
+    },
     /// A quadrangle with its corners in an order that is not that around it.
     #[error(
         "element {0} is a quadrangle whose sides cross: name its corners in their order around it"

@@ -1,9 +1,9 @@
 //! Meshes of [Gmsh](https://gmsh.info), from files of the versions 2.0 to 2.2, 4.0 and 4.1, in text and in bytes.
 //!
 //! Triangles and tetrahedra are read, those of higher order by their corners, and quadrangles, which a diagonal cuts;
-//! physical groups name regions and parts of the boundary. Sections may be repeated, and a mesh may be in
-//! partitions. The reader is our own because the crate `mshio` reads version 4.1 only, and has had no release for
-//! years.
+//! physical groups name regions and parts of the boundary. Sections may be repeated, and a mesh may be partitioned, if
+//! one file has all partitions. The reader is our own because the crate `mshio` reads version 4.1 only, and has had no
+//! release for years.
 
 mod build;
 mod elements;
@@ -12,6 +12,7 @@ mod groups;
 mod labels;
 mod nodes;
 mod other_file;
+mod partitions;
 mod plane;
 mod quadrangles;
 mod scanner;
