@@ -11,13 +11,16 @@ mod files;
 mod judging;
 mod request;
 mod save;
+mod study;
 mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
 use super::output::{OutputFile, say_json, tell};
+use crate::figures::Width;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
+use crate::replication::fields::vary::{Varied, varied};
 use adapting::ShownMeshes;
 use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -49,6 +52,16 @@ pub(super) struct SolveArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Solve with each of these values of an option, or of a $NAME in f, and print a table [may be given several times]
+    ///
+    /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. Values with commas are divided
+    /// by |. --json prints a line for each member. One without a solution is a row that says why. With --save NAME,
+    /// `run NAME` keeps the results, and makes the table, also in LaTeX, and a chart.
+    #[arg(long, value_name = "NAME=A,B,..", value_parser = varied)]
+    vary: Vec<Varied>,
+    /// With --vary, write the table with all digits
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    csv: Option<PathBuf>,
     /// Write what is asked as a scene of the project, pipeline/scenes/NAME.toml
     ///
     /// `run NAME` then solves the same, keeps the result, and draws it.
@@ -71,6 +84,12 @@ pub(super) struct SolveArgs {
     /// With --out FILE.svg, draw the mesh with f in colour, on fine meshes a coarser one
     #[arg(long, hide_short_help = true, requires = "out")]
     mesh: bool,
+    /// With --out FILE.svg, width of the picture in print, such as 85mm; a number alone counts pixels
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, requires = "out")]
+    width: Option<Width>,
+    /// With --out FILE.svg, draw no title
+    #[arg(long, hide_short_help = true, requires = "out")]
+    no_title: bool,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
     #[arg(long, hide_short_help = true)]
     recover: bool,
@@ -86,17 +105,36 @@ impl SolveArgs {
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
         format.check(problem)?;
-        if self.view().is_some() && format != Format::Svg {
-            let option = match (self.map, self.surface) {
-                (true, _) => "--map",
-                (_, true) => "--surface",
-                _ => "--mesh",
-            };
+        let of_pictures = [
+            ("--map", self.map),
+            ("--surface", self.surface),
+            ("--mesh", self.mesh),
+            ("--width", self.width.is_some()),
+            ("--no-title", self.no_title),
+        ];
+        if let Some((option, _)) = of_pictures.iter().find(|(_, given)| *given)
+            && format != Format::Svg
+        {
             return Err(Error::input(format!(
                 "{option} is for a picture; let --out end with .svg, or leave {option} out"
             )));
         }
         Ok(Some((OutputFile::check(&path)?, format)))
+    }
+
+    /// Refuses, of a study, options about the file or the meshes of one solution.
+    fn refuse_files_of_one(&self) -> Result<()> {
+        let given = [
+            ("--out", self.out.is_some()),
+            ("--most-nodes", self.most_nodes.is_some()),
+            ("--verbose", self.verbose),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((option, _)) => Err(Error::input(format!(
+                "{option} is about one solution, not about a study; leave it out, or write the table by --csv FILE"
+            ))),
+        }
     }
 
     /// Returns the kind of picture, if the user says which.
@@ -148,6 +186,9 @@ impl SolveArgs {
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
+    if let Some(asked) = study::Asked::read(args)? {
+        return study::solve(args, &asked);
+    }
     let (request, problem) = Request::read(args)?;
     let file = args.file(&request, &problem)?;
     if let Some(name) = &args.save {

@@ -15,7 +15,7 @@ pub(crate) const FOLDER: &str = "pipeline";
 const MOST_NODES: f64 = 1e7;
 
 /// Returns the path of the mesh of a domain in the project, if it is a file.
-fn path_of(domain: &Domain) -> Option<String> {
+pub(crate) fn path_of(domain: &Domain) -> Option<String> {
     domain.is_file().then(|| format!("{FOLDER}/{}", domain.name))
 }
 

@@ -99,7 +99,7 @@ fn every_table_of_numbers_and_every_figure_leads_to_its_data() {
             }
             let is_data = |tag: &str| {
                 attribute(tag, "href").is_some_and(|to| {
-                    ["data/", "figures/"].iter().any(|folder| to.starts_with(folder))
+                    ["data/", "figures/", "tables/"].iter().any(|folder| to.starts_with(folder))
                         || ["results.csv", "data.html"].contains(&to)
                 })
             };

@@ -71,6 +71,7 @@ mod spectral;
 mod statements;
 mod stress;
 mod stretched;
+mod studies;
 mod terminal;
 mod times;
 mod touching;

@@ -120,7 +120,7 @@ fn commands_run_and_outputs_are_true() {
         assert_eq!(drawn(&target), drawn(&figure), "{name} of the command and of the run");
     }
 
-    for (page, commands) in [("machines", 1), ("friction", 1)] {
+    for (page, commands) in [("machines", 1), ("friction", 1), ("studies", 6)] {
         let page = format!("report/templates/{page}.md.tera");
         assert_eq!(follow(&page, project), commands, "{page}");
     }

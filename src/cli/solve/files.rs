@@ -1,6 +1,6 @@
 //! Files that `solve --out` writes.
 
-use crate::figures::{DrawnSolution, SolutionMap, map_of_f, surfaces};
+use crate::figures::{DrawnSolution, Print, SolutionMap, map_of_f, surfaces};
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
 use signorini_mathematics::formats;
@@ -29,6 +29,8 @@ pub(super) struct Solution<'a> {
     pub title: &'a str,
     /// Kind of a picture.
     pub view: PictureKind,
+    /// Form of a picture in print.
+    pub print: &'a Print,
     /// Nodal values and multipliers.
     pub pair: &'a Pair,
 }
@@ -85,7 +87,8 @@ impl Format {
 impl Solution<'_> {
     /// Returns the bytes of a file.
     pub(super) fn file(&self, format: Format) -> Result<Vec<u8>> {
-        let Self { problem, name, title, view, pair } = *self;
+        let Self { problem, name, title, view, print, pair } = *self;
+        let drawn_title = if print.title { title } else { "" };
         match format {
             Format::Npy => Ok(formats::npy(problem, pair)),
             Format::Npz => formats::npz(problem, pair).ok_or_else(|| {
@@ -95,14 +98,17 @@ impl Solution<'_> {
             Format::Vti | Format::Vtu => Ok(formats::vtk(problem, pair, name)),
             Format::Svg => {
                 let picture = match view {
-                    PictureKind::Mesh => map_of_f(title, problem),
+                    PictureKind::Mesh => map_of_f(drawn_title, problem),
                     PictureKind::Map => {
-                        SolutionMap::of(title.into(), problem, pair).map(|map| map.picture())
+                        SolutionMap::of(drawn_title.into(), problem, pair).map(|map| map.picture())
                     }
-                    PictureKind::Surface => DrawnSolution::of(title.into(), problem, pair, COLUMNS)
-                        .map(|drawn| surfaces(COLUMNS, &[drawn])),
+                    PictureKind::Surface => {
+                        DrawnSolution::of(drawn_title.into(), problem, pair, COLUMNS)
+                            .map(|drawn| surfaces(COLUMNS, &[drawn]))
+                    }
                 };
-                let picture = picture.map_err(Error::input)?;
+                let mut picture = picture.map_err(Error::input)?;
+                picture.print.clone_from(&print.width);
                 let svg = picture.svg(title, "Made by `signorini solve`.");
                 svg.map(String::into_bytes).map_err(Error::input)
             }

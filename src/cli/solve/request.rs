@@ -7,6 +7,7 @@ use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
 use crate::cli::output::{OutputFile, warn_of_outside};
 use crate::cli::shown::signed;
+use crate::figures::Print;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::replication::fields::Fields;
@@ -34,8 +35,9 @@ pub(super) struct Request {
     pub scene: Option<String>,
     /// Title of a picture: that of the scene, the name of the mesh's file, or f.
     pub title: String,
-    /// Kind of a picture.
+    /// Kind of a picture, and its form in print.
     view: PictureKind,
+    print: Print,
     /// Remedies in the words of the options that the domain has.
     pub remedies: Remedies,
     /// Statement of the options or of the scene.
@@ -111,12 +113,9 @@ impl Request {
         let file = file_name(&statement);
         let name = args.scene.as_deref().or(file).unwrap_or(&statement.domain.name).to_owned();
         let coarsest = coarsest(&statement, scene)?;
-        match &coarsest {
-            Some(mesh) => check_mesh(mesh, &statement, voice, memory)?,
-            None => {
-                check_grid(&statement, voice, memory)?;
-                clock.ended(Part::Setup);
-            }
+        check_fineness(coarsest.as_ref(), &statement, voice, memory)?;
+        if coarsest.is_none() {
+            clock.ended(Part::Setup);
         }
         let steps = |step| clock.ended_step(step);
         let problem = statement.problem(coarsest.as_ref(), &steps);
@@ -141,6 +140,7 @@ impl Request {
             scene: args.scene.clone(),
             title,
             view: args.view().unwrap_or(usual),
+            print: Print { width: args.width.clone(), title: !args.no_title },
             remedies: if is_square { Remedies::ON_THE_SQUARE } else { Remedies::ON_MESHES },
             statement,
             voice,
@@ -192,8 +192,8 @@ impl Request {
         problem: &Problem,
         pair: &Pair,
     ) -> Result<()> {
-        let Self { name, title, view, .. } = self;
-        let solution = Solution { problem, name, title, view: *view, pair };
+        let Self { name, title, view, print, .. } = self;
+        let solution = Solution { problem, name, title, view: *view, print, pair };
         let written = solution.file(*format).and_then(|bytes| file.write(&bytes));
         self.clock.ended(Part::Files);
         written
@@ -313,7 +313,7 @@ impl Request {
 }
 
 /// Returns what the options ask, over a scene if one is named, and what they have in place of the scene's, in words.
-fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
+pub(super) fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
     let Some(scene) = scene else {
         let usual = fields.usual(Voice::Options)?;
         return Ok((fields.over(usual, Voice::Options)?, Vec::new()));
@@ -325,7 +325,7 @@ fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<Stri
 
 /// Returns the coarsest mesh, read from its file if it is not built in: that of the scene, or the one that the options
 /// name; none on the square.
-fn coarsest(statement: &Statement, scene: Option<&Scene>) -> Result<Option<AnyMesh>> {
+pub(super) fn coarsest(statement: &Statement, scene: Option<&Scene>) -> Result<Option<AnyMesh>> {
     if let Some(scene) = scene {
         return mesh_files::mesh(statement, &scene.files);
     }
@@ -353,6 +353,19 @@ fn of_options(error: &StatementError) -> Error {
         }
         _ => error.to_string(),
     })
+}
+
+/// Refuses grids and meshes that take too much memory, or are too fine for the solver or the domain.
+pub(super) fn check_fineness(
+    mesh: Option<&AnyMesh>,
+    statement: &Statement,
+    voice: Voice,
+    memory: Memory,
+) -> Result<()> {
+    match mesh {
+        Some(mesh) => check_mesh(mesh, statement, voice, memory),
+        None => check_grid(statement, voice, memory),
+    }
 }
 
 /// Refuses a grid of the square that takes too much memory, or is too fine for the solver.

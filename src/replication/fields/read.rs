@@ -2,6 +2,7 @@
 
 use super::Fields;
 use super::table::{FIELDS, Reading, Refused, Voice};
+use super::vary::check_names;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
@@ -13,6 +14,7 @@ impl Fields {
     pub(crate) fn usual(&self, voice: Voice) -> Reading<Statement> {
         let domain = self.domain(voice)?;
         let f = self.f.as_deref().ok_or_else(|| Refused::new("f", "`f` is missing; add it"))?;
+        check_names(f)?;
         let f = match domain.is_square() {
             true => {
                 let read = f.parse::<Source>();

@@ -24,7 +24,7 @@ pub(crate) struct Field {
     /// True if an option may differ from a scene.
     overrides: bool,
     /// True if it is among the fields.
-    given: fn(&Fields) -> bool,
+    pub(super) given: fn(&Fields) -> bool,
     /// Value in a statement on a domain that has the field; none where it has none.
     value: fn(&Statement) -> Option<Value>,
 }

@@ -5,7 +5,7 @@ mod digits;
 mod times;
 
 use super::solutions::Solutions;
-use super::{artifact, figures, files_of, results, tabulate};
+use super::{artifact, figures, files_of, results};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::names::{alike, clash, composed};
 use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
@@ -54,9 +54,9 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
     })
 }
 
-/// True if a page shows numbers or a map of the solution of a scene.
+/// True if a page shows numbers or a map of the solution of a scene; a study has its table and chart.
 fn is_shown(scene: &Scene) -> bool {
-    scene.wants(Output::Table) || scene.wants(Output::Map)
+    scene.study.is_none() && (scene.wants(Output::Table) || scene.wants(Output::Map))
 }
 
 /// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
@@ -190,8 +190,6 @@ fn book(
     for (_, tables) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("tabulate/")) {
         for (name, bytes) in tables {
             // Pages link to all digits, and include the table with fewer.
-            let shown = tabulate::markdown(std::str::from_utf8(bytes)?);
-            made.insert(format!("src/tables/{}", name.replace(".csv", ".md")), shown.into_bytes());
             made.insert(format!("src/tables/{name}"), bytes.clone());
         }
     }

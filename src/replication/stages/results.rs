@@ -26,8 +26,13 @@ pub(super) const FILE: &str = "results.csv";
 
 /// The task that joins the results of all scenes that ask for a table; none if no scene does.
 pub(super) fn task(project: &Project) -> Option<Task> {
-    let scenes = project.scenes.iter().filter(|scene| scene.wants(Output::Table));
-    let joined = Joined { scenes: scenes.map(Solves::of).collect(), paper: project.paper.clone() };
+    let mut scenes: Vec<&Scene> = project.scenes.iter().collect();
+    // A study has a table of its own.
+    scenes.retain(|scene| scene.wants(Output::Table) && scene.study.is_none());
+    let joined = Joined {
+        scenes: scenes.into_iter().map(Solves::of).collect(),
+        paper: project.paper.clone(),
+    };
     let runs = joined.scenes.iter().flat_map(|scene| &scene.runs);
     let needs: Vec<String> = runs.map(|run| run.task.clone()).collect();
     let is_empty = needs.is_empty();

@@ -140,6 +140,16 @@ fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     .with_files(files)
 }
 
+/// Solves a statement of which no more is kept than its answer; a mesh is read from these files.
+pub(super) fn solved(
+    statement: &Statement,
+    files: &InputFiles,
+    interrupted: &AtomicBool,
+) -> Read<Solved> {
+    let cell = Cell { statement: statement.clone(), keep_pair: false, keep_history: false };
+    Ok(cell.run(files, interrupted)?.0)
+}
+
 impl Cell {
     /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
     fn run<'a>(

@@ -298,7 +298,14 @@ fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
 /// Returns an attribute of the root of an SVG file that is a number.
 fn attribute(svg: &[u8], key: &str) -> Option<f64> {
     let root = std::str::from_utf8(svg).ok()?.split('>').next()?;
-    root.split_once(&format!(" {key}=\""))?.1.split('"').next()?.parse().ok()
+    let value = |key: &str| root.split_once(&format!(" {key}=\""))?.1.split('"').next();
+    let in_pixels = value(key)?.parse().ok();
+    // A picture for print has a length with a unit, and four steps of its view are a pixel.
+    in_pixels.or_else(|| {
+        let place = if key == "width" { 2 } else { 3 };
+        let view: f64 = value("viewBox")?.split(' ').nth(place)?.parse().ok()?;
+        Some(view / 4.0)
+    })
 }
 
 /// Returns the provenance of the book's numbers: names and hashes of input files, and versions.
