@@ -1,8 +1,8 @@
 //! The statement that fields make.
 
 use super::Fields;
+use super::names::check_names;
 use super::table::{FIELDS, Reading, Refused, Voice};
-use super::vary::check_names;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;

@@ -4,6 +4,7 @@
 //! is read as the option of its field reads it.
 
 use super::Fields;
+use super::names::{Piece, is_name, pieces, without_values};
 use super::table::{FIELDS, Field, Reading, Refused, Voice};
 use crate::replication::numbers::COLUMNS;
 use clap::builder::Resettable;
@@ -202,13 +203,6 @@ fn product_of(lists: &[&Varied]) -> Vec<Vec<String>> {
     members
 }
 
-/// True if the text can be a name in f.
-fn is_name(text: &str) -> bool {
-    !text.is_empty()
-        && !text.starts_with(|c: char| c.is_ascii_digit())
-        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-}
-
 /// Returns the field with this name.
 fn field(name: &str) -> Option<&'static Field> {
     FIELDS.iter().find(|field| field.name == name)
@@ -219,60 +213,6 @@ fn parser() -> Command {
     // What the options of `solve` ask of each other is asked of the member as a whole.
     let command = Fields::augment_args(Command::new("solve"));
     command.mut_args(|arg: Arg| arg.conflicts_with(Resettable::Reset).requires(Resettable::Reset))
-}
-
-/// Part of an f.
-enum Piece<'a> {
-    /// Name behind a dollar.
-    Name(&'a str),
-    /// Any other text.
-    Text(&'a str),
-}
-
-impl Piece<'_> {
-    fn text(&self) -> &str {
-        match self {
-            Self::Name(text) | Self::Text(text) => text,
-        }
-    }
-}
-
-/// Returns the parts of an f; what stands in quotes has no names.
-fn pieces(f: &str) -> Vec<Piece<'_>> {
-    let (mut pieces, mut rest) = (Vec::new(), f);
-    let (mut from, mut is_quoted) = (0, false);
-    while let Some(found) = rest[from..].find(['"', '$']) {
-        let at = from + found;
-        let name = &rest[at + 1..];
-        let end = name.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
-        let name = &name[..end.unwrap_or(name.len())];
-        if rest[at..].starts_with('"') {
-            (is_quoted, from) = (!is_quoted, at + 1);
-        } else if is_quoted || !is_name(name) {
-            from = at + 1;
-        } else {
-            pieces.extend([Piece::Text(&rest[..at]), Piece::Name(name)]);
-            (rest, from) = (&rest[at + 1 + name.len()..], 0);
-        }
-    }
-    pieces.push(Piece::Text(rest));
-    pieces
-}
-
-/// Refuses an f with a name to which nothing has given a value.
-pub(super) fn check_names(f: &str) -> Reading<()> {
-    pieces(f).iter().try_for_each(|piece| match piece {
-        Piece::Name(name) => Err(without_values(name)),
-        Piece::Text(_) => Ok(()),
-    })
-}
-
-/// Refusal of a name in f that has no values.
-fn without_values(name: &str) -> Refused {
-    let text = format!(
-        "f has ${name}, which has no values; add vary = {{ {name} = [0.1, 0.2] }}, or --vary {name}=0.1,0.2"
-    );
-    Refused::new("f", text)
 }
 
 /// Reads `NAME=A,B,...`; values that have commas are divided by strokes.
@@ -373,7 +313,7 @@ mod tests {
         let of = |value: &str| format!("disc(0,0,0.5)={value}; region(\"$R\")=1; else=-1");
         assert_eq!(members, ["1e-7", "-2"].map(of));
         assert!(with("else=-$S", "vary = { R = [1] }").unwrap_err().contains("f has $S"));
-        assert!(check_names("region(\"a$b\")=1; else=-$").is_ok());
+        assert!(super::super::names::check_names("region(\"a$b\")=1; else=-$").is_ok());
     }
 
     #[test]
