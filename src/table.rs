@@ -118,11 +118,10 @@ impl Table {
         kept.retain(|&k| {
             is_wanted(&self.head[k]) && self.rows.iter().any(|row| !row[k].is_empty())
         });
-        let of = |line: &Vec<String>| kept.iter().map(|&k| line[k].clone()).collect();
         let left = kept.iter().enumerate().filter(|(_, k)| self.left.contains(k));
         Self {
-            head: of(&self.head),
-            rows: self.rows.iter().map(of).collect(),
+            head: cells(&self.head, &kept),
+            rows: self.rows.iter().map(|row| cells(row, &kept)).collect(),
             left: left.map(|(place, _)| place).collect(),
         }
     }
@@ -141,6 +140,11 @@ impl Table {
     fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
         Some(&self.head).filter(|head| !head.is_empty()).into_iter().chain(&self.rows)
     }
+}
+
+/// Returns some cells of a line.
+fn cells(line: &[String], columns: &[usize]) -> Vec<String> {
+    columns.iter().map(|&k| line[k].clone()).collect()
 }
 
 /// Returns a cell in LaTeX: a number in its mathematics, a text with its signs escaped.

@@ -41,8 +41,7 @@ impl FromStr for Width {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let is_of = |unit: &&&str| text.ends_with(**unit);
-        let unit = UNITS.iter().find(is_of).copied().unwrap_or_default();
+        let unit = UNITS.iter().find(|unit| text.ends_with(**unit)).copied().unwrap_or_default();
         let number = text[..text.len() - unit.len()].trim().parse::<f64>().ok();
         let number = number.filter(|number| (1e-2..=1e5).contains(number));
         let remedy = "write a length with mm, cm, in, pt or px, such as 85mm";

@@ -238,10 +238,14 @@ impl Scene {
         one.into_iter().chain(members.map(|member| &member.statement))
     }
 
+    /// Output that a study does not have, if there is one.
+    fn other_than_of_studies(&self) -> Option<&Output> {
+        self.outputs.iter().find(|output| ![Output::Table, Output::Chart].contains(*output))
+    }
+
     /// Refuses outputs and keys that only a study has, or that a study does not have.
     fn check_outputs(self, fields: &Fields) -> Reading<Self> {
         let has_axes = fields.chart.is_some();
-        let others = |output: &&Output| ![Output::Table, Output::Chart].contains(*output);
         if self.study.is_none() && fields.columns.is_some() {
             let text = "`columns` are of a study; add `vary`, or leave them out";
             return Err(Refused::new("columns", text));
@@ -254,7 +258,7 @@ impl Scene {
             (Some(_), false) if has_axes => {
                 "`chart` has axes; add \"chart\" to `outputs`, or leave it out".into()
             }
-            (Some(_), _) => match self.outputs.iter().find(others) {
+            (Some(_), _) => match self.other_than_of_studies() {
                 None => return Ok(self),
                 Some(output) => format!(
                     "`{output}` shows one solution; a study has \"table\" and \"chart\": drop it from `outputs`"

@@ -60,8 +60,8 @@ impl Study {
             log = [AxisName::X, AxisName::Y].map(|axis| given.log.contains(&axis));
         }
         let columns: Vec<&str> = self.columns_of_numbers();
-        let first = || columns.first().copied().unwrap_or_default().to_owned();
-        let chosen = [x.unwrap_or_else(first), y.unwrap_or_else(|| "energy".into())];
+        let first = columns.first().copied().unwrap_or_default();
+        let chosen = [x.unwrap_or_else(|| first.into()), y.unwrap_or_else(|| "energy".into())];
         if let Some(unknown) = chosen.iter().find(|one| !columns.contains(&one.as_str())) {
             let known = columns.join(", ");
             let text = format!("`chart`: no column of numbers `{unknown}`; choose from {known}");
@@ -99,8 +99,8 @@ impl Study {
         let found = self.found();
         let head: Vec<String> =
             self.names.iter().cloned().chain(found.iter().map(|&name| name.to_owned())).collect();
-        let is_text = |(_, name): &(usize, &String)| TEXTS.contains(&name.as_str());
-        let left: Vec<usize> = head.iter().enumerate().filter(is_text).map(|(k, _)| k).collect();
+        let mut left: Vec<usize> = (0..head.len()).collect();
+        left.retain(|&k| TEXTS.contains(&head[k].as_str()));
         let mut table = Table::new(head, &left);
         for (member, numbers) in self.members.iter().zip(all) {
             table.rows.push([member.values.clone(), numbers.cells(&found)].concat());

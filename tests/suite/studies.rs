@@ -256,7 +256,6 @@ fn mistakes_in_studies_are_refused_with_their_line() {
 #[test]
 fn mistakes_in_options_of_studies_are_refused() {
     let project = four();
-    let refusal = |args: &[&str]| -> Said { project.run(&[&["solve"], args].concat()) };
     for (args, words) in [
         (&["--f", F, "--vary", "friction=x"][..], "--vary friction=x: invalid float"),
         (&["--f", F, "--vary", "solver=multigrid,foo"], "--vary solver=foo: choose one of"),
@@ -268,7 +267,7 @@ fn mistakes_in_options_of_studies_are_refused() {
         (&["--f", "disc(0,0,$R)=1; else=-1"], "--vary R=0.1,0.2"),
         (&["--f", F, "--vary", "h=1/100000"], "--h 1/100000"),
     ] {
-        let said = refusal(args);
+        let said = project.run(&[&["solve"], args].concat());
         assert!(said.refusal().contains(words), "{words}: {said:?}");
     }
 }

@@ -56,9 +56,8 @@ impl Vary {
             return Err(format!("`{name}` is no name; take letters, digits and _"));
         }
         // That a solver is varied says its own column.
-        let own = names.iter().filter(|name| field(name).is_none());
-        let taken = |name: &&String| name.as_str() == "schema" || COLUMNS.contains(&name.as_str());
-        if let Some(name) = own.into_iter().find(taken) {
+        let mut own = names.iter().filter(|name| field(name).is_none());
+        if let Some(name) = own.find(|name| is_taken(name)) {
             return Err(format!("`{name}` is a column of the answer; choose another name"));
         }
         let mut members: Vec<Vec<String>> = Vec::new();
@@ -203,6 +202,11 @@ fn product_of(lists: &[&Varied]) -> Vec<Vec<String>> {
     members
 }
 
+/// True if a row has a key of this name besides what is varied.
+fn is_taken(name: &str) -> bool {
+    name == "schema" || COLUMNS.contains(&name)
+}
+
 /// Returns the field with this name.
 fn field(name: &str) -> Option<&'static Field> {
     FIELDS.iter().find(|field| field.name == name)
@@ -310,15 +314,21 @@ mod tests {
     fn names_stand_behind_a_dollar_outside_of_quotes() {
         let f = "disc($x,0,$R1)=$R; region(\"$R\")=1; else=-1";
         let members = with(f, "vary = { R = [1e-7, -2], R1 = 0.5, x = 0 }").unwrap();
-        let of = |value: &str| format!("disc(0,0,0.5)={value}; region(\"$R\")=1; else=-1");
-        assert_eq!(members, ["1e-7", "-2"].map(of));
+        let with_r = ["1e-7", "-2"];
+        assert_eq!(
+            members,
+            with_r.map(|r| format!("disc(0,0,0.5)={r}; region(\"$R\")=1; else=-1"))
+        );
         assert!(with("else=-$S", "vary = { R = [1] }").unwrap_err().contains("f has $S"));
         assert!(super::super::names::check_names("region(\"a$b\")=1; else=-$").is_ok());
     }
 
+    fn values(text: &str) -> Result<Vec<String>, String> {
+        varied(text).map(|list| list.values)
+    }
+
     #[test]
     fn options_are_divided_by_commas_or_strokes() {
-        let values = |text: &str| varied(text).map(|list| list.values);
         assert_eq!(values("h=1/8, 1/16").unwrap(), ["1/8", "1/16"]);
         assert_eq!(values("grids=4,8|8,16").unwrap(), ["4,8", "8,16"]);
         assert_eq!(varied("max-iterations=1").unwrap().name, "max_iterations");

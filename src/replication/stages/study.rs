@@ -49,9 +49,9 @@ const MOST_BYTES: usize = 120;
 fn id(scene: &str, study: &Study, values: &[String]) -> String {
     let mut pairs = Vec::new();
     for (name, value) in study.names.iter().zip(values) {
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-+".contains(c);
         let shown = value.replace('/', "_");
-        let shown = if shown.chars().all(is_plain) { shown } else { digest(value) };
+        let is_plain = shown.chars().all(|c| c.is_ascii_alphanumeric() || "._-+".contains(c));
+        let shown = if is_plain { shown } else { digest(value) };
         pairs.push(format!("{name}={shown}"));
     }
     let pairs = pairs.join(",");
