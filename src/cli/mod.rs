@@ -111,7 +111,7 @@ enum Command {
     #[command(
         after_help = "Examples:\n  signorini solve problem2\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --accuracy 1e-3\n  \
-        signorini solve --f 'halfplane(1,0,0)=8; else=-9' --vary friction=0.5,1 --vary h=1/32,1/64\n\
+        signorini solve --f 'halfplane(1,0,0)=8; else=-9' --vary friction=0.5,1\n\
         `--help` shows all options, and the regions on which f may be given.",
         after_long_help = "Examples:\n  signorini solve problem2 --json\n  \
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
