@@ -325,10 +325,6 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
     Err(Error::input(edited(first.by, &alike)))
 }
 
-/// Remedy for files whose line ends were changed.
-const LINE_ENDS: &str = "clone again with `git clone -c core.autocrlf=false` (with `* -text` in .gitattributes \
-    nobody need do so), or overwrite by `signorini run --force`";
-
 /// Returns a line on files that were not written because of this editor.
 pub(super) fn edited(by: Editor, paths: &[&str]) -> String {
     let (files, was, has, it, names) = match paths {
@@ -344,9 +340,6 @@ pub(super) fn edited(by: Editor, paths: &[&str]) -> String {
         Editor::Merge => {
             format!("{files} {has} a {CONFLICT}{names}; delete {it} and run again")
         }
-        Editor::LineEnds => format!(
-            "{files} {has} other line ends than signorini wrote, as git may change them{names}; {LINE_ENDS}"
-        ),
         Editor::Unknown => format!("nothing is on record of {files}{names}; {force}"),
     }
 }

@@ -104,9 +104,7 @@ fn names_of_pages_and_files_that_the_book_makes_itself_are_refused() {
         assert!(error.starts_with(&format!("report/templates/{name}: {why}")), "{error}");
         fs::remove_file(study.0.path("study/report/templates").join(name)).unwrap();
     };
-    for name in
-        ["results.csv", "Results.CSV", "figures/plate-surface.svg", "figures/Disc-surface.svg"]
-    {
+    for name in ["results.csv", "figures/plate-surface.svg"] {
         replaced(name, "a run makes a file of this name");
     }
     let by_mdbook = "the book has a file of this name that mdBook makes";

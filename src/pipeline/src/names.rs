@@ -1,8 +1,7 @@
-//! Names of files: those of files that no one means to keep, those that are alike, and characters that none may have.
+//! Names of files: those of files that no one means to keep and characters that none may have.
 
 use crate::error::{Error, Result};
 use crate::files::{folder_of, is_forbidden};
-use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use unicode_normalization::UnicodeNormalization;
@@ -50,30 +49,6 @@ pub fn found(path: &Path) -> PathBuf {
         };
     }
     place
-}
-
-/// Returns two paths, or folders in them, that differ and are [`alike`], if there are any.
-pub fn clash<'a>(paths: impl Iterator<Item = &'a str>) -> Option<(&'a str, &'a str)> {
-    let mut known = BTreeMap::<String, &str>::new();
-    for path in paths {
-        let ends = path.match_indices('/').map(|(end, _)| end).chain([path.len()]);
-        for part in ends.map(|end| &path[..end]) {
-            let other = known.insert(alike(part), part).filter(|other| *other != part);
-            if let Some(other) = other {
-                return Some((other, part));
-            }
-        }
-    }
-    None
-}
-
-/// Returns the name in a form that is the same for names that some file systems do not tell apart: there, the file of
-/// one name would overwrite that of the other.
-pub fn alike(name: &str) -> String {
-    if name.is_ascii() {
-        return name.to_ascii_lowercase();
-    }
-    name.nfc().flat_map(char::to_lowercase).nfc().collect()
 }
 
 /// Refuses a text with a character that no line of text may have; `what` names the text.
@@ -145,22 +120,6 @@ mod tests {
         ] {
             assert!(!is_left_behind(name), "{name:?}");
         }
-    }
-
-    #[test]
-    fn folders_clash_as_files_do() {
-        let of = |paths: &[&'static str]| clash(paths.iter().copied());
-        assert_eq!(of(&["a/x", "a/y", "b"]), None);
-        assert_eq!(of(&["figures/x.svg", "Figures/y.svg"]), Some(("figures", "Figures")));
-        assert_eq!(of(&["a/x.txt", "a/X.txt"]), Some(("a/x.txt", "a/X.txt")));
-        assert_eq!(of(&["caf\u{e9}", "cafe\u{301}"]), Some(("caf\u{e9}", "cafe\u{301}")));
-    }
-
-    #[test]
-    fn names_that_differ_in_capitals_or_in_the_way_to_write_accents_are_alike() {
-        assert_eq!(alike("INDEX.html"), alike("index.HTML"));
-        assert_eq!(alike("e\u{301}.md"), alike("É.md"));
-        assert_ne!(alike("a.md"), alike("b.md"));
     }
 
     #[test]
