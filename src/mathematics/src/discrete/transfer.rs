@@ -18,7 +18,10 @@ pub enum Prolongation {
     FallingDiagonal,
 }
 
-choices!(Prolongation, 3: Bilinear = "bilinear", RisingDiagonal = "rising-diagonal", FallingDiagonal = "falling-diagonal");
+choices!(Prolongation, 3:
+    Bilinear = "bilinear", RisingDiagonal = "rising-diagonal",
+    FallingDiagonal = "falling-diagonal",
+);
 
 /// Prolongs the nodal vector `coarse`, of numbers or of one for each of several problems, to the grid with twice the
 /// cells per side.

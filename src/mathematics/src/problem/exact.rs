@@ -34,7 +34,10 @@ pub enum Exact {
 /// The solution at a point.
 pub use super::field::Sample;
 
-choices!(Exact, 4: FullContact = "full-contact", Torsion = "torsion", FreeSegment = "free-segment", FreeCorner = "free-corner");
+choices!(Exact, 4:
+    FullContact = "full-contact", Torsion = "torsion",
+    FreeSegment = "free-segment", FreeCorner = "free-corner",
+);
 
 impl Exact {
     /// v as LaTeX.

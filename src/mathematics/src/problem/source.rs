@@ -43,7 +43,10 @@ pub enum Tie {
     UpperRight,
 }
 
-choices!(Tie, 4: LowerLeft = "lower-left", LowerRight = "lower-right", UpperLeft = "upper-left", UpperRight = "upper-right");
+choices!(Tie, 4:
+    LowerLeft = "lower-left", LowerRight = "lower-right",
+    UpperLeft = "upper-left", UpperRight = "upper-right",
+);
 
 /// Distance by which a sample steps off a jump; any jump closer than this to a node counts as through it.
 pub(super) const STEP_OFF: f64 = 1e-9;

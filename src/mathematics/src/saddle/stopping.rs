@@ -23,7 +23,10 @@ pub enum StopRule {
     PrintedDual,
 }
 
-choices!(StopRule, 4: Signed = "signed", Printed = "printed", SignedDual = "signed-dual", PrintedDual = "printed-dual");
+choices!(StopRule, 4:
+    Signed = "signed", Printed = "printed",
+    SignedDual = "signed-dual", PrintedDual = "printed-dual",
+);
 
 impl StopRule {
     /// Measure that a rule compares with the tolerance.
