@@ -9,6 +9,8 @@ pub(crate) struct MeshOrigin {
     pub of_higher_order: usize,
     /// Number of quadrangles, which a diagonal cuts.
     pub quadrangles: usize,
+    /// Number of triangles that the file writes as quadrangles with a node twice.
+    pub collapsed: usize,
     /// Number of elements of a lower dimension that are on no cell, and in no group.
     pub left_out: usize,
     /// True if the file tells of a volume, and has no tetrahedra.
@@ -70,6 +72,11 @@ impl MeshOrigin {
                 self.quadrangles,
                 "quadrangle is cut into triangles, by its shorter diagonal",
                 "quadrangles are cut into triangles, each by its shorter diagonal",
+            ),
+            (
+                self.collapsed,
+                "quadrangle with a node twice is read as a triangle",
+                "quadrangles with a node twice are read as triangles",
             ),
             (
                 self.left_out,

@@ -95,6 +95,7 @@ impl Sections {
             plane,
             of_higher_order: elements.of_higher_order[2],
             quadrangles: quadrangles.len(),
+            collapsed: elements.collapsed,
             left_out,
             without_volume,
         };
@@ -115,6 +116,7 @@ impl Sections {
         let mut mesh = mesh(&mut groups, nodes, tetrahedra, &triangles)?;
         mesh.origin = MeshOrigin {
             of_higher_order: elements.of_higher_order[3],
+            collapsed: elements.collapsed,
             left_out,
             ..MeshOrigin::default()
         };

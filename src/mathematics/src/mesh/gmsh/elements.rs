@@ -23,6 +23,21 @@ impl<const K: usize> FileElement<K> {
     }
 }
 
+impl FileElement<4> {
+    /// Triangle that a quadrangle with the same node at both ends of a side is.
+    fn collapsed(&self) -> Option<FileElement<3>> {
+        let &Self { tag, nodes: [a, b, c, d], groups } = self;
+        let nodes = if a == b || b == c {
+            [a, c, d]
+        } else if c == d || d == a {
+            [a, b, c]
+        } else {
+            return None;
+        };
+        Some(FileElement { tag, nodes, groups })
+    }
+}
+
 /// Elements by kind, in the order of the file.
 #[derive(Default)]
 pub(super) struct FileElements {
@@ -34,6 +49,8 @@ pub(super) struct FileElements {
     pub(super) sets: GroupSets,
     /// Number of elements of higher order, by dimension.
     pub(super) of_higher_order: [usize; 4],
+    /// Number of triangles written as quadrangles with a node twice.
+    pub(super) collapsed: usize,
     /// Partitions that own elements, by dimension.
     pub(super) partitions: [BTreeSet<u64>; 4],
     /// Partitions to which elements belong as ghosts, in version 2.
@@ -201,7 +218,16 @@ impl FileElements {
             }
             Outline::Line => self.lines.push(element(scanner, nodes, head)?),
             Outline::Triangle => self.triangles.push(element(scanner, nodes, head)?),
-            Outline::Quadrangle => self.quadrangles.push(element(scanner, nodes, head)?),
+            Outline::Quadrangle => {
+                let quadrangle = element(scanner, nodes, head)?;
+                match quadrangle.collapsed() {
+                    Some(triangle) => {
+                        self.triangles.push(triangle);
+                        self.collapsed += 1;
+                    }
+                    None => self.quadrangles.push(quadrangle),
+                }
+            }
             Outline::Tetrahedron => self.tetrahedra.push(element(scanner, nodes, head)?),
         }
         for _ in shape.corners()..count {
