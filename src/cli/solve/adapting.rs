@@ -1,5 +1,7 @@
-//! The way to an accuracy on adapted meshes as `solve` shows it: a bar or lines while it runs, and its end.
+//! What `solve` shows while it runs: on the way to an accuracy on adapted meshes a bar or lines, and its end; a bar
+//! while sparse factors are made.
 
+use super::truth::turning;
 use crate::cli::interrupt::interrupted;
 use crate::pipeline::{bar, talk};
 use crate::replication::written::error;
@@ -25,7 +27,11 @@ pub(super) struct ShownMeshes {
 /// Steps of the bar, which shows the digits of the error.
 const STEPS: f64 = 1000.0;
 
-impl Monitor for ShownMeshes {}
+impl Monitor for ShownMeshes {
+    fn factors(&mut self, nodes: usize) {
+        self.bar = turning(&format!("sparse factors of {nodes} nodes"));
+    }
+}
 
 /// A signal ends the way to an accuracy on meshes, with the best answer so far; on the square it ends the program.
 impl Watcher for ShownMeshes {

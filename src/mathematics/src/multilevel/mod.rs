@@ -11,7 +11,8 @@
 //! 4. On each finer level in turn (`iterate.rs`): interpolate, relax all nodes once, hold the nodes that reach the
 //!    contact at zero, and apply one step of conjugate gradients to the others.
 //! 5. On the finest network, go on until the goal is reached. If the steps are slow, as where cells are stretched,
-//!    begin again from the vector so far with levels of aggregates alone, which the matrix tells how to coarsen.
+//!    begin again from the vector so far with levels of aggregates alone, which the matrix tells how to coarsen: along
+//!    very strong couplings, of at least a quarter of the diagonal.
 //!
 //! The preconditioner is a cycle (`cycle.rs`), V over meshes and W over aggregates, whose functions leave out what is
 //! held. Where a fine node is held between coarse nodes that are not, the coarse functions would be too soft: springs
@@ -37,4 +38,4 @@ mod smoothed;
 mod solve;
 mod springs;
 
-pub use solve::{Improved, improve_on_nested_networks, solve_nested_networks};
+pub use solve::{Improved, Start, improve_on_nested_networks, solve_nested_networks};

@@ -111,9 +111,10 @@ fn most_nodes(problem: &Problem) -> usize {
 pub(super) fn active_set(
     problem: &Problem,
     _: &Settings,
-    _: &mut dyn Monitor,
+    monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let (law, load) = (problem.law(), problem.load());
+    monitor.factors(load.len());
     let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
         Discrete::Networks(networks) => {

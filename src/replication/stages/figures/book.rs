@@ -87,7 +87,7 @@ pub(super) fn drawings() -> [Task; 5] {
         ("meshes", "Meshes of three domains, refined once", |it, inputs| {
             it.made(inputs, meshes()?)
         }),
-        ("adapted-mesh", "Adapted meshes of two domains", |it, inputs| {
+        ("adapted-mesh", "Adapted meshes of three domains", |it, inputs| {
             it.made(inputs, beside(&coarse_meshes(FEW)?)?)
         }),
         ("membrane", "The square and its membrane", |it, inputs| it.made(inputs, membrane())),

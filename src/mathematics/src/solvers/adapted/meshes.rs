@@ -19,7 +19,7 @@ use crate::mesh::{
     label_longest_edges, mesh_load, mesh_load_after,
 };
 use crate::multigrid::{Goal, InputError, MultigridParams};
-use crate::multilevel::{Improved, improve_on_nested_networks};
+use crate::multilevel::{Improved, Start, improve_on_nested_networks};
 use crate::problem::source::Source;
 use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
@@ -52,7 +52,8 @@ const LEAST_ERRORS: usize = 4;
 const COST: usize = 16;
 /// Number of nodes up to which the polygon of a curved domain may be too coarse for a flux that balances f.
 const COARSE: usize = 1000;
-/// Number of nodes up to which rounding errors may leave a mesh without a bound.
+/// Number of nodes up to which rounding errors may leave a mesh without a bound, or long cells with one that is larger
+/// than the solution.
 const MOST_WITHOUT_BOUND: usize = 100_000;
 
 /// Meshes so far, with the solution on the finest.
@@ -64,8 +65,8 @@ pub(super) struct Meshes<'a> {
     f: Vec<Source>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
-    /// True if cells are stretched, so that the networks before the last one are of no use.
-    is_stretched: bool,
+    /// True if the networks before the last one are of little use, as on stretched cells.
+    is_slow: bool,
     /// Cells that were marked for each mesh but the first.
     marks: Vec<Vec<u32>>,
     /// Number of the connected component of each node of the finest mesh.
@@ -85,6 +86,8 @@ pub(super) struct Meshes<'a> {
     pub(super) found: Result<LocalBounds, NoBound>,
     /// Number of nodes and guaranteed error of each mesh so far that has one.
     errors: Vec<[f64; 2]>,
+    /// True if the last such error may be larger than the solution.
+    is_vague: bool,
     /// Part of the square of the error that the cells had that were marked last.
     marked: f64,
     /// Part of their square that their bisections are expected to take away.
@@ -110,7 +113,7 @@ impl<'a> Meshes<'a> {
             component_of: network.components(),
             all: vec![mesh],
             networks: vec![NestedNetwork { network, parents: Vec::new() }],
-            is_stretched: false,
+            is_slow: false,
             marks: Vec::new(),
             sides,
             load,
@@ -120,6 +123,7 @@ impl<'a> Meshes<'a> {
             bounds: Vec::new(),
             found: Err(NoBound::NotFinite),
             errors: Vec::new(),
+            is_vague: false,
             marked: MARKED,
             gain: GAIN,
         })
@@ -171,11 +175,11 @@ impl<'a> Meshes<'a> {
     ) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
         let law = self.adaption.law;
         let problem = law.with_load(&self.load.load);
-        let first = if self.is_stretched { self.networks.len() - 1 } else { 0 };
-        let start = self.y.as_deref().filter(|_| self.networks.len() > 1);
+        let y = self.y.as_deref().filter(|_| self.networks.len() > 1);
         let usual = MultigridParams::default();
-        let params = if start.is_some() { params } else { &usual };
-        let solved = improve_on_nested_networks(&self.networks[first..], problem, start, params);
+        let params = if y.is_some() { params } else { &usual };
+        let start = Start { y, is_slow: self.is_slow };
+        let solved = improve_on_nested_networks(&self.networks, problem, start, params);
         (self.ended)(Step::Solver);
         let Improved { y, end, is_slow } = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
@@ -183,7 +187,7 @@ impl<'a> Meshes<'a> {
             }
             solved => solved?,
         };
-        self.is_stretched |= is_slow;
+        self.is_slow = is_slow;
         // The bound is the goal: rounding errors are small enough.
         let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };
         let end = End { stop, ..end };
@@ -206,12 +210,15 @@ impl<'a> Meshes<'a> {
     fn note(&mut self, bounds: &Result<LocalBounds, NoBound>) {
         if let Ok(LocalBounds { bounds, .. }) = bounds {
             self.errors.push([self.nodes() as f64, bounds.error[1]]);
+            self.is_vague = bounds.relative() > 1.0;
         }
     }
 
-    /// True if the error has hardly fallen while the number of nodes has doubled, twice; the first meshes do not tell.
+    /// True if the error has hardly fallen while the number of nodes has doubled, twice; the first meshes do not tell,
+    /// and bounds that are larger than the solution do not while meshes are coarse.
     fn has_stalled(&self) -> bool {
-        if self.errors.len() < LEAST_ERRORS {
+        let is_vague = self.is_vague && self.nodes() <= MOST_WITHOUT_BOUND;
+        if is_vague || self.errors.len() < LEAST_ERRORS {
             return false;
         }
         let Some(&[nodes, error]) = self.errors.last() else { return false };
