@@ -19,7 +19,7 @@ pub(super) struct AdaptedPlan {
     problems: Vec<AdaptedProblem>,
     /// Guaranteed error, over the norm of the solution, at which adaptive refinement ends.
     accuracy: f64,
-    /// Number of halvings of the square's side by uniform refinement, those of the first mesh but one with them.
+    /// Number of uniform refinements of a first mesh whose sides are halved once; a finer one is refined less often.
     refinements: usize,
     /// Most nodes of an adapted mesh.
     finest: usize,
@@ -209,7 +209,9 @@ mod tests {
             assert!(exponent(&fine).unwrap() > 0.7, "{way} {fine:?}");
         }
         // Extrapolated energies, whose last digits may be off by two.
-        for (problem, energy) in AdaptedProblem::ALL.into_iter().zip([-3.019_878, -0.452_388, -0.452_388]) {
+        for (problem, energy) in
+            AdaptedProblem::ALL.into_iter().zip([-3.019_878, -0.452_388, -0.452_388])
+        {
             let run = problem.uniform(3).unwrap();
             assert_eq!(run.bounds.len(), 4);
             let mut brackets = run.bounds.iter().map(|bounds| bounds.energy);

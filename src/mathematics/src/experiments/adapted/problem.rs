@@ -45,7 +45,7 @@ impl AdaptedProblem {
         }
     }
 
-    /// Number of halvings of the square's side that the first mesh has.
+    /// Number of times that the sides are halved in the first mesh.
     pub(super) fn halvings(self) -> usize {
         match self {
             Self::LShape | Self::FixedFree => 1,
