@@ -131,8 +131,7 @@ impl AdaptedProblem {
     }
 }
 
-/// Square whose lower side is fixed on its left half and free on its right half; the first nodes of the mesh are those of
-/// this side.
+/// Square whose lower side, of the first nodes of the mesh, is fixed on its left half and free on its right half.
 ///
 /// # Errors
 /// A sentence if it fails the checks of meshes.

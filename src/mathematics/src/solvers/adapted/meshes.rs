@@ -34,7 +34,7 @@ const STEPS: usize = 4;
 /// KKT residual over the largest load up to which a vector has converged: on well-shaped cells the first steps leave a
 /// tenth of that.
 const TOLERANCE: f64 = 0.02;
-/// The same where steps are slow, as on stretched cells, whose bounds feel smaller residuals.
+/// Residual, likewise, where steps are slow, as on stretched cells, whose bounds feel smaller ones.
 const SLOW_TOLERANCE: f64 = 0.005;
 /// Part of the square of the error that the marked cells have at most.
 const MARKED: f64 = 0.65;
