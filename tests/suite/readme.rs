@@ -77,7 +77,7 @@ fn commands_run_and_outputs_are_true() {
     let project = &place.path("");
     fs::create_dir(project.join("target")).unwrap();
     let mut ran = follow("README.md", project);
-    assert_eq!(ran, 10, "commands of the README");
+    assert_eq!(ran, 8, "commands of the README");
     // The scene put in on the way is gone again, and so is what it had drawn.
     run("cargo run --release", project);
     assert!(!project.join("figures/mine-surface.svg").exists());
