@@ -26,6 +26,7 @@ mod edits;
 mod effects;
 mod energies;
 mod engines;
+mod examples;
 mod explore;
 mod faults;
 mod foreign_names;

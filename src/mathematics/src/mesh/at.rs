@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn a_linear_function_has_its_values_and_its_gradient_at_points_of_the_domain_alone() {
         for (name, inside, outside) in [
-            ("lshape", vec![0.5, -0.25], vec![0.5, 0.5]),
+            ("lshape", vec![0.5, 0.25], vec![0.5, -0.5]),
             ("lshape", vec![0.0, 0.0], vec![1.1, 0.0]),
             ("ball", vec![0.2, -0.3, 0.1], vec![0.9, 0.9, 0.9]),
         ] {
