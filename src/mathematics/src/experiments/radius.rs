@@ -225,7 +225,7 @@ mod tests {
         // Of Uzawa's method on boundary values that alternate from node to node.
         let small = radii.wherever("r", 0.2).unwrap().wherever("problem", "free-corner").unwrap();
         let expected = 0.2 / 8.0 / 8f64.sqrt();
-        assert!((small.numbers("gap").unwrap()[0] / expected - 1.0).abs() < 0.03, "{small:?}");
+        assert!((small.numbers("gap").unwrap()[0] / expected - 1.0).abs() < 0.06, "{small:?}");
     }
 
     /// f of the paper's second problem.
