@@ -78,5 +78,6 @@ mod times;
 mod touching;
 mod triangulations;
 mod truth;
+mod values;
 mod verdicts;
 mod whole;

@@ -138,6 +138,12 @@ fn the_citation_and_the_changes_are_of_this_version() {
     let (of, date) = newest.split_once(", ").unwrap();
     assert_eq!(of, version);
     assert!(citation.lines().any(|line| line == format!("date-released: \"{date}\"")), "{date}");
+    let introduction = read("report/templates/introduction.md.tera");
+    assert!(introduction.contains(&format!("  year = {{{}}}\n", &date[..4])), "{date}");
+    let image = read("Containerfile");
+    let compiler = read("rust-toolchain.toml");
+    let (_, used) = image.split_once("rust:").unwrap();
+    assert!(compiler.contains(&format!("channel = \"{}.", used.split('-').next().unwrap())));
     let archive: serde_json::Value = serde_json::from_str(&read(".zenodo.json")).unwrap();
     let title = archive["title"].as_str().unwrap();
     assert!(citation.contains(&format!("title: \"{title}\"")), "{title}");
