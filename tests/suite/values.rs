@@ -54,7 +54,10 @@ fn a_line_is_the_same_as_text_json_and_csv() {
     let json = project.run(&[&line[..], &["--json"]].concat()).json();
     let values = json["values"].as_array().unwrap();
     assert_eq!(values.len(), 101);
-    assert_eq!([&values[0]["point"], &values[100]["point"]], [&json!([-0.5, 0.0]), &json!([0.5, 0.0])]);
+    assert_eq!(
+        [&values[0]["point"], &values[100]["point"]],
+        [&json!([-0.5, 0.0]), &json!([0.5, 0.0])]
+    );
     let said = project.run(&[&line[..], &["--out", "line.csv"]].concat());
     let text = said.lines();
     let head = text.iter().position(|l| l.split_whitespace().eq(["x", "y", "v", "dv_dx", "dv_dy"]));
@@ -67,7 +70,10 @@ fn a_line_is_the_same_as_text_json_and_csv() {
         let numbers: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
         let [point, gradient] = ["point", "gradient"].map(|name| value[name].as_array().unwrap());
         let expected = point.iter().chain([&value["v"]]).chain(gradient);
-        assert!(numbers.iter().copied().eq(expected.map(|v| v.as_f64().unwrap())), "{line} {value}");
+        assert!(
+            numbers.iter().copied().eq(expected.map(|v| v.as_f64().unwrap())),
+            "{line} {value}"
+        );
     }
 }
 
@@ -75,7 +81,8 @@ fn a_line_is_the_same_as_text_json_and_csv() {
 fn points_outside_have_no_value_and_what_is_no_point_is_refused() {
     let project = Project::with(TABLE);
     let command = ["solve", "--f", F, "--h", "1/8"];
-    let json = project.run(&[&command[..], &["--json", "--at", "0.6,0", "--at", "0,0"]].concat()).json();
+    let json =
+        project.run(&[&command[..], &["--json", "--at", "0.6,0", "--at", "0,0"]].concat()).json();
     assert_eq!([&json["values"][0]["v"], &json["values"][0]["gradient"]], [&Value::Null; 2]);
     assert!(json["values"][1]["v"].is_f64());
     let said = project.run(&[&command[..], &["--at", "0.6,0"]].concat());
@@ -85,8 +92,14 @@ fn points_outside_have_no_value_and_what_is_no_point_is_refused() {
         (&["--at", "a,0"], "error: --at a,0: not 2 numbers; write --at x,y"),
         (&["--line", "0,0,1"], "error: --line 0,0,1: not 4 numbers; write --line x0,y0,x1,y1"),
         (&["--at", "nan,0"], "error: --at nan,0: not 2 numbers; write --at x,y"),
-        (&["--out", "v.csv"], "error: --out: a .csv file has v at points; add --at or --line, or use .npz"),
-        (&["--out", "v.pvd"], "error: --out: a .pvd file lists meshes, which the square has not; use .vti"),
+        (
+            &["--out", "v.csv"],
+            "error: --out: a .csv file has v at points; add --at or --line, or use .npz",
+        ),
+        (
+            &["--out", "v.pvd"],
+            "error: --out: a .pvd file lists meshes, which the square has not; use .vti",
+        ),
     ] {
         let said = project.run(&[&command[..], more].concat());
         assert_eq!(said.refusal(), error);
@@ -100,11 +113,20 @@ fn all_meshes_of_an_accuracy_are_listed_for_paraview() {
     let project = Project::with(TABLE);
     let f = "rect(-9,0,-9,0)=3; else=-2";
     let said = project.run(&[
-        "solve", "--domain", "lshape", "--f", f, "--accuracy", "0.1", "--out", "meshes/l.pvd",
+        "solve",
+        "--domain",
+        "lshape",
+        "--f",
+        f,
+        "--accuracy",
+        "0.1",
+        "--out",
+        "meshes/l.pvd",
     ]);
     assert_eq!(said.lines().last(), Some(&"wrote meshes/l.pvd"));
     let list = fs::read_to_string(project.path("meshes/l.pvd")).unwrap();
-    let files: Vec<_> = list.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+    let files: Vec<_> =
+        list.split("file=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
     assert!(files.len() > 3 && files[0] == "l-0.vtu", "{list}");
     let mut sizes = Vec::new();
     for file in files {
