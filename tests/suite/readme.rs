@@ -90,9 +90,10 @@ fn commands_run_and_outputs_are_true() {
     assert!(project.join("codecheck/codecheck.yml").is_file());
 
     ran = follow("report/templates/own-problems.md.tera", project);
-    assert_eq!(ran, 13, "commands of the chapter");
+    assert_eq!(ran, 12, "commands of the chapter");
     assert!(project.join("target/mesh.svg").is_file());
     assert!(project.join("target/v.npz").is_file());
+    assert!(project.join("target/line.csv").is_file());
     assert!(project.join("target/disc.svg").is_file());
     assert!(project.join("target/first/pipeline/scenes/plate.toml").is_file());
 
@@ -120,10 +121,13 @@ fn commands_run_and_outputs_are_true() {
         assert_eq!(drawn(&target), drawn(&figure), "{name} of the command and of the run");
     }
 
-    for (page, commands) in [("machines", 1), ("friction", 1), ("studies", 6)] {
-        let page = format!("report/templates/{page}.md.tera");
-        assert_eq!(follow(&page, project), commands, "{page}");
+    let pages = [("tutorial", 8), ("accuracy", 1), ("machines", 1), ("friction", 1), ("studies", 6)];
+    for (page, commands) in pages {
+        let page = project.join(format!("report/src/{page}.md"));
+        assert_eq!(follow(page.to_str().unwrap(), project), commands, "{page:?}");
     }
+    assert!(project.join("figures/round-map.svg").is_file());
+    fs::remove_file(project.join("pipeline/scenes/round.toml")).unwrap();
     changes_are_explained(project);
 }
 

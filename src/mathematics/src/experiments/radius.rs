@@ -177,7 +177,7 @@ impl Case {
         }
     }
 
-    /// One minus the factor of the method itself from zero, once its contact set is the final one and the factor has
+    /// One minus the factor of the method itself from zero, once its contact set stays the final one and the factor has
     /// settled; and the number of iterations.
     fn measured(&self, r: f64) -> Result<(f64, usize), String> {
         let Self { network, load, .. } = self;
@@ -199,7 +199,8 @@ impl Case {
             if is_final && (gap - before).abs() <= SETTLED * gap {
                 return Ok((gap, block * self.block()));
             }
-            (change, before) = (now, gap);
+            // A factor under another contact set says nothing.
+            (change, before) = (now, if is_final { gap } else { f64::NAN });
         }
         Err(format!("the method does not settle with r = {r}"))
     }
