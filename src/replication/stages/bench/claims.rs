@@ -95,8 +95,8 @@ pub(super) fn uzawa(runs: &Rows) -> Result<Picture, String> {
     Ok(charts(true, &panels))
 }
 
-/// Draws one minus the spectral radius of one iteration against r: a panel per problem, a curve per grid with the gap of
-/// small r dashed, and in rings what the method itself does.
+/// Draws one minus the spectral radius of one iteration against r: a panel per problem, a curve per grid, and in
+/// rings what the method itself does.
 pub(super) fn radius(radii: &Rows, measured: &Rows) -> Result<Picture, String> {
     let mut panels = Vec::new();
     for problem in radii.texts("problem")? {
@@ -107,11 +107,6 @@ pub(super) fn radius(radii: &Rows, measured: &Rows) -> Result<Picture, String> {
         for cells in cells {
             let rows = rows.wherever("cells", cells as usize)?;
             let points = rows.points("r", "gap")?;
-            // Where a small r slows the iteration down.
-            let small = points.iter().map(|&(r, gap)| (r, r / cells / 8f64.sqrt(), gap));
-            let small = small.filter(|(_, bound, gap)| *bound < 1.5 * gap);
-            let small: Vec<_> = small.map(|(r, bound, _)| (r, bound)).collect();
-            curves.push(Curve::new(Reference, "", small));
             curves.push(Curve::new(Line, format!("h = 1/{cells}"), points));
         }
         let rings = measured.wherever("problem", problem)?.points("r", "gap")?;
