@@ -3,37 +3,47 @@
 "use strict";
 
 (() => {
-  const MOST = 4000; // iterations on the finest grid
+  const MOST = 12000; // iterations on the finest grid
+  const SLICE = 12; // milliseconds of iterating between two pictures
   const root = document.querySelector(".tolerance");
   const { grids, r, problems } = JSON.parse(document.querySelector(".tolerance-data").textContent);
   const [problem, slider] = [root.querySelector("select"), root.querySelector("input")];
   const histories = new Map();
 
-  // Both measures, iteration by iteration on the finest grid.
+  // Both measures, iteration by iteration on the finest grid, as far as they are known.
   function history(number) {
     if (!histories.has(number)) {
       const run = new signorini.Run(problems.find((one) => one.number === number), grids, r, "signed");
       while (run.levels.length < grids.length) run.step();
       const start = run.history.signed.length - 1;
       Object.assign(run, { rule: "printed" }).level.tolerance = 0;
-      for (let k = 0; k < MOST && !run.level.stop; k += 1) run.step();
-      const [signed, absolute] = [run.history.signed.slice(start), run.history.absolute.slice(start)];
-      histories.set(number, { signed, absolute });
+      const known = { start, signed: run.history.signed, absolute: run.history.absolute };
+      histories.set(number, known);
+      extend(run, known);
     }
     return histories.get(number);
   }
 
+  // Goes on, and shows what is known, until there are enough iterations.
+  function extend(run, known) {
+    const end = performance.now() + SLICE;
+    while (known.signed.length - known.start < MOST && !run.level.stop && performance.now() < end) run.step();
+    if (known.signed.length - known.start < MOST && !run.level.stop) requestAnimationFrame(() => extend(run, known));
+    show();
+  }
+
   function show() {
     const tolerance = 10 ** Number(slider.value);
-    const { signed, absolute } = history(Number(problem.value));
-    const count = (values) => values.findIndex((value) => value <= tolerance) + 1;
-    const words = (iterations) => iterations || `more than ${MOST}`;
+    const { start, signed, absolute } = history(Number(problem.value));
+    const all = signed.length - start;
+    const count = (values) => values.findIndex((value, k) => k >= start && value <= tolerance) + 1 - start;
+    const words = (iterations) => iterations > 0 ? iterations : `more than ${all}`;
     const [first, second] = [count(signed), count(absolute)];
-    const over = first ? (absolute[first - 1] / tolerance).toPrecision(2) : 0;
+    const over = first > 0 ? (absolute[start + first - 1] / tolerance).toPrecision(2) : "";
     slider.setAttribute("aria-valuetext", tolerance.toExponential(1));
     root.querySelector("output").textContent = `Tolerance ${tolerance.toExponential(1)}: ` +
       `${words(first)} iterations by the signed rule, ${words(second)} by the printed one.` +
-      (over ? ` Where the signed rule stops, the largest absolute value is ${over} times the tolerance.` : "");
+      (over && ` Where the signed rule stops, the largest absolute value is ${over} times the tolerance.`);
   }
 
   for (const control of [problem, slider]) control.addEventListener("input", show);
