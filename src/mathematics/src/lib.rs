@@ -19,7 +19,7 @@
 //! | solve many loads on one grid of the square | [`multigrid::Multigrid`] |
 //! | have the true solution on the square to rounding | [`spectral::spectral_under`] |
 //! | know v and its gradient at a point | [`solvers::Solved::values_at`], [`levels::Problem::values_at`] |
-//! | write files for NumPy and ParaView | `problem.npz(&run.pair())`, `problem.vtk(&run.pair(), "name")`: [`formats`] |
+//! | write files for NumPy, ParaView | [`levels::Problem::npz`], [`levels::Problem::vtk`] of [`solvers::Run::pair`] |
 //!
 //! Four programs in the folder `examples`, each run by `cargo run --release -p signorini-mathematics --example NAME`:
 //! `counts.rs` repeats a row of the paper's tables, `friction.rs` solves on a disc with bounds, `adapted.rs` refines the

@@ -6,6 +6,7 @@
 //! this map grow like powers of its spectral radius. A vector for one r is the start for the next, so that few
 //! iterations are enough.
 
+use super::saddle::{CheckInterval, sweeps_until};
 use super::{Findings, Rows};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule};
@@ -14,7 +15,7 @@ use crate::discrete::norms::largest;
 use crate::levels::Problem;
 use crate::machine::threads::map;
 use crate::problem::law::Law;
-use crate::saddle::{Pair, Plain};
+use crate::saddle::{Method, Pair, RunStart};
 use crate::solvers::{Settings, Solver, solve};
 use serde::{Deserialize, Serialize};
 
@@ -53,7 +54,7 @@ struct RadiusRow {
     r: f64,
     /// One minus the radius.
     gap: f64,
-    /// The same over h^2.
+    /// One minus the radius, over h^2.
     per_h2: f64,
 }
 
@@ -180,29 +181,32 @@ impl Case {
     /// One minus the factor of the method itself from zero, once its contact set stays the final one and the factor has
     /// settled; and the number of iterations.
     fn measured(&self, r: f64) -> Result<(f64, usize), String> {
-        let Self { network, load, .. } = self;
-        let method = Plain { network, law: Law::SIGNORINI, load, r };
-        let mut pair = Pair::zero(self.grid);
+        let (method, pair) = (Method::ArrowHurwicz, &Pair::zero(self.grid));
+        let start = RunStart { load: &self.load, method, r, pair };
+        let (mut iterations, mut last) = (0, Vec::new());
         let (mut change, mut before) = (f64::NAN, f64::NAN);
-        for block in 1..=BLOCKS {
-            for _ in 1..self.block() {
-                method.sweep(&mut pair);
-                method.dual_step(&mut pair);
+        // All iterations are looked at.
+        let checks = CheckInterval { share: usize::MAX, limit: BLOCKS * self.block() };
+        let settled = sweeps_until(self.grid, &start, checks, &mut |pair| {
+            let (at, is_start) = (iterations % self.block(), iterations == 0);
+            iterations += 1;
+            if at + 1 == self.block() {
+                last.clone_from(&pair.y);
             }
-            let last = pair.y.clone();
-            method.sweep(&mut pair);
-            method.dual_step(&mut pair);
+            if at > 0 || is_start {
+                return false;
+            }
             let changes: Vec<f64> = pair.y.iter().zip(&last).map(|(y, last)| y - last).collect();
             let now = largest(&changes);
             let gap = self.gap_of(now / change);
             let is_final = pair.a.iter().zip(&self.held).all(|(&a, &held)| (a > 0.0) == held);
-            if is_final && (gap - before).abs() <= SETTLED * gap {
-                return Ok((gap, block * self.block()));
-            }
+            let is_settled = is_final && (gap - before).abs() <= SETTLED * gap;
             // A factor under another contact set says nothing.
             (change, before) = (now, if is_final { gap } else { f64::NAN });
-        }
-        Err(format!("the method does not settle with r = {r}"))
+            is_settled
+        });
+        let (_, iterations) = settled.ok_or(format!("the method does not settle with r = {r}"))?;
+        Ok((before, iterations))
     }
 }
 

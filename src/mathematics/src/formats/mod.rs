@@ -16,9 +16,9 @@ impl Problem {
         SolutionFields::values(self, pair).npy()
     }
 
-    /// Pair of the finest level in NPZ format, not compressed: `v` and `multiplier` at the nodes, `f` on the cells. On a
-    /// mesh also `points`, one row of coordinates a node; `cells`, one row of nodes a cell, in the positive sense; the
-    /// number of the `region` of each cell, from 0 on, and its `local_error` where it is known.
+    /// Pair of the finest level in NPZ format, not compressed: `v` and `multiplier` at the nodes, `f` on the cells. On
+    /// a mesh also `points`, one row of coordinates a node; `cells`, one row of nodes a cell, in the positive sense;
+    /// the number of the `region` of each cell, from 0 on, and its `local_error` where it is known.
     ///
     /// None if they do not fit into the four gigabytes that such an archive may have.
     pub fn npz(&self, pair: &Pair) -> Option<Vec<u8>> {

@@ -67,7 +67,7 @@ fn vtu(fields: &SolutionFields<'_>, mesh: &AnyMesh, name: &str) -> Vec<u8> {
     arrays.file("UnstructuredGrid", name, &body)
 }
 
-/// Returns the list of the files with the meshes of a run, as one file for ParaView, whose time is the number of the mesh.
+/// Returns a file for ParaView that lists files with meshes, whose times are the numbers of the meshes.
 pub(super) fn collection(names: &[String]) -> Vec<u8> {
     let mut sets = String::new();
     for (level, name) in names.iter().enumerate() {
