@@ -269,8 +269,8 @@ fn solutions_are_written_for_numpy_and_paraview() {
     );
     let size = u64::from_le_bytes(vti[raw + 1..raw + 9].try_into().unwrap()) as usize;
     assert_eq!(doubles(&vti[raw + 9..raw + 9 + size]), from_npy);
-    // v, the multiplier at all nodes, f and the gradient in the cells.
-    let blocks = [81, 81, 64, 3 * 64].map(|doubles: usize| 8 + 8 * doubles);
+    // v, the multiplier at all nodes, f in the cells.
+    let blocks = [81, 81, 64].map(|doubles: usize| 8 + 8 * doubles);
     assert_eq!(&vti[raw + 1 + blocks.iter().sum::<usize>()..], b"\n</AppendedData>\n</VTKFile>\n");
     for (array, offset) in [("v", 0), ("multiplier", blocks[0]), ("f", blocks[0] + blocks[1])] {
         let line = format!("Name=\"{array}\" format=\"appended\" offset=\"{offset}\"");

@@ -68,23 +68,6 @@ impl<'a> SolutionFields<'a> {
         Self { multiplier, f, errors, ..values }
     }
 
-    /// Gradient of v on each square of a grid, of which it is the mean, or each cell of a mesh.
-    pub(super) fn gradients(&self) -> Vec<[f64; 3]> {
-        let grid = match &self.place {
-            FieldPlace::Grid(grid) => *grid,
-            FieldPlace::Mesh(mesh) => return mesh.gradients(self.v),
-        };
-        let (n, half) = (grid.cells(), 0.5 * grid.cells() as f64);
-        let mut gradients = Vec::with_capacity(n * n);
-        for cell in 0..n * n {
-            let [low, right, above, far] = [[0, 0], [1, 0], [0, 1], [1, 1]]
-                .map(|[i, j]| self.v[grid.index(cell % n + i, cell / n + j)]);
-            let across = half * ((right - low) + (far - above));
-            gradients.push([across, half * ((above - low) + (far - right)), 0.0]);
-        }
-        gradients
-    }
-
     /// Lengths of an array at the nodes, or on the cells, of which there are so many.
     fn shape(&self, at_nodes: bool, numbers: usize) -> Vec<usize> {
         match &self.place {
@@ -153,10 +136,6 @@ pub(super) mod tests {
         assert_eq!(fields.f[..], [3.0, -2.0, -2.0, -2.0]);
         // Row by row, where the boundary runs anticlockwise.
         assert_eq!(fields.multiplier, [1.0, 2.0, 3.0, 8.0, 0.0, 4.0, 7.0, 6.0, 5.0]);
-        // Up where v is from 0 to 8, row by row.
-        let v: Vec<f64> = (0..9).map(f64::from).collect();
-        let fields_of_v = SolutionFields { v: &v, ..fields.clone() };
-        assert_eq!(fields_of_v.gradients(), [[2.0, 6.0, 0.0]; 4]);
         let archive = fields.npz().unwrap();
         assert!(archive.starts_with(b"PK\x03\x04") && archive.len() > 25 * 8 + 3 * 128);
     }

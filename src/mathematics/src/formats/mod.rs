@@ -25,11 +25,10 @@ impl Problem {
         SolutionFields::of(self, pair).npz()
     }
 
-    /// Pair of the finest level in VTK's XML format, with this name: points with `v` and `multiplier`, cells with `f`
-    /// and the `gradient` of v; raw little-endian numbers. On the square it is image data, and the gradient the mean
-    /// over each square; on a mesh an unstructured grid in the space of the mesh's file, with the number of the
-    /// `region` of each cell, from 0 on, to whose names the field data have numbers, and the `local_error` where it is
-    /// known.
+    /// Pair of the finest level in VTK's XML format, with this name: points with `v` and `multiplier`, cells with `f`;
+    /// raw little-endian numbers. On the square it is image data, on a mesh an unstructured grid in the space of the
+    /// mesh's file, with the `gradient` of v, the number of the `region` of each cell, from 0 on, to whose names the
+    /// field data have numbers, and the `local_error` where it is known.
     pub fn vtk(&self, pair: &Pair, name: &str) -> Vec<u8> {
         vtk::vtk(&SolutionFields::of(self, pair), name)
     }

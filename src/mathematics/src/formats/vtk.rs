@@ -22,11 +22,10 @@ fn vti(fields: &SolutionFields<'_>, grid: Grid, name: &str) -> Vec<u8> {
     let v = arrays.doubles("v", fields.v);
     let multiplier = arrays.doubles("multiplier", &fields.multiplier);
     let f = arrays.doubles("f", &fields.f);
-    let gradient = arrays.vectors("gradient", &fields.gradients());
     let body = format!(
         "<ImageData WholeExtent=\"{extent}\" Origin=\"-0.5 -0.5 0\" Spacing=\"{h} {h} 1\">\n\
         <Piece Extent=\"{extent}\"><PointData Scalars=\"v\">\n{v}{multiplier}\
-        </PointData><CellData Scalars=\"f\">\n{f}{gradient}\
+        </PointData><CellData Scalars=\"f\">\n{f}\
         </CellData></Piece></ImageData>\n"
     );
     arrays.file("ImageData", name, &body)
@@ -41,7 +40,7 @@ fn vtu(fields: &SolutionFields<'_>, mesh: &AnyMesh, name: &str) -> Vec<u8> {
     // and takes the first one in the text.
     let mut arrays = Appended::default();
     let errors = arrays.doubles_if_any("local_error", &fields.errors);
-    let gradient = arrays.vectors("gradient", &fields.gradients());
+    let gradient = arrays.vectors("gradient", &mesh.gradients(fields.v));
     let region = mesh.regions().iter().map(|region| region.to_le_bytes());
     let region = arrays.array("type=\"UInt16\" Name=\"region\"", region);
     let f = arrays.doubles_if_any("f", &fields.f);
