@@ -22,7 +22,7 @@
 //! | write files for NumPy, ParaView | [`levels::Problem::npz`], [`levels::Problem::vtk`] of [`solvers::Run::pair`] |
 //!
 //! Four programs in the folder `examples`, each run by `cargo run --release -p signorini-mathematics --example NAME`:
-//! `counts.rs` repeats a row of the paper's tables, `friction.rs` solves on a disc with bounds, `adapted.rs` refines the
+//! `counts.rs` repeats a row of the tables, `friction.rs` solves on a disc with bounds, `adapted.rs` refines the
 //! L-shape to an accuracy and makes files, `truth.rs` has the true solution beside the discrete one.
 //!
 //! On the square:
