@@ -1,10 +1,10 @@
 //! Convergence of the paper's method: the spectral radius of one iteration on the contact set of the solution, and the
 //! factor per iteration by which the method itself converges in the end.
 //!
-//! On a contact set that no longer changes, (9)-(12) is linear in the error: with `y_i = (h a_i - sum A_ij y_j) / (A_ii
-//! + h r)` and `a_i <- a_i - r y_i` in contact, and `y_i = - sum A_ij y_j / A_ii` elsewhere, where a is zero. Powers of
-//! this map grow like powers of its spectral radius. A vector for one r is the start for the next, so that few
-//! iterations are enough.
+//! On a contact set that no longer changes, (9)-(12) is linear in the error. In contact,
+//! `y_i = (h a_i - sum A_ij y_j) / (A_ii + h r)` and `a_i <- a_i - r y_i`; elsewhere `y_i = - sum A_ij y_j / A_ii`, and
+//! a is zero. Powers of this map grow like powers of its spectral radius. A vector for one r is the start for the next,
+//! so that few iterations are enough.
 
 use super::saddle::{CheckInterval, sweeps_until};
 use super::{Findings, Rows};
