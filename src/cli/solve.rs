@@ -9,6 +9,7 @@ mod bound;
 mod clock;
 mod files;
 mod judging;
+mod points;
 mod request;
 mod save;
 mod study;
@@ -25,6 +26,7 @@ use adapting::ShownMeshes;
 use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
 use files::{Format, PictureKind};
+use points::PointArgs;
 use request::Request;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::solvers::{Solver, recovered};
@@ -49,6 +51,8 @@ pub(super) struct SolveArgs {
     /// With an accuracy on a mesh, a line for each mesh: nodes and error
     #[arg(short, long, hide_short_help = true)]
     verbose: bool,
+    #[command(flatten)]
+    points: PointArgs,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -69,10 +73,11 @@ pub(super) struct SolveArgs {
     save: Option<String>,
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
-    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The ending alone,
-    /// `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h. A picture
-    /// is a shaded surface on the square and a map on every other domain in the plane, unless --map or --surface says
-    /// otherwise; a solution in space has none.
+    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. A .pvd lists a .vtu of
+    /// each mesh, the coarsest first, and a .csv has v and its gradient at the points of --at and --line. The ending
+    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h. A
+    /// picture is a shaded surface on the square and a map on every other domain in the plane, unless --map or
+    /// --surface says otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
@@ -104,7 +109,7 @@ impl SolveArgs {
         let name = request.scene.as_deref().unwrap_or("solution");
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        format.check(problem)?;
+        format.check(problem, !request.points.is_empty())?;
         let of_pictures = [
             ("--map", self.map),
             ("--surface", self.surface),
@@ -223,11 +228,11 @@ fn write(
 ) -> Result<()> {
     let (problem, pair) = (&answer.solved.problem, answer.pair());
     if !args.recover {
-        return request.write(file, problem, &pair);
+        return request.write(file, (problem, &pair), &answer.values);
     }
     let recovered = recovered(problem, &pair)
         .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
     let (finer, pair) =
         recovered.ok_or_else(|| Error::input("--recover is for the square; leave it out"))?;
-    request.write(file, &finer, &pair)
+    request.write(file, (&finer, &pair), &answer.values)
 }

@@ -4,7 +4,7 @@ use super::advice::{self, Warning, combined, remedies};
 use super::bound::{self, BoundaryWords};
 use super::clock::Part;
 use super::request::Request;
-use super::truth;
+use super::{points, truth};
 use crate::cli::output::{in_columns, paragraph};
 use crate::replication::written::reason;
 use crate::table::Table;
@@ -13,6 +13,7 @@ use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::kkt::StateCounts;
+use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
@@ -48,6 +49,8 @@ pub(super) struct Answer {
     contact: Option<Vec<ContactArc>>,
     /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
     pub force: f64,
+    /// v and its gradient at the points that are asked for.
+    pub values: Vec<PointValue>,
     pub warnings: Vec<Warning>,
     /// Reason why the answer is no solution.
     pub failure: Option<Warning>,
@@ -59,7 +62,8 @@ impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
         let (contact, force) = (solved.contact(), solved.force());
         let (warnings, failure, shortfall) = (Vec::new(), None, None);
-        let mut answer = Self { solved, contact, force, warnings, failure, shortfall };
+        let values = solved.values_at(&request.points);
+        let mut answer = Self { solved, contact, force, values, warnings, failure, shortfall };
         if answer.solved.run().is_some() {
             answer.judge(request);
             request.clock.ended(Part::Bounds);
@@ -130,6 +134,9 @@ impl Answer {
         });
         if !law.is_signorini() {
             json["law"] = law_json(law);
+        }
+        if !self.values.is_empty() {
+            json["values"] = json!(self.values);
         }
         let more = match self.solved.truth() {
             Some(_) => truth::json(&self.solved).unwrap_or_default(),
@@ -263,6 +270,8 @@ impl Answer {
             }
             (None, None) => {}
         }
+        let digits = if self.solved.truth().is_some() { 10 } else { 6 };
+        text += &points::text(&self.values, digits);
         text + &advice::lines(&self.warnings, self.failure.is_some())
     }
 

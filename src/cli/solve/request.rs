@@ -19,7 +19,7 @@ use crate::timing::machine;
 use serde_json::Value;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::mesh::{AnyMesh, PointValue};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, Refusal, SaddleSettings, Solved, Solver, Watcher};
@@ -48,6 +48,8 @@ pub(super) struct Request {
     is_papers: bool,
     /// Options that differ from the scene, in words.
     pub overridden: Vec<String>,
+    /// Points at which v is shown.
+    pub points: Vec<Vec<f64>>,
     /// Warnings of f that are printed already.
     pub warnings: Vec<String>,
     /// Memory that is left, and the files for which some of it is needed.
@@ -146,6 +148,7 @@ impl Request {
             voice,
             is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
+            points: args.points.points(&problem)?,
             warnings,
             memory,
             clock,
@@ -189,12 +192,12 @@ impl Request {
     pub(super) fn write(
         &self,
         (file, format): &(OutputFile, Format),
-        problem: &Problem,
-        pair: &Pair,
+        (problem, pair): (&Problem, &Pair),
+        values: &[PointValue],
     ) -> Result<()> {
         let Self { name, title, view, print, .. } = self;
-        let solution = Solution { problem, name, title, view: *view, print, pair };
-        let written = solution.file(*format).and_then(|bytes| file.write(&bytes));
+        let solution = Solution { problem, name, title, view: *view, print, pair, values };
+        let written = solution.write(file, *format);
         self.clock.ended(Part::Files);
         written
     }

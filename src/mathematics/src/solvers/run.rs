@@ -31,6 +31,11 @@ pub struct Run {
 }
 
 impl Run {
+    /// Nodal vector with the multiplier that follows from it, not with one of the solver.
+    pub fn pair(&self) -> Pair {
+        Pair { y: self.y.clone(), a: self.judgement.multiplier(&self.y) }
+    }
+
     /// End on the finest level.
     pub fn last(&self) -> &Outcome {
         &self.ends[self.ends.len() - 1]
