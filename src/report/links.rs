@@ -185,7 +185,7 @@ mod tests {
 
     /// Checks a link in the page `a` or `sub/b` of a small book, on line 3.
     fn checked(page: &str, link: &str) -> Result<(), String> {
-        let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2><a name=\"x1\"></a>".as_bytes();
+        let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2><a id=\"x1\"></a>".as_bytes();
         let files = ["index.html", "a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
         let built = BTreeMap::from(files.map(|name| (name.to_owned(), html.to_vec())));
         let markdown = format!("# One\n\n{link}\n");

@@ -381,7 +381,7 @@ mod tests {
             "a,b",
             "\"q\"",
         ];
-        let columns: Vec<_> = schema().unwrap().iter_names().map(|name| name.to_string()).collect();
+        let columns: Vec<_> = schema().unwrap().iter_names().map(ToString::to_string).collect();
         let mut csv = columns.join(",") + "\n";
         for name in names {
             let name = name.replace('"', "\"\"");
