@@ -127,10 +127,11 @@ impl SolveArgs {
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
-    /// Refuses, of a study, options about the file or the meshes of one solution.
+    /// Refuses, of a study, options about the file, the points or the meshes of one solution.
     fn refuse_files_of_one(&self) -> Result<()> {
         let given = [
             ("--out", self.out.is_some()),
+            ("--at or --line", !self.points.is_empty()),
             ("--most-nodes", self.most_nodes.is_some()),
             ("--verbose", self.verbose),
         ];

@@ -22,6 +22,11 @@ pub(super) struct PointArgs {
 }
 
 impl PointArgs {
+    /// True if there is no point.
+    pub(super) fn is_empty(&self) -> bool {
+        self.at.is_empty() && self.line.is_empty()
+    }
+
     /// Returns all points, those of lines last.
     ///
     /// # Errors
