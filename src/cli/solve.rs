@@ -17,7 +17,7 @@ mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
-use super::output::{OutputFile, say_json, tell};
+use super::output::{OutputFile, say_json, talk, tell};
 use crate::figures::Width;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
@@ -75,9 +75,9 @@ pub(super) struct SolveArgs {
     ///
     /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. A .pvd lists a .vtu of
     /// each mesh, the coarsest first, and a .csv has v and its gradient at the points of --at and --line. The ending
-    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h. A
-    /// picture is a shaded surface on the square and a map on every other domain in the plane, unless --map or
-    /// --surface says otherwise; a solution in space has none.
+    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or of
+    /// the mesh of --refine. A picture is a shaded surface on the square and a map on every other domain in the plane,
+    /// unless --map or --surface says otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
@@ -166,9 +166,11 @@ impl SolveArgs {
     /// Refuses options about the file that is written where there is none, or that a solver or a domain does not have.
     fn check_file_options(&self, statement: &Statement) -> Result<()> {
         let Statement { solver, domain, .. } = statement;
+        let refine = self.fields.domain.refine.filter(|_| self.save.is_none());
         let of_the_file = [
             ("--recover", self.recover),
             ("--h", self.fields.h.is_some() && *solver == Solver::Spectral),
+            ("--refine", refine.is_some() && *solver == Solver::Spectral),
         ];
         if self.recover && !solver.entry().is_discrete {
             let takers: Vec<_> = Solver::on_grids().iter().map(Solver::to_string).collect();
@@ -200,6 +202,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if let Some(name) = &args.save {
         save::save(name, &request, problem.levels().facts().dimension)?;
     }
+    adapting::note(&request, &problem).iter().for_each(|note| talk(note));
     let mut shown = ShownMeshes::new(&request.statement, args.verbose);
     // The first signal ends the way to an accuracy with the answer so far.
     let _at_work = adapting::of_meshes(&request.statement).map(|_| at_work());

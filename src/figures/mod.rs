@@ -8,6 +8,7 @@ mod boxes;
 mod camera;
 mod chart;
 mod contact;
+mod cuts;
 mod drawn;
 mod extent;
 mod floor;
@@ -34,6 +35,7 @@ mod title;
 
 pub(crate) use chart::charts;
 pub(crate) use contact::{ContactPanel, contact};
+pub(crate) use cuts::{CutsPanel, cuts};
 pub(crate) use drawn::DrawnSolution;
 pub(crate) use gradient::{GradientPanel, gradients};
 pub(crate) use history::{HistoryCurve, HistoryPanel, histories};

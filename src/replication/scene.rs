@@ -338,11 +338,6 @@ impl Scene {
                 ),
             ));
         }
-        if statement.solver == Solver::Spectral && self.source().is_smooth() {
-            let text =
-                "solver = \"spectral\" takes an f of constant pieces; choose another `solver`";
-            return Err(Refused::new("solver", text));
-        }
         let finest = self.finest().cells();
         if let Err(e) = statement.solver.check_cells(finest) {
             return Err(Refused::new(field, format!("`{field}`: {e}")));
@@ -616,7 +611,10 @@ mod tests {
             ),
             ("accuracy = 2", "accuracy = 2.0: must be between 0 and 1"),
             ("accuracy_energy = 0", "accuracy_energy = 0.0: must be between 0 and 1"),
-            ("solver = \"spectral\"\ndomain = \"disc\"", "is for the square; choose another"),
+            (
+                "solver = \"spectral\"\ndomain = \"ball\"",
+                "is for domains in the plane; choose another",
+            ),
             ("solver = \"active-set\"\ngrids = [512]", "1/256 is the finest"),
             ("grids = [11, 22, 44]", "the nearest: 40 and 48"),
             ("solver = \"jacobi\"", "unknown variant `jacobi`"),
@@ -624,8 +622,6 @@ mod tests {
             let text = error(&format!("{GOOD}{keys}\n"));
             assert!(text.contains(words), "{words}: {text}");
         }
-        let smooth = GOOD.replace("else=-1", "formula(x - 1)") + "solver = \"spectral\"\n";
-        assert!(error(&smooth).contains("takes an f of constant pieces"));
     }
 
     #[test]

@@ -110,7 +110,7 @@ fn statement() -> impl Strategy<Value = Statement> {
     (domain(), f(), law(), load(), fineness(), of_solver).prop_map(
         |(domain, [on_square, elsewhere], law, load, fineness, (solver, saddle, tolerance))| {
             let (is_square, is_cube) = (domain.is_square(), domain.is_cube());
-            let solver = if solver.entry().on_meshes || is_square { solver } else { Solver::Uzawa };
+            let solver = if solver.entry().in_space || is_square { solver } else { Solver::Uzawa };
             let fits = match fineness {
                 Fineness::Usual => true,
                 Fineness::Grids(_) => is_square,

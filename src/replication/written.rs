@@ -4,7 +4,7 @@ use crate::pipeline::error::Error;
 use crate::replication::fields::table::Voice;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::problem::text::plain;
-use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, Solved};
+use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, Solved, takes_spectral};
 use signorini_mathematics::statement::Statement;
 
 impl Voice {
@@ -64,7 +64,9 @@ impl Voice {
                 let error = error(accuracy, accuracy.reached(bounds));
                 let [nodes, _] = solved.problem.lengths();
                 let fact = format!("is not reached: {error} with {nodes} nodes; {}", reason(end));
-                (fact, remedy(end, solved))
+                let less =
+                    if takes_spectral(&solved.problem) { less_or_spectral } else { "ask for less" };
+                (fact, remedy(end, solved, less))
             }
         };
         Some(Shortfall { fact: format!("{asked} {fact}"), remedy })
@@ -104,8 +106,8 @@ pub(crate) fn reason(end: ReachEnd) -> &'static str {
     }
 }
 
-/// Remedy for an end on adapted meshes without the accuracy.
-fn remedy(end: ReachEnd, solved: &Solved) -> &'static str {
+/// Remedy for an end on adapted meshes without the accuracy; `less` where nothing but a smaller accuracy helps.
+fn remedy(end: ReachEnd, solved: &Solved, less: &'static str) -> &'static str {
     let has_converged = solved.ends().last().is_none_or(|last| last.end.has_converged());
     match end {
         ReachEnd::MostNodes { .. } => "raise --most-nodes",
@@ -117,6 +119,6 @@ fn remedy(end: ReachEnd, solved: &Solved) -> &'static str {
         ReachEnd::Rounding { .. } if solved.problem.levels().facts().by_quadrature => {
             "ask for less, or write jumps of f as shapes"
         }
-        _ => "ask for less",
+        _ => less,
     }
 }

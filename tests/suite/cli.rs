@@ -389,7 +389,7 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--h", "1/512", "--solver", "active-set"], "1/256 is the finest"),
         (
             &["--domain", "cube", "--f", "else=-1", "--solver", "spectral"],
-            "every solver but this one",
+            "is for domains in the plane",
         ),
         (&["--domain", "disc", "--f", "else=-1", "--h", "1/8"], "refine disc with --refine K"),
         (&["--domain", "cube", "--f", "else=-1", "--out", "v.svg"], "use .vtu"),

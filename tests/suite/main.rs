@@ -59,6 +59,7 @@ mod meshes;
 mod multigrid;
 mod pages;
 mod plain_code;
+mod plane;
 mod reading;
 mod readme;
 mod records;

@@ -68,6 +68,11 @@ impl Answer {
             answer.judge(request);
             request.clock.ended(Part::Bounds);
         }
+        if let Some(found) = answer.solved.truth() {
+            let notes = &answer.solved.problem.levels().facts().notes;
+            let facts = notes.iter().chain(&found.note).cloned();
+            answer.warnings = facts.map(Warning::fact).collect();
+        }
         answer
     }
 
@@ -88,6 +93,12 @@ impl Answer {
             None => self.solved.pair(),
             Some(_) => truth::shown(self.solved.problem.lengths(), || self.solved.pair()),
         }
+    }
+
+    /// Integral of f: of a true solution over the domain, else over the finest level.
+    fn integral(&self) -> f64 {
+        let of_levels = self.solved.problem.levels().facts().integral;
+        self.solved.truth().map_or(of_levels, |found| found.integral)
     }
 
     /// Energy that answers, which has the accuracy of the energy that was asked for.
@@ -124,7 +135,7 @@ impl Answer {
             "dimension": levels.facts().dimension,
             "solver": self.solved.run().map_or(solver, |run| run.solver),
             "energy": self.energy(request),
-            "integral_f": levels.facts().integral,
+            "integral_f": self.integral(),
             "contact": self.contact,
             "force": self.force,
             "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
@@ -184,25 +195,10 @@ impl Answer {
                 "relative": kkt.relative,
             },
             "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
-            "bound": null,
+            "bound": bound::json(&self.solved),
         });
-        match self.solved.bounds().last()? {
-            Ok(bounds) => {
-                json["bound"] = json!({
-                    "energy": bounds.energy,
-                    "error": bounds.error,
-                    "recovered": bounds.recovered,
-                    "relative": {
-                        "energy": bounds.relative_energy(),
-                        "error": bounds.relative(),
-                    },
-                    "reserve": problem.reserves(),
-                });
-                if let Some(curve) = bounds.curve {
-                    json["bound"]["curve"] = curve.into();
-                }
-            }
-            Err(reason) => json["bound_reason"] = reason.to_string().into(),
+        if let Err(reason) = self.solved.bounds().last()? {
+            json["bound_reason"] = reason.to_string().into();
         }
         if !problem.law().is_signorini() {
             json["states"] = json!(states);
@@ -254,7 +250,7 @@ impl Answer {
     pub(super) fn text(&self, request: &Request, recover: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
-        let integral = plain(levels.facts().integral, 4);
+        let integral = plain(self.integral(), 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";

@@ -2,6 +2,7 @@
 
 use super::advice::{Remedy, Warning};
 use super::request::Request;
+use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::levels::Reserve;
@@ -18,8 +19,11 @@ pub(super) fn text(solved: &Solved, recovered: bool) -> String {
         None => return String::new(),
     };
     let domain = if problem.levels().facts().dimension == 2 { "polygon" } else { "polyhedron" };
-    let guaranteed = match &problem.reserves()[..] {
+    let guaranteed = match &solved.reserves()[..] {
         [] => "guaranteed:".to_owned(),
+        [Reserve::Sampled] => {
+            "guaranteed, but for what lies between samples on the boundary:\n ".to_owned()
+        }
         [Reserve::Quadrature] => "guaranteed, but for the quadrature of f:\n ".to_owned(),
         [Reserve::Polygon] => format!("guaranteed, on the {domain}:\n "),
         _ => format!("guaranteed, on the {domain}, but for the quadrature of f:\n "),
@@ -46,6 +50,25 @@ pub(super) fn text(solved: &Solved, recovered: bool) -> String {
         text += &format!(",\n  of the recovered solution at most {shown}{}", share(most));
     }
     text + "\n"
+}
+
+/// Returns the bounds of the solution of a problem as JSON; null without.
+pub(super) fn json(solved: &Solved) -> Value {
+    let Some(Ok(bounds)) = solved.bounds().last() else { return Value::Null };
+    let mut json = json!({
+        "energy": bounds.energy,
+        "error": bounds.error,
+        "recovered": bounds.recovered,
+        "relative": {
+            "energy": bounds.relative_energy(),
+            "error": bounds.relative(),
+        },
+        "reserve": solved.reserves(),
+    });
+    if let Some(curve) = bounds.curve {
+        json["curve"] = curve.into();
+    }
+    json
 }
 
 /// Returns warnings if the bounds contradict the `energy` of an answer, or if its error may be large.

@@ -300,8 +300,8 @@ impl Request {
                 Error::Stage(vec![self.without_solution(level, *sum_load).sentence()])
             }
             Refusal::GridSize(e) => Error::input(format!("--h: {e}")),
-            Refusal::NotOnMeshes(solver) => {
-                Error::input(format!("--solver {solver} is for the square; choose another solver"))
+            Refusal::NotInSpace(_) => {
+                Error::input(format!("--solver {refusal}; choose another solver"))
             }
             Refusal::Spectral(e) if e.is_of_input() => {
                 Error::input(format!("{}: {e}; use --solver multigrid, or change f", self.name))

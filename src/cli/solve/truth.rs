@@ -1,64 +1,93 @@
 //! Parts of an answer that only a true solution has: its numbers, and the checks that they stand.
 
-use super::bound::BoundaryWords;
+use super::bound::{self, BoundaryWords};
 use crate::pipeline::bar;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
+use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Solved;
+use signorini_mathematics::spectral::{PlaneChecks, TrueChecks};
 use std::time::Duration;
 
 /// Returns what only a true solution has.
 pub(super) fn json(solved: &Solved) -> Option<Value> {
     let found = solved.truth()?;
-    let solution = &found.solution;
-    let [lower_right, upper_right, upper_left, lower_left] = solution.corners();
-    Some(json!({
+    let mut json = json!({
         "iterations": found.steps,
         "stop": "converged",
         "grids": null,
         "grids_reason": "the spectral solver uses no grid",
-        "bound": null,
-        "bound_reason": "the spectral solver checks its digits, see `checks`; --accuracy-energy gives guaranteed \
-            bounds",
-        "value": {
+        "bound": bound::json(solved),
+        "checks": found.checks,
+    });
+    if json["bound"].is_null() {
+        json["bound_reason"] = "the spectral solver checks its digits, see `checks`; --accuracy-energy gives guaranteed \
+            bounds"
+            .into();
+    }
+    if let Some(solution) = found.on_square() {
+        let [lower_right, upper_right, upper_left, lower_left] = solution.corners();
+        json["value"] = json!({
             "centre": solution.value(0.0, 0.0),
             "lower_left": lower_left,
             "lower_right": lower_right,
             "upper_right": upper_right,
             "upper_left": upper_left,
-        },
-        "checks": solution.checks,
-    }))
+        });
+    }
+    Some(json)
 }
 
 /// Returns a true solution in words; nothing of another.
 pub(super) fn text(solved: &Solved) -> String {
     let Some(found) = solved.truth() else { return String::new() };
-    let (solution, law) = (&found.solution, solved.problem.law());
-    let facts = solved.problem.levels().facts();
+    let (problem, law) = (&solved.problem, solved.problem.law());
+    let facts = problem.levels().facts();
     let (words, rounding) = (BoundaryWords::of(law), facts.rounding());
     let mut text = String::new();
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
-    text += &format!("energy {}\n", plain(solution.energy, 16));
-    for arc in &solution.contact {
-        text += &words.arc(arc, rounding, 16);
+    text += &format!("energy {}\n{}", plain(found.energy, 16), bound::text(solved, false));
+    let has_parts = problem.levels().mesh(0).part_names().nth(1).is_some();
+    for arc in &found.contact {
+        let part = arc.part.clone().filter(|_| has_parts);
+        text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 16);
     }
-    text += &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16));
-    text += &words.force([solution.force(), 0.0 - facts.integral], rounding, 16);
-    // The signs that hold, and the numbers that vanish.
-    let checks = &solution.checks;
-    let [least_multiplier, least_value] =
-        [checks.least_multiplier, checks.least_value].map(|least| plain(least, 2));
-    text += &format!(
-        "checks: least multiplier {least_multiplier}, least value {least_value}\n  \
-        zero up to rounding: Green {:.1e}, Rellich {:.1e}, moments {:.1e}",
-        checks.green, checks.rellich, checks.moments
-    );
-    if let Some(resolution) = checks.resolution {
-        text += &format!(",\n  two resolutions {resolution:.1e}");
+    if let Some(solution) = found.on_square() {
+        text += &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16));
+    }
+    text += &words.force([found.force, 0.0 - found.integral], rounding, 16);
+    if problem.domain(problem.finest()).has_fixed_part() {
+        text += "fixed parts carry the difference\n";
+    }
+    text + &checks(&found.checks)
+}
+
+/// Returns checks in words: the signs that hold, and the numbers that vanish.
+fn checks(checks: &TrueChecks) -> String {
+    let mut text = String::new();
+    match checks {
+        TrueChecks::Square(checks) => {
+            let [least_multiplier, least_value] =
+                [checks.least_multiplier, checks.least_value].map(|least| plain(least, 2));
+            text += &format!(
+                "checks: least multiplier {least_multiplier}, least value {least_value}\n  \
+                zero up to rounding: Green {:.1e}, Rellich {:.1e}, moments {:.1e}",
+                checks.green, checks.rellich, checks.moments
+            );
+            if let Some(resolution) = checks.resolution {
+                text += &format!(",\n  two resolutions {resolution:.1e}");
+            }
+        }
+        TrueChecks::Plane(PlaneChecks { residual, balance, flux, sign, .. }) => {
+            let [flux, sign] = [*flux, *sign].map(|least| plain(least, 2));
+            text += &format!(
+                "checks: least room of the flux {flux}, least value {sign}\n  \
+                zero but for the error: v in contact {residual:.1e}, balance {balance:.1e}"
+            );
+        }
     }
     text + "\n"
 }

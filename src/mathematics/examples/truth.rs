@@ -11,7 +11,7 @@ use signorini_mathematics::spectral::true_solution;
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let f = "disc(-0.25,0,0.2)=6; else=-1".parse()?;
-    let truth = true_solution(Law::SIGNORINI, &f)?.solution;
+    let truth = true_solution(Law::SIGNORINI, &f)?;
     let grids = nested(&[64, 128, 256])?;
     let problem = Problem::on_square(grids, f, LoadRule::Bilinear {}, Law::SIGNORINI)?;
     let run = solve(&problem, &Settings::of(Solver::Multigrid))?;

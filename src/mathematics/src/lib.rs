@@ -18,6 +18,7 @@
 //! | read the paper's method as the paper writes it | [`saddle::Plain`] |
 //! | solve many loads on one grid of the square | [`multigrid::Multigrid`] |
 //! | have the true solution on the square to rounding | [`spectral::spectral_under`] |
+//! | have it on any domain in the plane | [`solvers::solve`] with [`solvers::Solver::Spectral`] |
 //! | know v and its gradient at a point | [`solvers::Solved::values_at`], [`levels::Problem::values_at`] |
 //! | write files for NumPy, ParaView | [`levels::Problem::npz`], [`levels::Problem::vtk`] of [`solvers::Run::pair`] |
 //!

@@ -35,15 +35,10 @@ impl Fields {
     pub(crate) fn over(&self, base: Statement, voice: Voice) -> Reading<Statement> {
         let solver = self.solver_over(&base, voice);
         self.check(voice, &base.domain, solver)?;
-        if !solver.entry().on_meshes && !base.domain.is_square() {
-            let text = match voice {
-                Voice::Keys => format!(
-                    "solver = \"{solver}\" is for the square; choose another, or leave it out"
-                ),
-                _ => {
-                    format!("--solver {solver}: {} has every solver but this one", base.domain.name)
-                }
-            };
+        if !solver.entry().in_space && base.domain.is_built_in_space() {
+            let given = voice.with_value("solver", solver.entry().name);
+            let text =
+                format!("{given} is for domains in the plane; choose another, or leave it out");
             return Err(Refused::new("solver", text));
         }
         let fineness = self.fineness_over(&base, solver, voice)?;

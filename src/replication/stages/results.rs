@@ -102,7 +102,8 @@ impl Solves {
 /// Columns: `problem` (the name of its scene), `solver`, `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
 /// `tolerance` identify the solve; `rule`, `r` and `tolerance` are empty for solvers without. `energy_lower`,
 /// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were
-/// computed; `error_relative` is that bound over the norm of the solution. The spectral solver has an energy alone.
+/// computed; `error_relative` is that bound over the norm of the solution. The spectral solver on the square has an energy
+/// alone.
 /// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
 /// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
@@ -247,15 +248,10 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
             let solved: Outcomes = from_json(inputs, task, OUTCOMES)?;
             let energies: Vec<f64> =
                 (0..solved.levels.len()).map(|level| solved.energy_on(level)).collect();
+            let last_bounds = solved.last_bounds().cloned();
             let Outcomes { levels, bounds, reserve, iterations, energy, .. } = solved;
-            let mut words = Vec::new();
-            for reserve in reserve {
-                words.push(match reserve {
-                    Reserve::Quadrature => "quadrature",
-                    Reserve::Polygon => "polygon",
-                });
-            }
-            let reserve = words.join(" ");
+            let reserve: Vec<_> = reserve.into_iter().map(Reserve::name).collect();
+            let reserve = reserve.join(" ");
             let on_grid = GridSolve {
                 scene,
                 run,
@@ -263,7 +259,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 outcome: None,
                 iterations,
                 energy,
-                bounds: None,
+                bounds: last_bounds.filter(|_| levels.is_empty()),
                 reserve,
             };
             if levels.is_empty() {

@@ -18,6 +18,7 @@ use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
+use signorini_mathematics::spectral::TrueChecks;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -46,7 +47,7 @@ pub(super) struct Outcomes {
     /// Greatest nodal error per grid; empty if no exact solution is known.
     pub(super) errors: Vec<f64>,
     /// Guaranteed bounds per grid, or none where there are none; empty for the saddle-point methods, which end where
-    /// their rule says so, and the spectral solver.
+    /// their rule says so, and the spectral solver on the square, else with one for it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) bounds: Vec<Option<Bounds>>,
     /// True if the accuracy of the energy was asked for.
@@ -59,9 +60,9 @@ pub(super) struct Outcomes {
     pub(super) iterations: usize,
     /// Energy that answers: on the finest grid, as [`Outcomes::energy_on`] has it, or of the true solution.
     pub(super) energy: f64,
-    /// Difference of the energies of a true solution at two resolutions, over the energy.
+    /// Accuracy of a true solution's energy, over the energy: the difference at two resolutions, or of the bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) resolution: Option<f64>,
+    pub(super) accuracy: Option<f64>,
 }
 
 /// Name of the end of the spectral solver.
@@ -212,12 +213,14 @@ impl Cell {
         };
         if let Some(found) = solved.truth() {
             outcomes.iterations = found.steps;
-            outcomes.resolution = found.solution.checks.resolution;
-            return outcomes;
+            outcomes.accuracy = match found.checks {
+                TrueChecks::Square(checks) => checks.resolution,
+                TrueChecks::Plane(checks) => Some(checks.bracket),
+            };
         }
         if outcomes.r.is_none() {
             outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
-            outcomes.reserve = solved.problem.reserves();
+            outcomes.reserve = solved.reserves();
         }
         if let Some((last, coarser)) = outcomes.levels.split_last() {
             outcomes.iterations = last.end.iterations;
@@ -359,6 +362,7 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
         reserves += match reserve {
             Reserve::Polygon => ", on the polygon or polyhedron of the mesh",
             Reserve::Quadrature => ", but for the quadrature of f",
+            Reserve::Sampled => ", but for what lies between samples on the boundary",
         };
     }
     let relative = match bounds.relative() {

@@ -7,6 +7,7 @@ use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::text::{interval, plain};
@@ -133,23 +134,25 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
     if outcomes.levels.is_empty() {
         let Outcomes { iterations, energy, .. } = *outcomes;
         let row = [String::new(), iterations.to_string(), outcomes.end().into(), decimal(energy)];
-        table.rows.push(row.into_iter().chain(bounds.map(|_| String::new())).collect());
+        let of_bounds = in_columns(outcomes.last_bounds());
+        table.rows.push(row.into_iter().chain(of_bounds).chain([String::new()]).collect());
     }
     for (number, (level, bounds)) in outcomes.levels.iter().zip(&outcomes.bounds).enumerate() {
         let iterations = level.end.iterations.to_string();
         let energy = outcomes.energy_on(number);
         let mut row = vec![level.label(), iterations, level.name().into(), decimal(energy)];
-        row.extend(match bounds {
-            Some(bounds) => {
-                let ([low, high], [_, most]) = (bounds.energy, bounds.error);
-                [low, high, most, bounds.relative()].map(decimal)
-            }
-            None => Default::default(),
-        });
+        row.extend(in_columns(bounds.as_ref()));
         row.push(decimal(level.kkt.relative));
         table.rows.push(row);
     }
     table
+}
+
+/// Bounds in the columns of a table, empty without.
+fn in_columns(bounds: Option<&Bounds>) -> [String; 4] {
+    let Some(bounds) = bounds else { return Default::default() };
+    let ([low, high], [_, most]) = (bounds.energy, bounds.error);
+    [low, high, most, bounds.relative()].map(decimal)
 }
 
 /// The rows of a table, one from each of the tasks `solves`.

@@ -113,6 +113,13 @@ impl Bounds {
         ratio(self.error[1], (-2.0 * self.energy[1]).max(0.0).sqrt())
     }
 
+    /// Bounds that follow from an interval that contains the energy of the true solution u and that of v, where half the
+    /// square of the error is at most its width.
+    pub(crate) fn of_energy(energy: [f64; 2]) -> Self {
+        let width = (energy[1] - energy[0]).max(0.0);
+        Self { energy, error: [0.0, (2.0 * width).sqrt()], ..Self::NONE }
+    }
+
     /// Bounds that say nothing.
     pub const NONE: Self = Self {
         energy: [f64::NEG_INFINITY, 0.0],

@@ -33,6 +33,19 @@ pub enum Reserve {
     Quadrature,
     /// Of a curved domain, by the polygon or polyhedron of the finest mesh.
     Polygon,
+    /// Between samples of what a true solution violates on the boundary.
+    Sampled,
+}
+
+impl Reserve {
+    /// Name in answers and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Quadrature => "quadrature",
+            Self::Polygon => "polygon",
+            Self::Sampled => "sampled",
+        }
+    }
 }
 
 impl Problem {

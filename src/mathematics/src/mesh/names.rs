@@ -25,7 +25,7 @@ impl Names {
     }
 
     /// Returns all names of a list as text, each once.
-    pub(super) fn all<'a>(list: impl Iterator<Item = &'a Self>) -> String {
+    pub(crate) fn all<'a>(list: impl Iterator<Item = &'a Self>) -> String {
         let mut all = Self::default();
         list.flat_map(Self::iter).for_each(|name| all.add(name));
         all.to_string()

@@ -15,7 +15,7 @@ pub use adapted::Adaption;
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{Tried, Watcher};
-pub use run::{FoundSolution, Run};
+pub use run::{FoundSolution, Run, takes_spectral};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{ReachEnd, Reached, Solved, recovered};
 pub use solver::Solver;
@@ -104,8 +104,8 @@ pub enum Refusal {
     #[error("no bound of the error: {0}")]
     NoBound(NoBound),
     /// The domain does not have the solver.
-    #[error("{0} is for the square alone")]
-    NotOnMeshes(Solver),
+    #[error("{0} is for domains in the plane")]
+    NotInSpace(Solver),
     /// Meshes are adapted in the plane alone.
     #[error("meshes are adapted in the plane alone")]
     NotInPlane,

@@ -4,14 +4,16 @@ use super::{Refusal, SaddleSettings, Settings, Solver};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
-use crate::levels::{Discrete, Problem};
+use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
+use crate::mesh::{Condition, PlaneMesh};
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
+use crate::problem::source::Source;
 use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
-use crate::spectral::{TrueSolution, true_solution};
+use crate::spectral::{SpectralError, TrueSolution, check_plane, true_solution, true_solution_on};
 use std::borrow::Cow;
 
 /// Run of a solver on levels.
@@ -64,10 +66,31 @@ impl FoundSolution {
     }
 }
 
-/// Values of a true solution at the nodes of the finest grid, and the multiplier at its boundary nodes.
+/// Values of a true solution at the nodes of the finest level, and the multiplier at the boundary nodes where the law
+/// holds.
 pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
-    let lattices = problem.lattices().expect("true solutions are on the square");
-    found.solution.on_grid(lattices.finest())
+    if let (Some(solution), Some(lattices)) = (found.on_square(), problem.lattices()) {
+        return solution.on_grid(lattices.finest());
+    }
+    let (level, law) = (problem.finest(), problem.law());
+    let mesh = problem.levels().mesh(level);
+    let mesh = mesh.plane().expect("true solutions are in the plane");
+    let points = mesh.points();
+    let (mut y, mut a) = (found.values(points), Vec::new());
+    // Where functions are singular, at corners, the boundary alone has their values.
+    let free = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Free);
+    for node in free.flat_map(|facet| facet.nodes).map(|node| node as usize) {
+        [y[node], _] = found.on_boundary(points[node]);
+    }
+    for contact in problem.domain(level).contact().iter() {
+        let [value, flux] = found.on_boundary(points[contact.node]);
+        // What violates the law is an error of the method, which must not be taken for penetration.
+        y[contact.node] = if law.hi().is_infinite() { value.max(0.0) } else { value };
+        a.push(law.project(flux));
+    }
+    let fixed = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Fixed);
+    fixed.flat_map(|facet| facet.nodes).for_each(|node| y[node as usize] = 0.0);
+    Pair { y, a }
 }
 
 /// Judges a vector of the finest level.
@@ -193,13 +216,36 @@ impl Monitor for Measuring<'_> {
     }
 }
 
-/// Finds the true solution on the square, without a level.
+/// Coarsest mesh of a problem in the plane, and f on it, as the spectral solver takes them.
+fn on_coarsest<T>(
+    problem: &Problem,
+    take: impl FnOnce(&PlaneMesh, &[Source]) -> Result<T, SpectralError>,
+) -> Result<T, Refusal> {
+    let mesh = problem.levels().mesh(0);
+    let mesh = mesh.plane().ok_or(Refusal::NotInSpace(Solver::Spectral))?;
+    let f = read(mesh, &problem.levels().facts().f).map_err(ProblemError::from)?;
+    Ok(take(mesh, &f)?)
+}
+
+/// True if the spectral solver takes the domain and f of a problem, whether or not it then finds the solution.
+pub fn takes_spectral(problem: &Problem) -> bool {
+    match problem.lattices().map(Lattices::source) {
+        Some(f) if !f.is_smooth() => true,
+        _ => on_coarsest(problem, |mesh, f| check_plane(mesh, f, problem.law())).is_ok(),
+    }
+}
+
+/// Finds the true solution on a domain in the plane, without a level: on the square for constant pieces by its closed
+/// form.
 pub(super) fn truth(
     problem: &Problem,
-    settings: &Settings,
+    _: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    let lattices = problem.lattices().ok_or(Refusal::NotOnMeshes(settings.solver))?;
-    let found = true_solution(problem.law(), lattices.source())?;
+    let law = problem.law();
+    let found = match problem.lattices().map(Lattices::source) {
+        Some(f) if !f.is_smooth() => true_solution(law, f)?,
+        _ => on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, law))?,
+    };
     Ok(FoundSolution::Truth(found.into()))
 }

@@ -43,8 +43,8 @@ pub enum SizeRefusal {
         left: f64,
     },
     /// The domain does not have the solver.
-    #[error("{0} is for the square alone")]
-    NotOnMeshes(Solver),
+    #[error("{0} is for domains in the plane")]
+    NotInSpace(Solver),
     /// A number of cells that cannot be halved to a coarse grid.
     #[error(transparent)]
     Cells(#[from] InputError),
@@ -71,8 +71,8 @@ impl Solver {
     /// [`SizeRefusal`].
     pub fn check_nodes(self, dimension: u8, nodes: f64) -> Result<(), SizeRefusal> {
         let entry = self.entry();
-        if !entry.on_meshes {
-            return Err(SizeRefusal::NotOnMeshes(self));
+        if dimension == 3 && !entry.in_space {
+            return Err(SizeRefusal::NotInSpace(self));
         }
         match entry.most_nodes[usize::from(dimension - 2)].filter(|&most| nodes > most as f64) {
             Some(most) => Err(SizeRefusal::TooManyNodes { solver: self, nodes, most }),

@@ -6,7 +6,7 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::prolong_boundary;
-use crate::levels::Problem;
+use crate::levels::{Problem, Reserve};
 use crate::mesh::PointValue;
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
@@ -126,18 +126,32 @@ impl Solved {
         self.run().map_or(&[], |run| &run.ends)
     }
 
-    /// Guaranteed bounds on the last levels, the finest last: on all for an accuracy, else on the finest alone; none of
-    /// a true solution.
+    /// Bounds on the last levels, the finest last: on all for an accuracy, else on the finest alone; of a true solution
+    /// its own, if it has any. They are guaranteed but for what [`Solved::reserves`] lists.
     pub fn bounds(&self) -> &[Result<Bounds, NoBound>] {
-        self.bounds
-            .get_or_init(|| self.run().map(|run| self.problem.bounds(&run.y)).into_iter().collect())
+        self.bounds.get_or_init(|| {
+            let bounds = match &self.found {
+                FoundSolution::Vector(run) => Some(self.problem.bounds(&run.y)),
+                FoundSolution::Truth(found) => found.bounds().map(Ok),
+            };
+            bounds.into_iter().collect()
+        })
+    }
+
+    /// Approximations that the bounds leave out.
+    pub fn reserves(&self) -> Vec<Reserve> {
+        match &self.found {
+            FoundSolution::Vector(_) => self.problem.reserves(),
+            FoundSolution::Truth(found) if found.is_sampled => vec![Reserve::Sampled],
+            FoundSolution::Truth(_) => Vec::new(),
+        }
     }
 
     /// Energy: that of v or, where the energy itself was asked for, of the true solution.
     pub fn energy(&self) -> f64 {
         match &self.found {
             FoundSolution::Vector(run) => run.last().energy,
-            FoundSolution::Truth(found) => found.solution.energy,
+            FoundSolution::Truth(found) => found.energy,
         }
     }
 
@@ -146,7 +160,7 @@ impl Solved {
     pub fn contact(&self) -> Option<Vec<ContactArc>> {
         match &self.found {
             FoundSolution::Vector(Run { y, judgement, .. }) => self.problem.arcs(y, judgement),
-            FoundSolution::Truth(found) => Some(found.solution.contact.clone()),
+            FoundSolution::Truth(found) => Some(found.contact.clone()),
         }
     }
 
@@ -154,7 +168,7 @@ impl Solved {
     pub fn force(&self) -> f64 {
         match &self.found {
             FoundSolution::Vector(run) => run.judgement.force(),
-            FoundSolution::Truth(found) => found.solution.force(),
+            FoundSolution::Truth(found) => found.force,
         }
     }
 
@@ -177,11 +191,17 @@ impl Solved {
     pub fn values_at(&self, points: &[Vec<f64>]) -> Vec<PointValue> {
         match &self.found {
             FoundSolution::Vector(run) => self.problem.values_at(&run.y, points),
-            FoundSolution::Truth(found) => points
-                .iter()
-                .map(|point| PointValue::new(point, found.solution.at(point)))
-                .collect(),
+            FoundSolution::Truth(found) => {
+                points.iter().map(|point| PointValue::new(point, found.at(point))).collect()
+            }
         }
+    }
+}
+
+impl TrueSolution {
+    /// Bounds that follow from those of the energy, if there are any.
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
+        self.bracket.map(Bounds::of_energy)
     }
 }
 

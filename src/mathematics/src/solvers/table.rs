@@ -23,8 +23,8 @@ pub struct SolverEntry {
     pub method: Option<Method>,
     /// True if it solves discrete problems, and not the problem itself.
     pub is_discrete: bool,
-    /// True if it solves on meshes as well as on the square.
-    pub on_meshes: bool,
+    /// True if it solves in space as well as in the plane.
+    pub in_space: bool,
     /// Most cells per side on the square; none if memory is the only limit.
     pub most_on_square: Option<usize>,
     /// Most nodes of a mesh in the plane and in space; none if memory is the only limit.
@@ -42,7 +42,7 @@ const NESTED: SolverEntry = SolverEntry {
     run: saddle,
     method: Some(Method::ArrowHurwicz),
     is_discrete: true,
-    on_meshes: true,
+    in_space: true,
     most_on_square: None,
     most_nodes: [None; 2],
     bytes_per_node: vectors,
@@ -93,11 +93,11 @@ pub const SOLVERS: [SolverEntry; 6] = [
         solver: Solver::Spectral,
         name: "spectral",
         in_words: "spectral",
-        description: "The true solution to rounding, for piecewise constant f",
+        description: "The true solution of a domain in the plane, to ten digits and more; on the square to rounding",
         run: truth,
         method: None,
         is_discrete: false,
-        on_meshes: false,
+        in_space: false,
         ..NESTED
     },
 ];

@@ -73,6 +73,28 @@ pub(super) fn ln(x: f64) -> f64 {
     exponent as f64 * LN_2 + (f - (half - s * (half + sum * square)))
 }
 
+/// The exponential of a number between -700 and 700.
+#[inline(always)]
+pub(super) fn exp(x: f64) -> f64 {
+    /// One over factorials.
+    const SERIES: [f64; 14] = {
+        let (mut series, mut k) = ([1.0; 14], 1);
+        while k < 14 {
+            series[k] = series[k - 1] / k as f64;
+            k += 1;
+        }
+        series
+    };
+    /// ln 2 in two parts, the first with few digits.
+    const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+    const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+    let turns = (x / LN_2 + 0.5).floor();
+    let rest = (x - turns * LN_2_HIGH) - turns * LN_2_LOW;
+    // Added to the bits of the exponent.
+    let power = f64::from_bits(((turns as i64 + 1023) << 52) as u64);
+    polynomial(&SERIES, rest) * power
+}
+
 /// Angle of the vector `(x, y)`, 0 if the vector is zero.
 #[inline(always)]
 pub(super) fn atan2(y: f64, x: f64) -> f64 {
@@ -118,6 +140,7 @@ mod tests {
             let known = libm::sincos(PI * t);
             assert!((sin - known.0).abs() < 1e-15 && (cos - known.1).abs() < 1e-15, "{t}");
             let x = libm::exp(20.0 * t);
+            assert!((exp(20.0 * t) / x - 1.0).abs() < 5e-16, "{t}");
             assert!((ln(x) - 20.0 * t).abs() < 1e-15 * (1.0 + 40.0 * t.abs()), "{x}");
             assert!((ln(1.0 + 1e-3 * t) - libm::log1p(1e-3 * t)).abs() < 3e-16, "{t}");
             for radius in [1e-9, 1.0, 30.0] {

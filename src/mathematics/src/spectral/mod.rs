@@ -1,4 +1,7 @@
-//! True solution on the square, to rounding: a conformal map and a scalar Riemann-Hilbert problem.
+//! True solution: on the square to rounding, by a conformal map and a scalar Riemann-Hilbert problem; on any domain in the
+//! plane with straight and circular sides to ten digits and more ([`plane`]). Both are a [`TrueSolution`].
+//!
+//! What follows is the square's.
 //!
 //! The problem is invariant under conformal maps, and for a piecewise constant f a particular solution is
 //! known in closed form. What remains is a harmonic function on the disc whose boundary condition changes
@@ -108,12 +111,14 @@ mod newton;
 mod panels;
 mod parts;
 mod place;
+pub mod plane;
 mod potential;
 mod problem;
 mod rule;
 mod search;
 mod sources;
 mod trace;
+mod truth;
 
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
@@ -128,9 +133,12 @@ use contact::ContactStart;
 use energy::Energies;
 pub use jumps::Touch;
 use place::BoundaryPlace;
+pub use plane::{PlaneChecks, PlaneError};
 use problem::SpectralProblem;
 use search::FoundTrace;
 use trace::{BoundaryValues, Sign, Trace};
+pub use truth::{TrueChecks, TrueSolution, true_solution};
+pub(crate) use truth::{check_plane, true_solution_on};
 
 /// Starts that are tried in turn. The first is enough unless the integral of f nearly vanishes.
 const STARTS: [ContactStart; 6] = [
@@ -181,6 +189,9 @@ pub enum SpectralError {
     /// No contact set was found for which all signs are right.
     #[error("no contact set with all signs right was found{}", .0.as_ref().map(Touch::to_string).unwrap_or_default())]
     NoContactSet(Option<Touch>),
+    /// On another domain than the square.
+    #[error(transparent)]
+    Plane(#[from] PlaneError),
     /// A solution was found that fails a check.
     #[error("a check of the solution failed: {checks}{}", near.as_ref().map(Touch::to_string).unwrap_or_default())]
     Unchecked {
@@ -194,7 +205,11 @@ pub enum SpectralError {
 impl SpectralError {
     /// True if the input is the reason, and not that no solution was found.
     pub fn is_of_input(&self) -> bool {
-        matches!(self, Self::NotPieces | Self::Unsolvable(_))
+        match self {
+            Self::NotPieces | Self::Unsolvable(_) => true,
+            Self::Plane(e) => e.is_of_input(),
+            _ => false,
+        }
     }
 
     /// True if borders of f that nearly touch may be the reason.
@@ -217,14 +232,6 @@ pub struct Solution {
     pub steps: usize,
     problem: SpectralProblem,
     trace: Trace,
-}
-
-/// Solution at the finer of two resolutions, by which the energies were compared.
-pub struct TrueSolution {
-    /// Solution at [`SpectralParams::FINER`].
-    pub solution: Solution,
-    /// Number of Newton steps of the solution at the usual resolution, from which the finer one starts.
-    pub steps: usize,
 }
 
 /// Multiplier dv/dn at a point of the boundary.
@@ -257,17 +264,6 @@ pub(crate) struct BoundaryPoint {
 /// solution fails a check.
 pub fn spectral(f: &Source, params: SpectralParams) -> Result<Solution, SpectralError> {
     spectral_under(Law::SIGNORINI, f, params)
-}
-
-/// Solves the problem under a law at the usual resolution, and from there at the finer one, with twelve digits of the
-/// energy or more.
-///
-/// # Errors
-/// As [`spectral_under`], or if the finer solution fails a check.
-pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError> {
-    let usual = spectral_under(law, f, SpectralParams::default())?;
-    let solution = usual.at_resolution(SpectralParams::FINER)?;
-    Ok(TrueSolution { solution, steps: usual.steps })
 }
 
 /// Solves the problem under any law on the boundary, as [`spectral`] does under the paper's.

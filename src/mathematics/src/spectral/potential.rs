@@ -22,19 +22,19 @@ use std::f64::consts::{PI, TAU};
 pub(super) struct Potential {
     /// Ends of jumps.
     pub vertices: Vec<Complex>,
-    jumps: Vec<Jump>,
+    pub jumps: Vec<Jump>,
     /// Difference of f and the sum of all jumps, a constant.
-    background: f64,
+    pub background: f64,
     /// Coefficients of p', where Re p is the harmonic polynomial that is subtracted.
-    gauge: [Complex; 4],
+    pub gauge: [Complex; 4],
 }
 
 /// A jump of f along an arc, whose ends are vertices or at infinity, or that is a whole circle.
 #[derive(Clone)]
-struct Jump {
-    arc: Arc,
+pub(super) struct Jump {
+    pub arc: Arc,
     /// f on the left less f on the right.
-    size: f64,
+    pub size: f64,
     /// Contribution of ends at infinity to the angle from one end to the other.
     far: f64,
 }
@@ -64,20 +64,8 @@ impl Potential {
 
     /// Finds the difference of f and the jumps, and the polynomial.
     pub(super) fn complete(&mut self, f: impl Fn(Complex) -> f64) {
-        // The difference is the same at all points but for rounding, and those that are too near to a jump.
         let points: [Complex; 25] = std::array::from_fn(|k| scattered(k as f64));
-        let (logs, mut ratios) = (self.logs(&points), points);
-        let mut rest = points.map(f);
-        for jump in &self.jumps {
-            jump.log_ratios(&logs, &mut ratios);
-            for ((rest, z), &ratio) in rest.iter_mut().zip(points).zip(&ratios) {
-                let Polar { power, .. } = jump.arc.curve.polar(z);
-                let inside = if power > 0.0 { jump.sweep() } else { 0.0 };
-                *rest -= jump.size / TAU * (jump.logarithm(ratio, power).im + inside);
-            }
-        }
-        rest.sort_by(f64::total_cmp);
-        self.background = rest[points.len() / 2];
+        self.find_background(&points, f);
         let corners = self.gradients(&CORNERS);
         // Interpolation in the four corners is a discrete Fourier transform.
         let mut power = [Complex::new(0.25, 0.0); 4];
@@ -86,6 +74,28 @@ impl Potential {
                 *c = *c + corner.conj() * *power;
                 // The inverse of a corner is twice its conjugate.
                 *power = *power * z.conj().scaled(2.0);
+            }
+        }
+    }
+
+    /// Finds the difference of f and the jumps, from f at some points.
+    pub(super) fn find_background(&mut self, points: &[Complex], f: impl Fn(Complex) -> f64) {
+        // The difference is the same at all points but for rounding, and those that are too near to a jump.
+        let mut rest: Vec<f64> = points.iter().map(|&z| f(z)).collect();
+        self.add_jumps(points, -1.0, &mut rest);
+        rest.sort_by(f64::total_cmp);
+        self.background = rest[points.len() / 2];
+    }
+
+    /// Adds f at points, but for the background, times a sign.
+    pub(super) fn add_jumps(&self, points: &[Complex], sign: f64, sums: &mut [f64]) {
+        let (logs, mut ratios) = (self.logs(points), points.to_vec());
+        for jump in &self.jumps {
+            jump.log_ratios(&logs, &mut ratios);
+            for ((sum, &z), &ratio) in sums.iter_mut().zip(points).zip(&ratios) {
+                let Polar { power, .. } = jump.arc.curve.polar(z);
+                let inside = if power > 0.0 { jump.sweep() } else { 0.0 };
+                *sum += sign * (jump.size / TAU * (jump.logarithm(ratio, power).im + inside));
             }
         }
     }
@@ -115,7 +125,7 @@ impl Potential {
 
     /// log(v - z) for the vertices v and the points z, vertex by vertex.
     #[inline(always)]
-    fn logs(&self, points: &[Complex]) -> Vec<Complex> {
+    pub(super) fn logs(&self, points: &[Complex]) -> Vec<Complex> {
         let mut logs = vec![Complex::default(); points.len() * self.vertices.len()];
         for (logs, &v) in logs.chunks_exact_mut(points.len()).zip(&self.vertices) {
             // At a vertex, where it is finite here, the factors of the logarithm vanish.
@@ -147,7 +157,7 @@ impl Jump {
 
     /// log(b - z) - log(a - z) for the ends a and b and the points z.
     #[inline(always)]
-    fn log_ratios(&self, logs: &[Complex], ratios: &mut [Complex]) {
+    pub(super) fn log_ratios(&self, logs: &[Complex], ratios: &mut [Complex]) {
         let many = ratios.len();
         ratios.fill(Complex::new(0.0, self.far));
         for (end, sign) in self.arc.ends.into_iter().zip([-1.0, 1.0]) {
@@ -161,7 +171,7 @@ impl Jump {
     /// log((b - z) / (a - z)), less i times the sweep on the left of the curve, from a value of this logarithm that may
     /// be off by whole turns.
     #[inline(always)]
-    fn logarithm(&self, Complex { re, im }: Complex, power: f64) -> Complex {
+    pub(super) fn logarithm(&self, Complex { re, im }: Complex, power: f64) -> Complex {
         let sweep = self.sweep();
         let half = 0.5 * (PI - sweep);
         // No more than a quarter of a turn from the middle of what it can be on this side.

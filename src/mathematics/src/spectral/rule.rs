@@ -69,7 +69,7 @@ impl Rules {
 }
 
 /// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), ascending.
-fn gauss(n: usize) -> Vec<GaussNode> {
+pub(super) fn gauss(n: usize) -> Vec<GaussNode> {
     let mut rule = vec![GaussNode { x: 0.5, weight: 1.0 }; n];
     for i in 0..n.div_ceil(2) {
         let mut x = libm::cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));

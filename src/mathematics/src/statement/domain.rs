@@ -48,6 +48,11 @@ impl Domain {
         self.name == CUBE
     }
 
+    /// True for a built-in domain in space; of a file, its mesh tells.
+    pub fn is_built_in_space(&self) -> bool {
+        matches!(BuiltIn::named(&self.name), Some(BuiltIn::Cube | BuiltIn::Ball))
+    }
+
     /// True if the domain is read from a file.
     pub fn is_file(&self) -> bool {
         BuiltIn::named(&self.name).is_none() && !self.is_square()

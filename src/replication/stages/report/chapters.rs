@@ -237,8 +237,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "is_papers_law": scene.statement.law.is_none(),
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
-        // Difference of the energies of a true solution at two resolutions, over the energy.
-        "resolution": outcomes.resolution.map(f64::abs),
+        // Accuracy of the energy of a true solution, over the energy.
+        "accuracy": outcomes.accuracy.map(f64::abs),
         "f": facts.f,
         "integral_f": facts.integral,
         // The exact solution in LaTeX, if it is known.

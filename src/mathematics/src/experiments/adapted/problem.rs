@@ -6,7 +6,8 @@ use crate::mesh::{
     AnyMesh, BuiltIn, Condition, Facet, MeshData, Names, Part, PlaneMesh, lattice_mesh,
 };
 use crate::problem::law::Law;
-use crate::solvers::{Adaption, Settings, Solver, solve};
+use crate::solvers::{Adaption, FoundSolution, Settings, Solver, find, solve};
+use crate::spectral::TrueSolution;
 use serde::{Deserialize, Serialize};
 
 /// Power of the lattice's height above the lower side that is the height of a node of the layer.
@@ -98,6 +99,20 @@ impl AdaptedProblem {
         let bounds = bounds.map_err(|e| e.to_string())?;
         let y = solved.pair().y;
         Ok(BoundedRun { problem: solved.problem, y, bounds })
+    }
+
+    /// True solution.
+    ///
+    /// # Errors
+    /// A sentence if it is not found.
+    pub(in crate::experiments) fn truth(self) -> Result<TrueSolution, String> {
+        let problem = Problem::on_mesh(&self.mesh()?.into(), 0, self.f(), Law::SIGNORINI);
+        let problem = problem.map_err(|e| e.to_string())?;
+        match find(&problem, &Settings::of(Solver::Spectral), &mut ()) {
+            Ok(FoundSolution::Truth(found)) => Ok(*found),
+            Ok(FoundSolution::Vector(_)) => Err("no true solution".into()),
+            Err(e) => Err(e.to_string()),
+        }
     }
 
     /// Solves on the mesh after so many uniform refinements, with bounds on this mesh alone.

@@ -11,7 +11,7 @@ use crate::machine::threads::map;
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::law::Law;
-use crate::solvers::{Run, Settings, Solver, solve};
+use crate::solvers::{FoundSolution, Refusal, Run, Settings, Solver, find, solve};
 use serde::{Deserialize, Serialize};
 
 pub(super) use counts::{Nested, nested};
@@ -96,8 +96,9 @@ struct DomainCost {
     floor_steps: usize,
     /// KKT residual over the largest load at the rounding floor.
     relative: f64,
-    /// Guaranteed bound of the error over an estimate of the error, extrapolated from the energies on three meshes;
-    /// none where the domain changes with the mesh.
+    /// Guaranteed bound of the error over the root of twice the difference of the energy from the true one, which is no
+    /// less than the error; in space the true energy is extrapolated from three meshes. None where the domain changes
+    /// with the mesh.
     effectivity: Option<f64>,
 }
 
@@ -138,18 +139,14 @@ fn solved(problem: &Problem, goal: Goal) -> Result<Run, String> {
 }
 
 fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
-    let before = |less: usize| -> Result<f64, String> {
-        let problem = problem(domain, domain.refinements - less)?;
-        Ok(solved(&problem, Goal::RoundingFloor)?.last().energy)
-    };
-    let coarser = [before(2)?, before(1)?];
     let problem = problem(domain, domain.refinements)?;
     let [rough, exact] =
         [solved(&problem, Goal::DiscretisationError)?, solved(&problem, Goal::RoundingFloor)?];
-    // Aitken's extrapolation: the errors of the energy are taken for a geometric sequence.
-    let [first, second] = [coarser[0] - coarser[1], coarser[1] - exact.last().energy];
-    let remaining = second * second / (first - second);
-    let is_polygon = !problem.reserves().contains(&Reserve::Polygon);
+    let is_constant = !problem.reserves().contains(&Reserve::Polygon);
+    let remaining = match is_constant {
+        true => Some(exact.last().energy - true_energy(domain, &problem, exact.last().energy)?),
+        false => None,
+    };
     let bounds = problem.bounds(&exact.y).map_err(|e| format!("{}: {e}", domain.name))?;
     Ok(DomainCost {
         name: domain.name.clone(),
@@ -162,6 +159,23 @@ fn cost(domain: &DomainPlan) -> Result<DomainCost, String> {
         floor_work: exact.last().end.work_units,
         floor_steps: exact.last().end.iterations,
         relative: exact.last().kkt.relative,
-        effectivity: is_polygon.then(|| bounds.error[1] / (2.0 * remaining).sqrt()),
+        effectivity: remaining.map(|remaining| bounds.error[1] / (2.0 * remaining).sqrt()),
     })
+}
+
+/// True energy of a problem on a domain; in space, where only that of its finest mesh is known, by Aitken's
+/// extrapolation: the errors of the energy are taken for a geometric sequence.
+fn true_energy(domain: &DomainPlan, problem: &Problem, on_finest: f64) -> Result<f64, String> {
+    match find(problem, &Settings::of(Solver::Spectral), &mut ()) {
+        Ok(FoundSolution::Truth(found)) => return Ok(found.energy),
+        Err(Refusal::NotInSpace(_)) | Ok(_) => (),
+        Err(e) => return Err(format!("{}: {e}", domain.name)),
+    }
+    let mut coarser = Vec::new();
+    for less in [2, 1] {
+        let problem = self::problem(domain, domain.refinements - less)?;
+        coarser.push(solved(&problem, Goal::RoundingFloor)?.last().energy);
+    }
+    let [first, second] = [coarser[0] - coarser[1], coarser[1] - on_finest];
+    Ok(on_finest - second * second / (first - second))
 }

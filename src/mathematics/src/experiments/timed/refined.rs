@@ -1,9 +1,10 @@
-//! Adaptive and uniform refinement to a guaranteed error.
+//! Adaptive and uniform refinement to a guaranteed error, and the spectral solver beside them.
 
 use super::{Prepared, TimedFacts, TimedRun};
 use crate::experiments::adapted::{AdaptedProblem, BoundedRun, Way};
 use crate::experiments::rows::row_of;
-use crate::solvers::Adaption;
+use crate::solvers::{Adaption, Solver};
+use crate::spectral::TrueSolution;
 use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,8 +14,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 struct RefinedRow {
     /// Name of the domain.
     problem: &'static str,
-    way: Way,
-    /// Number of nodes of the finest mesh.
+    /// Way of refinement, or the spectral solver.
+    way: &'static str,
+    /// Number of nodes of the finest mesh, or of unknowns of the spectral solver.
     nodes: usize,
     /// Guaranteed error over the norm of the solution.
     error: f64,
@@ -25,8 +27,8 @@ const GOALS: [f64; 3] = [0.03, 0.01, 0.003];
 /// Refinements of the coarsest uniform mesh.
 const FIRST: usize = 5;
 
-/// Runs of both ways on the L-shape, from the coarsest mesh to the bounds: adaptive refinement to each goal, uniform
-/// refinement as long as it takes no longer than that; on meshes with at most the nodes of the grid with this number of
+/// Runs on the L-shape, from the coarsest mesh to the bounds: adaptive refinement to each goal, uniform refinement as
+/// long as it takes no longer than that, and the spectral solver; on meshes with at most the nodes of the grid with this number of
 /// cells per side.
 pub(super) fn runs(finest: usize) -> impl Iterator<Item = Prepared> {
     let most_nodes = (finest + 1) * (finest + 1);
@@ -36,7 +38,8 @@ pub(super) fn runs(finest: usize) -> impl Iterator<Item = Prepared> {
     let adaptive = GOALS.into_iter().take_while(move |_| !has_missed.load(Ordering::Relaxed));
     let adaptive = adaptive.map(move |goal| adaptive_run(goal, most_nodes, Arc::clone(&missed)));
     let uniform = (FIRST..).take_while(move |&times| uniform_nodes(times) <= most_nodes);
-    adaptive.chain(uniform.map(uniform_run)).map(|run| Ok(vec![run]))
+    let refined = adaptive.chain(uniform.map(uniform_run));
+    refined.chain([spectral_run()]).map(|run| Ok(vec![run]))
 }
 
 /// Number of nodes of the L-shape, which is three squares, after so many uniform refinements.
@@ -69,6 +72,21 @@ fn uniform_run(refinements: usize) -> TimedRun {
     TimedRun { series: Way::Uniform.name().into(), growth: 1.0, rival, ..run }
 }
 
+fn spectral_run() -> TimedRun {
+    TimedRun::new(
+        "spectral solver, L-shape".into(),
+        || AdaptedProblem::LShape.truth(),
+        |found: Result<TrueSolution, String>| {
+            let found = found?;
+            let Some((nodes, bounds)) = found.unknowns.zip(found.bounds()) else { return Ok(None) };
+            let problem = AdaptedProblem::LShape.name();
+            let error = bounds.relative();
+            let row = RefinedRow { problem, way: Solver::Spectral.entry().name, nodes, error };
+            Ok(error.is_finite().then(|| TimedFacts { table: "adapted", row: row_of(row) }))
+        },
+    )
+}
+
 /// Guaranteed error over the norm of the solution on the last mesh.
 fn relative(run: &BoundedRun) -> Result<f64, String> {
     Ok(run.bounds.last().ok_or("no mesh")?.relative())
@@ -76,6 +94,7 @@ fn relative(run: &BoundedRun) -> Result<f64, String> {
 
 fn facts(way: Way, run: &BoundedRun) -> Result<Option<TimedFacts>, String> {
     let (nodes, error) = (run.y.len(), relative(run)?);
+    let way = way.name();
     let row = RefinedRow { problem: AdaptedProblem::LShape.name(), way, nodes, error };
     Ok(Some(TimedFacts { table: "adapted", row: row_of(row) }))
 }

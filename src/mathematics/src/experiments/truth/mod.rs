@@ -1,6 +1,7 @@
 //! True solutions from the spectral solver: values for reference, and finite elements measured against them.
 
 mod elements;
+mod plane;
 mod reference;
 
 use super::known::KnownSolution;
@@ -13,6 +14,7 @@ use crate::problem::source::Source;
 use crate::saddle::Pair;
 use crate::spectral::{Checks, SpectralParams, spectral};
 use elements::against;
+use plane::{PlanePlan, against_plane};
 use reference::{ValueRow, values};
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +29,8 @@ pub(super) struct TruthPlan {
     cells: Vec<usize>,
     /// Cells per side of the grid at whose nodes the solutions of the first two problems are given.
     sampled: usize,
+    /// Problems on other domains than the square.
+    plane: Vec<PlanePlan>,
 }
 
 impl TruthPlan {
@@ -47,6 +51,7 @@ impl TruthPlan {
             resolutions: [(20, 8), (24, 9)],
             cells: vec![16, 32, 64, 128, 256],
             sampled: 32,
+            plane: PlanePlan::all(),
         }
     }
 }
@@ -82,6 +87,7 @@ struct MultiplierRow {
 /// 1. Solves each problem at two resolutions, and keeps the digits on which they agree.
 /// 2. Solves each problem, and those with a formula, with finite elements on all grids.
 /// 3. Measures errors and guaranteed bounds against the true solutions.
+/// 4. Does the same on other domains.
 ///
 /// # Errors
 /// A sentence if a right-hand side cannot be read, or there is no solution.
@@ -112,10 +118,18 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
     for rows in map(&known, 1, |known| against(known, &plan.cells)) {
         elements.extend(rows?);
     }
+    let (mut plane_truths, mut plane) = (Vec::new(), Vec::new());
+    for of_plan in map(&plan.plane, 1, against_plane) {
+        let (truth, rows) = of_plan?;
+        plane_truths.push(truth);
+        plane.extend(rows);
+    }
     Ok(Findings::from([
         ("references".into(), Rows::of(references)),
         ("values".into(), Rows::of(values)),
         ("elements".into(), Rows::of(elements)),
+        ("plane_truths".into(), Rows::of(plane_truths)),
+        ("plane".into(), Rows::of(plane)),
         ("samples".into(), Rows::of(samples)),
         ("multipliers".into(), Rows::of(multipliers)),
     ]))

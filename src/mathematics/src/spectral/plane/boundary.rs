@@ -1,0 +1,302 @@
+//! The boundary as a walk: corners, ends of contact and crossings split it into intervals with one condition each;
+//! intervals into panels that get short towards these points.
+//!
+//! [`panels`](super::panels) has the points of intervals.
+
+use super::domain::{PlaneSide, SidePlace};
+use crate::mesh::Condition;
+use crate::problem::complex::Complex;
+use std::f64::consts::PI;
+
+/// Closed loop of sides with the distances along it.
+pub(super) struct Ring {
+    pub sides: Vec<PlaneSide>,
+    /// Distance of the start of each side along the loop, and its length at last.
+    pub starts: Vec<f64>,
+    /// True at sides that go on smoothly from the side before with the same condition and curvature.
+    smooth: Vec<bool>,
+}
+
+impl Ring {
+    pub(super) fn new(sides: &[PlaneSide]) -> Self {
+        let mut starts = vec![0.0];
+        for side in sides {
+            starts.push(starts[starts.len() - 1] + side.length());
+        }
+        let many = sides.len();
+        let smooth = (0..many).map(|k| {
+            let (side, before) = (&sides[k], &sides[(k + many - 1) % many]);
+            let turn = before.tangent(before.length()).cross(side.tangent(0.0)).abs();
+            turn < 1e-12
+                && before.tangent(before.length()).dot(side.tangent(0.0)) > 0.0
+                && side.condition == before.condition
+                && (side.curvature() - before.curvature()).abs() < 1e-12
+        });
+        Self { smooth: smooth.collect(), sides: sides.to_vec(), starts }
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.starts[self.sides.len()]
+    }
+
+    /// Distance along the loop.
+    pub(super) fn along(&self, SidePlace { side, s }: SidePlace) -> f64 {
+        self.starts[side] + s
+    }
+
+    /// Place at a distance along the loop, in a turn.
+    pub(super) fn place(&self, t: f64) -> SidePlace {
+        let t = t.rem_euclid(self.length());
+        let side = self.starts.partition_point(|&start| start <= t).clamp(1, self.sides.len()) - 1;
+        SidePlace { side, s: (t - self.starts[side]).clamp(0.0, self.sides[side].length()) }
+    }
+}
+
+/// Arcs of a loop that stick, by distances along it: each from its first to its second, which may be beyond a turn.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RingContact {
+    pub arcs: Vec<[f64; 2]>,
+    /// Flux on the gap after each arc. Without arcs: none if all sticks, one if nothing does.
+    pub gaps: Vec<f64>,
+}
+
+impl RingContact {
+    /// Flux at a distance along the loop; none where it sticks.
+    fn flux(&self, t: f64, turn: f64) -> Option<f64> {
+        if self.arcs.is_empty() {
+            return self.gaps.first().copied();
+        }
+        let mut nearest = (f64::INFINITY, None);
+        for (k, [from, to]) in self.arcs.iter().enumerate() {
+            let after = (t - from).rem_euclid(turn);
+            if after <= to - from {
+                return None;
+            }
+            let beyond = after - (to - from);
+            if beyond < nearest.0 {
+                nearest = (beyond, Some(self.gaps[k]));
+            }
+        }
+        nearest.1
+    }
+}
+
+/// Condition on an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum State {
+    /// v = 0.
+    Held,
+    /// dv/dn has this value.
+    Flux(f64),
+}
+
+/// Point between two intervals.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Split {
+    pub ring: usize,
+    /// Distance along the loop.
+    pub t: f64,
+    pub z: Complex,
+    /// Directions of the walk before and after it.
+    pub tangents: [Complex; 2],
+    /// Conditions before and after it.
+    pub states: [State; 2],
+    /// Lengths of the intervals before and after it.
+    pub lengths: [f64; 2],
+    /// Inner angle, pi on a smooth side.
+    pub angle: f64,
+    /// True if a corner.
+    pub corner: bool,
+    /// True if f jumps here.
+    pub crossing: bool,
+    /// Arc of the contact set that begins (0) or ends (1) here, if that may move.
+    pub end: Option<(usize, usize)>,
+}
+
+/// Part of a side between two splits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interval {
+    pub ring: usize,
+    pub side: usize,
+    /// Splits at its ends.
+    pub splits: [usize; 2],
+    /// Distance of its start from the start of the side.
+    pub from: f64,
+    pub length: f64,
+    pub curvature: f64,
+    pub state: State,
+    /// True where the law holds.
+    pub lawful: bool,
+    /// f beside it.
+    pub f: f64,
+    /// Number of its run: intervals beside each other without v = 0 between.
+    pub run: usize,
+}
+
+/// All of the boundary for one contact set.
+pub(super) struct Walk {
+    pub splits: Vec<Split>,
+    /// In walking order, loop by loop.
+    pub intervals: Vec<Interval>,
+    /// Number of runs.
+    pub runs: usize,
+}
+
+/// Distance from another split, in perimeters, below which an end of contact is taken for it.
+const TOGETHER: f64 = 1e-10;
+
+impl Walk {
+    pub(super) fn new(
+        rings: &[Ring],
+        contact: &[RingContact],
+        crossings: &[(usize, SidePlace)],
+    ) -> Self {
+        let mut walk = Self { splits: Vec::new(), intervals: Vec::new(), runs: 0 };
+        for (r, ring) in rings.iter().enumerate() {
+            walk.add_ring(r, ring, &contact[r], crossings);
+        }
+        walk
+    }
+
+    fn add_ring(
+        &mut self,
+        r: usize,
+        ring: &Ring,
+        contact: &RingContact,
+        crossings: &[(usize, SidePlace)],
+    ) {
+        let (turn, marks) = (ring.length(), marks(r, ring, contact, crossings));
+        let (first, many) = (self.splits.len(), marks.len());
+        let state_at = |t: f64| match ring.sides[ring.place(t).side].condition {
+            Condition::Fixed => State::Held,
+            Condition::Free => State::Flux(0.0),
+            Condition::Contact => contact.flux(t, turn).map_or(State::Held, State::Flux),
+        };
+        let next = |k: usize| if k + 1 < many { marks[k + 1].t } else { turn + marks[0].t };
+        let states: Vec<State> =
+            (0..many).map(|k| state_at(0.5 * (marks[k].t + next(k)))).collect();
+        for (k, mark) in marks.iter().enumerate() {
+            let before = (k + many - 1) % many;
+            let place = ring.place(mark.t);
+            let side = &ring.sides[place.side];
+            let after = side.tangent(place.s);
+            let prior = match mark.corner {
+                true => {
+                    let prior = &ring.sides[(place.side + ring.sides.len() - 1) % ring.sides.len()];
+                    prior.tangent(prior.length())
+                }
+                false => after,
+            };
+            let angle = match mark.corner {
+                true => PI - libm::atan2(prior.cross(after), prior.dot(after)),
+                false => PI,
+            };
+            let lengths = [next(before) - marks[before].t, next(k) - mark.t];
+            self.splits.push(Split {
+                ring: r,
+                t: mark.t,
+                z: side.point(place.s),
+                tangents: [prior, after],
+                states: [states[before], states[k]],
+                lengths,
+                angle,
+                corner: mark.corner,
+                crossing: mark.crossing,
+                end: mark.end.filter(|_| !mark.corner && states[before] != states[k]),
+            });
+            self.intervals.push(Interval {
+                ring: r,
+                side: place.side,
+                splits: [first + k, first + (k + 1) % many],
+                from: place.s,
+                length: lengths[1],
+                curvature: side.curvature(),
+                state: states[k],
+                lawful: side.condition == Condition::Contact,
+                f: 0.0,
+                run: usize::MAX,
+            });
+        }
+        // Runs begin after an interval that is held, or anywhere on a loop without one.
+        let own = &mut self.intervals[first..];
+        let start = own.iter().position(|interval| interval.state == State::Held).unwrap_or(0);
+        own.rotate_left(start);
+        let mut open = false;
+        for interval in own {
+            let free = interval.state != State::Held;
+            self.runs += usize::from(free && !open);
+            open = free;
+            interval.run = if free { self.runs - 1 } else { usize::MAX };
+        }
+    }
+}
+
+/// What a split is.
+#[derive(Clone, Copy, Default)]
+struct Mark {
+    t: f64,
+    corner: bool,
+    crossing: bool,
+    end: Option<(usize, usize)>,
+}
+
+/// Corners, crossings and ends of contact of a loop, in order.
+fn marks(
+    r: usize,
+    ring: &Ring,
+    contact: &RingContact,
+    crossings: &[(usize, SidePlace)],
+) -> Vec<Mark> {
+    let turn = ring.length();
+    let mut marks: Vec<Mark> = Vec::new();
+    for k in 0..ring.sides.len() {
+        marks.push(Mark { t: ring.starts[k], corner: !ring.smooth[k], ..Mark::default() });
+    }
+    for &(_, place) in crossings.iter().filter(|(ring, _)| *ring == r) {
+        marks.push(Mark { t: ring.along(place), crossing: true, ..Mark::default() });
+    }
+    for (k, arc) in contact.arcs.iter().enumerate() {
+        for (which, t) in arc.iter().enumerate() {
+            let t = t.rem_euclid(turn);
+            if ring.sides[ring.place(t).side].condition == Condition::Contact {
+                marks.push(Mark { t, end: Some((k, which)), ..Mark::default() });
+            }
+        }
+    }
+    for mark in &mut marks {
+        if mark.t > turn * (1.0 - TOGETHER) {
+            mark.t = 0.0;
+        }
+    }
+    marks.sort_by(|a, b| a.t.total_cmp(&b.t));
+    marks.dedup_by(|b, a| {
+        let same = b.t - a.t < TOGETHER * turn;
+        if same {
+            if b.corner {
+                a.t = b.t;
+            }
+            (a.corner, a.crossing, a.end) =
+                (a.corner || b.corner, a.crossing || b.crossing, a.end.or(b.end));
+        }
+        same
+    });
+    marks
+}
+
+impl Split {
+    /// Length of the shortest panel at it, in halves of the interval.
+    pub(super) fn depth(&self) -> f64 {
+        match () {
+            () if self.corner && self.angle > 1.01 * PI => 1e-9,
+            () if self.corner => 1e-7,
+            () if self.end.is_some() || self.crossing => 1e-5,
+            // No more than the start of a loop.
+            () => 1.0,
+        }
+    }
+
+    /// Direction into the domain: that of the bisector.
+    pub(super) fn inwards(&self) -> Complex {
+        self.tangents[1] * Complex::unit(0.5 * self.angle)
+    }
+}

@@ -1,0 +1,268 @@
+//! Which functions are fitted: at corners, ends of contact and crossings, at mirror images, in holes, behind sides.
+
+use super::boundary::{Split, State, Walk};
+use super::continuation::middle;
+use super::domain::{PlaneDomain, PlaneSide};
+use super::functions::{Family, Functions, Hole, Power};
+use super::setup::{Level, Setup};
+use crate::problem::complex::Complex;
+use std::f64::consts::PI;
+
+/// Power below which a singular function counts.
+const WEAKEST: f64 = 4.5;
+/// Most powers of a corner.
+const MOST: usize = 4;
+
+impl Functions {
+    /// Functions for one contact set.
+    pub(super) fn chosen(setup: &Setup, walk: &Walk, level: &Level) -> Self {
+        let mut families = Vec::new();
+        let size = setup.diameter;
+        for (k, split) in walk.splits.iter().enumerate() {
+            let powers = powers(split);
+            if powers.is_empty() {
+                continue;
+            }
+            let near = split.lengths[0].min(split.lengths[1]);
+            let plain = powers.iter().all(|power| power.log || power.power == 1.0);
+            let (least, to) = if plain { (level.weak, 0.5) } else { (level.strong, 3.0) };
+            let ladder = Ladder {
+                from: 0.5 * near,
+                ratio: level.ratio,
+                to: to * size,
+                least,
+                most: usize::MAX,
+            };
+            let lengths = ladder.lengths(&setup.domain, split.z, split.inwards());
+            let mut powers = powers;
+            if split.end.is_some() && lengths.iter().all(|&d| d < 0.5 * size) {
+                // Cuts are short: more powers in their place.
+                powers.extend([2.0, 2.5, 3.0, 3.5].map(Power::plain));
+            }
+            families.push(Family {
+                point: split.z,
+                split: Some(k),
+                inwards: split.inwards(),
+                lengths,
+                powers,
+            });
+        }
+        for image in &setup.images {
+            let ladder = Ladder {
+                from: image.distance,
+                ratio: 3.5,
+                to: 0.3 * size,
+                least: 1,
+                most: level.image,
+            };
+            let lengths = ladder.lengths(&setup.domain, image.point, image.inwards);
+            let powers = vec![
+                Power::plain(1.0),
+                Power::plain(2.0),
+                Power::with_log(0.0),
+                Power::with_log(1.0),
+                Power::with_log(2.0),
+            ];
+            families.push(Family {
+                point: image.point,
+                split: None,
+                inwards: image.inwards,
+                lengths,
+                powers,
+            });
+        }
+        if level.poles > 0.0 {
+            families.extend(side_poles(setup, level.poles));
+        }
+        families.retain(|family| !family.lengths.is_empty());
+        let holes = setup.domain.loops.iter().skip(1).map(|sides| {
+            let middle = middle(sides);
+            let away = sides.iter().map(|side| side.distance(middle)).fold(f64::INFINITY, f64::min);
+            Hole { middle, radius: away, powers: level.hole }
+        });
+        let holes = holes.collect();
+        Self { families, holes, arnoldi: Vec::new() }
+    }
+}
+
+/// Powers at a split.
+fn powers(split: &Split) -> Vec<Power> {
+    let is_held = split.states.map(|state| state == State::Held);
+    let mixed = is_held[0] != is_held[1];
+    let mut powers = Vec::new();
+    if split.end.is_some() {
+        powers.extend([0.5, 1.0, 1.5].map(Power::plain));
+    } else if split.corner {
+        let first = PI / split.angle;
+        let mut resonant = false;
+        for k in 1..=40 {
+            let power = first * (f64::from(k) - if mixed { 0.5 } else { 0.0 });
+            let whole = power.round();
+            resonant |= (whole == 2.0 || whole == 3.0) && (power - whole).abs() < 0.02;
+            if power < WEAKEST && (power - whole).abs() > 1e-9 && powers.len() < MOST {
+                powers.push(Power::plain(power));
+            }
+        }
+        let fluxes =
+            split.states.map(|state| if let State::Flux(q) = state { Some(q) } else { None });
+        let steps = match fluxes {
+            [Some(a), Some(b)] => a != b,
+            [Some(q), None] | [None, Some(q)] => q != 0.0,
+            [None, None] => false,
+        };
+        if steps {
+            powers.extend([Power::plain(1.0), Power::with_log(1.0)]);
+        }
+        if resonant {
+            powers.extend([Power::with_log(2.0), Power::with_log(3.0)]);
+        }
+    }
+    if split.crossing {
+        for power in [Power::plain(1.0), Power::with_log(2.0), Power::with_log(3.0)] {
+            if !powers.contains(&power) {
+                powers.push(power);
+            }
+        }
+    }
+    powers
+}
+
+/// Lengths of cuts from a point outwards.
+struct Ladder {
+    from: f64,
+    ratio: f64,
+    to: f64,
+    /// Least and greatest number.
+    least: usize,
+    most: usize,
+}
+
+impl Ladder {
+    /// Lengths that keep the cut outside of the domain: below 0.55 of the way to the boundary, with an end that is
+    /// away from it.
+    fn lengths(&self, domain: &PlaneDomain, point: Complex, inwards: Complex) -> Vec<f64> {
+        let longest = 0.55 * domain.exit(point, -inwards);
+        let fits = |d: f64| d < longest && domain.distance(point - inwards.scaled(d)) > 0.3 * d;
+        let mut lengths = Vec::new();
+        let mut d = self.from.min(0.99 * longest);
+        while (d < self.to || lengths.len() < self.least)
+            && lengths.len() < self.most
+            && d < longest
+        {
+            if fits(d) {
+                lengths.push(d);
+            }
+            d *= self.ratio;
+        }
+        d = self.from.min(0.99 * longest);
+        let mut tries = 0;
+        while lengths.len() < self.least && tries < 20 {
+            d /= self.ratio.min(3.0);
+            tries += 1;
+            if fits(d) {
+                lengths.push(d);
+            }
+        }
+        lengths
+    }
+}
+
+/// Point behind the boundary at which the continued solution is singular.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Image {
+    pub point: Complex,
+    pub inwards: Complex,
+    /// Distance from the boundary.
+    pub distance: f64,
+}
+
+/// Mirror images of the singular points of psi behind the sides, and those of them that lie outside themselves, nearer
+/// to the boundary than a share of the size of the domain.
+pub(super) fn images(domain: &PlaneDomain, singular: &[Complex], size: f64) -> Vec<Image> {
+    const NEAR: f64 = 0.35;
+    let mut points = Vec::new();
+    for &z in singular {
+        let away = domain.distance(z);
+        if away < 1e-9 {
+            continue;
+        }
+        if !domain.holds(z) {
+            points.push(z);
+            continue;
+        }
+        points.extend(domain.sides().filter_map(|side| mirrored(side, z)));
+    }
+    for side in domain.sides() {
+        // The polynomial part of psi is singular in the centre of a side that is hollow.
+        if side.curvature() < 0.0 && side.length() < 6.0 / side.curvature().abs() {
+            points.extend(side.arc.curve.centre());
+        }
+    }
+    let mut images: Vec<Image> = Vec::new();
+    for point in points {
+        let Some(image) = outside(domain, point) else { continue };
+        let known = images.iter().any(|other| (other.point - point).norm() < 0.01 * image.distance);
+        if image.distance < NEAR * size && !known {
+            images.push(image);
+        }
+    }
+    images
+}
+
+/// Image of a point behind a side, if its foot lies on the side.
+fn mirrored(side: &PlaneSide, z: Complex) -> Option<Complex> {
+    let curve = side.arc.curve;
+    let place = side.place(z, 0.2 * side.length())?;
+    match curve.centre() {
+        None => {
+            let local = curve.local(z);
+            Some(curve.origin + curve.tangent * local.conj())
+        }
+        Some(centre) => {
+            let from = z - centre;
+            let square = 1.0 / (curve.curvature * curve.curvature);
+            let far = from.norm2() > 1e-6 * square;
+            (far && place >= 0.0).then(|| centre + from.scaled(square / from.norm2()))
+        }
+    }
+}
+
+/// A point outside of the domain with its distance, and the direction from there into the domain.
+fn outside(domain: &PlaneDomain, point: Complex) -> Option<Image> {
+    if domain.holds(point) {
+        return None;
+    }
+    let distance = domain.distance(point);
+    let side = domain.sides().min_by(|a, b| a.distance(point).total_cmp(&b.distance(point)))?;
+    let foot = side.point(side.place(point, side.length())?);
+    let way = foot - point;
+    (distance > 1e-9).then(|| Image { point, inwards: way.scaled(1.0 / way.norm()), distance })
+}
+
+/// Poles behind the sides, `density` per diameter along them.
+fn side_poles(setup: &Setup, density: f64) -> Vec<Family> {
+    let mut families = Vec::new();
+    for side in setup.domain.sides() {
+        let many = (density * side.length() / setup.diameter).ceil().max(2.0);
+        let spacing = side.length() / many;
+        for k in 0..many as usize {
+            let s = (k as f64 + 0.5) * spacing;
+            let (point, inwards) = (side.point(s), side.tangent(s).turned());
+            let longest = 0.55 * setup.domain.exit(point, -inwards);
+            let mut lengths = Vec::new();
+            for d in [spacing, 3.0 * spacing] {
+                if d < longest && setup.domain.distance(point - inwards.scaled(d)) > 0.3 * d {
+                    lengths.push(d);
+                }
+            }
+            families.push(Family {
+                point,
+                split: None,
+                inwards,
+                lengths,
+                powers: vec![Power::plain(1.0)],
+            });
+        }
+    }
+    families
+}

@@ -1,0 +1,237 @@
+//! Domains of the plane bounded by straight sides and circular arcs.
+
+use super::PlaneError;
+use crate::mesh::Condition;
+use crate::problem::complex::Complex;
+use crate::spectral::complex::distance;
+use crate::spectral::curve::{Arc, Curve, SAME};
+
+/// Side of a domain: a segment, or an arc of a circle, with one condition.
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneSide {
+    pub(super) arc: Arc,
+    /// Condition on it.
+    pub condition: Condition,
+    /// Number of the part of the boundary to which it belongs.
+    pub part: usize,
+}
+
+/// Circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    /// Centre.
+    pub centre: [f64; 2],
+    /// Radius.
+    pub radius: f64,
+}
+
+impl PlaneSide {
+    /// Segment between two points, in walking order.
+    pub fn segment([from, to]: [[f64; 2]; 2], condition: Condition, part: usize) -> Self {
+        let [from, to] = [from, to].map(|[x, y]| Complex::new(x, y));
+        let way = to - from;
+        let length = way.norm();
+        let curve = Curve::line(from, way.scaled(1.0 / length));
+        Self { arc: Arc { curve, span: [0.0, length], ends: [None; 2] }, condition, part }
+    }
+
+    /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
+    pub fn arc(circle: Circle, [from, to]: [f64; 2], condition: Condition, part: usize) -> Self {
+        let Circle { centre: [x, y], radius } = circle;
+        let normal = Complex::unit(from);
+        let origin = Complex::new(x, y) + normal.scaled(radius);
+        let curve = Curve { origin, tangent: normal.turned(), curvature: 1.0 / radius };
+        let span = [0.0, radius * (to - from)];
+        Self { arc: Arc { curve, span, ends: [None; 2] }, condition, part }
+    }
+
+    /// Length.
+    pub fn length(&self) -> f64 {
+        (self.arc.span[1] - self.arc.span[0]).abs()
+    }
+
+    /// Point at a distance from the start along the side.
+    pub fn at(&self, s: f64) -> [f64; 2] {
+        self.point(s).coordinates()
+    }
+
+    /// Distance from the start along the side of its point that is nearest to `z`, about.
+    pub(super) fn nearest(&self, z: Complex) -> f64 {
+        let Arc { curve, span, .. } = self.arc;
+        let (along, length) = (self.way() * (curve.place(z) - span[0]), self.length());
+        let Some(period) = curve.period() else { return along.clamp(0.0, length) };
+        match along.rem_euclid(period) {
+            s if s <= length => s,
+            s if s - length < period - s => length,
+            _ => 0.0,
+        }
+    }
+
+    /// 1 if the side runs along its curve, -1 if against it.
+    pub(super) fn way(&self) -> f64 {
+        1.0_f64.copysign(self.arc.span[1] - self.arc.span[0])
+    }
+
+    /// Curvature, positive to the left.
+    pub(super) fn curvature(&self) -> f64 {
+        self.way() * self.arc.curve.curvature
+    }
+
+    /// Point at a distance from the start along the side.
+    pub(super) fn point(&self, s: f64) -> Complex {
+        self.arc.curve.at(self.arc.span[0] + self.way() * s)
+    }
+
+    /// Direction of the walk at a distance from the start.
+    pub(super) fn tangent(&self, s: f64) -> Complex {
+        self.arc.curve.direction(self.arc.span[0] + self.way() * s).scaled(self.way())
+    }
+
+    /// Distance from the start to the point of the side's curve next to `z`, if it lies on the side, by a tolerance.
+    pub(super) fn place(&self, z: Complex, tolerance: f64) -> Option<f64> {
+        let along = self.way() * (self.arc.curve.place(z) - self.arc.span[0]);
+        let period = self.arc.curve.period().unwrap_or(f64::INFINITY);
+        let turned = [along, along + period, along - period];
+        let length = self.length();
+        let on_side = turned.into_iter().find(|s| (-tolerance..=length + tolerance).contains(s));
+        on_side.map(|s| s.clamp(0.0, length))
+    }
+
+    /// Distance of a point.
+    pub(super) fn distance(&self, z: Complex) -> f64 {
+        let [from, to] = [0.0, self.length()].map(|s| self.point(s));
+        match self.arc.curve.centre() {
+            None => distance([from, to], z),
+            Some(_) if self.place(z, 0.0).is_some() => self.arc.curve.distance(z).abs(),
+            Some(_) => (z - from).norm().min((z - to).norm()),
+        }
+    }
+}
+
+/// Domain of the plane: closed loops of sides with the domain on the left, the outer one first and anticlockwise, holes
+/// clockwise.
+#[derive(Clone, Debug)]
+pub struct PlaneDomain {
+    pub(super) loops: Vec<Vec<PlaneSide>>,
+}
+
+/// Point of the boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SidePlace {
+    /// Number of the side in its loop.
+    pub side: usize,
+    /// Distance from its start.
+    pub s: f64,
+}
+
+impl PlaneDomain {
+    /// Domain with these loops.
+    ///
+    /// # Errors
+    /// [`PlaneError::Domain`] if a loop does not close, or the domain does not lie on its left.
+    pub fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+        let domain = Self { loops };
+        let size = domain.diameter();
+        for (ring, sides) in domain.loops.iter().enumerate() {
+            let many = sides.len();
+            let closes = (0..many).all(|k| {
+                let end = sides[k].point(sides[k].length());
+                (end - sides[(k + 1) % many].point(0.0)).norm() < 1e-9 * size
+            });
+            if many == 0 || !closes || sides.iter().any(|side| side.length() < 1e-9 * size) {
+                return Err(PlaneError::Domain(format!(
+                    "loop {ring} of the boundary does not close"
+                )));
+            }
+            let middle = 0.5 * sides[0].length();
+            let inwards = sides[0].tangent(middle).turned().scaled(1e-6 * size);
+            if !domain.holds(sides[0].point(middle) + inwards) {
+                return Err(PlaneError::Domain(format!(
+                    "the domain lies on the right of loop {ring}"
+                )));
+            }
+        }
+        Ok(domain)
+    }
+
+    /// Loops of sides, the outer one first.
+    pub fn loops(&self) -> &[Vec<PlaneSide>] {
+        &self.loops
+    }
+
+    /// True if the domain holds a point.
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        self.holds(Complex::new(x, y))
+    }
+
+    /// All sides.
+    pub(super) fn sides(&self) -> impl Iterator<Item = &PlaneSide> {
+        self.loops.iter().flatten()
+    }
+
+    /// Length of the diagonal of the box round the domain.
+    pub(super) fn diameter(&self) -> f64 {
+        let [[left, right], [low, high]] = self.extent();
+        (right - left).hypot(high - low)
+    }
+
+    /// Least and greatest coordinates, to a hundredth of a turn of arcs.
+    pub(super) fn extent(&self) -> [[f64; 2]; 2] {
+        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for side in self.sides() {
+            for k in 0..=100 {
+                let point = side.at(side.length() * f64::from(k) / 100.0);
+                for (range, t) in extent.iter_mut().zip(point) {
+                    *range = [range[0].min(t), range[1].max(t)];
+                }
+            }
+        }
+        extent
+    }
+
+    /// Length of the boundary.
+    pub(super) fn perimeter(&self) -> f64 {
+        self.sides().map(PlaneSide::length).sum()
+    }
+
+    /// Distance of a point from the boundary.
+    pub(super) fn distance(&self, z: Complex) -> f64 {
+        self.sides().map(|side| side.distance(z)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distances at which a ray from `z` meets the boundary, not in order; and whether it does so near to an end of a
+    /// side, or nearly along one.
+    fn hits(&self, z: Complex, direction: Complex) -> (Vec<f64>, bool) {
+        let (ray, mut hits, mut unsure) = (Curve::line(z, direction), Vec::new(), false);
+        for side in self.sides() {
+            for s in ray.meets(side.arc.curve) {
+                let at = ray.at(s);
+                if let Some(t) = side.place(at, SAME) {
+                    hits.push(s);
+                    unsure |= t < 1e-9 || t > side.length() - 1e-9;
+                    unsure |= direction.cross(side.tangent(t)).abs() < 1e-6;
+                }
+            }
+        }
+        (hits, unsure)
+    }
+
+    /// Distance at which a ray from a point, which may lie on the boundary, first meets the boundary.
+    pub(super) fn exit(&self, z: Complex, direction: Complex) -> f64 {
+        let (hits, _) = self.hits(z, direction);
+        hits.into_iter().filter(|&s| s > 1e-10).fold(f64::INFINITY, f64::min)
+    }
+
+    /// True if the domain holds a point.
+    pub(super) fn holds(&self, z: Complex) -> bool {
+        let mut inside = false;
+        for k in 0..50 {
+            let (hits, unsure) = self.hits(z, Complex::unit(0.7 + 2.4 * f64::from(k)));
+            inside = hits.iter().filter(|&&s| s > 0.0).count() % 2 == 1;
+            if !unsure {
+                break;
+            }
+        }
+        inside
+    }
+}

@@ -1,0 +1,115 @@
+//! v and its flux at quadrature points of the boundary, other ones than the rows of the fit.
+
+use super::boundary::State;
+use super::fit::{Fit, conditions, continue_logs, panels, spots_on};
+use super::panels::Spot;
+use super::setup::{Level, Setup};
+use crate::problem::complex::Complex;
+use crate::spectral::rule::gauss;
+
+/// Values at a point of the boundary.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub spot: Spot,
+    /// v.
+    pub value: f64,
+    /// dv/dn.
+    pub flux: f64,
+    /// Im g.
+    pub conjugate: f64,
+    pub psi: f64,
+    /// dpsi/dn.
+    pub psi_flux: f64,
+    pub state: State,
+    /// True where the law holds.
+    pub lawful: bool,
+    /// By how much the condition is missed: by v where it is zero, by the integral of dv/dn elsewhere.
+    pub residual: f64,
+    /// Distance along the loop.
+    pub t: f64,
+    pub ring: usize,
+}
+
+impl Node {
+    /// Outer normal.
+    pub(super) fn normal(&self) -> Complex {
+        -self.spot.tangent.turned()
+    }
+}
+
+/// Sizes that all checks refer to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    /// Mean of |dv/dn| and of |f| times the area over the perimeter, the larger.
+    pub flux: f64,
+    /// That times the diameter.
+    pub value: f64,
+    /// Largest residual.
+    pub residual: f64,
+}
+
+/// Nodes of the boundary in walking order.
+pub(super) fn boundary_nodes(setup: &Setup, fit: &Fit, level: &Level, points: usize) -> Vec<Node> {
+    let panels = panels(setup, &fit.walk, &fit.functions, level, 1.0);
+    let spots = spots_on(&fit.walk, &panels, &gauss(points));
+    let mut nodes = nodes_at(setup, fit, &spots);
+    for (node, condition) in nodes.iter_mut().zip(conditions(setup, &fit.walk, &spots)) {
+        node.residual = match node.state {
+            State::Held => node.value,
+            State::Flux(_) => node.conjugate - condition,
+        };
+    }
+    // The constants of runs are those of the rows: the integrals here begin elsewhere.
+    for run in 0..fit.walk.runs {
+        let own = |node: &&mut Node| fit.walk.intervals[node.spot.interval].run == run;
+        let first = nodes.iter_mut().find(|node| own(node)).map(|node| node.residual);
+        let first = first.unwrap_or_default();
+        nodes.iter_mut().filter(own).for_each(|node| node.residual -= first);
+    }
+    nodes
+}
+
+/// Nodes at spots.
+pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<Node> {
+    let mut values = fit.functions.at(spots, true);
+    let many = fit.functions.complex() * values.points;
+    for logs in values.all[many..].chunks_mut(values.points) {
+        continue_logs(&fit.walk, spots, logs);
+    }
+    let [g, slopes] = fit.sums(&values);
+    let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
+    let gradients = setup.jumps.psi.gradients(&points);
+    let mut nodes = Vec::with_capacity(spots.len());
+    for (k, &spot) in spots.iter().enumerate() {
+        let normal = -spot.tangent.turned();
+        let interval = &fit.walk.intervals[spot.interval];
+        let psi = setup.jumps.psi.value(spot.z);
+        let psi_flux = gradients[k].dot(normal);
+        nodes.push(Node {
+            spot,
+            value: psi + g[k].re,
+            flux: psi_flux + (slopes[k] * normal).re,
+            conjugate: g[k].im,
+            psi,
+            psi_flux,
+            state: interval.state,
+            residual: 0.0,
+            lawful: interval.lawful,
+            t: fit.walk.splits[interval.splits[0]].t + spot.s,
+            ring: interval.ring,
+        });
+    }
+    nodes
+}
+
+impl Sizes {
+    pub(super) fn new(setup: &Setup, nodes: &[Node]) -> Self {
+        let mut sizes = Self { flux: 0.0, value: 0.0, residual: 0.0 };
+        for node in nodes {
+            sizes.flux += node.spot.weight * node.flux.abs() / setup.perimeter;
+            sizes.residual = sizes.residual.max(node.residual.abs());
+        }
+        sizes.value = sizes.flux * setup.diameter;
+        sizes
+    }
+}

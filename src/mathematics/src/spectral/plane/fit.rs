@@ -1,0 +1,247 @@
+//! The fit for one contact set: `v = psi + Re g`, with both conditions bounded.
+//!
+//! With the outer normal n to the right of the walk, `d/dn Re g = d/ds Im g`, so that
+//! ```text
+//! where v = 0:          Re g = -psi,
+//! where dv/dn = q:      Im g - C = -int (psi_n - q) ds     from the start of a run, C one unknown each.
+//! ```
+
+use super::boundary::{RingContact, State, Walk};
+use super::functions::{Functions, Values};
+use super::least_squares::Columns;
+use super::panels::{PlanePanel, Spot};
+use super::setup::{Level, Setup};
+use crate::problem::complex::Complex;
+use crate::spectral::rule::{GaussNode, gauss};
+use std::f64::consts::TAU;
+
+/// A contact set with the functions fitted to it.
+pub(super) struct Fit {
+    pub walk: Walk,
+    pub functions: Functions,
+    /// Coefficients of the complex functions.
+    pub coefficients: Vec<Complex>,
+    /// Coefficients of the logarithms of holes.
+    pub logs: Vec<f64>,
+    pub unknowns: usize,
+    pub rows: usize,
+}
+
+/// Right-hand sides at spots in walking order: -psi where v = 0, and the integral of the flux elsewhere.
+pub(super) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]) -> Vec<f64> {
+    let rule = gauss(5);
+    let mut points = Vec::new();
+    // Spots between neighbours of a run.
+    let mut between: Vec<Vec<Spot>> = vec![Vec::new(); spots.len()];
+    for k in 1..spots.len() {
+        let (a, b) = (&spots[k - 1], &spots[k]);
+        let [before, after] = [a, b].map(|spot| walk.intervals[spot.interval]);
+        if before.run != after.run || after.state == State::Held {
+            continue;
+        }
+        if a.interval == b.interval {
+            add_between(walk, a.interval, [a, b], &rule, &mut between[k]);
+        } else {
+            for (interval, side, to) in [(a.interval, 1, a.offset), (b.interval, 0, b.offset)] {
+                let nodes = rule
+                    .iter()
+                    .map(|node| walk.spot(interval, side, to * node.x, to * node.weight));
+                between[k].extend(nodes);
+            }
+        }
+        points.extend(between[k].iter().map(|spot| spot.z));
+    }
+    let gradients = setup.jumps.psi.gradients(&points);
+    let (mut at, mut sum) = (0, 0.0);
+    let mut values = Vec::with_capacity(spots.len());
+    for (k, spot) in spots.iter().enumerate() {
+        let State::Flux(_) = walk.intervals[spot.interval].state else {
+            values.push(-setup.jumps.psi.value(spot.z));
+            continue;
+        };
+        if between[k].is_empty() {
+            sum = 0.0;
+        }
+        for own in &between[k] {
+            let State::Flux(q) = walk.intervals[own.interval].state else { continue };
+            let normal = -own.tangent.turned();
+            sum += own.weight * (gradients[at].dot(normal) - q);
+            at += 1;
+        }
+        values.push(-sum);
+    }
+    values
+}
+
+/// Adds spots of a rule between two spots of an interval.
+fn add_between(
+    walk: &Walk,
+    interval: usize,
+    [a, b]: [&Spot; 2],
+    rule: &[GaussNode],
+    into: &mut Vec<Spot>,
+) {
+    let splits = walk.intervals[interval].splits;
+    let length = walk.intervals[interval].length;
+    // Both seen from the same end, the start unless both are nearer to the other.
+    let late = a.s > 0.5 * length;
+    let [from, to] = match late {
+        true => [length - a.s, length - b.s],
+        false => [a.s, b.s],
+    };
+    let exact = |spot: &Spot, side: usize, other: f64| {
+        if spot.split == splits[side] && splits[0] != splits[1] { spot.offset } else { other }
+    };
+    let side = usize::from(late);
+    let [from, to] = [exact(a, side, from), exact(b, side, to)];
+    for node in rule {
+        let offset = from + (to - from) * node.x;
+        into.push(walk.spot(interval, side, offset, (to - from).abs() * node.weight));
+    }
+}
+
+/// Spots of panels with a rule.
+pub(super) fn spots_on(walk: &Walk, panels: &[PlanePanel], rule: &[GaussNode]) -> Vec<Spot> {
+    let mut spots = Vec::with_capacity(panels.len() * rule.len());
+    for &panel in panels {
+        walk.spots(panel, rule, &mut spots);
+    }
+    spots
+}
+
+/// Continues the imaginary parts of the logarithms of holes along each run.
+pub(super) fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
+    for k in 1..spots.len() {
+        let [before, after] = [k - 1, k].map(|k| walk.intervals[spots[k].interval].run);
+        if before == after && after != usize::MAX {
+            let turns = ((logs[k].im - logs[k - 1].im) / TAU).round();
+            logs[k].im -= TAU * turns;
+        }
+    }
+}
+
+/// Least number of rows per column.
+const ROWS: f64 = 2.5;
+
+impl Fit {
+    pub(super) fn new(setup: &Setup, contact: &[RingContact], level: &Level) -> Self {
+        let mut walk = Walk::new(&setup.rings, contact, &setup.jumps.crossings);
+        setup.set_f(&mut walk);
+        let mut functions = Functions::chosen(setup, &walk, level);
+        let (rule, mut fineness) = (gauss(level.nodes), 1.0);
+        let mut panels = panels(setup, &walk, &functions, level, fineness);
+        while ((panels.len() * rule.len()) as f64) < ROWS * functions.unknowns() as f64 {
+            fineness *= 1.4;
+            panels = self::panels(setup, &walk, &functions, level, fineness);
+        }
+        let spots = spots_on(&walk, &panels, &rule);
+        functions.orthogonalise(&spots, level.degree);
+        let mut values = functions.at(&spots, false);
+        let mut matrix = Columns::new(spots.len(), functions.unknowns() + walk.runs);
+        fill(&walk, &spots, &functions, &mut values, &mut matrix);
+        let last = matrix.unknowns;
+        matrix.column(last).copy_from_slice(&conditions(setup, &walk, &spots));
+        let (unknowns, rows) = (matrix.unknowns, matrix.rows);
+        let x = matrix.solve();
+        let many = functions.complex();
+        let mut coefficients = vec![Complex::new(x[0], 0.0)];
+        coefficients
+            .extend(x[1..2 * many - 1].chunks_exact(2).map(|pair| Complex::new(pair[0], pair[1])));
+        // The constant, which comes first here, is the first polynomial.
+        let polynomials = functions.arnoldi.len() + 1;
+        coefficients[..=many - polynomials].rotate_left(1);
+        let logs = x[2 * many - 1..][..functions.holes.len()].to_vec();
+        Self { walk, functions, coefficients, logs, unknowns, rows }
+    }
+
+    /// g at the points of values.
+    pub(super) fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
+        let mut sums = [
+            vec![Complex::default(); values.points],
+            vec![Complex::default(); if values.slopes.is_empty() { 0 } else { values.points }],
+        ];
+        let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
+        for (k, c) in self.coefficients.iter().copied().chain(logs).enumerate() {
+            let range = k * values.points..(k + 1) * values.points;
+            for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
+                if let Some(values) = values.get(range.clone()) {
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// Panels for functions, `fineness` times shorter than needed for the fit.
+pub(super) fn panels(
+    setup: &Setup,
+    walk: &Walk,
+    functions: &Functions,
+    level: &Level,
+    fineness: f64,
+) -> Vec<PlanePanel> {
+    let longest = 4.0 * setup.diameter / level.degree as f64;
+    // Points with the length of panels, in distances from them.
+    let mut near: Vec<(Complex, f64)> = setup.jumps.singular.iter().map(|&z| (z, 1.0)).collect();
+    for family in &functions.families {
+        // Simple poles alone.
+        let poles = family.powers.len() == 1;
+        let part = if poles { 0.75 } else { 1.0 };
+        near.extend(
+            family.lengths.iter().map(|&d| (family.point - family.inwards.scaled(d), part)),
+        );
+        if family.split.is_none() && !poles {
+            near.push((family.point, 1.0));
+        }
+    }
+    walk.panels(0.0, |middle, length| {
+        fineness * length > longest
+            || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
+    })
+}
+
+/// Writes the rows of spots.
+fn fill(
+    walk: &Walk,
+    spots: &[Spot],
+    functions: &Functions,
+    values: &mut Values,
+    matrix: &mut Columns,
+) {
+    let held: Vec<bool> =
+        spots.iter().map(|spot| walk.intervals[spot.interval].state == State::Held).collect();
+    let many = functions.complex();
+    let constant = many - functions.arnoldi.len() - 1;
+    let mut next = 1;
+    for k in 0..many {
+        let own = values.of(k);
+        if k == constant {
+            let column = matrix.column(0);
+            column.iter_mut().zip(&held).for_each(|(x, &held)| *x = if held { 1.0 } else { 0.0 });
+            continue;
+        }
+        for ((x, value), &held) in matrix.column(next).iter_mut().zip(own).zip(&held) {
+            *x = if held { value.re } else { value.im };
+        }
+        for ((x, value), &held) in matrix.column(next + 1).iter_mut().zip(own).zip(&held) {
+            *x = if held { -value.im } else { value.re };
+        }
+        next += 2;
+    }
+    let points = values.points;
+    for hole in 0..functions.holes.len() {
+        let logs = &mut values.all[(many + hole) * points..(many + hole + 1) * points];
+        continue_logs(walk, spots, logs);
+        for ((x, value), &held) in matrix.column(next).iter_mut().zip(logs.iter()).zip(&held) {
+            *x = if held { value.re } else { value.im };
+        }
+        next += 1;
+    }
+    for (i, spot) in spots.iter().enumerate() {
+        let run = walk.intervals[spot.interval].run;
+        if run != usize::MAX {
+            matrix.column(next + run)[i] = -1.0;
+        }
+    }
+}

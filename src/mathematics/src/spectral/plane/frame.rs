@@ -1,0 +1,101 @@
+//! Coordinates in which a domain has about unit size and lies near the origin, so that lengths can be compared with
+//! fixed small numbers.
+
+use super::domain::{PlaneDomain, PlaneSide, SidePlace};
+use super::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, Polynomial, RegionBorder, Regions};
+use crate::problem::complex::Complex;
+use crate::problem::law::Law;
+use crate::problem::source::Source;
+use crate::spectral::curve::{Arc, Curve};
+
+/// Coordinates `(z - origin) / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by its
+/// fourth power.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub origin: Complex,
+    /// A power of two, so that no digit changes.
+    pub unit: f64,
+}
+
+impl Frame {
+    /// Frame of a domain: that of the plane where the domain has about unit size and is not far away.
+    pub(super) fn of(domain: &PlaneDomain) -> Self {
+        let [x, y] = domain.extent().map(|[low, high]| 0.5 * (low + high));
+        let unit = libm::exp2(libm::log2(0.5 * domain.diameter()).round());
+        let centre = Complex::new(x, y);
+        let origin = if centre.norm() < 2.0 * unit { Complex::default() } else { centre };
+        Self { origin, unit }
+    }
+
+    pub(super) fn seen(&self, [x, y]: [f64; 2]) -> Complex {
+        (Complex::new(x, y) - self.origin).scaled(1.0 / self.unit)
+    }
+
+    /// Point with these coordinates.
+    pub(super) fn outside(&self, z: Complex) -> [f64; 2] {
+        (self.origin + z.scaled(self.unit)).coordinates()
+    }
+
+    fn side(&self, side: &PlaneSide) -> PlaneSide {
+        let Arc { curve, span, ends } = side.arc;
+        let curve = Curve {
+            origin: self.seen(curve.origin.coordinates()),
+            curvature: curve.curvature * self.unit,
+            ..curve
+        };
+        PlaneSide { arc: Arc { curve, span: span.map(|s| s / self.unit), ends }, ..*side }
+    }
+
+    /// The problem in these coordinates.
+    pub(super) fn problem(&self, problem: &PlaneProblem) -> PlaneProblem {
+        let loops = problem.domain.loops.iter();
+        let domain = PlaneDomain {
+            loops: loops.map(|sides| sides.iter().map(|side| self.side(side)).collect()).collect(),
+        };
+        let [lo, hi] = [problem.law.lo(), problem.law.hi()].map(|end| end / self.unit);
+        let law = Law::new(lo, hi).expect("the ends keep their order");
+        let source = match &problem.source {
+            PlaneSource::Pieces(Source::Pieces { background, pieces }) => {
+                let origin = self.origin.coordinates();
+                let seen = pieces.iter().map(|(shape, f)| (shape.seen_from(origin, self.unit), *f));
+                PlaneSource::Pieces(Source::Pieces {
+                    background: *background,
+                    pieces: seen.collect(),
+                })
+            }
+            PlaneSource::Pieces(other) => PlaneSource::Pieces(other.clone()),
+            PlaneSource::Polynomial(f) => {
+                let value =
+                    |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit) + self.origin);
+                let seen = Polynomial::fitted(value, &domain);
+                let error = f.error.max(seen.error);
+                PlaneSource::Polynomial(seen.with_error(error))
+            }
+            PlaneSource::Regions(Regions { borders, known: (point, f) }) => {
+                let borders = borders
+                    .iter()
+                    .map(|b| RegionBorder { side: self.side(&b.side), ..*b })
+                    .collect();
+                PlaneSource::Regions(Regions {
+                    borders,
+                    known: (self.seen(*point).coordinates(), *f),
+                })
+            }
+        };
+        PlaneProblem { domain, law, source }
+    }
+
+    /// Place on a side in these coordinates.
+    pub(super) fn place(&self, SidePlace { side, s }: SidePlace) -> SidePlace {
+        SidePlace { side, s: s / self.unit }
+    }
+
+    /// The start in these coordinates.
+    pub(super) fn start(&self, start: &PlaneStart) -> PlaneStart {
+        let loops = start.loops.iter().map(|own| LoopStart {
+            arcs: own.arcs.iter().map(|ends| ends.map(|place| self.place(place))).collect(),
+            gaps: own.gaps.iter().map(|flux| flux / self.unit).collect(),
+        });
+        PlaneStart { loops: loops.collect(), spacing: start.spacing / self.unit }
+    }
+}

@@ -1,0 +1,360 @@
+//! True solution on any domain of the plane with straight and circular sides, holes, and parts that are fixed or free.
+//!
+//! # Method
+//! `v = psi + Re g`. psi is a particular solution in closed form ([`psi`]), so that `-Lap v = f` holds exactly; g is a sum
+//! of analytic functions ([`functions`]): at each corner, end of contact and crossing of a jump of f the fractional
+//! powers and logarithms that a solution has there, with a cut of finite length outside of the domain, in a ladder of
+//! lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole; poles behind
+//! the sides of slots; polynomials. They are fitted to both boundary conditions by least squares ([`fit`]):
+//! ```text
+//! where v = 0:          Re g = -psi,
+//! where dv/dn = q:      Im g - C = -int (psi_n - q) ds,    C one unknown for each run of such sides.
+//! ```
+//! That is the exact form of the singularities, so the error falls exponentially with the number of functions: ten to
+//! thirteen digits of the energy with 200 to 700 unknowns.
+//!
+//! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong a
+//! gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy is a
+//! sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual ([`energy`]);
+//! two bounds follow from how the conditions are missed ([`bounds`]).
+//!
+//! # Limits
+//! Work grows with the cube of the number of corners: about a second for twenty. A contact set whose signs are not all
+//! right, a residual above 2e-8 of v, or an integral of dv/dn that does not balance that of f, is refused.
+//!
+//! # Literature
+//! - A. Gopal, L. N. Trefethen, Solving Laplace problems with corner singularities via rational functions, SIAM J.
+//!   Numer. Anal. 57 (2019).
+//! - P. D. Brubeck, Y. Nakatsukasa, L. N. Trefethen, Vandermonde with Arnoldi, SIAM Rev. 63 (2021).
+
+mod boundary;
+mod bounds;
+mod choice;
+mod continuation;
+mod domain;
+mod energy;
+mod field;
+mod fit;
+mod frame;
+mod functions;
+mod jumps;
+mod least_squares;
+mod newton;
+mod on_mesh;
+mod outline;
+mod panels;
+mod polynomial;
+mod psi;
+mod regions;
+mod search;
+mod setup;
+mod signs;
+mod start;
+
+use crate::problem::law::Law;
+use crate::problem::source::Source;
+use crate::problem::text::plain;
+pub use domain::{Circle, PlaneDomain, PlaneSide, SidePlace};
+use field::Node;
+use frame::Frame;
+pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
+use panels::Spot;
+pub use polynomial::Polynomial;
+use search::Found;
+use setup::Setup;
+use std::fmt;
+
+/// Right-hand side of a domain in the plane.
+#[derive(Clone, Debug)]
+pub enum PlaneSource {
+    /// Constant pieces.
+    Pieces(Source),
+    /// A polynomial.
+    Polynomial(Polynomial),
+    /// Constant values on regions.
+    Regions(Regions),
+}
+
+/// Constant values on regions with straight or circular borders.
+#[derive(Clone, Debug)]
+pub struct Regions {
+    /// Borders between regions inside of the domain, each once: the condition and part of the side are not used.
+    pub borders: Vec<RegionBorder>,
+    /// A point inside of the domain, and f there.
+    pub known: ([f64; 2], f64),
+}
+
+/// Border between two regions.
+#[derive(Clone, Copy, Debug)]
+pub struct RegionBorder {
+    /// The border: its condition and part are not read.
+    pub side: PlaneSide,
+    /// f on the left and on the right.
+    pub values: [f64; 2],
+}
+
+/// Problem on a domain of the plane.
+#[derive(Clone, Debug)]
+pub struct PlaneProblem {
+    /// The domain.
+    pub domain: PlaneDomain,
+    /// The law on sides in contact.
+    pub law: Law,
+    /// f.
+    pub source: PlaneSource,
+}
+
+/// Contact set with which Newton's method begins, loop by loop.
+#[derive(Clone, Debug, Default)]
+pub struct PlaneStart {
+    /// Arcs that stick, loop by loop.
+    pub loops: Vec<LoopStart>,
+    /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
+    pub spacing: f64,
+}
+
+/// Arcs of a loop that stick. What it says of fixed and free sides is not read.
+#[derive(Clone, Debug, Default)]
+pub struct LoopStart {
+    /// Beginning and end of each arc in walking order.
+    pub arcs: Vec<[SidePlace; 2]>,
+    /// Flux dv/dn on the gap after each arc, an end of the law. Without arcs: none if all of the loop sticks, one if
+    /// nothing does.
+    pub gaps: Vec<f64>,
+}
+
+/// Two bounds of the energy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneBracket {
+    /// Lower bound.
+    pub lower: f64,
+    /// Upper bound.
+    pub upper: f64,
+    /// What the bounds rest on that is not proved, each with the word `sampled`; none if they are guaranteed.
+    pub reserve: Vec<String>,
+}
+
+/// Arc of the boundary that sticks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneArc {
+    /// Number of its loop.
+    pub ring: usize,
+    /// Beginning and end in walking order.
+    pub ends: [SidePlace; 2],
+    /// The same as points.
+    pub points: [[f64; 2]; 2],
+    /// True if it is all of the loop.
+    pub closed: bool,
+    /// Integral of dv/dn.
+    pub force: f64,
+}
+
+/// Conditions that must hold of a solution and were not used to find it.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct PlaneChecks {
+    /// Largest |v| where v = 0, between the rows, over the size of v and psi.
+    pub residual: f64,
+    /// Integral of dv/dn plus that of f, over the integral of |f|.
+    pub balance: f64,
+    /// Least room of the flux in the law where it holds, over the mean of |dv/dn|.
+    pub flux: f64,
+    /// Least v of the right sign on the gaps, over the size of v and psi.
+    pub sign: f64,
+    /// Distance of the bounds over the energy.
+    pub bracket: f64,
+}
+
+/// True solution.
+pub struct PlaneSolution {
+    /// J(v).
+    pub energy: f64,
+    /// Bounds of the energy.
+    pub bracket: PlaneBracket,
+    /// Arcs that stick, loop by loop in walking order.
+    pub arcs: Vec<PlaneArc>,
+    /// Integral of dv/dn over the parts where the law holds.
+    pub force: f64,
+    /// Integral of f over the domain.
+    pub integral: f64,
+    /// Checks.
+    pub checks: PlaneChecks,
+    /// Real unknowns of the last fit.
+    pub unknowns: usize,
+    /// Rows of the last fit.
+    pub rows: usize,
+    /// Fits on all levels.
+    pub steps: usize,
+    frame: Frame,
+    setup: Setup,
+    found: Found,
+}
+
+/// Reason for which there is no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlaneError {
+    /// The domain is not as said.
+    #[error("{0}")]
+    Domain(String),
+    /// f is not one that is served.
+    #[error("{0}")]
+    Source(String),
+    /// The contact set was not found, or a check failed.
+    #[error("{0}")]
+    NotFound(String),
+}
+
+impl PlaneError {
+    /// True if the input is the reason, and not that no solution was found.
+    pub fn is_of_input(&self) -> bool {
+        !matches!(self, Self::NotFound(_))
+    }
+}
+
+impl fmt::Display for PlaneChecks {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { residual, balance, flux, sign, bracket } = self;
+        write!(
+            out,
+            "v where it is zero {residual:.1e}, balance {balance:.1e}, least room of the flux {}, least v {}, bounds \
+             apart by {bracket:.1e}",
+            plain(*flux, 2),
+            plain(*sign, 2)
+        )
+    }
+}
+
+/// Solves a problem from a contact set.
+///
+/// # Errors
+/// [`PlaneError`], with a sentence for the user.
+pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution, PlaneError> {
+    let frame = Frame::of(&problem.domain);
+    let setup = Setup::new(&frame.problem(problem))?;
+    let found = search::search(&setup, &frame.start(start))?;
+    let Found { integrals, sizes, signs, fit, nodes, .. } = &found;
+    let mut bracket = bounds::bracket(&setup, &found);
+    let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
+    let checks = PlaneChecks {
+        residual: sizes.residual / sizes.value,
+        balance: (integrals.force + integrals.source) / size,
+        flux: signs.flux,
+        sign: signs.value,
+        bracket: (bracket.upper - bracket.lower) / integrals.energy.abs(),
+    };
+    let square = frame.unit * frame.unit;
+    (bracket.lower, bracket.upper) =
+        (square * square * bracket.lower, square * square * bracket.upper);
+    let force: f64 =
+        nodes.iter().filter(|node| node.lawful).map(|node| node.spot.weight * node.flux).sum();
+    Ok(PlaneSolution {
+        energy: square * square * integrals.energy,
+        bracket,
+        arcs: arcs(&problem.domain, frame, &setup, &found),
+        force: square * force,
+        integral: square * integrals.source,
+        checks,
+        unknowns: fit.unknowns,
+        rows: fit.rows,
+        steps: found.steps,
+        frame,
+        setup,
+        found,
+    })
+}
+
+/// Arcs that stick, with forces.
+fn arcs(domain: &PlaneDomain, frame: Frame, setup: &Setup, found: &Found) -> Vec<PlaneArc> {
+    let mut arcs = Vec::new();
+    for (r, ring) in setup.rings.iter().enumerate() {
+        let (turn, own) = (ring.length(), &found.contact[r]);
+        let lawful: Vec<&Node> =
+            found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
+        let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
+        let all = [0.0, turn];
+        for &[from, to] in own.arcs.iter().chain(closed.then_some(&all)) {
+            let inside = lawful.iter().filter(|node| (node.t - from).rem_euclid(turn) <= to - from);
+            let force: f64 = inside.map(|node| node.spot.weight * node.flux).sum();
+            let ends = [from, to].map(|t| {
+                let SidePlace { side, s } = ring.place(t);
+                SidePlace { side, s: frame.unit * s }
+            });
+            arcs.push(PlaneArc {
+                ring: r,
+                ends,
+                points: ends.map(|place| domain.loops[r][place.side].at(place.s)),
+                closed,
+                force: frame.unit * frame.unit * force,
+            });
+        }
+    }
+    arcs
+}
+
+impl PlaneSolution {
+    /// v at a point of the closed domain.
+    pub fn value(&self, point: [f64; 2]) -> f64 {
+        self.values(&[point])[0]
+    }
+
+    /// Cuts of the functions, from the points where they are singular outwards.
+    pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
+        let mut cuts = Vec::new();
+        for family in &self.found.fit.functions.families {
+            for &length in &family.lengths {
+                let end = self.frame.outside(family.point - family.inwards.scaled(length));
+                cuts.push([self.frame.outside(family.point), end]);
+            }
+        }
+        cuts
+    }
+
+    /// v at many points.
+    pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+        let mut values = Vec::with_capacity(points.len());
+        for block in points.chunks(64) {
+            let spots: Vec<Spot> =
+                block.iter().map(|&point| Spot::inside(self.frame.seen(point))).collect();
+            let fit = &self.found.fit;
+            let [g, _] = fit.sums(&fit.functions.at(&spots, false));
+            let square = self.frame.unit * self.frame.unit;
+            let psi = |spot: &Spot| self.setup.jumps.psi.value(spot.z);
+            values.extend(spots.iter().zip(g).map(|(spot, g)| square * (psi(spot) + g.re)));
+        }
+        values
+    }
+
+    /// Gradient of v at a point of the domain.
+    pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
+        let spots = [Spot::inside(self.frame.seen(point))];
+        let fit = &self.found.fit;
+        let [_, slopes] = fit.sums(&fit.functions.at(&spots, true));
+        let psi = self.setup.jumps.psi.gradients(&[spots[0].z])[0];
+        (psi + slopes[0].conj()).scaled(self.frame.unit).coordinates()
+    }
+
+    /// v and dv/dn at a point of the boundary.
+    pub fn on_boundary(&self, ring: usize, place: SidePlace) -> [f64; 2] {
+        let (walk, place) = (&self.found.fit.walk, self.frame.place(place));
+        let mut nearest = (f64::INFINITY, 0);
+        for (k, own) in walk.intervals.iter().enumerate() {
+            if own.ring == ring && own.side == place.side {
+                let after = place.s - own.from;
+                let beyond = (-after).max(after - own.length);
+                if beyond < nearest.0 {
+                    nearest = (beyond, k);
+                }
+            }
+        }
+        let own = &walk.intervals[nearest.1];
+        let after = (place.s - own.from).clamp(0.0, own.length);
+        let spot = match after < 0.5 * own.length {
+            true => walk.spot(nearest.1, 0, after, 0.0),
+            false => walk.spot(nearest.1, 1, own.length - after, 0.0),
+        };
+        let node = &field::nodes_at(&self.setup, &self.found.fit, &[spot])[0];
+        [self.frame.unit * self.frame.unit * node.value, self.frame.unit * node.flux]
+    }
+}
+
+#[cfg(test)]
+mod tests;

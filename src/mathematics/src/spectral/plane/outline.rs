@@ -1,0 +1,324 @@
+//! Domains of meshes: the edges of a boundary joined to straight sides and arcs of circles.
+
+use super::{Circle, PlaneError, PlaneSide};
+use crate::mesh::{ClosedCurve, Condition, Round};
+use crate::problem::complex::Complex;
+use crate::spectral::complex::arg;
+use crate::spectral::curve::Curve;
+use std::f64::consts::TAU;
+
+/// Most sides of a closed curve, for which the time is still one of seconds.
+const MOST_SIDES: usize = 60;
+/// Sine of the angle between two edges below which both belong to one straight side.
+const STRAIGHT: f64 = 1e-6;
+/// Distance of nodes from their straight side, over the size of the curve, that is taken for rounding of the file.
+const OFF: f64 = 1e-9;
+/// Distance of a corner from its curves, over the size of the curve.
+const APART: f64 = 1e-12;
+
+/// Returns the sides of a closed curve of a boundary, whose parts lie on these circles.
+///
+/// # Errors
+/// [`PlaneError::Domain`].
+pub(super) fn outline(
+    curve: &ClosedCurve,
+    circles: &[Option<Round<2>>],
+) -> Result<Vec<PlaneSide>, PlaneError> {
+    let mut edges = Vec::new();
+    for (k, &condition) in curve.conditions.iter().enumerate() {
+        let part = curve.parts.get(k).map_or(0, |&part| usize::from(part));
+        let circle = circles.get(part).copied().flatten();
+        edges.push(OutlineEdge { circle, condition, part });
+    }
+    let points = curve.points.iter().map(|&[x, y]| Complex::new(x, y)).collect();
+    let outline = Outline::closed(points, edges);
+    let sides = outline.corners().len();
+    if sides > MOST_SIDES {
+        let part = curve.label().filter(|part| !part.contains(", "));
+        let hint = part.and_then(|part| outline.circle_in_words(&part)).unwrap_or_default();
+        return Err(PlaneError::Domain(format!(
+            "the boundary has {sides} sides, more than {MOST_SIDES}; a curved part is one side if `curve` puts it on a \
+             circle{hint}"
+        )));
+    }
+    outline.sides()
+}
+
+/// Edge of a curve, but for its ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct OutlineEdge {
+    /// Circle on which it lies; none if it is straight.
+    pub circle: Option<Round<2>>,
+    /// Condition on the boundary.
+    pub condition: Condition,
+    /// Position of its part among those of the mesh.
+    pub part: usize,
+}
+
+/// Edges of a curve from node to node, closed or open.
+pub(super) struct Outline {
+    /// Nodes; of a closed curve the first is also the last.
+    points: Vec<Complex>,
+    /// Edge after each node but the last.
+    edges: Vec<OutlineEdge>,
+    is_closed: bool,
+    /// Diameter, about.
+    size: f64,
+}
+
+impl Outline {
+    /// Path of edges between nodes, one more.
+    pub(super) fn new(points: Vec<Complex>, edges: Vec<OutlineEdge>) -> Self {
+        let size = points.iter().map(|&z| (z - points[0]).norm()).fold(0.0, f64::max);
+        let is_closed = points[0] == points[points.len() - 1];
+        Self { points, edges, is_closed, size }
+    }
+
+    /// Closed curve with an edge after each node.
+    fn closed(mut points: Vec<Complex>, edges: Vec<OutlineEdge>) -> Self {
+        points.push(points[0]);
+        Self::new(points, edges)
+    }
+
+    /// Node before which an edge is the last of all, and after which the first: of a closed curve, the one before it.
+    fn edges_at(&self, k: usize) -> [Option<usize>; 2] {
+        let many = self.edges.len();
+        match (k, self.is_closed) {
+            (0, true) => [Some(many - 1), Some(0)],
+            (0, false) => [None, Some(0)],
+            _ => [Some(k - 1), Some(k).filter(|k| *k < many)],
+        }
+    }
+
+    /// Nodes at which sides begin.
+    fn corners(&self) -> Vec<usize> {
+        let mut corners: Vec<_> = (0..self.edges.len()).filter(|&k| self.is_corner(k)).collect();
+        if corners.is_empty() {
+            // A circle, which begins somewhere.
+            corners.push(0);
+        }
+        corners
+    }
+
+    fn is_corner(&self, k: usize) -> bool {
+        let [Some(before), Some(after)] = self.edges_at(k) else { return true };
+        if self.edges[before] != self.edges[after] {
+            return true;
+        }
+        let [u, v] = [before, after].map(|edge| self.points[edge + 1] - self.points[edge]);
+        let turns = u.cross(v).abs() > STRAIGHT * u.norm() * v.norm() || u.dot(v) < 0.0;
+        turns && self.edges[after].circle.is_none()
+    }
+
+    /// Sides between corners.
+    ///
+    /// # Errors
+    /// [`PlaneError::Domain`].
+    pub(super) fn sides(&self) -> Result<Vec<PlaneSide>, PlaneError> {
+        let (corners, many) = (self.corners(), self.edges.len());
+        let end = if self.is_closed { corners[0] + many } else { many };
+        let mut places = Vec::new();
+        for &corner in &corners {
+            places.push(self.corner(corner)?);
+        }
+        places.push(if self.is_closed { places[0] } else { self.corner(many)? });
+        let mut sides = Vec::new();
+        for (j, &from) in corners.iter().enumerate() {
+            let to = corners.get(j + 1).copied().unwrap_or(end);
+            sides.push(self.side([from, to], [places[j], places[j + 1]])?);
+        }
+        Ok(sides)
+    }
+
+    /// Place of a corner, on the lines and circles of the sides that meet there.
+    fn corner(&self, k: usize) -> Result<Complex, PlaneError> {
+        /// Projections onto two curves in turn, enough for angles down to a tenth.
+        const PROJECTIONS: usize = 4000;
+        let node = self.points[k];
+        let mut curves = Vec::new();
+        for edge in self.edges_at(k).into_iter().flatten() {
+            curves.push(match self.edges[edge].circle {
+                Some(circle) => OnCurve::Circle(circle),
+                None => {
+                    let way = self.points[edge + 1] - self.points[edge];
+                    OnCurve::Line(Curve::line(node, way.scaled(1.0 / way.norm())))
+                }
+            });
+        }
+        let mut z = node;
+        for _ in 0..PROJECTIONS {
+            if greatest_distance(&curves, z) <= 1e-3 * APART * self.size {
+                break;
+            }
+            z = curves.iter().fold(z, |z, curve| curve.nearest(z));
+        }
+        match greatest_distance(&curves, z) {
+            by if by <= APART * self.size => Ok(z),
+            by => {
+                let [x, y] = node.coordinates();
+                Err(PlaneError::Domain(format!(
+                    "two sides do not meet in the node ({x}, {y}), by {by:.1e}; write the mesh with 16 digits"
+                )))
+            }
+        }
+    }
+
+    /// Side from one node to another, whose places are given.
+    fn side(&self, [from, to]: [usize; 2], ends: [Complex; 2]) -> Result<PlaneSide, PlaneError> {
+        let OutlineEdge { circle, condition, part } = self.edges[from];
+        let many = self.edges.len();
+        let between = (from + 1..to).map(|k| self.points[k % many]);
+        let Some(Round { centre, radius, .. }) = circle else {
+            let way = ends[1] - ends[0];
+            let line = Curve::line(ends[0], way.scaled(1.0 / way.norm()));
+            for node in between {
+                let by = line.distance(node).abs();
+                if by > OFF * self.size {
+                    let [x, y] = node.coordinates();
+                    return Err(PlaneError::Domain(format!(
+                        "the boundary bends by {by:.1e} at ({x}, {y}), too little for a corner; write the mesh with 16 \
+                         digits, or put the part on a circle by `curve`"
+                    )));
+                }
+            }
+            return Ok(PlaneSide::segment(ends.map(Complex::coordinates), condition, part));
+        };
+        let middle = Complex::new(centre[0], centre[1]);
+        let (mut turn, mut before) = (0.0, ends[0] - middle);
+        for node in between.chain([ends[1]]) {
+            turn += arg(before.conj() * (node - middle));
+            before = node - middle;
+        }
+        if to - from == many && self.is_closed {
+            turn = TAU.copysign(turn);
+        }
+        let start = arg(ends[0] - middle);
+        Ok(PlaneSide::arc(Circle { centre, radius }, [start, start + turn], condition, part))
+    }
+
+    /// Circle on which all nodes lie, as `curve` wants it for a part; none if there is none.
+    fn circle_in_words(&self, part: &str) -> Option<String> {
+        /// Distance of nodes from the circle, in radii.
+        const ON_CIRCLE: f64 = 1e-4;
+        let many = self.edges.len();
+        let circle = circle_through([0, 1, 2].map(|k| self.points[k * many / 3]))?;
+        let off = self.points.iter().map(|z| circle.distance(z.coordinates()));
+        let is_round = off.fold(0.0, f64::max) < ON_CIRCLE * circle.radius;
+        let ([x, y], radius) = (circle.centre.map(short), short(circle.radius));
+        is_round.then(|| format!(", as {part}={x},{y},{radius}"))
+    }
+}
+
+/// A number without the digits that rounding of a file may have made.
+fn short(value: f64) -> f64 {
+    let rounded = (value * 1e6).round() / 1e6;
+    if (rounded - value).abs() < 1e-9 { rounded + 0.0 } else { value }
+}
+
+/// Circle through three points; none through points of a line.
+pub(super) fn circle_through([a, b, c]: [Complex; 3]) -> Option<Round<2>> {
+    let (u, v) = (b - a, c - a);
+    let twice = 2.0 * u.cross(v);
+    if twice.abs() < 1e-12 * u.norm() * v.norm() {
+        return None;
+    }
+    let to_centre = (u.scaled(v.norm2()) - v.scaled(u.norm2())).turned().scaled(1.0 / twice);
+    Some(Round::sphere((a + to_centre).coordinates(), to_centre.norm()))
+}
+
+/// Line or circle of a side at a corner.
+enum OnCurve {
+    Line(Curve),
+    Circle(Round<2>),
+}
+
+fn greatest_distance(curves: &[OnCurve], z: Complex) -> f64 {
+    curves.iter().map(|curve| (curve.nearest(z) - z).norm()).fold(0.0, f64::max)
+}
+
+impl OnCurve {
+    fn nearest(&self, z: Complex) -> Complex {
+        match self {
+            Self::Line(line) => line.at(line.place(z)),
+            Self::Circle(circle) => {
+                let [x, y] = circle.nearest(z.coordinates());
+                Complex::new(x, y)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{AnyMesh, PlaneMesh, boundary_curves, gmsh};
+
+    /// Numbers of sides, and lengths, of the closed curves of a mesh, and the area between them.
+    fn measured(mesh: &PlaneMesh) -> Result<(Vec<(usize, f64)>, f64), PlaneError> {
+        let circles: Vec<_> = mesh.parts().iter().map(|part| part.curve).collect();
+        let (mut curves, mut area) = (Vec::new(), 0.0);
+        for curve in boundary_curves(mesh) {
+            let sides = outline(&curve, &circles)?;
+            curves.push((sides.len(), sides.iter().map(PlaneSide::length).sum()));
+            for (k, side) in sides.iter().enumerate() {
+                let [[x, y], [u, v]] = [0.0, side.length()].map(|s| side.at(s));
+                let [z, w] = sides[(k + 1) % sides.len()].at(0.0);
+                assert!((u - z).abs() + (v - w).abs() < 1e-14, "{u} {v} {z} {w}");
+                let curvature = side.arc.curve.curvature * side.way();
+                // The triangle to the origin, and what lies between chord and arc.
+                let angle = curvature * side.length();
+                area += 0.5 * (x * v - y * u);
+                if curvature != 0.0 {
+                    area += 0.5 * (angle - libm::sin(angle)) / (curvature * curvature);
+                }
+            }
+        }
+        Ok((curves, area))
+    }
+
+    fn built_in(name: &str) -> PlaneMesh {
+        AnyMesh::built_in(name)
+            .and_then(|mesh| mesh.plane().cloned())
+            .expect("a domain in the plane")
+    }
+
+    #[test]
+    fn built_in_domains_have_their_sides_and_areas() {
+        let full = TAU;
+        for (name, curves, area) in [
+            ("square", vec![(4, 4.0)], 1.0),
+            ("lshape", vec![(6, 8.0)], 3.0),
+            ("disc", vec![(1, full)], 0.5 * full),
+            ("annulus", vec![(1, full), (1, 0.5 * full)], 0.375 * full),
+        ] {
+            let (found, size) = measured(&built_in(name)).unwrap();
+            assert_eq!(found.len(), curves.len(), "{name}");
+            for ((sides, length), (known, whole)) in found.into_iter().zip(curves) {
+                assert_eq!(sides, known, "{name}");
+                assert!((length - whole).abs() < 1e-14, "{name}: {length}");
+            }
+            assert!((size - area).abs() < 1e-14, "{name}: {size}");
+            // The refined mesh has the same outline.
+            let finer = AnyMesh::from(built_in(name)).refined(3).unwrap();
+            let (_, again) = measured(finer.plane().unwrap()).unwrap();
+            assert!((again - area).abs() < 1e-13, "{name}: {again}");
+        }
+    }
+
+    #[test]
+    fn parts_on_circles_are_one_side_and_else_have_as_many_as_edges() {
+        let file = include_bytes!("../../../../../pipeline/meshes/gear.msh");
+        let mut mesh = gmsh::read(&file[..]).unwrap();
+        let holes = |mesh: &AnyMesh| measured(mesh.plane().unwrap()).unwrap().0[1];
+        assert_eq!(holes(&mesh).0, 12);
+        mesh.set_curve("hole", &[0.0, 0.0, 0.3]).unwrap();
+        let (sides, length) = holes(&mesh);
+        assert!(sides == 1 && (length - 0.3 * TAU).abs() < 1e-14);
+        let mut round =
+            AnyMesh::from(built_in("disc")).refined(5).unwrap().plane().unwrap().clone();
+        round.parts_mut()[0].curve = None;
+        let refused = measured(&round).unwrap_err().to_string();
+        let hint = "192 sides, more than 60; a curved part is one side if `curve` puts it on a circle, as rim=0,0,1";
+        assert!(refused.contains(hint), "{refused}");
+    }
+}

@@ -1,0 +1,167 @@
+//! The particular solution psi itself, in closed form, with the same constants as its gradient.
+//!
+//! With z seen from a jump J along an arc from a to b, psi is the sum of
+//! `-(J / 4 pi) Im int conj(w - z) (log|w - z| + 1/2) dw`: logarithms for a segment, the dilogarithm for an arc. A
+//! polynomial f, the real part of a sum of `c z^j conj(z)^k`, has
+//! `psi = -Re sum c z^(j+1) conj(z)^(k+1) / (4 (j + 1) (k + 1))`.
+
+use super::polynomial::Polynomial;
+use crate::problem::complex::Complex;
+use crate::spectral::complex::ln;
+use crate::spectral::potential::{Jump, Potential};
+use std::f64::consts::TAU;
+
+/// psi with `-Lap psi = f`.
+#[derive(Clone)]
+pub(super) enum Psi {
+    Jumps(Potential),
+    Polynomial(Polynomial),
+}
+
+impl Psi {
+    /// psi of jumps, from f at some points of the domain.
+    pub(super) fn of_jumps(
+        mut potential: Potential,
+        points: &[Complex],
+        f: impl Fn(Complex) -> f64,
+    ) -> Self {
+        potential.find_background(points, f);
+        // The gradient is that of `value` but for a constant.
+        let mut constant = Complex::default();
+        for Jump { arc, size, .. } in &potential.jumps {
+            let [a, b] = arc.span;
+            let way = match arc.curve.curvature {
+                0.0 => arc.curve.tangent.scaled(b - a),
+                _ => arc.curve.at(b) - arc.curve.at(a),
+            };
+            constant = constant + way.turned().scaled(size / (2.0 * TAU));
+        }
+        potential.gauge[0] = constant.conj();
+        Self::Jumps(potential)
+    }
+
+    /// Gradients at points.
+    pub(super) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
+        match self {
+            _ if points.is_empty() => Vec::new(),
+            Self::Jumps(potential) => potential.gradients(points),
+            Self::Polynomial(f) => points.iter().map(|&z| f.psi_gradient(z)).collect(),
+        }
+    }
+
+    /// psi at a point.
+    pub(super) fn value(&self, z: Complex) -> f64 {
+        match self {
+            Self::Polynomial(f) => f.psi(z),
+            Self::Jumps(potential) => {
+                let logs = potential.logs(&[z]);
+                let mut sum = -0.25 * potential.background * z.norm2();
+                for jump in &potential.jumps {
+                    sum += jump.value(z, &potential.vertices, &logs);
+                }
+                sum
+            }
+        }
+    }
+
+    /// f at a point, where psi belongs to jumps off them.
+    pub(super) fn source(&self, z: Complex) -> f64 {
+        match self {
+            Self::Polynomial(f) => f.value(z),
+            Self::Jumps(potential) => {
+                let mut f = [potential.background];
+                potential.add_jumps(&[z], 1.0, &mut f);
+                f[0]
+            }
+        }
+    }
+}
+
+impl Jump {
+    /// Part of psi at a point z, with the vertices and the logarithms of their distances from it.
+    fn value(&self, z: Complex, vertices: &[Complex], logs: &[Complex]) -> f64 {
+        let mut ratio = [Complex::default()];
+        self.log_ratios(logs, &mut ratio);
+        let power = self.arc.curve.polar(z).power;
+        let angle = self.logarithm(ratio[0], power).im;
+        let part = match self.arc.curve.centre() {
+            None => self.line_value(z, vertices, logs, angle),
+            Some(centre) => {
+                let ends = self.arc.ends.map(|end| end.map(|v| [vertices[v] - centre, logs[v]]));
+                self.circle_value(z - centre, ends, angle)
+            }
+        };
+        self.size / (2.0 * TAU) * part
+    }
+
+    /// With the angle under which the segment is seen.
+    fn line_value(&self, z: Complex, vertices: &[Complex], logs: &[Complex], angle: f64) -> f64 {
+        let local = self.arc.curve.local(z);
+        let mut sum = local.im * angle;
+        for (end, sign) in self.arc.ends.into_iter().zip([-1.0, 1.0]) {
+            let Some(v) = end else { continue };
+            let along = self.arc.curve.tangent.dot(vertices[v] - z);
+            sum += sign * along * (logs[v].re - 0.5);
+        }
+        -local.im * sum
+    }
+
+    /// With z seen from the centre, and the ends seen from there with the logarithms of their distances from z.
+    fn circle_value(&self, z: Complex, ends: [Option<[Complex; 2]>; 2], angle: f64) -> f64 {
+        let radius = 1.0 / self.arc.curve.curvature;
+        let sweep = (self.arc.span[1] - self.arc.span[0]) * self.arc.curve.curvature;
+        let (square, far) = (radius * radius, z.norm2());
+        let inside = far <= square;
+        // Im L less the sweep inside.
+        let turn = if inside { angle + sweep } else { angle };
+        let (mut mixed, mut moved) = (0.0, 0.0);
+        let log = ln(z).re;
+        let mut lambda = sweep * if inside { ln(Complex::new(radius, 0.0)).re } else { log };
+        for (end, sign) in ends.into_iter().zip([-1.0, 1.0]) {
+            let Some([u, log]) = end else { continue };
+            let y = z.cross(u) * sign;
+            mixed += y * log.re;
+            moved += y;
+            lambda += sign * if inside { dilogarithm(z / u) } else { -dilogarithm(u / z) };
+        }
+        let e = mixed + 0.25 * (square - far) * (2.0 * turn - sweep)
+            - 0.25 * (square + far) * sweep
+            - 0.5 * moved;
+        -(square * lambda - e + 0.5 * (square * sweep - moved))
+    }
+}
+
+/// Imaginary part of the dilogarithm for |y| <= 1.
+fn dilogarithm(y: Complex) -> f64 {
+    /// Bernoulli numbers of even order over factorials, B_2k / (2k + 1)!.
+    const SERIES: [f64; 12] = [
+        1.0 / 36.0,
+        -1.0 / 3600.0,
+        4.724111866969009e-6,
+        -9.185773074661964e-8,
+        1.8978869988971e-9,
+        -4.064761645144226e-11,
+        8.921691020456452e-13,
+        -1.993929586072108e-14,
+        4.518980029619918e-16,
+        -1.035651761218125e-17,
+        2.395218621026187e-19,
+        -5.581785874325009e-21,
+    ];
+    let one = Complex::new(1.0, 0.0);
+    let series = |y: Complex| {
+        let u = -ln(one - y);
+        let square = u * u;
+        let mut sum = Complex::default();
+        for c in SERIES.into_iter().rev() {
+            sum = (sum * square).shifted(c);
+        }
+        u - square.scaled(0.25) + sum * square * u
+    };
+    if y.re > 0.5 {
+        let product = ln(y) * ln(one - y);
+        -product.im - series(one - y).im
+    } else {
+        series(y).im
+    }
+}

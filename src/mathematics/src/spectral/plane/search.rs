@@ -1,0 +1,146 @@
+//! The way from a start to a checked solution: Newton's method on the ends on a coarse level, signs, finer levels.
+
+use super::boundary::RingContact;
+use super::energy::Integrals;
+use super::field::{Node, Sizes, boundary_nodes};
+use super::fit::Fit;
+use super::newton::{remove, settle};
+use super::setup::{Level, Setup};
+use super::signs::Signs;
+use super::{PlaneError, PlaneStart};
+
+/// Solution of one level with what is known of it.
+pub(super) struct Found {
+    pub contact: Vec<RingContact>,
+    pub fit: Fit,
+    pub nodes: Vec<Node>,
+    pub sizes: Sizes,
+    pub signs: Signs,
+    pub integrals: Integrals,
+    pub steps: usize,
+}
+
+/// Corrections of the contact set on a level.
+const CORRECTIONS: usize = 12;
+/// Points of a panel for signs, and for integrals.
+const POINTS: [usize; 2] = [8, 16];
+
+impl Found {
+    /// Finds the contact set on a level.
+    fn on(
+        setup: &Setup,
+        contact: &mut Vec<RingContact>,
+        level: Level,
+        steps: &mut usize,
+        points: usize,
+    ) -> Result<Self, PlaneError> {
+        for _ in 0..CORRECTIONS {
+            let fit = settle(setup, contact, &level, steps).ok_or_else(|| {
+                PlaneError::NotFound("the ends of the arcs that stick were not found: Newton's method did not settle".into())
+            })?;
+            let nodes = boundary_nodes(setup, &fit, &level, points);
+            let sizes = Sizes::new(setup, &nodes);
+            let signs = Signs::new(setup, contact, &nodes, sizes);
+            match signs.mended {
+                Some(mended) => *contact = mended,
+                None => {
+                    let integrals = Integrals::new(setup, &fit, &nodes);
+                    return Ok(Self {
+                        contact: contact.clone(),
+                        fit,
+                        nodes,
+                        sizes,
+                        signs,
+                        integrals,
+                        steps: *steps,
+                    });
+                }
+            }
+        }
+        Err(PlaneError::NotFound("no contact set with all signs right was found".into()))
+    }
+
+    /// Largest residual, over the size of v, and the flux that f does not balance, over all of it.
+    fn errors(&self) -> f64 {
+        let balance = (self.integrals.force + self.integrals.source).abs();
+        let balance = balance / self.integrals.force.abs().max(self.sizes.flux);
+        (self.sizes.residual / self.sizes.value).max(0.1 * balance)
+    }
+
+    /// What keeps the checks from passing.
+    fn refusal(&self) -> PlaneError {
+        PlaneError::NotFound(format!(
+            "a check failed: residual {:.1e} of {:.1e}, integral of f {:.10} against {:.10} by dv/dn",
+            self.sizes.residual, self.sizes.value, self.integrals.source, -self.integrals.force
+        ))
+    }
+}
+
+/// Solves a problem from a contact set.
+pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<Found, PlaneError> {
+    let mut contact = started(setup, start);
+    let mut steps = 0;
+    let poles = if setup.narrow { 12.0 } else { 0.0 };
+    let coarse =
+        Found::on(setup, &mut contact, Level { poles, ..Level::COARSE }, &mut steps, POINTS[0])?;
+    contact = coarse.contact;
+    let (mut best, mut refusal) = (None, None);
+    for level in Level::FINE {
+        let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
+        match Found::on(setup, &mut contact, Level { poles, ..level }, &mut steps, POINTS[1]) {
+            Ok(found) => {
+                let better =
+                    best.as_ref().is_none_or(|best: &Found| found.errors() < best.errors());
+                if better {
+                    best = Some(found);
+                }
+            }
+            Err(error) => refusal = Some(error),
+        }
+        if best.as_ref().is_some_and(|best| best.errors() < ENOUGH) {
+            break;
+        }
+    }
+    match best {
+        Some(best) if best.errors() < ACCEPTED => Ok(best),
+        Some(best) => Err(best.refusal()),
+        None => Err(refusal.expect("a level was tried")),
+    }
+}
+
+/// Errors with which no finer level is tried, and with which a solution is refused.
+const ENOUGH: f64 = 3e-10;
+const ACCEPTED: f64 = 2e-8;
+
+/// Contact set of a start, without arcs and gaps of one or two edges of its mesh.
+fn started(setup: &Setup, start: &PlaneStart) -> Vec<RingContact> {
+    let mut contact = Vec::with_capacity(setup.rings.len());
+    for (own, ring) in start.loops.iter().zip(&setup.rings) {
+        let turn = ring.length();
+        let arcs = own.arcs.iter().map(|arc| {
+            let [from, to] = arc.map(|place| ring.along(place));
+            [from, if to <= from { to + turn } else { to }]
+        });
+        let mut found = RingContact { arcs: arcs.collect(), gaps: own.gaps.clone() };
+        while let Some((number, is_gap)) = short(&found, turn, 1.5 * start.spacing) {
+            remove(&mut found, number, is_gap, turn);
+        }
+        contact.push(found);
+    }
+    contact
+}
+
+/// An arc that is too short and can be left out, or a gap.
+fn short(ring: &RingContact, turn: f64, least: f64) -> Option<(usize, bool)> {
+    let many = ring.arcs.len();
+    (0..many).find_map(|k| {
+        let [from, to] = ring.arcs[k];
+        let between = ring.gaps[(k + many - 1) % many] != ring.gaps[k];
+        let gap = (ring.arcs[(k + 1) % many][0] - to).rem_euclid(turn);
+        match () {
+            () if to - from < least && !between && many > 1 => Some((k, false)),
+            () if gap < least && gap < to - from => Some((k, true)),
+            () => None,
+        }
+    })
+}

@@ -1,0 +1,126 @@
+//! What does not depend on the contact set, and the levels of resolution.
+
+use super::boundary::{Ring, Walk};
+use super::choice::{Image, images};
+use super::jumps::PlaneJumps;
+use super::{PlaneDomain, PlaneError, PlaneProblem};
+use crate::problem::complex::Complex;
+use crate::problem::law::Law;
+
+/// Data of a problem.
+pub(super) struct Setup {
+    pub domain: PlaneDomain,
+    pub law: Law,
+    pub rings: Vec<Ring>,
+    pub jumps: PlaneJumps,
+    pub images: Vec<Image>,
+    /// Middle of the box round the domain.
+    pub centre: Complex,
+    pub diameter: f64,
+    pub perimeter: f64,
+    /// True if the boundary lies before itself, as in a slot.
+    pub narrow: bool,
+}
+
+/// Resolution.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level {
+    /// Ratio of the lengths of cuts.
+    pub ratio: f64,
+    /// Least number of cuts where powers are fractions, and number of cuts elsewhere.
+    pub strong: usize,
+    pub weak: usize,
+    /// Most cuts of an image.
+    pub image: usize,
+    /// Degree of the polynomials.
+    pub degree: usize,
+    /// Powers of holes.
+    pub hole: usize,
+    /// Poles per diameter behind the sides; zero for none.
+    pub poles: f64,
+    /// Gauss points of a panel.
+    pub nodes: usize,
+    /// Step of the ends, in perimeters, below which they are found.
+    pub found: f64,
+    /// The same where steps no longer fall.
+    pub noise: f64,
+}
+
+impl Level {
+    /// Level on which Newton's method begins.
+    pub(super) const COARSE: Self = Self {
+        ratio: 6.0,
+        strong: 4,
+        weak: 2,
+        image: 2,
+        degree: 12,
+        hole: 8,
+        poles: 0.0,
+        nodes: 6,
+        found: 1e-5,
+        noise: 1e-3,
+    };
+    /// Levels on which the solution is checked, in turn.
+    pub(super) const FINE: [Self; 2] = [
+        Self {
+            ratio: 2.2,
+            strong: 5,
+            weak: 5,
+            image: 5,
+            degree: 32,
+            hole: 16,
+            poles: 0.0,
+            nodes: 6,
+            found: 1e-7,
+            noise: 1e-6,
+        },
+        Self {
+            ratio: 1.8,
+            strong: 6,
+            weak: 6,
+            image: 6,
+            degree: 44,
+            hole: 24,
+            poles: 0.0,
+            nodes: 6,
+            found: 1e-7,
+            noise: 1e-6,
+        },
+    ];
+}
+
+impl Setup {
+    pub(super) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
+        let PlaneProblem { domain, law, source } = problem;
+        let jumps = PlaneJumps::new(domain, source)?;
+        let (diameter, [[left, right], [low, high]]) = (domain.diameter(), domain.extent());
+        let narrow = domain.loops[0].iter().any(|side| {
+            [0.2, 0.5, 0.8].into_iter().any(|part| {
+                let s = part * side.length();
+                domain.exit(side.point(s), -side.tangent(s).turned()).is_finite()
+            })
+        });
+        Ok(Self {
+            images: images(domain, &jumps.singular, diameter),
+            rings: domain.loops.iter().map(|sides| Ring::new(sides)).collect(),
+            centre: Complex::new(0.5 * (left + right), 0.5 * (low + high)),
+            perimeter: domain.perimeter(),
+            domain: domain.clone(),
+            law: *law,
+            jumps,
+            diameter,
+            narrow,
+        })
+    }
+
+    /// Sets f beside the intervals of a walk.
+    pub(super) fn set_f(&self, walk: &mut Walk) {
+        for k in 0..walk.intervals.len() {
+            let spot = walk.spot(k, 0, 0.4142 * walk.intervals[k].length, 0.0);
+            let room = self.jumps.edges.iter().map(|edge| edge.arc.curve.distance(spot.z).abs());
+            let step = room.filter(|&room| room > 1e-12).fold(1e-6, f64::min);
+            let z = spot.z + spot.tangent.turned().scaled(0.5 * step);
+            walk.intervals[k].f = self.jumps.psi.source(z);
+        }
+    }
+}

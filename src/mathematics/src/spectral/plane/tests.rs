@@ -1,0 +1,198 @@
+//! Solutions of plane problems against digits of other methods, and against each other.
+
+use super::*;
+use crate::mesh::Condition;
+use std::f64::consts::PI;
+
+fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
+    let side = |k: usize| {
+        PlaneSide::segment([points[k], points[(k + 1) % points.len()]], Condition::Contact, 0)
+    };
+    PlaneDomain::new(vec![(0..points.len()).map(side).collect()]).unwrap()
+}
+
+fn lshape() -> PlaneDomain {
+    polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [0.0, -1.0]])
+}
+
+fn square() -> PlaneDomain {
+    polygon(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+}
+
+fn triangle() -> PlaneDomain {
+    polygon(&[[0.0, 0.0], [1.3, 0.1], [0.4, 1.1]])
+}
+
+fn ring(radius: f64, is_outer: bool, condition: Condition) -> Vec<PlaneSide> {
+    let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
+    vec![PlaneSide::arc(
+        Circle { centre: [0.0; 2], radius },
+        angles,
+        condition,
+        usize::from(!is_outer),
+    )]
+}
+
+/// Place of a loop next to a point, to a hundredth of a side.
+fn near(domain: &PlaneDomain, ring: usize, point: [f64; 2]) -> SidePlace {
+    let mut nearest = (f64::INFINITY, SidePlace { side: 0, s: 0.0 });
+    for (side, own) in domain.loops()[ring].iter().enumerate() {
+        for k in 0..200 {
+            let s = own.length() * (f64::from(k) + 0.5) / 200.0;
+            let [x, y] = own.at(s);
+            let away = (x - point[0]).hypot(y - point[1]);
+            if away < nearest.0 {
+                nearest = (away, SidePlace { side, s });
+            }
+        }
+    }
+    nearest.1
+}
+
+/// Start from points near the ends of arcs, loop by loop, with a flux on all gaps of a loop.
+fn start(domain: &PlaneDomain, loops: &[(&[[f64; 2]], f64)]) -> PlaneStart {
+    let loops = loops.iter().enumerate().map(|(ring, (ends, flux))| LoopStart {
+        arcs: ends.chunks(2).map(|pair| [0, 1].map(|k| near(domain, ring, pair[k]))).collect(),
+        gaps: vec![*flux; ends.len() / 2],
+    });
+    PlaneStart { loops: loops.collect(), spacing: 1e-3 }
+}
+
+fn pieces(f: &str) -> PlaneSource {
+    PlaneSource::Pieces(f.parse().unwrap())
+}
+
+/// Solves a problem with one loop under the paper's law; checks the bracket and the ends.
+fn solved(domain: PlaneDomain, source: PlaneSource, ends: &[[f64; 2]]) -> PlaneSolution {
+    let start = start(&domain, &[(ends, 0.0)]);
+    let found = solve(&PlaneProblem { domain, law: Law::SIGNORINI, source }, &start).unwrap();
+    let PlaneBracket { lower, upper, .. } = found.bracket;
+    assert!(lower <= found.energy && found.energy <= upper, "{lower} {} {upper}", found.energy);
+    for arc in &found.arcs {
+        let [from, to] = arc.points;
+        let is_known = |end: [f64; 2]| {
+            ends.iter().any(|known| (known[0] - end[0]).hypot(known[1] - end[1]) < 1e-6)
+        };
+        assert!(arc.closed || is_known(from) && is_known(to), "{arc:?}");
+    }
+    found
+}
+
+#[test]
+fn the_square_has_the_digits_of_the_closed_form() {
+    let p = 0.194_250_479_506_949_33;
+    let q = 0.094_404_156_233_095_12;
+    for (f, ends, energy, centre) in [
+        (
+            "rect(0.25,0.5,0.25,0.5)=2; else=-1",
+            vec![[p, 0.5], [0.5, p]],
+            -0.016602302753503898,
+            -0.06875592531156056,
+        ),
+        (
+            "quadrant(ll)=3; else=-1.1",
+            vec![[0.5, q], [q, 0.5]],
+            -0.09505172075335079,
+            0.11992802573847225,
+        ),
+        ("disc(0,0,0.25)=2; else=-1", vec![], -0.00691181240291777, 0.045288829446766786),
+    ] {
+        let found = solved(square(), pieces(f), &ends);
+        assert!((found.energy / energy - 1.0).abs() < 1e-12, "{f}: {}", found.energy);
+        assert!((found.value([0.0; 2]) - centre).abs() < 1e-10, "{f}: {}", found.value([0.0; 2]));
+    }
+}
+
+#[test]
+fn polygons_and_discs_have_the_digits_of_two_levels() {
+    let found = solved(lshape(), pieces("else=-1"), &[]);
+    assert!((found.energy + 0.1070379013).abs() < 1e-10, "{}", found.energy);
+    let ends = [[-1.0, -0.33266642], [0.0, -0.66849237]];
+    let found = solved(lshape(), pieces("rect(0,9,0,9)=5; else=-3"), &ends);
+    assert!((found.energy + 8.730893498).abs() < 1e-9, "{}", found.energy);
+    let ends = [[0.4959209, 0.0381478], [0.2100324, 0.5775890]];
+    let found = solved(triangle(), pieces("halfplane(1,.3,.4)=4; else=-3"), &ends);
+    assert!((found.energy + 0.066541739).abs() < 1e-9, "{}", found.energy);
+    let disc = PlaneDomain::new(vec![ring(1.0, true, Condition::Contact)]).unwrap();
+    let ends = [[0.3312903, -0.9435289], [-0.2427919, 0.9700784]];
+    let found = solved(disc.clone(), pieces("halfplane(1,.3,-.1)=4; else=-7"), &ends);
+    assert!((found.energy + 4.500172948).abs() < 1e-9, "{}", found.energy);
+    let f = Polynomial::fitted(|[x, y]| 7.0 * (x * x - y * y) - 1.5, &disc);
+    assert!(f.error < 1e-13, "{}", f.error);
+    let (y, x) = libm::sincos(0.64052232);
+    let found = solved(disc, PlaneSource::Polynomial(f), &[[x, y], [-x, y], [-x, -y], [x, -y]]);
+    assert!((found.energy + 0.744911466).abs() < 1e-9, "{}", found.energy);
+}
+
+#[test]
+fn holes_and_friction_have_the_digits_of_two_levels() {
+    let outer = [[-0.5510441, 0.8344761], [0.8789100, 0.4769876]];
+    for (condition, energy) in [(Condition::Fixed, -0.693480313), (Condition::Free, -1.042053659)] {
+        let loops = vec![ring(1.0, true, Condition::Contact), ring(0.5, false, condition)];
+        let domain = PlaneDomain::new(loops).unwrap();
+        let start = start(&domain, &[(&outer, 0.0), (&[], 0.0)]);
+        let source = pieces("disc(.2,.8,.15)=30; else=-2");
+        let found = solve(&PlaneProblem { domain, law: Law::SIGNORINI, source }, &start).unwrap();
+        assert!((found.energy - energy).abs() < 1e-9, "{condition:?}: {}", found.energy);
+    }
+    let ends = [
+        [-1.0, -0.0155635],
+        [0.0, -0.3180937],
+        [0.3947503, 0.0],
+        [0.2811096, 1.0],
+        [-0.8548659, 1.0],
+        [-1.0, 0.8094307],
+    ];
+    let domain = lshape();
+    let start = start(&domain, &[(&ends, -0.3)]);
+    let (law, source) = (Law::friction(0.3).unwrap(), pieces("disc(-.3,.4,.4)=4; else=-.6"));
+    let found = solve(&PlaneProblem { domain, law, source }, &start).unwrap();
+    assert!((found.energy + 0.232159340).abs() < 1e-9, "{}", found.energy);
+}
+
+#[test]
+fn regions_are_as_pieces_and_v_solves_the_equation_in_any_coordinates() {
+    let side = |ends| PlaneSide::segment(ends, Condition::Free, 0);
+    let borders = vec![
+        RegionBorder { side: side([[0.0, -0.5], [0.0, 0.0]]), values: [3.0, -1.1] },
+        RegionBorder { side: side([[0.0, 0.0], [-0.5, 0.0]]), values: [3.0, -1.1] },
+    ];
+    let regions = PlaneSource::Regions(Regions { borders, known: ([0.3, 0.2], -1.1) });
+    let q = 0.094_404_156_233_095_12;
+    let found = solved(square(), regions, &[[0.5, q], [q, 0.5]]);
+    assert!((found.energy / -0.09505172075335079 - 1.0).abs() < 1e-12, "{}", found.energy);
+    // The triangle a hundred times larger, far from the origin.
+    let ends = [[0.4959209, 0.0381478], [0.2100324, 0.5775890]];
+    let (small, source) = (triangle(), "halfplane(1,.3,.4)=4; else=-3");
+    let far = |[x, y]: [f64; 2]| [500.0 + 100.0 * x, 100.0 * y];
+    let large = polygon(&[[0.0, 0.0], [1.3, 0.1], [0.4, 1.1]].map(far));
+    let large_start = start(&large, &[(&ends.map(far), 0.0)]);
+    let small = solved(small, pieces(source), &ends);
+    let problem = PlaneProblem {
+        domain: large,
+        law: Law::SIGNORINI,
+        source: pieces("halfplane(1,.3,540)=4; else=-3"),
+    };
+    let large = solve(&problem, &large_start).unwrap();
+    assert!(
+        (large.energy / 1e8 / small.energy - 1.0).abs() < 1e-10,
+        "{} {}",
+        large.energy,
+        small.energy
+    );
+    let point = [0.5, 0.4];
+    assert!((large.value(far(point)) / 1e4 - small.value(point)).abs() < 1e-10);
+    let step = 1e-3;
+    let [centre, right, left, above, below] =
+        [[0.0, 0.0], [step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]]
+            .map(|[x, y]| small.value([point[0] + x, point[1] + y]));
+    let laplacian = (right + left + above + below - 4.0 * centre) / (step * step);
+    assert!((laplacian - 3.0).abs() < 1e-3, "{laplacian}");
+    let gradient = small.gradient(point);
+    assert!((gradient[0] - (right - left) / (2.0 * step)).abs() < 1e-5, "{gradient:?}");
+    assert!((gradient[1] - (above - below) / (2.0 * step)).abs() < 1e-5, "{gradient:?}");
+    // In contact v is zero, and outside of it the flux.
+    let [value, _] = small.on_boundary(0, SidePlace { side: 0, s: 0.9 });
+    let [_, flux] = small.on_boundary(0, SidePlace { side: 0, s: 0.2 });
+    assert!(value.abs() < 1e-12 && flux.abs() < 1e-9, "{value} {flux}");
+}

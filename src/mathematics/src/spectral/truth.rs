@@ -1,0 +1,164 @@
+//! Answer of the spectral solver, whatever the domain.
+
+use super::plane::{PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh};
+use super::{Checks, Solution, SpectralError, SpectralParams, spectral_under};
+use crate::discrete::contact::ContactArc;
+use crate::mesh::PlaneMesh;
+use crate::problem::law::Law;
+use crate::problem::source::Source;
+use serde::Serialize;
+use std::fmt;
+
+/// True solution.
+pub struct TrueSolution {
+    /// J(v).
+    pub energy: f64,
+    /// Bounds of the energy; none on the square, where two resolutions and identities stand for it.
+    pub bracket: Option<[f64; 2]>,
+    /// True if the bounds rest on samples of what is small on the boundary.
+    pub is_sampled: bool,
+    /// Arcs in contact, each with the domain on the left.
+    pub contact: Vec<ContactArc>,
+    /// Integral of dv/dn over the boundary where the law holds.
+    pub force: f64,
+    /// Integral of f over the domain.
+    pub integral: f64,
+    /// Number of real unknowns of the sum of functions; none on the square.
+    pub unknowns: Option<usize>,
+    /// Number of Newton steps; on the square of those at the usual resolution.
+    pub steps: usize,
+    /// Checks.
+    pub checks: TrueChecks,
+    /// Remark on f, if another one was solved in its place.
+    pub note: Option<String>,
+    form: TrueForm,
+}
+
+/// Solution in the form of its method.
+enum TrueForm {
+    /// Conformal map and Riemann-Hilbert problem, at the finer of two resolutions.
+    Square(Box<Solution>),
+    /// Powers at corners and ends.
+    Plane(Box<PlaneTruth>),
+}
+
+/// Checks of a true solution.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum TrueChecks {
+    /// On the square, for constant pieces.
+    Square(Checks),
+    /// On other domains.
+    Plane(PlaneChecks),
+}
+
+impl fmt::Display for TrueChecks {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Square(checks) => checks.fmt(out),
+            Self::Plane(checks) => checks.fmt(out),
+        }
+    }
+}
+
+/// Solves the problem on the square under a law at the usual resolution, and from there at the finer one, with twelve
+/// digits of the energy or more.
+///
+/// # Errors
+/// As [`spectral_under`], or if the finer solution fails a check.
+pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError> {
+    let usual = spectral_under(law, f, SpectralParams::default())?;
+    let solution = usual.at_resolution(SpectralParams::FINER)?;
+    Ok(TrueSolution {
+        energy: solution.energy,
+        bracket: None,
+        is_sampled: false,
+        contact: solution.contact.clone(),
+        force: solution.force(),
+        integral: solution.integral,
+        unknowns: None,
+        steps: usual.steps,
+        checks: TrueChecks::Square(solution.checks),
+        note: None,
+        form: TrueForm::Square(solution.into()),
+    })
+}
+
+/// Solves the problem on the domain of a mesh in the plane, whose boundary is straight or lies on the circles of its
+/// parts.
+///
+/// # Errors
+/// [`SpectralError::Plane`].
+pub(crate) fn true_solution_on(
+    mesh: &PlaneMesh,
+    f: &[Source],
+    law: Law,
+) -> Result<TrueSolution, SpectralError> {
+    let truth = solve_on_mesh(mesh, f, law)?;
+    Ok(TrueSolution {
+        energy: truth.energy(),
+        bracket: Some(truth.bracket()),
+        is_sampled: truth.is_sampled(),
+        contact: truth.contact(mesh),
+        force: truth.force(),
+        integral: truth.integral(),
+        unknowns: Some(truth.unknowns()),
+        steps: truth.steps(),
+        checks: TrueChecks::Plane(truth.checks()),
+        note: truth.note(),
+        form: TrueForm::Plane(truth.into()),
+    })
+}
+
+/// Checks that [`true_solution_on`] takes the domain of a mesh, and f.
+///
+/// # Errors
+/// [`SpectralError::Plane`].
+pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), SpectralError> {
+    Ok(check_on_mesh(mesh, f, law)?)
+}
+
+impl TrueSolution {
+    /// Solution on the square in its closed form; none on another domain.
+    pub fn on_square(&self) -> Option<&Solution> {
+        match &self.form {
+            TrueForm::Square(solution) => Some(solution),
+            TrueForm::Plane(_) => None,
+        }
+    }
+
+    /// Cuts of the functions whose sum the solution is, outward from points of the boundary and behind it, the longest
+    /// first of each point; none on the square in its closed form.
+    pub fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
+        match &self.form {
+            TrueForm::Square(_) => Vec::new(),
+            TrueForm::Plane(truth) => truth.cuts(),
+        }
+    }
+
+    /// v at points of the domain and its boundary.
+    pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+        match &self.form {
+            TrueForm::Square(solution) => {
+                points.iter().map(|&[x, y]| solution.value(x, y)).collect()
+            }
+            TrueForm::Plane(truth) => truth.values(points),
+        }
+    }
+
+    /// v and its gradient at a point; none outside of the domain.
+    pub fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
+        match &self.form {
+            TrueForm::Square(solution) => solution.at(point),
+            TrueForm::Plane(truth) => truth.at(point),
+        }
+    }
+
+    /// v and dv/dn at the point of the boundary nearest to this one; dv/dn in a corner is that on one of its sides.
+    pub fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
+        match &self.form {
+            TrueForm::Square(solution) => solution.on_boundary(point),
+            TrueForm::Plane(truth) => truth.on_boundary(point),
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! True solutions on domains in the plane other than the square: digits known from another program, brackets of finite
+//! elements, files, refusals.
+
+use crate::common::{Dice, Project, TABLE};
+use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use std::fs;
+
+/// Statement of the true solution on a domain.
+fn statement(domain: Domain, f: &str) -> Statement {
+    Statement {
+        solver: Solver::Spectral,
+        load: None,
+        fineness: Fineness::Refined(1),
+        ..Statement::usual(domain, f)
+    }
+}
+
+/// Energies to all digits that another program gave, and ends of contact.
+#[test]
+fn digits_of_another_program_are_reached() {
+    let friction = Some(LawParameter::Friction(0.3));
+    let with = |name: &str, fixed: &[&str], free: &[&str]| Domain {
+        fixed: fixed.iter().map(|&part| part.into()).collect(),
+        free: free.iter().map(|&part| part.into()).collect(),
+        ..Domain::named(name)
+    };
+    let ring = "disc(.2,.8,.15)=30; else=-2";
+    let cases: [(_, _, _, f64, &[[f64; 2]]); 8] = [
+        (Domain::named("lshape"), "else=-1", None, -0.1070379013, &[]),
+        (
+            Domain::named("lshape"),
+            "rect(0,9,0,9)=5; else=-3",
+            None,
+            -8.730893498,
+            &[[-1.0, -0.33266642], [0.0, -0.66849237]],
+        ),
+        (
+            Domain::named("lshape"),
+            "disc(-.3,.4,.4)=4; else=-.6",
+            friction,
+            -0.232159340,
+            &[[-1.0, -0.0155635], [0.0, -0.3180937], [0.3947503, 0.0], [0.2811096, 1.0]],
+        ),
+        (
+            Domain::named("disc"),
+            "halfplane(1,.3,-.1)=4; else=-7",
+            None,
+            -4.500172948,
+            &[[0.3312903, -0.9435289], [-0.2427919, 0.9700784]],
+        ),
+        (Domain::named("disc"), "formula(7*(x^2-y^2)-1.5)", None, -0.744911466, &[]),
+        (
+            Domain::named("annulus"),
+            ring,
+            None,
+            -0.962794609,
+            &[[-0.8668429, 0.4985814], [0.9994879, 0.0319987], [-0.4658530, 0.1816066]],
+        ),
+        (
+            with("annulus", &["inner"], &[]),
+            ring,
+            None,
+            -0.693480313,
+            &[[-0.5510441, 0.8344761], [0.8789100, 0.4769876]],
+        ),
+        (
+            with("annulus", &[], &["inner"]),
+            ring,
+            None,
+            -1.042053659,
+            &[[-0.8199202, 0.5724779], [0.9928603, 0.1192827]],
+        ),
+    ];
+    for (domain, f, law, energy, ends) in cases {
+        let name = format!("{}, {f}", domain.name);
+        let solved = Statement { law, ..statement(domain, f) }.solved(None);
+        let solved = solved.unwrap_or_else(|e| panic!("{name}: {e}"));
+        let off = (solved.energy() - energy).abs();
+        assert!(off < 1e-9 * energy.abs(), "{name}: {} {off:e}", solved.energy());
+        let bounds = solved.bounds()[0].as_ref().unwrap();
+        let [low, high] = bounds.energy;
+        assert!(low - 1e-9 < energy && energy < high + 1e-9, "{name}: {low} {high}");
+        assert!(high - low < 1e-6 * energy.abs(), "{name}: {low} {high}");
+        let arcs = solved.contact().unwrap();
+        for end in ends {
+            let is_there = arcs
+                .iter()
+                .flat_map(|arc| [arc.from, arc.to])
+                .any(|[x, y]| (x - end[0]).abs() < 1e-6 && (y - end[1]).abs() < 1e-6);
+            assert!(is_there, "{name}: {end:?} {arcs:?}");
+        }
+    }
+}
+
+/// A Gmsh file of triangles, with the edges of a part named `low`.
+fn file(points: &[[f64; 2]], cells: &[[usize; 3]], low: &[[usize; 2]]) -> Vec<u8> {
+    file_of_regions(points, &[cells], low)
+}
+
+/// A Gmsh file of triangles in regions named `r1`, `r2` and so on, with the edges of a part named `low`.
+fn file_of_regions(points: &[[f64; 2]], regions: &[&[[usize; 3]]], low: &[[usize; 2]]) -> Vec<u8> {
+    let mut text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n".to_owned();
+    text += &format!("{}\n1 1 \"low\"\n", 1 + regions.len());
+    for region in 2..2 + regions.len() {
+        text += &format!("2 {region} \"r{}\"\n", region - 1);
+    }
+    text += "$EndPhysicalNames\n";
+    text += &format!("$Nodes\n{}\n", points.len());
+    for (k, [x, y]) in (1..).zip(points) {
+        text += &format!("{k} {x} {y} 0\n");
+    }
+    let cells = (2..).zip(regions).flat_map(|(of, cells)| cells.iter().map(move |cell| (of, cell)));
+    text += &format!("$EndNodes\n$Elements\n{}\n", cells.clone().count() + low.len());
+    for (k, [a, b]) in (1..).zip(low) {
+        text += &format!("{k} 1 2 1 1 {a} {b}\n");
+    }
+    for (k, (region, [a, b, c])) in (1 + low.len()..).zip(cells) {
+        text += &format!("{k} 2 2 {region} 1 {a} {b} {c}\n");
+    }
+    (text + "$EndElements\n").into_bytes()
+}
+
+/// Polygons: the L-shape, and files with a triangle and with a trapezium, whose lower side may be fixed or free.
+fn polygons() -> Vec<(Domain, Option<Vec<u8>>)> {
+    let triangle = file(&[[0.0, 0.0], [1.3, 0.1], [0.4, 1.1]], &[[1, 2, 3]], &[[1, 2]]);
+    let points = [[-1.0, -0.5], [1.0, -0.5], [0.5, 0.6], [-0.7, 0.4]];
+    let trapezium = file(&points, &[[1, 2, 3], [1, 3, 4]], &[[1, 2]]);
+    let low = || vec!["low".to_owned()];
+    vec![
+        (Domain::named("lshape"), None),
+        (Domain::named("triangle.msh"), Some(triangle)),
+        (Domain { fixed: low(), ..Domain::named("trapezium.msh") }, Some(trapezium.clone())),
+        (Domain { free: low(), ..Domain::named("trapezium.msh") }, Some(trapezium)),
+    ]
+}
+
+#[test]
+fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
+    let mut dice = Dice(63);
+    let (mut solved, mut asked) = (0, 0);
+    for (domain, file) in polygons() {
+        for k in 0..5 {
+            let [x, y] = [0, 1].map(|_| dice.between(-0.6, 0.6));
+            let (value, rest) = (dice.between(1.0, 6.0), -dice.between(1.0, 4.0));
+            let f = match k % 3 {
+                0 => format!("disc({x},{y},{})={value}; else={rest}", dice.between(0.2, 0.5)),
+                1 => format!("rect({x},{},{y},{})={value}; else={rest}", x + 0.5, y + 0.4),
+                _ => format!("halfplane({x},{y},-0.1)={value}; else={rest}"),
+            };
+            let law = (k == 4).then_some(LawParameter::Friction(2.0));
+            let truth = Statement { law, ..statement(domain.clone(), &f) };
+            let elements = Statement {
+                solver: Solver::Multigrid,
+                fineness: Fineness::Refined(5),
+                ..truth.clone()
+            };
+            let Ok(elements) = elements.solved(file.as_deref()) else { continue };
+            asked += 1;
+            let Ok(truth) = truth.solved(file.as_deref()) else { continue };
+            solved += 1;
+            let brackets = [&elements, &truth].map(|of| of.bounds()[0].as_ref().unwrap().energy);
+            let ([low, high], energy) = (brackets[0], truth.energy());
+            let name = format!("{domain:?} {f} {law:?}");
+            assert!(low <= energy && energy <= high, "{name}: {low} {energy} {high}");
+            let rounding = 1e-10 * energy.abs();
+            let [lower, upper] = brackets[1];
+            assert!(
+                lower - rounding <= energy && energy <= upper + rounding,
+                "{name}: {lower} {energy} {upper}"
+            );
+            assert!(upper - lower < 0.01 * (high - low), "{name}: {lower} {upper}");
+        }
+    }
+    assert!(asked > 15 && 10 * solved >= 9 * asked, "{solved} of {asked}");
+}
+
+#[test]
+fn regions_of_a_file_are_as_shapes_with_their_borders() {
+    let points = [[-1.0, -0.5], [1.0, -0.5], [0.5, 0.6], [-0.7, 0.4]];
+    let straight = file_of_regions(&points, &[&[[1, 2, 3]], &[[1, 3, 4]]], &[[1, 2]]);
+    // A disc of two rings of nodes around the centre; the inner one is the border.
+    let (mut points, many) = (vec![[0.0; 2]], 24);
+    for radius in [0.5, 1.0] {
+        for k in 0..many {
+            let angle = std::f64::consts::TAU * k as f64 / many as f64;
+            points.push([radius * angle.cos(), radius * angle.sin()]);
+        }
+    }
+    let (mut inner, mut outer, mut rim) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 1..=many {
+        let next = k % many + 1;
+        inner.push([1, 1 + k, 1 + next]);
+        outer.extend([[1 + k, 1 + many + k, 1 + many + next], [1 + k, 1 + many + next, 1 + next]]);
+        rim.push([1 + many + k, 1 + many + next]);
+    }
+    let round = file_of_regions(&points, &[&inner, &outer], &rim);
+    let mut disc = Domain::named("disc.msh");
+    disc.curve.insert("low".into(), vec![0.0, 0.0, 1.0]);
+    for (domain, file, values, shape) in [
+        (Domain::named("trapezium.msh"), straight, [4.0, -6.0], "halfplane(-1.1,1.5,0.35)"),
+        (disc, round, [2.0, -3.0], "disc(0,0,0.5)"),
+    ] {
+        let energy = |f: String| {
+            let solved = statement(domain.clone(), &f).solved(Some(&file));
+            solved.unwrap_or_else(|e| panic!("{f}: {e}")).energy()
+        };
+        let of_regions = energy(format!("region(r1)={}; region(r2)={}", values[0], values[1]));
+        let of_shapes = energy(format!("{shape}={}; else={}", values[0], values[1]));
+        assert!((of_regions / of_shapes - 1.0).abs() < 1e-10, "{of_regions} {of_shapes}");
+    }
+}
+
+#[test]
+fn values_at_nodes_and_files_are_those_of_the_true_solution() {
+    let project = Project::with(TABLE);
+    let f = "rect(0,9,0,9)=5; else=-3";
+    let solve = ["solve", "--domain", "lshape", "--f", f, "--solver", "spectral"];
+    let json = project.run(&[&solve[..], &["--json"]].concat()).json();
+    assert_eq!(json["bound"]["energy"].as_array().unwrap().len(), 2, "{json}");
+    assert!(
+        json["grids"].is_null() && json["checks"]["residual"].as_f64().unwrap() < 1e-6,
+        "{json}"
+    );
+    let written = |file: &str| {
+        let out = ["--refine", "2", "--out", file];
+        assert_eq!(project.run(&[&solve[..], &out].concat()).code, Some(0));
+        fs::read(project.path(file)).unwrap()
+    };
+    assert!(written("v.vtu").starts_with(b"<?xml") && written("v.svg").starts_with(b"<svg"));
+    let values = |bytes: &[u8]| -> Vec<f64> {
+        let numbers = &bytes[bytes.len() % 8..];
+        numbers.as_chunks::<8>().0.iter().map(|eight| f64::from_le_bytes(*eight)).collect()
+    };
+    let truth = values(&written("v.npy"));
+    let finer = ["solve", "--domain", "lshape", "--f", f, "--refine", "6", "--out", "w.npy"];
+    assert_eq!(project.run(&finer).code, Some(0));
+    let elements = values(&fs::read(project.path("w.npy")).unwrap());
+    // The first nodes of a finer mesh are those of the coarser one, and come after the head of the file.
+    let nodes = 65;
+    let (truth, head) = (&truth[truth.len() - nodes..], 128 / 8);
+    let off = truth.iter().zip(&elements[head..]).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 0.01, "{truth:?}");
+}
+
+#[test]
+fn what_is_not_served_gets_one_line() {
+    let project = Project::with(TABLE);
+    let circle: Vec<_> = (0..100).map(|k| 0.02 * std::f64::consts::PI * f64::from(k)).collect();
+    let mut points: Vec<_> = circle.iter().map(|angle| [angle.cos(), angle.sin()]).collect();
+    points.push([0.0; 2]);
+    let cells: Vec<_> = (1..=100).map(|k| [k, k % 100 + 1, 101]).collect();
+    let rim: Vec<_> = (1..=100).map(|k| [k, k % 100 + 1]).collect();
+    project.write("round.msh", file(&points, &cells, &rim));
+    for (args, words) in [
+        (&["--domain", "cube", "--f", "else=-1"][..], "is for domains in the plane"),
+        (&["--domain", "lshape", "--f", "formula(abs(x) - 2)"], "f is no polynomial"),
+        (
+            &["--domain", "round.msh", "--f", "else=-1"],
+            "on a circle, as low=0,0,1; use --solver multigrid",
+        ),
+        (&["--domain", "lshape", "--f", "else=-1", "--refine", "2"], "--refine is about the file"),
+        (&["--domain", "lshape", "--f", "else=1"], "lower f somewhere"),
+    ] {
+        let said = project.run(&[&["solve", "--solver", "spectral"], args].concat());
+        assert!(said.refusal().contains(words), "{words}: {said:?}");
+    }
+    let round = ["solve", "--domain", "round.msh", "--curve", "low=0,0,1", "--f", "else=-1"];
+    let json = project.run(&[&round[..], &["--solver", "spectral", "--json"]].concat()).json();
+    // v = (|x|^2 - 1) / 4 on the unit disc.
+    let known = -std::f64::consts::PI / 16.0;
+    assert!((json["energy"].as_f64().unwrap() - known).abs() < 1e-12, "{json}");
+}
+
+#[test]
+fn scenes_and_options_agree_on_it() {
+    let project = Project::with(TABLE);
+    let keys = "title = \"t\"\nf = \"else=-1\"\nsolver = \"spectral\"\noutputs = [\"table\", \"map\", \"contact\"]\n\
+        domain = { name = \"annulus\", refine = 2, fixed = [\"inner\"] }\n";
+    project.scene("ring", keys);
+    project.run(&["run", "ring"]).lines();
+    project.run(&["run", "ring"]).nothing_to_do();
+    let options = ["solve", "--domain", "annulus", "--fixed", "inner", "--f", "else=-1"];
+    let of_options =
+        project.run(&[&options[..], &["--solver", "spectral", "--json"]].concat()).json();
+    let of_scene = project.run(&["solve", "ring", "--json"]).json();
+    for field in ["energy", "bound", "contact", "force", "checks", "iterations"] {
+        assert_eq!(of_options[field], of_scene[field], "{field}");
+    }
+    let table = fs::read_to_string(project.path("report/tables/ring.csv")).unwrap();
+    let energy = of_scene["energy"].as_f64().unwrap().to_string();
+    assert!(table.contains(&energy), "{table} {energy}");
+}
