@@ -43,13 +43,13 @@ fn main() {
     println!("cargo::rustc-env=SIGNORINI_PROGRAM={}", digest.finalize().to_hex());
 }
 
-/// Adds every file below a folder that the compiler may read, tests as well: all but hidden files and copies that
-/// editors leave, which end with `~`.
+/// Adds every file below a folder that the compiler may read, tests as well: all but hidden files, copies that editors
+/// leave, which end with `~`, and the folder of what calls the program from Python.
 fn add_sources(folder: &Path, files: &mut BTreeSet<PathBuf>) {
     for entry in fs::read_dir(folder).expect("the sources can be read") {
         let path = entry.expect("the sources can be read").path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with('.') || name.ends_with('~') {
+        if name.starts_with('.') || name.ends_with('~') || path == Path::new("src/python") {
             continue;
         }
         match path.is_dir() {

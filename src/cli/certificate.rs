@@ -4,7 +4,6 @@
 mod checkout;
 mod contents;
 mod machine;
-mod reviewer;
 
 use super::diff::comparisons;
 use super::output::{is_there, refuse_tilde, say, talk};
@@ -12,6 +11,7 @@ use super::pipeline::{Scope, Workplace, edited, outside_report};
 use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, temporary_folder};
+use crate::pipeline::names::refuse_forbidden;
 use crate::pipeline::{InputFiles, LockFile, Plan, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::stages::{files_of, report};
@@ -19,7 +19,6 @@ use crate::timing::machine::COMPILER;
 use checkout::{Checkout, without_places};
 use clap::Args;
 use contents::{File, differing, files, inputs, reservations, sentences};
-use reviewer::{NOBODY, Reviewer};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -29,6 +28,8 @@ const AUTHOR: &str = "N. N. Maksimova (Н. Н. Максимова)";
 const TITLE: &str = "The study semicoercive Signorini problem by Arrow-Hurwicz method \
     (Исследование полукоэрцитивной задачи Синьорини методом Эрроу – Гурвица)";
 const DEVELOPERS: &str = "The signorini developers";
+/// Name of a codechecker who gives none.
+const NOBODY: &str = "(name of the codechecker)";
 const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
 
 /// Commands that make the files of the bundle, each with its effect in words and true if it needs a published table.
@@ -46,18 +47,13 @@ pub(super) struct CertificateArgs {
     /// Who checked
     #[arg(long, value_name = "NAME", default_value = NOBODY)]
     name: String,
-    /// Their ORCID, such as 0000-0002-1825-0097
-    #[arg(long, value_name = "ID")]
-    orcid: Option<String>,
-    /// Where the code is published
-    #[arg(long, value_name = "URL", default_value = "not published yet")]
-    repository: String,
     #[command(flatten)]
     cache: CacheArgs,
 }
 
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
-    let reviewer = Reviewer::read(args)?;
+    let name = args.name.trim();
+    refuse_forbidden("--name", name)?;
     let workplace = Workplace::open(&args.cache)?.verifying(true);
     let folder = args.output.clone().unwrap_or(workplace.project.root.join("codecheck"));
     outside_report(&workplace.project.root, &folder, "the certificate")?;
@@ -69,8 +65,8 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let files = files(&workplace, &summary, &tables)?;
     let mut context = context(&workplace, &summary, &tables, &files)?;
     context.insert("inputs", &hashes(&read)?);
-    context.insert("reviewer", &reviewer);
-    context.insert("agent", &reviewer.id());
+    context.insert("reviewer", name);
+    context.insert("is_named", &(name != NOBODY));
     let checkout = checkout(&workplace.project.root, &read, &mut context);
     let count = files.len();
     let inputs = inputs(&workplace.project, &read)?;

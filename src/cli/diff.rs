@@ -18,11 +18,14 @@ use std::collections::BTreeMap;
 #[derive(Args)]
 pub(super) struct DiffArgs {
     /// Print JSON
-    #[arg(long, conflicts_with = "md")]
+    #[arg(long, conflicts_with_all = ["md", "tex"])]
     json: bool,
     /// Print Markdown, for a pull request
-    #[arg(long)]
+    #[arg(long, conflicts_with = "tex")]
     md: bool,
+    /// Print LaTeX, for a paper; the tables need the package booktabs
+    #[arg(long)]
+    tex: bool,
     #[command(flatten)]
     cache: CacheArgs,
 }
@@ -57,15 +60,20 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     if args.json {
         say_json(&DiffJson { schema: 1, tables: &tables })?;
     } else {
-        let print = if args.md { markdown } else { text };
+        let print = match (args.md, args.tex) {
+            (true, _) => markdown,
+            (_, true) => tex,
+            _ => text,
+        };
         let mut shown = Vec::new();
         for table in &tables {
             shown.push(print(table, &grids(&workplace.project, table)));
         }
-        shown.push(if args.md {
-            total(&tables).replace('\n', "; ") + "\n"
-        } else {
-            legend(&tables)
+        let total = total(&tables).replace('\n', "; ");
+        shown.push(match (args.md, args.tex) {
+            (true, _) => total + "\n",
+            (_, true) => format!("% {total}\n"),
+            _ => legend(&tables),
         });
         say(&shown.join("\n"))?;
     }
@@ -206,6 +214,25 @@ fn text(table: &TableComparison, grids: &[String]) -> String {
     let summary = paragraph(&summary(table).join("\n"));
     let title = paragraph(&format!("{title}: ours, then the paper's"));
     format!("{title}\n{}{summary}\n", coloured(&in_columns(&shown)))
+}
+
+/// Returns a table in LaTeX: ours, and where it is another the published number behind its mark.
+fn tex(table: &TableComparison, grids: &[String]) -> String {
+    let mut shown = Table::new(head(grids, &["Δa ours", "Δa paper"]), &[]);
+    for row in &table.rows {
+        let mut cells = vec![row.r.to_string()];
+        for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
+            cells.push(match Mark::of_count(row, level) {
+                Mark::Exact => ours.to_string(),
+                mark => format!("{ours} {} {paper}", mark.sign()),
+            });
+        }
+        cells.push(format!("{:.2e}", row.delta_a_ours));
+        cells.push(format!("{:.1e}", row.delta_a_paper));
+        shown.rows.push(cells);
+    }
+    let TableComparison { table: number, scene, .. } = table;
+    format!("% Table {number} ({scene}): {}\n{}", summary(table).join("; "), shown.tex())
 }
 
 fn markdown(table: &TableComparison, grids: &[String]) -> String {

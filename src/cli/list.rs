@@ -78,8 +78,11 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
 }
 
 fn list_scene(name: &str, json: bool) -> Result<u8> {
-    let Scene { name, title, statement, .. } = scene(name)?;
-    let shown = SceneCommand { schema: 1, name, title, command: command(&statement).join(" ") };
+    let Scene { name, title, statement, study, .. } = scene(name)?;
+    // The members of a study are those of its file.
+    let of_study = study.map(|_| format!("signorini solve {name}"));
+    let command = of_study.unwrap_or_else(|| command(&statement).join(" "));
+    let shown = SceneCommand { schema: 1, name, title, command };
     match json {
         true => say_json(&shown)?,
         // To be copied: not broken between words.

@@ -103,19 +103,23 @@ enum Command {
     /// Compare our tables with the published ones, cell by cell
     #[command(
         after_help = "Exits with 1 if a cell is outside the tolerance declared in pipeline/paper.toml.\n\
-        Examples:\n  signorini diff\n  signorini diff --md > tables.md"
+        Examples:\n  signorini diff\n  signorini diff --md > tables.md\n  \
+        signorini diff --tex > tables.tex"
     )]
     Diff(diff::DiffArgs),
     /// Solve one problem once
     #[command(
         after_help = "Examples:\n  signorini solve problem2\n  \
-        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --accuracy 1e-3\n\
+        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --accuracy 1e-3\n  \
+        signorini solve --f 'halfplane(1,0,0)=8; else=-9' --vary friction=0.5,1\n\
         `--help` shows all options, and the regions on which f may be given.",
         after_long_help = "Examples:\n  signorini solve problem2 --json\n  \
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --out v.npy\n  \
         signorini solve --domain cube --f 'ball(0,0,0,0.25)=2; else=-1' --h 1/32 --out v.vtu\n  \
-        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --save disc\n\n\
+        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --save disc\n  \
+        signorini solve --f 'halfplane(1,0,0)=8; else=-9' --vary friction=0.5,1 --csv t.csv\n  \
+        signorini solve --f 'disc(0,0,$R)=4; else=-1' --vary R=0.1,0.2 --save radii\n\n\
         f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers \
         a point wins. The square is [-0.5,0.5]^2; its regions are rect(x0,x1,y0,y1), \
         quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
@@ -144,7 +148,7 @@ enum Command {
     #[command(
         after_help = "Only for a run that is up to date. If no scene has a `paper_table`, it is an RO-Crate \
         of the run\nwith a page on it, without the files of CODECHECK.\n\
-        Examples:\n  signorini certificate --name 'A. Reviewer' --orcid 0000-0002-1825-0097\n  \
+        Examples:\n  signorini certificate --name 'A. Reviewer'\n  \
         signorini certificate --output ../review"
     )]
     Certificate(certificate::CertificateArgs),

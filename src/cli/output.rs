@@ -110,15 +110,6 @@ pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) -> Vec<Str
     warnings
 }
 
-/// Returns the warning that a nodal load moves jumps of f by half a cell, a part `moved` of the integral of |f|.
-pub(super) fn moved_jumps(moved: f64) -> String {
-    format!(
-        "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, \
-         {:.1} % of the integral of |f|",
-        100.0 * moved
-    )
-}
-
 pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     let style = anstyle::Style::new().fg_color(Some(color.into())).bold();
     format!("{style}{text}{style:#}")

@@ -1,7 +1,7 @@
 //! Walks of the project's plan, for all commands.
 
 use super::interrupt::interrupted;
-use super::output::{for_talk, moved_jumps, refuse_tilde};
+use super::output::{for_talk, refuse_tilde};
 use super::{CacheArgs, project_root, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::{real, remove};
@@ -186,21 +186,8 @@ impl Workplace {
         let checked = self.project.check(&at_work, &files)?;
         if checked.refused.is_empty() {
             checked.warnings.iter().for_each(|warning| progress.note(&for_talk(warning)));
-            self.warn_of_moved_jumps(&at_work, progress);
         }
         Ok(checked.refused)
-    }
-
-    /// Warns of nodal loads that move the jumps of f, of scenes that are to be run.
-    fn warn_of_moved_jumps(&self, at_work: &BTreeSet<&str>, progress: &Progress) {
-        // The load of a published table is the paper's.
-        let own = self.project.scenes.iter().filter(|scene| scene.paper_table.is_none());
-        for scene in own.filter(|scene| at_work.contains(&*scene.name)) {
-            if let Some(moved) = scene.statement.moved_jumps() {
-                let moved = moved_jumps(moved) + "; load = { rule = \"bilinear\" } does not";
-                progress.note(&for_talk(&format!("warning: scene `{}`: {moved}", scene.name)));
-            }
-        }
     }
 
     /// Runs the stale tasks of a part of the plan, exports, and records; returns the manifests of all tasks of the
@@ -338,10 +325,6 @@ fn refuse_edited(summary: &Summary) -> Result<()> {
     Err(Error::input(edited(first.by, &alike)))
 }
 
-/// Remedy for files whose line ends were changed.
-const LINE_ENDS: &str = "clone again with `git clone -c core.autocrlf=false` (with `* -text` in .gitattributes \
-    nobody need do so), or overwrite by `signorini run --force`";
-
 /// Returns a line on files that were not written because of this editor.
 pub(super) fn edited(by: Editor, paths: &[&str]) -> String {
     let (files, was, has, it, names) = match paths {
@@ -357,9 +340,6 @@ pub(super) fn edited(by: Editor, paths: &[&str]) -> String {
         Editor::Merge => {
             format!("{files} {has} a {CONFLICT}{names}; delete {it} and run again")
         }
-        Editor::LineEnds => format!(
-            "{files} {has} other line ends than signorini wrote, as git may change them{names}; {LINE_ENDS}"
-        ),
         Editor::Unknown => format!("nothing is on record of {files}{names}; {force}"),
     }
 }

@@ -11,7 +11,7 @@ use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
-use crate::replication::stages::{Stage, report, solve};
+use crate::replication::stages::{Stage, report, solve, study};
 use clap::{Args, ValueEnum};
 use std::time::{Duration, Instant};
 
@@ -212,7 +212,8 @@ impl RunArgs {
         if !self.quiet {
             project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
             for scene in project.select(scenes)? {
-                warn_of_outside(Some(&scene.name), &scene.statement.outside());
+                let f = scene.statement.source();
+                warn_of_outside(Some(&scene.name), &f.map_or_else(Vec::new, |f| f.outside()));
             }
         }
         Ok(())
@@ -231,7 +232,12 @@ impl RunArgs {
                 tables.iter().any(|table| table.scene == scene.name && table.all_counts_exact())
             };
             for scene in workplace.project.select(scenes)? {
-                let outcomes = |task: &str| outcomes_of(workplace, summary, task);
+                let artifact =
+                    |task: &str, name: &str| outcomes_of(workplace, summary, (task, name));
+                if let Some(line) = study::without_solution(scene, artifact) {
+                    talk(&line);
+                }
+                let outcomes = |task: &str| artifact(task, solve::OUTCOMES);
                 if !is_as_published(scene)
                     && let Some(line) = solve::without_solution(scene, outcomes)
                 {
@@ -253,11 +259,15 @@ impl RunArgs {
     }
 }
 
-/// Outcomes of a task that solved something in this run.
-fn outcomes_of(workplace: &Workplace, summary: &Summary, task: &str) -> Option<Vec<u8>> {
+/// Artifact of a task that solved something in this run.
+fn outcomes_of(
+    workplace: &Workplace,
+    summary: &Summary,
+    (task, artifact): (&str, &str),
+) -> Option<Vec<u8>> {
     summary.ran.iter().find(|ran| ran.task == task)?;
     let outputs = &summary.manifests.get(task)?.outputs;
-    workplace.store.artifacts(task, outputs).ok()?.remove(solve::OUTCOMES)
+    workplace.store.artifacts(task, outputs).ok()?.remove(artifact)
 }
 
 /// A line that says what the book leaves out and why, if it is among the tasks and leaves anything out.

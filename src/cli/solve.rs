@@ -9,19 +9,24 @@ mod bound;
 mod clock;
 mod files;
 mod judging;
+mod points;
 mod request;
 mod save;
+mod study;
 mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
 use super::output::{OutputFile, say_json, talk, tell};
+use crate::figures::Width;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
+use crate::replication::fields::vary::{Varied, varied};
 use adapting::ShownMeshes;
 use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
 use files::{Format, PictureKind};
+use points::PointArgs;
 use request::Request;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::solvers::{Solver, recovered};
@@ -46,9 +51,21 @@ pub(super) struct SolveArgs {
     /// With an accuracy on a mesh, a line for each mesh: nodes and error
     #[arg(short, long, hide_short_help = true)]
     verbose: bool,
+    #[command(flatten)]
+    points: PointArgs,
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Solve with each of these values of an option, or of a $NAME in f, and print a table [may be given several times]
+    ///
+    /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. Values with commas are divided
+    /// by |. --json prints a line for each member. One without a solution is a row that says why. With --save NAME,
+    /// `run NAME` keeps the results, and makes the table, also in LaTeX, and a chart.
+    #[arg(long, value_name = "NAME=A,B,..", value_parser = varied)]
+    vary: Vec<Varied>,
+    /// With --vary, write the table with all digits
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    csv: Option<PathBuf>,
     /// Write what is asked as a scene of the project, pipeline/scenes/NAME.toml
     ///
     /// `run NAME` then solves the same, keeps the result, and draws it.
@@ -56,11 +73,11 @@ pub(super) struct SolveArgs {
     save: Option<String>,
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
-    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The ending alone,
-    /// `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or of the
-    /// mesh of --refine. A picture
-    /// is a shaded surface on the square and a map on every other domain in the plane, unless --map or --surface says
-    /// otherwise; a solution in space has none.
+    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. A .pvd lists a .vtu of
+    /// each mesh, the coarsest first, and a .csv has v and its gradient at the points of --at and --line. The ending
+    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or of
+    /// the mesh of --refine. A picture is a shaded surface on the square and a map on every other domain in the plane,
+    /// unless --map or --surface says otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
@@ -72,6 +89,12 @@ pub(super) struct SolveArgs {
     /// With --out FILE.svg, draw the mesh with f in colour, on fine meshes a coarser one
     #[arg(long, hide_short_help = true, requires = "out")]
     mesh: bool,
+    /// With --out FILE.svg, width of the picture in print, such as 85mm; a number alone counts pixels
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, requires = "out")]
+    width: Option<Width>,
+    /// With --out FILE.svg, draw no title
+    #[arg(long, hide_short_help = true, requires = "out")]
+    no_title: bool,
     /// With --out, write the recovered solution, piecewise quadratic, on half the width
     #[arg(long, hide_short_help = true)]
     recover: bool,
@@ -86,18 +109,38 @@ impl SolveArgs {
         let name = request.scene.as_deref().unwrap_or("solution");
         let path = named.map_or(out.to_path_buf(), |ending| format!("{name}.{ending}").into());
         let format = Format::of(&path)?;
-        format.check(problem)?;
-        if self.view().is_some() && format != Format::Svg {
-            let option = match (self.map, self.surface) {
-                (true, _) => "--map",
-                (_, true) => "--surface",
-                _ => "--mesh",
-            };
+        format.check(problem, !request.points.is_empty())?;
+        let of_pictures = [
+            ("--map", self.map),
+            ("--surface", self.surface),
+            ("--mesh", self.mesh),
+            ("--width", self.width.is_some()),
+            ("--no-title", self.no_title),
+        ];
+        if let Some((option, _)) = of_pictures.iter().find(|(_, given)| *given)
+            && format != Format::Svg
+        {
             return Err(Error::input(format!(
                 "{option} is for a picture; let --out end with .svg, or leave {option} out"
             )));
         }
         Ok(Some((OutputFile::check(&path)?, format)))
+    }
+
+    /// Refuses, of a study, options about the file, the points or the meshes of one solution.
+    fn refuse_files_of_one(&self) -> Result<()> {
+        let given = [
+            ("--out", self.out.is_some()),
+            ("--at or --line", !self.points.is_empty()),
+            ("--most-nodes", self.most_nodes.is_some()),
+            ("--verbose", self.verbose),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((option, _)) => Err(Error::input(format!(
+                "{option} is about one solution, not about a study; leave it out, or write the table by --csv FILE"
+            ))),
+        }
     }
 
     /// Returns the kind of picture, if the user says which.
@@ -151,6 +194,9 @@ impl SolveArgs {
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
+    if let Some(asked) = study::Asked::read(args)? {
+        return study::solve(args, &asked);
+    }
     let (request, problem) = Request::read(args)?;
     let file = args.file(&request, &problem)?;
     if let Some(name) = &args.save {
@@ -186,11 +232,11 @@ fn write(
 ) -> Result<()> {
     let (problem, pair) = (&answer.solved.problem, answer.pair());
     if !args.recover {
-        return request.write(file, problem, &pair);
+        return request.write(file, (problem, &pair), &answer.values);
     }
     let recovered = recovered(problem, &pair)
         .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
     let (finer, pair) =
         recovered.ok_or_else(|| Error::input("--recover is for the square; leave it out"))?;
-    request.write(file, &finer, &pair)
+    request.write(file, (&finer, &pair), &answer.values)
 }

@@ -1,6 +1,7 @@
 //! Picture: shapes, drawn by plotters on a finer raster, joined in one SVG document.
 
 use super::palette::{DARK, INK, RGBColor, WHITE};
+use super::print::Width;
 use plotters::backend::{DrawingBackend, SVGBackend};
 pub(super) use plotters::style::TextStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -44,6 +45,8 @@ pub(crate) struct Picture {
     not_finite: bool,
     /// Data shown, as CSV with a header line; `None` if the input of the drawing function is a file of its own.
     pub(crate) table: Option<String>,
+    /// Width in print; none for that in display pixels.
+    pub(crate) print: Option<Width>,
     /// Sentences for the description of the picture, each with a space behind it.
     pub(crate) note: String,
 }
@@ -200,13 +203,16 @@ impl Picture {
             return Err("a value to be drawn is not a finite number; solve again before drawing");
         }
         let (width, height) = self.canvas();
+        let on_screen = [self.width, self.height].map(|length| length.to_string());
+        let part = self.height / self.width;
+        let [wide, high] = self.print.as_ref().map_or(on_screen, |print| print.attributes(part));
         Ok(format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\">\n\
              <title>{}</title>\n<desc>{}</desc>\n<style>{}</style>\n\
              <rect width=\"{width}\" height=\"{height}\" rx=\"32\" fill=\"#FFFFFF\"/>\n{}</svg>\n",
-            self.width,
-            self.height,
+            wide,
+            high,
             escaped(title),
             escaped(description),
             dark(),

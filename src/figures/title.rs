@@ -53,7 +53,7 @@ impl Title {
 
     /// Writes the title; the place is that of its last line.
     pub(super) fn draw(&self, picture: &mut Picture, (x, y): Place, style: &TextStyle<'static>) {
-        for (k, line) in self.lines.iter().enumerate() {
+        for (k, line) in self.lines.iter().enumerate().filter(|(_, line)| !line.is_empty()) {
             picture.text(line, (x, y - self.more() + LINE * k as f64), style.clone());
         }
     }

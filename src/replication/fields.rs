@@ -7,14 +7,17 @@
 
 pub(crate) mod described;
 pub(crate) mod keys;
+mod names;
 pub(crate) mod read;
 pub(crate) mod table;
 pub(crate) mod values;
+pub(crate) mod vary;
 pub(crate) mod write;
 
+use crate::figures::Print;
 use crate::replication::output::Output;
 use clap::{ArgAction, Args};
-use keys::{curves, law, name_or_table};
+use keys::{ChartFields, curves, law, name_or_table};
 use serde::Deserialize;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
@@ -22,6 +25,7 @@ use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::Solver;
 use values::{LoadParser, Suggested, prolongation_parser, solver_parser};
+use vary::Vary;
 
 /// Fields that are given.
 #[derive(Args, Clone, Debug, Default, Deserialize)]
@@ -88,6 +92,18 @@ pub(crate) struct Fields {
     /// Outputs of a scene.
     #[arg(skip)]
     pub outputs: Option<Vec<Output>>,
+    /// Values of fields, and of names in f, that a scene varies.
+    #[arg(skip)]
+    pub vary: Option<Vary>,
+    /// Width of pictures in print, and whether they have titles.
+    #[arg(skip)]
+    pub picture: Option<Print>,
+    /// Axes of the chart of a study.
+    #[arg(skip)]
+    pub chart: Option<ChartFields>,
+    /// Columns of the table of a study in Markdown and LaTeX.
+    #[arg(skip)]
+    pub columns: Option<Vec<String>>,
 }
 
 /// Fields of the domain: in a scene its name alone, or a table of them.

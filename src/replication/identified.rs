@@ -13,7 +13,7 @@ pub(crate) struct Record {
     pub questions: Questions,
     /// Per table, the f that are compared.
     pub problem: Vec<Alternatives>,
-    /// The model selection, the best variant first.
+    /// The search under every reading of the method, the best first.
     pub selection: SelectionRecord,
     /// Searches made, each with its extent.
     pub run: Vec<SearchRecord>,
@@ -29,42 +29,36 @@ pub(crate) struct Alternatives {
     pub alternatives: Vec<[f64; 4]>,
 }
 
-/// Equal searches with several variants of the method.
+/// One search under each reading of the method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SelectionRecord {
-    /// The commands that make it, one per problem.
-    pub commands: Vec<String>,
-    /// Candidates per variant and problem.
+    /// The command that makes it, with any program.
+    pub command: String,
+    /// Candidates per reading and problem.
     pub candidates: u64,
-    /// One entry per variant.
+    /// One entry per reading.
     pub variant: Vec<VariantRecord>,
 }
 
-/// Best results with a variant.
+/// Outcome under a reading.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct VariantRecord {
-    /// The variant in words.
+    /// The reading in words.
     pub name: String,
-    /// Sum of the objectives of both problems.
-    pub total: f64,
-    /// Best f for each problem.
-    pub best: Vec<BestRecord>,
+    /// Outcome for each problem.
+    pub best: Vec<ReachedRecord>,
 }
 
-/// The best f for one problem.
+/// Outcome for one problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct BestRecord {
-    /// Counts that come out.
-    pub exact: usize,
-    /// Misfit of the others.
-    pub misfit: f64,
-    /// Values of Delta a to the printed digits.
-    pub delta_a: usize,
-    /// Values on the quadrants.
-    pub f: Vec<f64>,
+pub(crate) struct ReachedRecord {
+    /// Greatest number of grids, coarsest first, on which some f has all counts.
+    pub grids: usize,
+    /// Number of f that have all counts on so many grids.
+    pub f: u64,
 }
 
 /// One search.

@@ -6,7 +6,7 @@ use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::statement::{Domain, MeshFacts, Statement, StatementError};
+use signorini_mathematics::statement::{Domain, Statement, StatementError};
 use std::path::Path;
 
 /// Folder of the project from which scenes name their meshes.
@@ -15,7 +15,7 @@ pub(crate) const FOLDER: &str = "pipeline";
 const MOST_NODES: f64 = 1e7;
 
 /// Returns the path of the mesh of a domain in the project, if it is a file.
-fn path_of(domain: &Domain) -> Option<String> {
+pub(crate) fn path_of(domain: &Domain) -> Option<String> {
     domain.is_file().then(|| format!("{FOLDER}/{}", domain.name))
 }
 
@@ -62,21 +62,23 @@ fn of_keys(error: &StatementError) -> Error {
     Error::input(error.to_string())
 }
 
-/// Checks f on the square, and elsewhere the mesh, its parts and, on meshes of the usual size, f. Takes time.
-pub(crate) fn check(statement: &Statement, files: &InputFiles) -> Result<Option<MeshFacts>> {
-    let Some(coarsest) = mesh(statement, files)? else {
-        // A known solution is proof enough.
-        let is_known = statement.source().is_ok_and(|f| f.exact().is_some());
-        if !is_known || statement.law.is_some() {
-            problem(statement, files)?;
+/// Checks that there is a problem, and that its meshes are of a sensible size; `coarsest` is what [`mesh`] has read.
+/// Takes time. Returns what a user has to know, in a line each.
+pub(crate) fn check(statement: &Statement, coarsest: Option<&AnyMesh>) -> Result<Vec<String>> {
+    if let Some(mesh) = coarsest {
+        let (times, nodes) = size(statement, mesh)?;
+        if nodes > MOST_NODES {
+            return Err(Error::input(format!(
+                "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
+            )));
         }
-        return Ok(None);
-    };
-    let MeshFacts { times, nodes, .. } = statement.facts(&coarsest).map_err(|e| of_keys(&e))?;
-    if nodes > MOST_NODES {
-        return Err(Error::input(format!(
-            "refine = {times} makes about {nodes:.0e} nodes, more than is sensible; {MOST_NODES:.0e} are the most"
-        )));
     }
-    statement.checked_facts(&coarsest).map(Some).map_err(|e| of_keys(&e))
+    statement.checked(coarsest).map_err(|e| of_keys(&e))
+}
+
+/// Returns how often the coarsest mesh of a statement is refined, to meshes of the usual size for an accuracy, and how
+/// many nodes there are then, about.
+pub(crate) fn size(statement: &Statement, coarsest: &AnyMesh) -> Result<(usize, f64)> {
+    let times = statement.on_usual_meshes().refinements(coarsest).map_err(|e| of_keys(&e))?;
+    Ok((times, coarsest.nodes_after(times)))
 }

@@ -6,12 +6,14 @@ pub mod comparison;
 pub(crate) mod fields;
 pub(crate) mod identified;
 pub(crate) mod mesh_files;
+pub(crate) mod numbers;
 pub mod output;
 pub mod paper;
 pub mod project;
 pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;
+pub(crate) mod study;
 #[cfg(test)]
 mod tests;
 pub(crate) mod written;

@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Output {
-    /// Table of iteration counts and Delta a.
+    /// Table of iteration counts and Delta a; of a study, of the numbers of its members.
     Table,
     /// Map of f.
     Source,
@@ -21,6 +21,8 @@ pub enum Output {
     Contact,
     /// Values of f near the scene's with which the published counts still come out.
     Identify,
+    /// Two columns of the table of a study against each other.
+    Chart,
 }
 
 /// Writes the name used in scenes and file names.

@@ -2,12 +2,12 @@
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::list_tree;
-use crate::pipeline::names::{clash, composed, is_left_behind, refuse_forbidden_name};
+use crate::pipeline::names::{composed, is_left_behind, refuse_forbidden_name};
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::paper::{PAPER, Paper};
 use crate::replication::scene::Scene;
 use crate::replication::scenes::{SCENES, SceneFolder, find, problems};
-use crate::report::{self, TEMPLATE};
+use crate::report;
 use crate::timing::recorded::{self, Timings};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -241,23 +241,8 @@ fn listed_templates(root: &Path) -> Result<InputFiles> {
     for name in listed.keys() {
         refuse_forbidden_name("file", name)?;
     }
-    let mut files = InputFiles::new();
-    // Pages that are alike are refused with their lines, where mdBook lists them.
-    let others =
-        listed.keys().filter(|name| ![".md", TEMPLATE].iter().any(|end| name.ends_with(end)));
-    let mut clashing = clash(others.map(String::as_str));
-    for (name, path) in &listed {
-        if files.insert(composed(name), InputFile::new(path.clone())).is_some() {
-            clashing = clashing.or(Some((name, name)));
-        }
-    }
-    match clashing {
-        None => Ok(files),
-        Some((one, other)) => Err(Error::input(format!(
-            "report: `{one}` and `{other}` are one name where capitals or the way to write accents do not count; \
-             rename one of them"
-        ))),
-    }
+    let files = listed.into_iter();
+    Ok(files.map(|(name, path)| (composed(&name), InputFile::new(path))).collect())
 }
 
 /// Refuses scenes that cannot be read or run, each by its name.

@@ -1,12 +1,14 @@
 //! Scenes: a statement with a title and wanted outputs, read from TOML.
 
+use crate::figures::Print;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::fields::Fields;
 use crate::replication::fields::table::{Reading, Refused, Voice};
-use crate::replication::mesh_files::{check, find_mesh};
+use crate::replication::mesh_files::{self, find_mesh};
 pub use crate::replication::output::Output;
+use crate::replication::study::{Member, Study};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
@@ -16,7 +18,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{MOST_CELLS, SaddleSettings, Solver};
-use signorini_mathematics::statement::{MeshFacts, Statement};
+use signorini_mathematics::statement::Statement;
 use std::path::Path;
 
 /// A validated scene: a file of `pipeline/scenes/`, in which unknown keys are errors. Tasks read back what was written
@@ -29,10 +31,17 @@ pub struct Scene {
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
-    /// Statement; of the runs of a saddle-point method, that of the one that is drawn.
+    /// Statement; of the runs of a saddle-point method, that of the one that is drawn, and of a study that of its first
+    /// member.
     pub statement: Statement,
     /// Runs of a saddle-point method; none for other solvers.
     pub runs: Option<Runs>,
+    /// Members, if the scene varies something.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) study: Option<Study>,
+    /// Form of its own pictures in print.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) picture: Option<Print>,
     /// Wanted outputs, sorted.
     pub outputs: Vec<Output>,
     /// Files on which the problem depends, by path: the mesh, if there is one.
@@ -73,7 +82,11 @@ impl Scene {
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
         let fields: Fields = from_toml(&what, text)?;
-        let scene = Self::of(name, &fields).and_then(Self::complete);
+        let scene = match fields.vary {
+            Some(_) => Self::of_study(name, &fields),
+            None => Self::of(name, &fields),
+        };
+        let scene = scene.and_then(|scene| scene.check_outputs(&fields)?.complete());
         scene.map_err(|Refused { field, text: why }| {
             let line = line_of(field, text).map_or(String::new(), |line| format!("line {line}: "));
             Error::input(format!("{what}: {line}{why}"))
@@ -87,10 +100,6 @@ impl Scene {
         let outputs = fields.outputs.clone().ok_or_else(|| missing("outputs"))?;
         let usual = fields.usual(Voice::Keys)?;
         let is_papers = fields.paper_table.is_some();
-        if is_papers && !usual.domain.is_square() {
-            let text = "`paper_table` is for the square; leave it out beside `domain`";
-            return Err(Refused::new("paper_table", text));
-        }
         let papers = Solver::ArrowHurwicz;
         if let Some(solver) = fields.solver.filter(|&solver| is_papers && solver != papers) {
             let text = format!(
@@ -114,9 +123,52 @@ impl Scene {
             paper_table: fields.paper_table,
             statement,
             runs: runs.transpose()?,
+            study: None,
+            picture: fields.picture.clone(),
             outputs,
             files: InputFiles::new(),
         })
+    }
+
+    /// The study that these fields make: of each member the statement, all else of the first.
+    fn of_study(name: &str, fields: &Fields) -> Reading<Self> {
+        let Some(vary) = &fields.vary else { return Self::of(name, fields) };
+        if fields.paper_table.is_some() {
+            let text =
+                "the published tables are of one problem each; leave out `vary`, or `paper_table`";
+            return Err(Refused::new("vary", text));
+        }
+        let (mut study, mut first) = (Study::of(&vary.names), None);
+        for (values, fields) in vary.members.iter().zip(vary.fields(fields, Voice::Keys)?) {
+            let member = Self::of(name, &fields).and_then(Self::of_one_run);
+            let member = member.map_err(|refused| study.refused(values, refused))?;
+            study
+                .members
+                .push(Member { values: values.clone(), statement: member.statement.clone() });
+            first.get_or_insert(member);
+        }
+        let first =
+            first.ok_or_else(|| Refused::new("vary", "`vary` has no members; add values"))?;
+        let is_drawn = first.wants(Output::Chart);
+        study.chart = is_drawn.then(|| study.axes(fields.chart.as_ref())).transpose()?;
+        study.columns = study.columns(fields.columns.as_deref())?;
+        Ok(Self { study: Some(study), ..first })
+    }
+
+    /// A member of a study, checked on its domain; it has one rule and one r.
+    fn of_one_run(self) -> Reading<Self> {
+        let several = self.runs.as_ref().and_then(|runs| {
+            let counts = [("r", runs.r.len()), ("stop", runs.stop.len())];
+            counts.into_iter().find(|(_, count)| *count > 1).map(|(field, _)| field)
+        });
+        if let Some(field) = several {
+            let text = format!(
+                "`{field}` has several values; in a study give one, or name them in `vary`"
+            );
+            return Err(Refused::new(field, text));
+        }
+        self.check_on_domain()?;
+        Ok(Self { runs: None, ..self })
     }
 
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
@@ -125,39 +177,96 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] and [`Error::Io`] if there is no such mesh.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
-        let found = find_mesh(&self.statement.domain, root, known);
-        self.files = found.map_err(|e| in_scene(&self.name, e))?;
+        let mut files = InputFiles::new();
+        for statement in self.statements() {
+            let found = find_mesh(&statement.domain, root, known);
+            files.extend(found.map_err(|e| in_scene(&self.name, e))?);
+        }
+        self.files = files;
         Ok(())
     }
 
     /// Checks that there is a problem to be solved, and reads the mesh of the domain, if the scene has one, and checks
     /// that it fits the scene. Takes time in the size of the problem: only a run of the scene asks for it. Returns what
-    /// a user has to know of the mesh, in a line each.
+    /// a user has to know, in a line each. A study has rows in place of such errors.
     ///
     /// # Errors
     /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
     pub fn check(&self) -> Result<Vec<String>> {
-        let facts = check(&self.statement, &self.files).map_err(|e| in_scene(&self.name, e))?;
-        let Some(MeshFacts { dimension, nodes, notes, .. }) = facts else { return Ok(Vec::new()) };
+        if self.study.is_some() {
+            return Ok(Vec::new());
+        }
+        self.checked().map_err(|e| in_scene(&self.name, e))
+    }
+
+    fn checked(&self) -> Result<Vec<String>> {
+        let mesh = mesh_files::mesh(&self.statement, &self.files)?;
+        let notes = mesh_files::check(&self.statement, mesh.as_ref())?;
+        let Some(mesh) = mesh else {
+            // The load of a published table is the paper's.
+            let own = notes.into_iter().filter(|_| self.paper_table.is_none());
+            return Ok(own
+                .map(|note| note + "; load = { rule = \"bilinear\" } does not")
+                .collect());
+        };
+        let (dimension, (_, nodes)) = (mesh.dimension(), mesh_files::size(&self.statement, &mesh)?);
         if let Some(accuracy) = self.statement.accuracy().filter(|_| dimension == 3) {
             let asked = Voice::Keys.accuracy(accuracy);
             let text =
                 format!("{asked} is for domains in the plane; in space, `refine` says how fine");
-            return Err(in_scene(&self.name, Error::input(text)));
+            return Err(Error::input(text));
         }
         self.statement.solver.check_nodes(dimension, nodes).map_err(|e| {
             let remedy = "choose another `solver`, or fewer refinements";
-            Error::input(format!("scene `{}`: {e}; {remedy}", self.name))
+            Error::input(format!("{e}; {remedy}"))
         })?;
         let mut pictures = [Output::Source, Output::Surface, Output::Map, Output::Contact].iter();
         match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
             None => Ok(notes),
             Some(output) => Err(Error::input(format!(
-                "scene `{name}`: `{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
+                "`{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
                  at the solution with `signorini solve {name} --out {name}.vtu`",
                 name = self.name
             ))),
         }
+    }
+
+    /// Statements: of a study those of its members, else the one.
+    pub(crate) fn statements(&self) -> impl Iterator<Item = &Statement> {
+        let members = self.study.iter().flat_map(|study| &study.members);
+        let one = Some(&self.statement).filter(|_| self.study.is_none());
+        one.into_iter().chain(members.map(|member| &member.statement))
+    }
+
+    /// Output that a study does not have, if there is one.
+    fn other_than_of_studies(&self) -> Option<&Output> {
+        self.outputs.iter().find(|output| ![Output::Table, Output::Chart].contains(*output))
+    }
+
+    /// Refuses outputs and keys that only a study has, or that a study does not have.
+    fn check_outputs(self, fields: &Fields) -> Reading<Self> {
+        let has_axes = fields.chart.is_some();
+        if self.study.is_none() && fields.columns.is_some() {
+            let text = "`columns` are of a study; add `vary`, or leave them out";
+            return Err(Refused::new("columns", text));
+        }
+        let text = match (&self.study, self.wants(Output::Chart)) {
+            (None, true) => "`chart` shows a study; add `vary`, or drop it from `outputs`".into(),
+            (None, false) if has_axes => {
+                "`chart` is of a study; add `vary`, or leave it out".into()
+            }
+            (Some(_), false) if has_axes => {
+                "`chart` has axes; add \"chart\" to `outputs`, or leave it out".into()
+            }
+            (Some(_), _) => match self.other_than_of_studies() {
+                None => return Ok(self),
+                Some(output) => format!(
+                    "`{output}` shows one solution; a study has \"table\" and \"chart\": drop it from `outputs`"
+                ),
+            },
+            (None, false) => return Ok(self),
+        };
+        Err(Refused::new("outputs", text))
     }
 
     /// Makes the checks that concern the scene as a whole.
@@ -204,6 +313,10 @@ impl Scene {
     fn check_on_domain(&self) -> Reading<()> {
         let statement = &self.statement;
         if !statement.domain.is_square() {
+            if self.paper_table.is_some() {
+                let text = "`paper_table` is for the square; leave it out beside `domain`";
+                return Err(Refused::new("paper_table", text));
+            }
             let mut refused = NOT_ON_DOMAINS.iter();
             return match refused.find(|(output, _)| self.outputs.contains(output)) {
                 None => Ok(()),

@@ -2,7 +2,7 @@
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::read_text;
-use crate::pipeline::names::{alike, composed, refuse_forbidden_name};
+use crate::pipeline::names::{composed, refuse_forbidden_name};
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::scene::Scene;
 use std::collections::BTreeMap;
@@ -23,8 +23,6 @@ pub(crate) struct SceneFolder {
     pub ignored: Vec<String>,
     /// Files of the scenes and their meshes, by path in the project.
     pub files: InputFiles,
-    /// Names of the scenes, by the form in which names that some file systems do not tell apart are the same.
-    known_as: BTreeMap<String, String>,
 }
 
 /// Returns the scenes of the paper's problems 1 and 2 among others.
@@ -90,25 +88,10 @@ impl SceneFolder {
         let text = read_text(path)?;
         let mut scene = Scene::parse(name, &composed(&text))?;
         scene.find_mesh(root, &mut self.files)?;
-        let on_disk = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
-        self.refuse_name_alike(on_disk)?;
         self.refuse_second_of_a_table(&scene)?;
-        self.known_as.insert(alike(name), on_disk.to_owned());
         let file = InputFile::with(path.to_path_buf(), text.into_bytes());
         self.files.insert(format!("{SCENES}/{name}{ENDING}"), file);
         Ok(scene)
-    }
-
-    /// Refuses names that some file systems do not tell apart: there, the files of one scene would overwrite those of
-    /// the other.
-    fn refuse_name_alike(&self, name: &str) -> Result<()> {
-        match self.known_as.get(&alike(name)) {
-            None => Ok(()),
-            Some(other) => Err(Error::input(format!(
-                "{SCENES}: `{other}` and `{name}` are one name where capitals or the way to write accents do not \
-                 count; rename one of them"
-            ))),
-        }
     }
 
     /// Refuses a second scene for one published table: the chapters and figures on the paper show one scene per table.

@@ -60,7 +60,6 @@ pub fn build(
         );
     };
     let listed = listed(summary)?;
-    outputs::check_names(&pages, &listed)?;
     let labels = Labels::of(&pages, &listed)?;
     for name in pages.keys() {
         includes::check(name, files)?;
@@ -93,7 +92,7 @@ pub fn build(
     Ok(built)
 }
 
-/// Refuses links and directives of pages that lead to nothing in the built book.
+/// Refuses links of pages that lead to nothing in the built book.
 fn check_links(
     pages: &BTreeMap<&str, &str>,
     built: &BTreeMap<String, Vec<u8>>,
@@ -102,8 +101,7 @@ fn check_links(
     for (name, text) in pages {
         let page = outputs::html(name);
         // A page that no list names is not built.
-        if let Some(html) = built.get(&page) {
-            includes::refuse_left(name, text, html)?;
+        if built.contains_key(&page) {
             links::check(name, text, &page, &site)?;
         }
     }

@@ -1,6 +1,5 @@
 //! Check of the links and pictures of a page: their targets must exist.
 
-use super::anchors::anchors;
 use super::markdown::{parse, place};
 use percent_encoding::percent_decode_str;
 use pulldown_cmark::{Event, LinkType, Tag};
@@ -158,6 +157,23 @@ fn resolved(page: &str, path: &str) -> Option<String> {
     Some(steps.join("/"))
 }
 
+/// Returns the names of the places in a page to which links may lead, as mdBook writes them.
+fn anchors(html: &str) -> BTreeSet<String> {
+    let places = html.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next());
+    let quotes = [
+        ("&quot;", "\""),
+        ("&#39;", "'"),
+        ("&#x27;", "'"),
+        ("&lt;", "<"),
+        ("&gt;", ">"),
+        ("&amp;", "&"),
+    ];
+    let unescaped = |place: &str| {
+        quotes.iter().fold(place.to_owned(), |text, (from, to)| text.replace(from, to))
+    };
+    places.map(unescaped).collect()
+}
+
 /// Decodes `%20` and its like.
 fn decoded(part: &str) -> String {
     percent_decode_str(part).decode_utf8_lossy().into_owned()
@@ -169,7 +185,7 @@ mod tests {
 
     /// Checks a link in the page `a` or `sub/b` of a small book, on line 3.
     fn checked(page: &str, link: &str) -> Result<(), String> {
-        let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2><a name=\"x1\"></a>".as_bytes();
+        let html = "<h1 id=\"one\"></h1><h2 id=\"größe\"></h2><a id=\"x1\"></a>".as_bytes();
         let files = ["index.html", "a.html", "sub/b.html", "figures/my plate.svg", "results.csv"];
         let built = BTreeMap::from(files.map(|name| (name.to_owned(), html.to_vec())));
         let markdown = format!("# One\n\n{link}\n");

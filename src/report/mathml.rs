@@ -2,7 +2,6 @@
 
 use super::labels::Labels;
 use super::markdown::{parse, place, split_tag};
-use super::prices;
 use pulldown_cmark::{Event, Tag};
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser as Latex, Storage, push_mathml};
@@ -17,9 +16,7 @@ pub(super) fn convert(chapter: &str, markdown: &str, labels: &Labels) -> Result<
     for (event, range) in parse(markdown) {
         let at = range.start;
         let rewritten = match event {
-            Event::InlineMath(latex) => {
-                prices::refuse(markdown, &range, &latex).and_then(|()| page.inline(range, &latex))
-            }
+            Event::InlineMath(latex) => page.inline(range, &latex),
             Event::DisplayMath(latex) => page.displayed(range, &latex),
             Event::Start(Tag::Link { dest_url, .. }) => match labels.link(chapter, &dest_url) {
                 Some(link) => link.map(|link| page.replace(range, &link)),

@@ -3,7 +3,6 @@
 //!
 //! Central are [`pages`] and [`build`].
 
-mod anchors;
 mod build;
 mod data;
 mod filters;
@@ -14,7 +13,6 @@ mod markdown;
 mod mathml;
 mod outputs;
 mod pages;
-mod prices;
 mod rows;
 mod settings;
 mod summary;

@@ -12,8 +12,6 @@ pub(super) struct ListedPage {
     pub path: String,
     /// Number that mdBook gives to the chapter, such as `5.1`; `0` without one.
     pub number: String,
-    /// Place in `SUMMARY.md`.
-    pub place: String,
 }
 
 /// Returns the pages that `SUMMARY.md` lists, in its order.
@@ -38,7 +36,7 @@ pub(super) fn listed(summary: &str) -> Result<Vec<ListedPage>, String> {
                     page(&dest_url).map_err(|why| format!("{place}: `{dest_url}` is {why}"))?;
                 let texts: Vec<String> = numbers.iter().map(usize::to_string).collect();
                 let number = if depth == 0 { "0".into() } else { texts.join(".") };
-                listed.push(ListedPage { path, number, place });
+                listed.push(ListedPage { path, number });
             }
             _ => {}
         }

@@ -55,7 +55,7 @@ pub struct Timings {
 }
 
 /// Tables of the record, and their columns, in the order in which they are written.
-const TABLES: [(&str, &str); 6] = [
+pub(crate) const TABLES: [(&str, &str); 6] = [
     ("multigrid", "cells threads goal work_units traffic seconds spread"),
     ("solver", "solver problem cells goal error discretisation kkt seconds spread"),
     ("spectral", "problem nodes levels error seconds spread"),
@@ -154,7 +154,7 @@ const HEADER: &str = "# Written by `signorini bench --record`; do not edit what 
 
 impl Timings {
     /// Returns all tables, in the order of [`TABLES`].
-    fn tables(&self) -> [&Rows; 6] {
+    pub(crate) fn tables(&self) -> [&Rows; 6] {
         [&self.multigrid, &self.solver, &self.spectral, &self.peer, &self.own_mesh, &self.adapted]
     }
 

@@ -58,17 +58,19 @@ fn every_formula_is_set_and_every_figure_is_shown() {
         assert!(print.contains(&format!(r#"src="figures/{figure}""#)), "{figure} is nowhere");
     }
     let prose = print.split("<main>").nth(1).unwrap().split("</main>").next().unwrap();
-    // The chapter on own problems shows a directive of mdBook.
+    // The chapter on own problems shows a directive of mdBook, and that on studies code with dollars.
     let prose = prose.replace("{{#include ", "");
+    let code = prose.split("<code").map(|part| part.split_once("</code>").map_or(part, |of| of.1));
+    let prose: String = code.collect();
     for left in ["$", "{{", "{%", "eq:", "table:", "\\("] {
         assert!(!prose.contains(left), "`{left}` was left in the text");
     }
 }
 
 #[test]
-fn the_book_has_at_most_six_megabytes() {
+fn the_book_has_at_most_six_and_a_half_megabytes() {
     let size: usize = files().values().map(Vec::len).sum();
-    assert!(size <= 6_000_000, "{size} bytes");
+    assert!(size <= 6_500_000, "{size} bytes");
 }
 
 #[test]
@@ -88,6 +90,9 @@ fn twice_gives_the_same_bytes() {
     let linked = once.iter().filter(|(name, _)| is_linked(name));
     sources.extend(linked.map(|(name, bytes)| (format!("src/{name}"), bytes.clone())));
     sources.insert("src/results.csv".into(), once["results.csv"].clone());
+    for (name, bytes) in files_below(&source.join("../tables")) {
+        sources.insert(format!("src/tables/{name}"), bytes);
+    }
     let scratch = tempfile::tempdir().unwrap();
     let twice = build(&sources, scratch.path()).unwrap();
     assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 0);

@@ -99,7 +99,7 @@ fn every_table_of_numbers_and_every_figure_leads_to_its_data() {
             }
             let is_data = |tag: &str| {
                 attribute(tag, "href").is_some_and(|to| {
-                    ["data/", "figures/"].iter().any(|folder| to.starts_with(folder))
+                    ["data/", "figures/", "tables/"].iter().any(|folder| to.starts_with(folder))
                         || ["results.csv", "data.html"].contains(&to)
                 })
             };
@@ -120,10 +120,10 @@ fn every_table_of_numbers_and_every_figure_leads_to_its_data() {
 const WORDS_PER_MINUTE: usize = 200;
 
 #[test]
-fn the_main_chapters_are_read_in_half_an_hour_as_the_introduction_says() {
+fn the_main_chapters_are_read_in_forty_minutes_as_the_introduction_says() {
     let pages = pages();
     let introduction = &pages.iter().find(|(name, _)| name == "introduction.html").unwrap().1;
-    assert!(introduction.contains("take half an hour"));
+    assert!(introduction.contains("take forty minutes"));
     let main = [
         "introduction",
         "explore",
@@ -136,6 +136,7 @@ fn the_main_chapters_are_read_in_half_an_hour_as_the_introduction_says() {
         "claims",
         "cost",
         "domains",
+        "accuracy",
         "friction",
     ];
     let mut total = 0;
@@ -147,5 +148,5 @@ fn the_main_chapters_are_read_in_half_an_hour_as_the_introduction_says() {
         }
         total += words(&prose);
     }
-    assert!(total > 1000 && total <= 30 * WORDS_PER_MINUTE, "{total} words");
+    assert!(total > 1000 && total <= 40 * WORDS_PER_MINUTE, "{total} words");
 }

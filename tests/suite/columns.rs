@@ -33,6 +33,7 @@ fn coarse(experiment: &str) -> Value {
         "claims" => json!({ "per_decade": 1, "problems": problems(), "targets": targets }),
         "friction" => json!({ "problems": problems(), "targets": targets }),
         "domains" => json!({ "levels": 2, "disc": 2, "cube": 1 }),
+        "radius" => json!({ "cells": [8], "r": [10.0, 1.0] }),
         "stress" => json!({
             "coarse": 8, "fine": 16, "cap": 200, "random": 10, "problems": problems(),
         }),

@@ -65,27 +65,6 @@ fn the_mathematics_and_the_pipeline_forbid_the_same_characters() {
 }
 
 #[test]
-fn files_of_the_book_that_are_one_name_elsewhere_are_refused() {
-    let project = Project::with(TABLE);
-    project.write("report/book.toml", "title = \"Mine\"\n");
-    fs::create_dir_all(project.path("report/templates/Figures")).unwrap();
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n");
-    project.scene("a", &TABLE.replace("\"table\"", "\"source\""));
-    project.write("report/templates/Figures/mine.png", "png");
-    let said = project.run(&["run"]);
-    assert_eq!(said.code, Some(3), "{said:?}");
-    assert!(said.err.contains("`figures` and `Figures` are one folder"), "{said:?}");
-    fs::remove_dir_all(project.path("report/templates/Figures")).unwrap();
-    for name in ["A.txt", "a.txt"] {
-        project.write(&format!("report/templates/{name}"), name);
-    }
-    let refusal = "`templates/A.txt` and `templates/a.txt` are one name";
-    assert!(project.run(&["run"]).refusal().contains(refusal));
-    assert_eq!(project.run(&["solve", "a", "--solver", "multigrid"]).code, Some(0));
-}
-
-#[test]
 fn texts_of_the_user_are_escaped_in_every_template() {
     let templates = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates");
     let mut shown = 0;

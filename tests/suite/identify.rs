@@ -123,25 +123,6 @@ proptest! {
         // The search forces its runs.
         prop_assert_eq!(run("-4:4:1", &target).exact as usize, exact);
     }
-
-    #[test]
-    fn starting_elsewhere_is_turning_the_square(values in prop::collection::vec(-60i32..40, 4)) {
-        use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
-        use signorini_mathematics::problem::source::Tie;
-        let values: Vec<f64> = values.iter().map(|&v| f64::from(v) / 10.0).collect();
-        let target = published(2);
-        let table = evaluator(&target, &Variant::default()).free(0, &values);
-        for (start, tie, diagonal, swap) in [
-            (Start::LowerRight, Tie::LowerRight, Diagonal::Falling, [1, 0, 3, 2]),
-            (Start::UpperLeft, Tie::UpperLeft, Diagonal::Falling, [2, 3, 0, 1]),
-            (Start::UpperRight, Tie::UpperRight, Diagonal::Rising, [3, 2, 1, 0]),
-        ] {
-            let load = LoadRule::Nodal { tie, diagonal: Some(diagonal) };
-            let variant = Variant { start, load, ..Variant::default() };
-            let turned = swap.map(|q| values[q]);
-            prop_assert_eq!(&evaluator(&target, &variant).free(0, &turned), &table);
-        }
-    }
 }
 
 #[test]

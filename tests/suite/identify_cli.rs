@@ -16,7 +16,7 @@ const SCENE: &str = "title = \"Two\"\npaper_table = 2\nf = \"quadrant(ll)=-6; el
 
 const RECORD: &str = "program = \"0123456\"\n\n[questions]\nvalues = \"-7:3:0.5\"\n\
     reach = [0.5, 0.5]\npoints = 5\n\n[[problem]]\ntable = 2\nalternatives = [[-6, 2, 1.99, 2]]\n\n\
-    [selection]\ncommands = []\ncandidates = 0\nvariant = []\n\n\
+    [selection]\ncommand = \"\"\ncandidates = 0\nvariant = []\n\n\
     [[run]]\nwhat = \"none\"\ncandidates = 0\noutcome = \"none\"\n";
 
 fn project() -> Project {

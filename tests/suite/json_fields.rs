@@ -114,7 +114,7 @@ fn each_field_of_solve_has_a_line_in_the_book_and_each_line_a_field() {
         &["--solver", "spectral"],
         &["--accuracy", "0.5"],
         &["--accuracy-energy", "0.1"],
-        &["--max-iterations", "1"],
+        &["--max-iterations", "1", "--at", "0.1,0.2"],
     ];
     for more in square {
         let by_itself = ["spectral", "--accuracy", "--accuracy-energy"];

@@ -77,7 +77,7 @@ fn commands_run_and_outputs_are_true() {
     let project = &place.path("");
     fs::create_dir(project.join("target")).unwrap();
     let mut ran = follow("README.md", project);
-    assert_eq!(ran, 10, "commands of the README");
+    assert_eq!(ran, 8, "commands of the README");
     // The scene put in on the way is gone again, and so is what it had drawn.
     run("cargo run --release", project);
     assert!(!project.join("figures/mine-surface.svg").exists());
@@ -93,6 +93,7 @@ fn commands_run_and_outputs_are_true() {
     assert_eq!(ran, 13, "commands of the chapter");
     assert!(project.join("target/mesh.svg").is_file());
     assert!(project.join("target/v.npz").is_file());
+    assert!(project.join("target/line.csv").is_file());
     assert!(project.join("target/disc.svg").is_file());
     assert!(project.join("target/first/pipeline/scenes/plate.toml").is_file());
 
@@ -120,10 +121,14 @@ fn commands_run_and_outputs_are_true() {
         assert_eq!(drawn(&target), drawn(&figure), "{name} of the command and of the run");
     }
 
-    for (page, commands) in [("machines", 1), ("friction", 1)] {
-        let page = format!("report/templates/{page}.md.tera");
-        assert_eq!(follow(&page, project), commands, "{page}");
+    let pages =
+        [("tutorial", 8), ("accuracy", 1), ("machines", 1), ("friction", 1), ("studies", 6)];
+    for (page, commands) in pages {
+        let page = project.join(format!("report/src/{page}.md"));
+        assert_eq!(follow(page.to_str().unwrap(), project), commands, "{page:?}");
     }
+    assert!(project.join("figures/round-map.svg").is_file());
+    fs::remove_file(project.join("pipeline/scenes/round.toml")).unwrap();
     changes_are_explained(project);
 }
 
@@ -138,6 +143,12 @@ fn the_citation_and_the_changes_are_of_this_version() {
     let (of, date) = newest.split_once(", ").unwrap();
     assert_eq!(of, version);
     assert!(citation.lines().any(|line| line == format!("date-released: \"{date}\"")), "{date}");
+    let introduction = read("report/templates/introduction.md.tera");
+    assert!(introduction.contains(&format!("  year = {{{}}}\n", &date[..4])), "{date}");
+    let image = read("Containerfile");
+    let compiler = read("rust-toolchain.toml");
+    let (_, used) = image.split_once("rust:").unwrap();
+    assert!(compiler.contains(&format!("channel = \"{}.", used.split('-').next().unwrap())));
     let archive: serde_json::Value = serde_json::from_str(&read(".zenodo.json")).unwrap();
     let title = archive["title"].as_str().unwrap();
     assert!(citation.contains(&format!("title: \"{title}\"")), "{title}");

@@ -8,14 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::UNIX_EPOCH;
 
-const NAMED: [&str; 6] = [
-    "--name",
-    "A. \"R\" Reviewer",
-    "--orcid",
-    "0000-0002-1825-0097",
-    "--repository",
-    "https://example.org/s",
-];
+const NAMED: [&str; 2] = ["--name", "A. \"R\" Reviewer"];
 
 /// A project with a certificate, whose scenes have names that an address cannot have as they are.
 fn certified(options: &[&str]) -> Project {
@@ -152,36 +145,6 @@ fn inputs_are_said_to_be_what_they_are() {
     assert!(described("scenes/gear-toml.toml")[0].starts_with("a scene: "));
 }
 
-#[test]
-fn no_text_of_the_user_is_the_address_of_an_entity() {
-    let project = certified(&[]);
-    for text in
-        ["./", "ro-crate-metadata.json", "#run", "git@github.com:a/b.git", "file:///x", "a/b"]
-    {
-        certify(&project, &["--repository", text]).lines();
-        assert!(entities(&project)["#signorini"].get("url").is_none(), "{text}");
-        let manifest = fs::read_to_string(project.path("codecheck/codecheck.yml")).unwrap();
-        assert!(manifest.contains(&format!("\nrepository: \"{text}\"\n")), "{manifest}");
-    }
-    let other = "https://spdx.org/licenses/MIT";
-    certify(&project, &["--repository", other, "--orcid", NAMED[3]]).lines();
-    let entities = entities(&project);
-    assert_eq!(entities["#signorini"]["url"], other);
-    assert_eq!(
-        entities["#run"]["agent"]["@id"],
-        format!("https://orcid.org/{}", NAMED[3]).as_str()
-    );
-    for (option, text) in [
-        ("--repository", "https://example.org/my repo"),
-        ("--repository", "https://me:secret@example.org"),
-        ("--repository", " "),
-        ("--name", "a\nb"),
-    ] {
-        let said = certify(&project, &[option, text]);
-        assert!(said.refusal().contains(option), "{said:?}");
-    }
-}
-
 /// The Python that has the validator, if there is one.
 fn python() -> Option<PathBuf> {
     let path = std::env::var_os("PATH")?;
@@ -196,8 +159,7 @@ fn others_open_and_validate_the_record_of_a_run() {
     let Some(python) = python() else {
         return skip("no rocrate-validator on the PATH (`pip install roc-validator rocrate`)");
     };
-    let address = ["--orcid", "https://orcid.org/0000-0002-1825-0097", "--repository", "a b"];
-    for options in [&NAMED[..], &address, &[]] {
+    for options in [&NAMED[..], &[]] {
         let project = certified(options);
         if options.is_empty() {
             // A study of something else, without a manifest.

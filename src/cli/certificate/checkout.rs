@@ -66,24 +66,6 @@ fn entry(line: &str) -> Option<(&str, &str)> {
     Some((path, about.rsplit(' ').next()?))
 }
 
-/// Variables with which git, for a hook or an alias, names the repository that it is at work in: those that
-/// `git rev-parse --local-env-vars` lists, but for the settings. That repository may be another than the project's.
-const NAMING: [&str; 13] = [
-    "GIT_ALTERNATE_OBJECT_DIRECTORIES",
-    "GIT_COMMON_DIR",
-    "GIT_DIR",
-    "GIT_GRAFT_FILE",
-    "GIT_IMPLICIT_WORK_TREE",
-    "GIT_INDEX_FILE",
-    "GIT_INTERNAL_SUPER_PREFIX",
-    "GIT_NO_REPLACE_OBJECTS",
-    "GIT_OBJECT_DIRECTORY",
-    "GIT_PREFIX",
-    "GIT_REPLACE_REF_BASE",
-    "GIT_SHALLOW_FILE",
-    "GIT_WORK_TREE",
-];
-
 /// Runs git in `project`, with the settings of its environment, and returns its output.
 ///
 /// # Errors
@@ -93,9 +75,10 @@ fn git(project: &Path, args: &[&str]) -> Result<String, String> {
     // These options keep git from writing to the repository and from starting a service.
     command.args(["--no-optional-locks", "-c", "core.fsmonitor=false", "-C"]).arg(project);
     command.args(args).stdin(Stdio::null()).env("LC_ALL", "C");
-    for name in NAMING {
-        command.env_remove(name);
-    }
+    // For a hook or an alias, they name the repository that git is at work in, which may be another one.
+    let named = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+    let naming = named.filter(|name| name.starts_with("GIT_") && !name.starts_with("GIT_CONFIG"));
+    naming.for_each(|name| _ = command.env_remove(name));
     let said = command.output().map_err(|e| format!("git cannot be started ({e})"))?;
     if said.status.success() {
         let text = String::from_utf8_lossy(&said.stdout);

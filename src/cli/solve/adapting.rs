@@ -1,14 +1,16 @@
-//! The way to an accuracy on adapted meshes as `solve` shows it: a bar or lines while it runs, and its end.
+//! What `solve` shows while it runs: on the way to an accuracy on adapted meshes a bar or lines, and its end; a bar
+//! while sparse factors are made.
 
 use super::request::Request;
+use super::truth::turning;
 use crate::cli::interrupt::interrupted;
 use crate::pipeline::{bar, talk};
+use crate::replication::written::error;
 use indicatif::ProgressBar;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Monitor;
-use signorini_mathematics::solvers::{ReachEnd, Tried, Watcher, takes_spectral};
+use signorini_mathematics::solvers::{Tried, Watcher, takes_spectral};
 use signorini_mathematics::statement::Statement;
 use std::ops::ControlFlow;
 
@@ -27,7 +29,11 @@ pub(super) struct ShownMeshes {
 /// Steps of the bar, which shows the digits of the error.
 const STEPS: f64 = 1000.0;
 
-impl Monitor for ShownMeshes {}
+impl Monitor for ShownMeshes {
+    fn factors(&mut self, nodes: usize) {
+        self.bar = turning(&format!("sparse factors of {nodes} nodes"));
+    }
+}
 
 /// A signal ends the way to an accuracy on meshes, with the best answer so far; on the square it ends the program.
 impl Watcher for ShownMeshes {
@@ -57,10 +63,9 @@ impl ShownMeshes {
         self.meshes += 1;
         let bound = bounds.as_ref().map(|bounds| accuracy.reached(bounds));
         let reached = bound.as_ref().ok().copied().filter(|reached| reached.is_finite());
-        let error = match (reached, bound) {
-            (Some(reached), _) => error(accuracy, reached),
-            (None, Ok(_)) => "error not below the solution".into(),
-            (None, Err(reason)) => format!("no bound: {reason}"),
+        let error = match bound {
+            Ok(reached) => error(accuracy, reached),
+            Err(reason) => format!("no bound: {reason}"),
         };
         let line = format!("mesh {}: {nodes} nodes, {error}", self.meshes);
         if let (Some(bar), Some(reached)) = (&self.bar, reached) {
@@ -104,24 +109,4 @@ pub(super) fn note(request: &Request, problem: &Problem) -> Option<String> {
 /// Accuracy to which meshes are adapted; none on the square, and if none is asked for.
 pub(super) fn of_meshes(statement: &Statement) -> Option<Accuracy> {
     statement.accuracy().filter(|_| !statement.domain.is_square())
-}
-
-/// Bound that was reached, in words.
-pub(super) fn error(accuracy: Accuracy, reached: f64) -> String {
-    let percent = plain(100.0 * reached, 3);
-    match accuracy {
-        Accuracy::Error(_) => format!("error at most {percent} %"),
-        Accuracy::Energy(_) => format!("error of the energy at most {percent} %"),
-    }
-}
-
-/// Reason for the end on adapted meshes, in words.
-pub(super) fn reason(end: ReachEnd) -> &'static str {
-    match end {
-        ReachEnd::Goal | ReachEnd::NoSolution => "the error is as small as asked",
-        ReachEnd::Finest { .. } => "a finer mesh takes more memory than is left",
-        ReachEnd::MostNodes { .. } => "a finer mesh has more nodes than was asked for",
-        ReachEnd::Interrupted { .. } => "interrupted",
-        ReachEnd::Rounding { .. } => "the bound of the error no longer falls",
-    }
 }

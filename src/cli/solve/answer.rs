@@ -4,14 +4,16 @@ use super::advice::{self, Warning, combined, remedies};
 use super::bound::{self, BoundaryWords};
 use super::clock::Part;
 use super::request::Request;
-use super::{adapting, truth};
+use super::{points, truth};
 use crate::cli::output::{in_columns, paragraph};
+use crate::replication::written::reason;
 use crate::table::Table;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::kkt::StateCounts;
+use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
@@ -47,6 +49,8 @@ pub(super) struct Answer {
     contact: Option<Vec<ContactArc>>,
     /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
     pub force: f64,
+    /// v and its gradient at the points that are asked for.
+    pub values: Vec<PointValue>,
     pub warnings: Vec<Warning>,
     /// Reason why the answer is no solution.
     pub failure: Option<Warning>,
@@ -58,7 +62,8 @@ impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
         let (contact, force) = (solved.contact(), solved.force());
         let (warnings, failure, shortfall) = (Vec::new(), None, None);
-        let mut answer = Self { solved, contact, force, warnings, failure, shortfall };
+        let values = solved.values_at(&request.points);
+        let mut answer = Self { solved, contact, force, values, warnings, failure, shortfall };
         if answer.solved.run().is_some() {
             answer.judge(request);
             request.clock.ended(Part::Bounds);
@@ -140,6 +145,9 @@ impl Answer {
         });
         if !law.is_signorini() {
             json["law"] = law_json(law);
+        }
+        if !self.values.is_empty() {
+            json["values"] = json!(self.values);
         }
         let more = match self.solved.truth() {
             Some(_) => truth::json(&self.solved).unwrap_or_default(),
@@ -258,6 +266,8 @@ impl Answer {
             }
             (None, None) => {}
         }
+        let digits = if self.solved.truth().is_some() { 10 } else { 6 };
+        text += &points::text(&self.values, digits);
         text + &advice::lines(&self.warnings, self.failure.is_some())
     }
 
@@ -342,7 +352,7 @@ impl Answer {
     /// Returns the end on adapted meshes, the last with so many nodes.
     fn end_of_meshes(&self, nodes: usize) -> Option<String> {
         let (meshes, way) = (self.meshes()?, self.solved.reached.as_ref()?);
-        let reason = adapting::reason(way.end);
+        let reason = reason(way.end);
         Some(format!("{meshes} meshes, the last of {nodes} nodes: {reason}\n"))
     }
 

@@ -1,22 +1,26 @@
 //! Files that `solve --out` writes.
 
-use crate::figures::{DrawnSolution, SolutionMap, map_of_f, surfaces};
+use super::points;
+use crate::cli::output::OutputFile;
+use crate::figures::{DrawnSolution, Print, SolutionMap, map_of_f, surfaces};
 use crate::pipeline::error::{Error, Result};
 use clap::ValueEnum;
-use signorini_mathematics::formats;
 use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::saddle::Pair;
 use std::path::Path;
 
-/// Format of a file, by its ending: VTK image data or, on a mesh, an unstructured grid for ParaView, one NumPy array,
-/// several arrays, a picture.
+/// Format of a file, by its ending: VTK image data or, on a mesh, an unstructured grid for ParaView, or all meshes, one
+/// NumPy array, several arrays, a picture, values at points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
     Vti,
     Vtu,
+    Pvd,
     Npy,
     Npz,
     Svg,
+    Csv,
 }
 
 /// Solution to be written.
@@ -29,8 +33,12 @@ pub(super) struct Solution<'a> {
     pub title: &'a str,
     /// Kind of a picture.
     pub view: PictureKind,
+    /// Form of a picture in print.
+    pub print: &'a Print,
     /// Nodal values and multipliers.
     pub pair: &'a Pair,
+    /// Values at the points that are asked for.
+    pub values: &'a [PointValue],
 }
 
 /// Kind of picture.
@@ -57,8 +65,8 @@ impl Format {
     }
 
     /// Refuses a format in which a solution has no files.
-    pub(super) fn check(self, problem: &Problem) -> Result<()> {
-        let vtk = formats::vtk_ending(problem);
+    pub(super) fn check(self, problem: &Problem, has_points: bool) -> Result<()> {
+        let vtk = problem.vtk_ending();
         let reason = match self {
             Self::Svg if problem.levels().facts().dimension == 3 => format!(
                 "a solution in space has no picture; use .{vtk} and open it in ParaView, or .npz"
@@ -66,7 +74,13 @@ impl Format {
             Self::Vti | Self::Vtu if self.ending() != vtk => {
                 format!("this solution is written as .{vtk}, .npz or .npy")
             }
-            Self::Vti | Self::Vtu | Self::Npy | Self::Npz | Self::Svg => return Ok(()),
+            Self::Pvd if problem.lattices().is_some() => {
+                format!("a .pvd file lists meshes, which the square has not; use .{vtk}")
+            }
+            Self::Csv if !has_points => {
+                "a .csv file has v at points; add --at or --line, or use .npz".into()
+            }
+            _ => return Ok(()),
         };
         Err(Error::input(format!("--out: {reason}")))
     }
@@ -75,37 +89,52 @@ impl Format {
         match self {
             Self::Vti => "vti",
             Self::Vtu => "vtu",
+            Self::Pvd => "pvd",
             Self::Npy => "npy",
             Self::Npz => "npz",
             Self::Svg => "svg",
+            Self::Csv => "csv",
         }
     }
 }
 
 impl Solution<'_> {
-    /// Returns the bytes of a file.
-    pub(super) fn file(&self, format: Format) -> Result<Vec<u8>> {
-        let Self { problem, name, title, view, pair } = *self;
-        match format {
-            Format::Npy => Ok(formats::npy(problem, pair)),
-            Format::Npz => formats::npz(problem, pair).ok_or_else(|| {
-                let vtk = formats::vtk_ending(problem);
+    /// Writes a file, and beside it those that it names.
+    pub(super) fn write(&self, file: &OutputFile, format: Format) -> Result<()> {
+        let Self { problem, name, title, view, print, pair, values } = *self;
+        let drawn_title = if print.title { title } else { "" };
+        let bytes = match format {
+            Format::Npy => problem.npy(pair),
+            Format::Npz => problem.npz(pair).ok_or_else(|| {
+                let vtk = problem.vtk_ending();
                 Error::input(format!("--out: an .npz file holds at most 4 GB; use .npy or .{vtk}"))
-            }),
-            Format::Vti | Format::Vtu => Ok(formats::vtk(problem, pair, name)),
+            })?,
+            Format::Vti | Format::Vtu => problem.vtk(pair, name),
+            Format::Pvd => {
+                let stem = file.path().file_stem().unwrap_or_default().to_string_lossy();
+                for (name, bytes) in problem.pvd(pair, &stem).unwrap_or_default() {
+                    OutputFile::check(&file.path().with_file_name(name))?.write(&bytes)?;
+                }
+                return Ok(());
+            }
+            Format::Csv => points::csv(values),
             Format::Svg => {
                 let picture = match view {
-                    PictureKind::Mesh => map_of_f(title, problem),
+                    PictureKind::Mesh => map_of_f(drawn_title, problem),
                     PictureKind::Map => {
-                        SolutionMap::of(title.into(), problem, pair).map(|map| map.picture())
+                        SolutionMap::of(drawn_title.into(), problem, pair).map(|map| map.picture())
                     }
-                    PictureKind::Surface => DrawnSolution::of(title.into(), problem, pair, COLUMNS)
-                        .map(|drawn| surfaces(COLUMNS, &[drawn])),
+                    PictureKind::Surface => {
+                        DrawnSolution::of(drawn_title.into(), problem, pair, COLUMNS)
+                            .map(|drawn| surfaces(COLUMNS, &[drawn]))
+                    }
                 };
-                let picture = picture.map_err(Error::input)?;
+                let mut picture = picture.map_err(Error::input)?;
+                picture.print.clone_from(&print.width);
                 let svg = picture.svg(title, "Made by `signorini solve`.");
-                svg.map(String::into_bytes).map_err(Error::input)
+                svg.map_err(Error::input)?.into_bytes()
             }
-        }
+        };
+        file.write(&bytes)
     }
 }

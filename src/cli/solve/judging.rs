@@ -1,19 +1,16 @@
 //! Judgement of an answer: the failure, if it is no solution, and the warnings.
 
-use super::adapting;
 use super::advice::{Remedy, Warning, remedies};
 use super::answer::Answer;
 use super::bound::{self, BoundaryWords};
 use super::request::{BILINEAR_LOAD, EXACT_LOAD, Request};
-use crate::cli::output::moved_jumps;
 use crate::cli::shown::signed;
-use signorini_mathematics::bounds::{Accuracy, Bounds};
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::tolerance;
-use signorini_mathematics::solvers::{ReachEnd, takes_spectral};
 
 /// Cells per side above which a coarsest grid is finer than those for which the stopping rule is made.
 const COARSE: usize = 8;
@@ -68,42 +65,14 @@ impl Answer {
             (Some(bounds), None, None) => {
                 self.warnings.extend(bound::warnings(bounds, last.energy, request));
             }
-            (Some(bounds), Some(accuracy), None) => {
-                self.shortfall = self.shortfall(request, accuracy, bounds);
+            (_, Some(accuracy), None) => {
+                let shortfall = request.voice.shortfall(accuracy, &self.solved);
+                self.shortfall = shortfall.map(|of| {
+                    Warning::new(format!("{name}: {}", of.fact), Remedy::new(of.remedy, ""))
+                });
             }
             _ => {}
         }
-    }
-
-    /// Returns the reason why the solution on adapted meshes is not as accurate as asked, if it is not.
-    fn shortfall(&self, request: &Request, accuracy: Accuracy, bounds: &Bounds) -> Option<Warning> {
-        let (reason, remedy) = match self.solved.reached.as_ref()?.end {
-            ReachEnd::Goal | ReachEnd::NoSolution => return None,
-            ReachEnd::Finest { .. } if takes_spectral(&self.solved.problem) => {
-                ("memory has no room for more nodes", "ask for less, or use --solver spectral")
-            }
-            ReachEnd::Finest { .. } => ("memory has no room for more nodes", "ask for less"),
-            ReachEnd::MostNodes { .. } => ("no more nodes are allowed", "raise --most-nodes"),
-            ReachEnd::Interrupted { .. } => ("interrupted", "let it run to its end"),
-            ReachEnd::Rounding { .. } if !self.solved.ends().last()?.end.has_converged() => {
-                ("the solver has not converged there", "mesh with smaller aspects")
-            }
-            ReachEnd::Rounding { .. } if self.solved.problem.levels().facts().by_quadrature => {
-                ("the bound no longer falls", "ask for less, or write jumps of f as shapes")
-            }
-            ReachEnd::Rounding { .. } if takes_spectral(&self.solved.problem) => {
-                ("the bound no longer falls", "ask for less, or use --solver spectral")
-            }
-            ReachEnd::Rounding { .. } => ("the bound no longer falls", "ask for less"),
-        };
-        let [nodes, _] = self.solved.problem.lengths();
-        let asked = request.voice.accuracy(accuracy);
-        let reached = adapting::error(accuracy, accuracy.reached(bounds));
-        let fact = format!(
-            "{}: {asked} is not reached: {reached} with {nodes} nodes; {reason}",
-            request.name
-        );
-        Some(Warning::new(fact, Remedy::new(remedy, "")))
     }
 
     /// Returns the message that the discrete problem on the finest level, or on all levels, has no solution.
@@ -193,8 +162,8 @@ impl Answer {
                 format!("the quadrature of f on {grid} misses {missed} of the integral of |f|"),
                 request.remedies.quadrature,
             ));
-        } else if let Some(moved) = request.moved_jumps(problem) {
-            self.warnings.push(Warning::new(moved_jumps(moved), BILINEAR_LOAD));
+        } else if let Some(moved) = request.note_on_jumps(problem) {
+            self.warnings.push(Warning::new(moved, BILINEAR_LOAD));
         }
     }
 

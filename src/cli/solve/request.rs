@@ -1,11 +1,13 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
 use super::SolveArgs;
+use super::adapting::of_meshes;
 use super::advice::{Remedy, Warning};
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
 use crate::cli::output::{OutputFile, warn_of_outside};
 use crate::cli::shown::signed;
+use crate::figures::Print;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::replication::fields::Fields;
@@ -17,7 +19,7 @@ use crate::timing::machine;
 use serde_json::Value;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::mesh::{AnyMesh, PointValue};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, Refusal, SaddleSettings, Solved, Solver, Watcher};
@@ -33,8 +35,9 @@ pub(super) struct Request {
     pub scene: Option<String>,
     /// Title of a picture: that of the scene, the name of the mesh's file, or f.
     pub title: String,
-    /// Kind of a picture.
+    /// Kind of a picture, and its form in print.
     view: PictureKind,
+    print: Print,
     /// Remedies in the words of the options that the domain has.
     pub remedies: Remedies,
     /// Statement of the options or of the scene.
@@ -45,6 +48,8 @@ pub(super) struct Request {
     is_papers: bool,
     /// Options that differ from the scene, in words.
     pub overridden: Vec<String>,
+    /// Points at which v is shown.
+    pub points: Vec<Vec<f64>>,
     /// Warnings of f that are printed already.
     pub warnings: Vec<String>,
     /// Memory that is left, and the files for which some of it is needed.
@@ -110,12 +115,9 @@ impl Request {
         let file = file_name(&statement);
         let name = args.scene.as_deref().or(file).unwrap_or(&statement.domain.name).to_owned();
         let coarsest = coarsest(&statement, scene)?;
-        match &coarsest {
-            Some(mesh) => check_mesh(mesh, &statement, voice, memory)?,
-            None => {
-                check_grid(&statement, voice, memory)?;
-                clock.ended(Part::Setup);
-            }
+        check_fineness(coarsest.as_ref(), &statement, voice, memory)?;
+        if coarsest.is_none() {
+            clock.ended(Part::Setup);
         }
         let steps = |step| clock.ended_step(step);
         let problem = statement.problem(coarsest.as_ref(), &steps);
@@ -140,11 +142,13 @@ impl Request {
             scene: args.scene.clone(),
             title,
             view: args.view().unwrap_or(usual),
+            print: Print { width: args.width.clone(), title: !args.no_title },
             remedies: if is_square { Remedies::ON_THE_SQUARE } else { Remedies::ON_MESHES },
             statement,
             voice,
             is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
+            points: args.points.points(&problem)?,
             warnings,
             memory,
             clock,
@@ -159,12 +163,12 @@ impl Request {
         let solved = statement.solve(problem, self.memory, watcher, &steps);
         let solved = solved.map_err(|e| self.refused(&e))?;
         self.check_diverged(&solved)?;
-        if let (Some(accuracy), Some(reached), true) =
-            (statement.accuracy(), &solved.reached, statement.domain.is_square())
-        {
-            voice.check_end(accuracy, reached.end)?;
+        let shortfall = statement.accuracy().and_then(|of| voice.shortfall(of, &solved));
+        match shortfall {
+            // The last of the adapted meshes has an answer.
+            Some(shortfall) if of_meshes(statement).is_none() => Err(shortfall.into()),
+            _ => Ok(solved),
         }
-        Ok(solved)
     }
 
     /// Refuses values that are not finite.
@@ -188,26 +192,25 @@ impl Request {
     pub(super) fn write(
         &self,
         (file, format): &(OutputFile, Format),
-        problem: &Problem,
-        pair: &Pair,
+        (problem, pair): (&Problem, &Pair),
+        values: &[PointValue],
     ) -> Result<()> {
-        let Self { name, title, view, .. } = self;
-        let solution = Solution { problem, name, title, view: *view, pair };
-        let written = solution.file(*format).and_then(|bytes| file.write(&bytes));
+        let Self { name, title, view, print, .. } = self;
+        let solution = Solution { problem, name, title, view: *view, print, pair, values };
+        let written = solution.write(file, *format);
         self.clock.ended(Part::Files);
         written
     }
 
-    /// Part of the integral of |f| by which the load of a problem moves jumps of f; none for a published table, whose
-    /// load is the paper's.
-    pub(super) fn moved_jumps(&self, problem: &Problem) -> Option<f64> {
-        if self.is_papers { None } else { problem.moved_jumps() }
+    /// Line that the load of a problem moves jumps of f; none for a published table, whose load is the paper's.
+    pub(super) fn note_on_jumps(&self, problem: &Problem) -> Option<String> {
+        if self.is_papers { None } else { problem.note_on_jumps() }
     }
 
     /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
     pub(super) fn width(&self, problem: &Problem) -> f64 {
         match self.statement.fineness {
-            Fineness::Width(cells) if self.statement.domain.is_cube() => 1.0 / cells as f64,
+            Fineness::Width(cells) => 1.0 / cells as f64,
             _ => problem.levels().facts().width,
         }
     }
@@ -313,7 +316,7 @@ impl Request {
 }
 
 /// Returns what the options ask, over a scene if one is named, and what they have in place of the scene's, in words.
-fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
+pub(super) fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
     let Some(scene) = scene else {
         let usual = fields.usual(Voice::Options)?;
         return Ok((fields.over(usual, Voice::Options)?, Vec::new()));
@@ -325,7 +328,7 @@ fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<Stri
 
 /// Returns the coarsest mesh, read from its file if it is not built in: that of the scene, or the one that the options
 /// name; none on the square.
-fn coarsest(statement: &Statement, scene: Option<&Scene>) -> Result<Option<AnyMesh>> {
+pub(super) fn coarsest(statement: &Statement, scene: Option<&Scene>) -> Result<Option<AnyMesh>> {
     if let Some(scene) = scene {
         return mesh_files::mesh(statement, &scene.files);
     }
@@ -353,6 +356,19 @@ fn of_options(error: &StatementError) -> Error {
         }
         _ => error.to_string(),
     })
+}
+
+/// Refuses grids and meshes that take too much memory, or are too fine for the solver or the domain.
+pub(super) fn check_fineness(
+    mesh: Option<&AnyMesh>,
+    statement: &Statement,
+    voice: Voice,
+    memory: Memory,
+) -> Result<()> {
+    match mesh {
+        Some(mesh) => check_mesh(mesh, statement, voice, memory),
+        None => check_grid(statement, voice, memory),
+    }
 }
 
 /// Refuses a grid of the square that takes too much memory, or is too fine for the solver.

@@ -6,40 +6,89 @@ use crate::cli::project_root;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::write_atomically;
 use crate::pipeline::names::refuse_forbidden_name;
-use crate::replication::fields::write;
+use crate::replication::fields::vary::Varied;
+use crate::replication::fields::{Fields, write};
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::scenes::SCENES;
+use signorini_mathematics::statement::Statement;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Writes the scene with this name, if there is none yet.
 pub(super) fn save(name: &str, request: &Request, dimension: u8) -> Result<()> {
-    let option = format!("--save {name}");
-    let in_option = |e: Error| Error::input(format!("{option}: {e}"));
-    refuse_forbidden_name("scene", name)?;
-    if name.contains(['/', '\\']) || name.starts_with('.') {
-        return Err(Error::input(format!("{option}: give a name without folders, such as plate")));
-    }
-    let root = project_root().map_err(in_option)?;
-    let place = format!("{SCENES}/{name}.toml");
-    let path = root.join(&place);
-    if path.exists() {
-        return Err(Error::input(format!(
-            "{option}: there is {place} already; choose another name"
-        )));
-    }
-    let mut statement = request.statement.clone();
-    if statement.domain.is_file() && request.scene.is_none() {
-        statement.domain.name = in_project(&root, &statement.domain.name)?;
-    }
+    let place = Place::new(name)?;
+    let statement = place.stated(&request.statement, request.scene.is_some())?;
     let outputs: &[_] =
         if dimension == 2 { &[Output::Table, Output::Map] } else { &[Output::Table] };
-    let text = write::scene(&request.title, &statement, outputs);
-    Scene::parse(name, &text).map_err(in_option)?;
-    write_atomically(&path, text.as_bytes())?;
-    talk(&format!("wrote {place}; `signorini run {name}` solves and draws it"));
-    Ok(())
+    place.write(&write::scene(&request.title, &statement, outputs))
+}
+
+/// Writes the study that fields and lists of values make, `first` the statement of its first member.
+pub(super) fn save_study(
+    name: &str,
+    (fields, varied): (&Fields, &[Varied]),
+    first: &Statement,
+) -> Result<()> {
+    let place = Place::new(name)?;
+    let Some(f) = &fields.f else {
+        return Err(
+            place.refused("a study of a scene is not saved; add `vary` to a copy of the scene")
+        );
+    };
+    let statement = Statement { f: f.clone(), ..place.stated(first, false)? };
+    place.write(&write::study(f, &statement, varied))
+}
+
+/// Place of a new scene.
+struct Place<'a> {
+    /// Name of the scene.
+    name: &'a str,
+    root: PathBuf,
+}
+
+impl<'a> Place<'a> {
+    /// Place of the scene with this name, if there is none yet.
+    fn new(name: &'a str) -> Result<Self> {
+        refuse_forbidden_name("scene", name)?;
+        let mut place = Self { name, root: PathBuf::new() };
+        if name.contains(['/', '\\']) || name.starts_with('.') {
+            return Err(place.refused("give a name without folders, such as plate"));
+        }
+        place.root = project_root().map_err(|e| place.refused(&e.to_string()))?;
+        if place.root.join(place.path()).exists() {
+            let text = format!("there is {} already; choose another name", place.path());
+            return Err(place.refused(&text));
+        }
+        Ok(place)
+    }
+
+    /// Path in the project.
+    fn path(&self) -> String {
+        format!("{SCENES}/{}.toml", self.name)
+    }
+
+    fn refused(&self, reason: &str) -> Error {
+        Error::input(format!("--save {}: {reason}", self.name))
+    }
+
+    /// Returns a statement of options with the path of its mesh as scenes have it; one of a scene has it already.
+    fn stated(&self, statement: &Statement, of_scene: bool) -> Result<Statement> {
+        let mut statement = statement.clone();
+        if statement.domain.is_file() && !of_scene {
+            statement.domain.name = in_project(&self.root, &statement.domain.name)?;
+        }
+        Ok(statement)
+    }
+
+    /// Checks and writes the text of the scene.
+    fn write(&self, text: &str) -> Result<()> {
+        Scene::parse(self.name, text).map_err(|e| self.refused(&e.to_string()))?;
+        let path = self.path();
+        write_atomically(&self.root.join(&path), text.as_bytes())?;
+        talk(&format!("wrote {path}; `signorini run {}` solves and draws it", self.name));
+        Ok(())
+    }
 }
 
 /// Returns the path of a mesh below the folder from which scenes name theirs.

@@ -93,13 +93,17 @@ fn checks(checks: &TrueChecks) -> String {
     text + "\n"
 }
 
+/// A bar without a length, with what is done at the moment and the time that it takes.
+pub(super) fn turning(doing: &str) -> Option<ProgressBar> {
+    bar("{spinner} {msg}, {elapsed}").inspect(|bar| {
+        bar.set_message(doing.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+    })
+}
+
 /// Evaluates a solution at so many nodes, under a bar.
 pub(super) fn shown<T>([nodes, _]: [usize; 2], evaluate: impl FnOnce() -> T) -> T {
-    let bar = bar("{spinner} v at {msg} nodes, {elapsed}");
-    if let Some(bar) = &bar {
-        bar.set_message(nodes.to_string());
-        bar.enable_steady_tick(Duration::from_millis(200));
-    }
+    let bar = turning(&format!("v at {nodes} nodes"));
     let values = evaluate();
     bar.inspect(ProgressBar::finish_and_clear);
     values

@@ -19,7 +19,12 @@
 //! | solve many loads on one grid of the square | [`multigrid::Multigrid`] |
 //! | have the true solution on the square to rounding | [`spectral::spectral_under`] |
 //! | have it on any domain in the plane | [`solvers::solve`] with [`solvers::Solver::Spectral`] |
-//! | write files for NumPy and ParaView | [`formats`] |
+//! | know v and its gradient at a point | [`solvers::Solved::values_at`], [`levels::Problem::values_at`] |
+//! | write files for NumPy, ParaView | [`levels::Problem::npz`], [`levels::Problem::vtk`] of [`solvers::Run::pair`] |
+//!
+//! Four programs in the folder `examples`, each run by `cargo run --release -p signorini-mathematics --example NAME`:
+//! `counts.rs` repeats a row of the tables, `friction.rs` solves on a disc with bounds, `adapted.rs` refines the
+//! L-shape to an accuracy and makes files, `truth.rs` has the true solution beside the discrete one.
 //!
 //! On the square:
 //!

@@ -27,8 +27,6 @@ pub enum Editor {
     Hand,
     /// `git merge` marked a conflict in it.
     Merge,
-    /// Something, such as git, changed the ends of its lines, and nothing else.
-    LineEnds,
     /// There is no record, as after `git clean`; this program may have written them.
     Unknown,
 }
@@ -152,7 +150,7 @@ impl Exports {
             if may_write {
                 plan.write.insert(path, wanted);
             } else {
-                plan.edited.push(plan.edited(project, locked, &export, results));
+                plan.edited.push(plan.edited(project, path));
             }
         }
         // If a task failed or waits, its earlier exports stay.
@@ -163,24 +161,10 @@ impl Exports {
     }
 
     /// Describes an export with bytes that are not on record.
-    fn edited(
-        &self,
-        project: &Path,
-        locked: &Hashes,
-        export: &Export,
-        results: &WalkResults,
-    ) -> Edited {
-        let path = export.path.clone();
+    fn edited(&self, project: &Path, path: String) -> Edited {
         let text = read(&project.join(&path)).unwrap_or_default();
-        let as_written = hash(&with_line_feeds(&text));
         let by = match () {
             () if conflict(&text).is_some() => Editor::Merge,
-            () if as_written == *export.hash
-                || self.on_record(locked, &path, &as_written)
-                || results.has_made(export, &as_written) =>
-            {
-                Editor::LineEnds
-            }
             () if self.written.0.is_empty() => Editor::Unknown,
             () => Editor::Hand,
         };
@@ -278,17 +262,6 @@ impl Exports {
     }
 }
 
-/// Returns a text with a line feed alone at the end of each line, as this program writes it.
-fn with_line_feeds(text: &[u8]) -> Vec<u8> {
-    let mut written = Vec::with_capacity(text.len());
-    for (k, &byte) in text.iter().enumerate() {
-        if byte != b'\r' || text.get(k + 1) != Some(&b'\n') {
-            written.push(byte);
-        }
-    }
-    written
-}
-
 /// Record of the exports of this copy of the project: hashes of the bytes that were written, by path.
 ///
 /// The lock file has the hashes at its commit, and the cache may be removed: neither has those of a run whose lock file
@@ -358,10 +331,5 @@ mod tests {
         fs::write(&file, "{\"schema\": 2, \"paths\": {}}").unwrap();
         let refusal = Written::read(project.path()).unwrap_err().to_string();
         assert!(refusal.contains("schema 2") && refusal.contains("a newer one?"), "{refusal}");
-    }
-
-    #[test]
-    fn other_line_ends_are_no_other_text() {
-        assert_eq!(with_line_feeds(b"a\r\nb\r\r\n\r"), b"a\nb\r\n\r");
     }
 }

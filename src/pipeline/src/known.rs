@@ -144,8 +144,7 @@ fn time(folder: &Path) -> io::Result<(u64, u64)> {
     Ok((device(&there), changed(&there)))
 }
 
-/// Returns the state of a file, `None` for anything else, and on systems that do not tell when a file was changed.
-#[cfg(unix)]
+/// Returns the state of a file, `None` for anything else.
 fn state(there: &Metadata) -> Option<FileState> {
     use std::os::unix::fs::MetadataExt;
     let modified = nanoseconds(there.mtime(), there.mtime_nsec());
@@ -153,39 +152,21 @@ fn state(there: &Metadata) -> Option<FileState> {
     numbers.map(u64::to_le_bytes).as_flattened().try_into().ok().filter(|_| there.is_file())
 }
 
-#[cfg(not(unix))]
-fn state(_: &Metadata) -> Option<FileState> {
-    None
-}
-
 /// Returns the time in nanoseconds at which anything of a file was last changed.
-#[cfg(unix)]
 fn changed(there: &Metadata) -> u64 {
     use std::os::unix::fs::MetadataExt;
     nanoseconds(there.ctime(), there.ctime_nsec())
 }
 
-#[cfg(not(unix))]
-fn changed(_: &Metadata) -> u64 {
-    0
-}
-
-#[cfg(unix)]
 fn nanoseconds(seconds: i64, more: i64) -> u64 {
     seconds.wrapping_mul(1_000_000_000).wrapping_add(more) as u64
 }
 
-#[cfg(unix)]
 fn device(there: &Metadata) -> u64 {
     std::os::unix::fs::MetadataExt::dev(there)
 }
 
-#[cfg(not(unix))]
-fn device(_: &Metadata) -> u64 {
-    0
-}
-
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::hash;

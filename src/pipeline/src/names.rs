@@ -1,8 +1,7 @@
-//! Names of files: those of files that no one means to keep, those that are alike, and characters that none may have.
+//! Names of files: those of files that no one means to keep and characters that none may have.
 
 use crate::error::{Error, Result};
 use crate::files::{folder_of, is_forbidden};
-use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use unicode_normalization::UnicodeNormalization;
@@ -11,89 +10,18 @@ use unicode_normalization::UnicodeNormalization;
 const BEGINNINGS: [&str; 3] = [".", "#", "~"];
 
 /// Endings of backups, of files that are being written or loaded, and of files that merges and patches leave.
-const ENDINGS: [&str; 30] = [
-    "~",
-    "#",
-    ".aria2",
-    ".asv",
-    ".autosave",
-    ".bak",
-    ".bck",
-    ".backup",
-    ".bk",
-    ".crdownload",
-    ".download",
-    ".filepart",
-    ".kate-swp",
-    ".old",
-    ".opdownload",
-    ".ori",
-    ".orig",
-    ".part",
-    ".partial",
-    ".rej",
-    ".save",
-    ".stackdump",
-    ".swo",
-    ".swp",
-    ".temp",
-    ".tmp",
-    ".xlk",
-    ":zone.identifier",
-    "___jb_old___",
-    "___jb_tmp___",
-];
+const ENDINGS: [&str; 10] =
+    ["~", "#", ".bak", ".orig", ".part", ".rej", ".swp", ".tmp", "desktop.ini", "thumbs.db"];
 
-/// Parts of the names of the copies that programs make of a file that two machines have changed.
-const PARTS: [&str; 2] = [".sync-conflict-", "conflicted copy"];
-
-/// Files and folders of operating systems, archives and servers of files.
-const WHOLE: [&str; 14] = [
-    "$recycle.bin",
-    "@eadir",
-    "__macosx",
-    "__pycache__",
-    "auto-save-list",
-    "desktop.ini",
-    "ehthumbs.db",
-    "ehthumbs_vista.db",
-    "icon\r",
-    "lost+found",
-    "network trash folder",
-    "nppbackup",
-    "system volume information",
-    "thumbs.db",
-];
-
-/// Words by which `git mergetool` names the versions of a file, each before the number of a process.
-const VERSIONS: [&str; 4] = ["_BACKUP_", "_BASE_", "_LOCAL_", "_REMOTE_"];
-
-/// True if the name is one that operating systems, editors, office and other programs give to files of their own, which
-/// are neither read nor published. Capitals do not count.
+/// True if the name is one that operating systems, editors and other programs give to files of their own, which are
+/// neither read nor published. Capitals do not count.
 pub fn is_left_behind(name: &str) -> bool {
     let small = name.to_lowercase();
     // A page whose name does not end with `.md` or `.md.tera` is a copy of that page.
     let is_copy = small.split_once(".md.").is_some_and(|(_, end)| end != "tera");
     BEGINNINGS.iter().any(|beginning| small.starts_with(beginning))
         || ENDINGS.iter().any(|ending| small.ends_with(ending))
-        || PARTS.iter().any(|part| small.contains(part))
-        || WHOLE.contains(&small.as_str())
         || is_copy
-        || is_version(name)
-        || name.parse().is_ok_and(is_vim_probe)
-}
-
-/// True for one of the versions of a file that `git mergetool` compares.
-fn is_version(name: &str) -> bool {
-    VERSIONS.iter().any(|word| {
-        let number = name.split_once(word).map(|(_, rest)| rest.split('.').next().unwrap_or(rest));
-        number.is_some_and(|number| number.parse::<u32>().is_ok())
-    })
-}
-
-/// True if Vim names a file so to see if it may write to a folder: 4913, or a later number in steps of 123.
-fn is_vim_probe(number: u32) -> bool {
-    number >= 4913 && (number - 4913).is_multiple_of(123)
 }
 
 /// Returns a text with its accents in one of the two ways to write them. Files from a Mac have names in the other one:
@@ -121,30 +49,6 @@ pub fn found(path: &Path) -> PathBuf {
         };
     }
     place
-}
-
-/// Returns two paths, or folders in them, that differ and are [`alike`], if there are any.
-pub fn clash<'a>(paths: impl Iterator<Item = &'a str>) -> Option<(&'a str, &'a str)> {
-    let mut known = BTreeMap::<String, &str>::new();
-    for path in paths {
-        let ends = path.match_indices('/').map(|(end, _)| end).chain([path.len()]);
-        for part in ends.map(|end| &path[..end]) {
-            let other = known.insert(alike(part), part).filter(|other| *other != part);
-            if let Some(other) = other {
-                return Some((other, part));
-            }
-        }
-    }
-    None
-}
-
-/// Returns the name in a form that is the same for names that some file systems do not tell apart: there, the file of
-/// one name would overwrite that of the other.
-pub fn alike(name: &str) -> String {
-    if name.is_ascii() {
-        return name.to_ascii_lowercase();
-    }
-    name.nfc().flat_map(char::to_lowercase).nfc().collect()
 }
 
 /// Refuses a text with a character that no line of text may have; `what` names the text.
@@ -186,11 +90,7 @@ mod tests {
             ".~lock.notes.odt#",
             "~WRL0001.tmp",
             "photo.png.part",
-            "photo.png.crdownload",
-            "Unconfirmed 4711.crdownload",
-            "photo.PNG.DOWNLOAD",
             "x.TMP",
-            "x.xlk",
             "plate.md~",
             "plate.md.~1~",
             "#plate.md#",
@@ -199,18 +99,10 @@ mod tests {
             "plate.md.sb-0815-abc",
             "plate.bak",
             "plate.orig",
-            "plate_BACKUP_4711.toml",
-            "plate.sync-conflict-20240101-101010-ABC.toml",
-            "plate (Ann's conflicted copy 2024-01-01).toml",
-            "photo.png:Zone.Identifier",
             "THUMBS.DB",
             "Desktop.ini",
             ".DS_Store",
             "._photo.png",
-            "Icon\r",
-            "__MACOSX",
-            "4913",
-            "5036",
         ] {
             assert!(is_left_behind(name), "{name:?}");
         }
@@ -224,27 +116,10 @@ mod tests {
             "download.svg",
             "x_LOCAL_min.svg",
             "template.toml",
-            "Icon",
             "backup",
         ] {
             assert!(!is_left_behind(name), "{name:?}");
         }
-    }
-
-    #[test]
-    fn folders_clash_as_files_do() {
-        let of = |paths: &[&'static str]| clash(paths.iter().copied());
-        assert_eq!(of(&["a/x", "a/y", "b"]), None);
-        assert_eq!(of(&["figures/x.svg", "Figures/y.svg"]), Some(("figures", "Figures")));
-        assert_eq!(of(&["a/x.txt", "a/X.txt"]), Some(("a/x.txt", "a/X.txt")));
-        assert_eq!(of(&["caf\u{e9}", "cafe\u{301}"]), Some(("caf\u{e9}", "cafe\u{301}")));
-    }
-
-    #[test]
-    fn names_that_differ_in_capitals_or_in_the_way_to_write_accents_are_alike() {
-        assert_eq!(alike("INDEX.html"), alike("index.HTML"));
-        assert_eq!(alike("e\u{301}.md"), alike("É.md"));
-        assert_ne!(alike("a.md"), alike("b.md"));
     }
 
     #[test]

@@ -61,3 +61,25 @@ pub(super) fn curve(part: &str, numbers: &[f64]) -> String {
     let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
     format!("{part}={}", numbers.join(","))
 }
+
+/// Axes of a chart as a scene gives them.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table such as { x = \"friction\", y = \"force\", log = [\"x\"] }")]
+pub(crate) struct ChartFields {
+    /// Column across; none for the first that is varied.
+    pub(crate) x: Option<String>,
+    /// Column up; none for the energy.
+    pub(crate) y: Option<String>,
+    /// Axes that are logarithmic.
+    #[serde(default)]
+    pub(crate) log: Vec<AxisName>,
+}
+
+/// Name of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum AxisName {
+    X,
+    Y,
+}

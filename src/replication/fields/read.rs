@@ -1,6 +1,7 @@
 //! The statement that fields make.
 
 use super::Fields;
+use super::names::check_names;
 use super::table::{FIELDS, Reading, Refused, Voice};
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
@@ -13,6 +14,7 @@ impl Fields {
     pub(crate) fn usual(&self, voice: Voice) -> Reading<Statement> {
         let domain = self.domain(voice)?;
         let f = self.f.as_deref().ok_or_else(|| Refused::new("f", "`f` is missing; add it"))?;
+        check_names(f)?;
         let f = match domain.is_square() {
             true => {
                 let read = f.parse::<Source>();
@@ -117,8 +119,8 @@ impl Fields {
         }
         if let Some(h) = &self.h {
             let finest = cells(h, voice)?;
-            return Ok(match (&base.fineness, base.domain.is_square()) {
-                (Fineness::Grids(_), true) => base.fineness.with_finest(finest),
+            return Ok(match &base.fineness {
+                Fineness::Grids(_) => base.fineness.with_finest(finest),
                 _ => Fineness::Width(finest),
             });
         }

@@ -24,9 +24,9 @@ pub(crate) struct Field {
     /// True if an option may differ from a scene.
     overrides: bool,
     /// True if it is among the fields.
-    given: fn(&Fields) -> bool,
-    /// Value in a statement; none where it has none.
-    pub(super) value: fn(&Statement) -> Option<Value>,
+    pub(super) given: fn(&Fields) -> bool,
+    /// Value in a statement on a domain that has the field; none where it has none.
+    value: fn(&Statement) -> Option<Value>,
 }
 
 /// Domains that have a field.
@@ -38,6 +38,19 @@ pub(super) enum Domains {
     /// Domains in the plane, as is seen when the mesh has been read.
     Plane,
     Meshes,
+}
+
+impl Domains {
+    /// True if a domain is among them, as far as is seen without its mesh.
+    fn contain(self, domain: &Domain) -> bool {
+        let (is_square, is_cube) = (domain.is_square(), domain.is_cube());
+        match self {
+            Self::All | Self::Plane => true,
+            Self::Square => is_square,
+            Self::SquareAndCube => is_square || is_cube,
+            Self::Meshes => !is_square,
+        }
+    }
 }
 
 /// Way in which fields are written.
@@ -207,7 +220,7 @@ pub(crate) const FIELDS: [Field; 19] = [
         name: "prolongation",
         domains: Domains::Square,
         given: |of| of.prolongation.is_some(),
-        value: |of| Some(of.saddle.filter(|_| of.domain.is_square())?.prolongation.name().into()),
+        value: |of| Some(of.saddle?.prolongation.name().into()),
         ..OF_SADDLE
     },
     Field {
@@ -253,7 +266,12 @@ impl Field {
     /// Value in a statement that a scene or a command has to name; none if it is the usual one.
     pub(super) fn named(&self, statement: &Statement) -> Option<Value> {
         let usual = self.usual(statement.saddle.is_some());
-        (self.value)(statement).filter(|value| Some(value) != usual.as_ref())
+        self.value_in(statement).filter(|value| Some(value) != usual.as_ref())
+    }
+
+    /// Value in a statement; none where it has none.
+    fn value_in(&self, statement: &Statement) -> Option<Value> {
+        self.domains.contain(&statement.domain).then(|| (self.value)(statement)).flatten()
     }
 
     /// Value in a usual statement on the square, with the settings of a saddle-point method or without.
@@ -287,7 +305,7 @@ impl Field {
 
     /// Values in two statements, as options have them, if both have one and they differ.
     pub(super) fn differing(&self, statements: [&Statement; 2]) -> Option<[String; 2]> {
-        let [one, other] = statements.map(|of| Some(self.options(of, (self.value)(of)?)));
+        let [one, other] = statements.map(|of| Some(self.options(of, self.value_in(of)?)));
         let (one, other) = (one?.join(" "), other?.join(" "));
         (one != other).then_some([one, other])
     }
@@ -409,10 +427,7 @@ impl Field {
     /// Refuses the field on a domain that does not have it.
     fn check_domain(&self, voice: Voice, domain: &Domain) -> Reading<()> {
         let text = match (self.domains, voice) {
-            (Domains::Square, _) if domain.is_square() => return Ok(()),
-            (Domains::SquareAndCube, _) if domain.is_square() || domain.is_cube() => return Ok(()),
-            (Domains::Meshes, _) if !domain.is_square() => return Ok(()),
-            (Domains::All | Domains::Plane, _) => return Ok(()),
+            _ if self.domains.contain(domain) => return Ok(()),
             (Domains::Square | Domains::SquareAndCube, Voice::OverScene) => {
                 "does not go with the domain of a scene; leave it out, or change the scene".into()
             }
@@ -430,7 +445,7 @@ impl Field {
             (Domains::Meshes, Voice::Keys) => {
                 "is for meshes; the square has `grids`, and is in contact everywhere".into()
             }
-            (Domains::Meshes, _) => {
+            (Domains::Meshes | Domains::All | Domains::Plane, _) => {
                 "is about a mesh; add --domain NAME or --domain FILE, or leave it out".to_owned()
             }
         };

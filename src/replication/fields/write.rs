@@ -1,6 +1,7 @@
 //! A statement as options of `solve`, and as the keys of a scene.
 
 use super::table::FIELDS;
+use super::vary::Varied;
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::output::Output;
 use signorini_mathematics::statement::Statement;
@@ -81,9 +82,37 @@ const BREAK: &str = " \\";
 
 /// Returns the text of a scene with a title, a statement and outputs.
 pub(crate) fn scene(title: &str, statement: &Statement, outputs: &[Output]) -> String {
+    let outputs: Vec<_> = outputs.iter().map(Output::to_string).collect();
+    keys(title, statement, &[]) + &format!("outputs = {}\n", Value::from(outputs))
+}
+
+/// Returns the text of a study with a title and what it varies; `first` is the statement of its first member, with f as
+/// it is given.
+pub(crate) fn study(title: &str, first: &Statement, varied: &[Varied]) -> String {
+    let names: Vec<&str> = varied.iter().map(|list| list.name.as_str()).collect();
+    let mut lists = Vec::new();
+    for Varied { name, values } in varied {
+        let values: Vec<Value> = values.iter().map(|value| of_text(value)).collect();
+        lists.push(format!("{name} = {}", Value::from(values)));
+    }
+    let outputs = "outputs = [\"table\", \"chart\"]\n";
+    keys(title, first, &names) + &format!("vary = {{ {} }}\n{outputs}", lists.join(", "))
+}
+
+/// Returns a value of an option as a number, if it is one, else as a text.
+fn of_text(text: &str) -> Value {
+    if let Ok(whole) = text.parse::<i64>() {
+        return whole.into();
+    }
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.map_or_else(|| text.into(), Value::from)
+}
+
+/// Returns the lines of a title and a statement without these fields.
+fn keys(title: &str, statement: &Statement, without: &[&str]) -> String {
     let mut text = format!("title = {}\n", Value::from(title));
     let mut tables: Vec<&str> = Vec::new();
-    for field in &FIELDS {
+    for field in FIELDS.iter().filter(|field| !without.contains(&field.name)) {
         let key = field.table.unwrap_or(field.name);
         if tables.contains(&key) {
             continue;
@@ -93,22 +122,22 @@ pub(crate) fn scene(title: &str, statement: &Statement, outputs: &[Output]) -> S
             false => field.named(statement),
             true => {
                 tables.push(key);
-                table(key, statement)
+                table(key, statement, without)
             }
         };
         text.extend(value.map(|value| format!("{key} = {value}\n")));
     }
-    let outputs: Vec<_> = outputs.iter().map(Output::to_string).collect();
-    text + &format!("outputs = {}\n", Value::from(outputs))
+    text
 }
 
-/// Returns the fields of a table of a scene: of a domain about which nothing else is said, its name.
-fn table(key: &str, statement: &Statement) -> Option<Value> {
+/// Returns the fields of a table of a scene without these: of a domain about which nothing else is said, its name.
+fn table(key: &str, statement: &Statement, without: &[&str]) -> Option<Value> {
     let mut table = toml::Table::new();
-    for field in FIELDS.iter().filter(|field| field.table == Some(key)) {
+    let of_table = FIELDS.iter().filter(|field| field.table == Some(key));
+    for field in of_table.filter(|field| !without.contains(&field.name)) {
         table.extend(field.named(statement).map(|value| (field.name.to_owned(), value)));
     }
-    let name = FIELDS.iter().find(|field| field.name == key);
+    let name = FIELDS.iter().find(|field| field.name == key && !without.contains(&key));
     match name.and_then(|field| field.named(statement)) {
         Some(name) if table.is_empty() => Some(name),
         Some(name) => {

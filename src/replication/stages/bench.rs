@@ -84,6 +84,15 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             |it, inputs| it.made(inputs, claims::uzawa(&table(inputs, "claims", "runs")?)?),
         ),
         picture(
+            ["radius", "radius"],
+            "Distance of the spectral radius of one iteration from one against the duality parameter",
+            |it, inputs| {
+                let [radii, measured] =
+                    ["radii", "measured"].map(|name| table(inputs, "radius", name));
+                it.made(inputs, claims::radius(&radii?, &measured?)?)
+            },
+        ),
+        picture(
             ["sticking", "sticking"],
             "Length of the arcs that stick against one over the bound of the friction",
             |it, inputs| it.made(inputs, claims::sticking(&table(inputs, "sticking", "arcs")?)?),

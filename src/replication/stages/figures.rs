@@ -4,7 +4,7 @@ mod book;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
-use super::{from_json, sharing};
+use super::{from_json, sharing, study};
 use crate::figures::{
     ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, Picture,
     SolutionMap, contact, histories, identifiability, map_of_f, maps_of_f, surfaces,
@@ -33,7 +33,7 @@ pub(super) struct Kind {
 }
 
 /// All kinds of figure.
-pub(super) const KINDS: [Kind; 6] = [
+pub(super) const KINDS: [Kind; 7] = [
     Kind { output: Output::Source, shared_name: Some("figure1"), caption: "Right-hand side f" },
     Kind { output: Output::Surface, shared_name: Some("figure2"), caption: "Surface v" },
     Kind { output: Output::Map, shared_name: None, caption: "Map of v" },
@@ -52,6 +52,7 @@ pub(super) const KINDS: [Kind; 6] = [
         shared_name: Some("identifiability"),
         caption: "Published counts that come out, around the recovered f",
     },
+    Kind { output: Output::Chart, shared_name: None, caption: "Study" },
 ];
 
 /// Returns the name of the scene whose own figure has this name.
@@ -102,7 +103,11 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
     let scenes = scenes.iter().map(|scene| shown(kind, scene)).collect();
     let figure = SceneFigure { kind, scenes, is_alone };
     drawing(name, &figure, needs, |SceneFigure { kind, scenes, is_alone }, inputs| {
-        let mut picture = draw(*kind, scenes, inputs)?;
+        let drawn: Vec<Scene> = scenes.iter().map(titled).collect();
+        let mut picture = draw(*kind, &drawn, inputs)?;
+        if let [Scene { picture: Some(print), .. }] = &drawn[..] {
+            picture.print.clone_from(&print.width);
+        }
         if *is_alone && *kind == Output::Map {
             picture.table = Some(numbers(inputs, scenes)?);
         }
@@ -114,6 +119,15 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
         made(inputs, &format!("{caption}: {}", titles.join("; ")), picture)
     })
     .with_files(files)
+}
+
+/// Returns a scene with the title that its picture has: none in print, if the scene says so.
+fn titled(scene: &Scene) -> Scene {
+    let mut titled = scene.clone();
+    if scene.picture.as_ref().is_some_and(|print| !print.title) {
+        titled.title.clear();
+    }
+    titled
 }
 
 /// Returns a scene without what no figure of this kind shows: other outputs, runs that are not drawn, and what the runs
@@ -143,6 +157,7 @@ fn needs(output: Output, scene: &Scene) -> Vec<String> {
             drawn.map(|run| solve::id_of(scene, run)).collect()
         }
         Output::Identify => vec![identify::id(scene)],
+        Output::Chart => study::members(scene).map(|(_, task)| task).collect(),
         Output::Source | Output::Table => Vec::new(),
     }
 }
@@ -216,6 +231,7 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
         }
         Output::Contact => draw_contact(scenes, inputs),
         Output::Identify => Ok(draw_identifiability(scenes, inputs)?),
+        Output::Chart => Ok(study::chart(&scenes[0], inputs)?),
     }
 }
 
@@ -257,11 +273,10 @@ fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
     for scene in scenes {
         let rule = scene.first_rule();
         let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-        let energy = outcomes.final_energy().map_or(String::new(), |energy| energy.to_string());
         let error = outcomes.last_bounds().map_or(String::new(), |of| of.relative().to_string());
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
-        table += &format!("{energy},{error},{held}\n");
+        table += &format!("{},{error},{held}\n", outcomes.energy);
     }
     Ok(table)
 }
@@ -272,7 +287,7 @@ fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let is_solution = rule.is_none() && solve::no_solution(inputs, scene, rule)?.is_none();
     let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
-    Ok(match relative.filter(|_| is_solution) {
+    Ok(match relative.filter(|_| is_solution && !title.is_empty()) {
         Some(error) => format!("{title}\nerror at most {}", solve::percent(error)),
         None => title,
     })
@@ -283,6 +298,7 @@ fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (&scene.title, scene.first_rule());
     Ok(match solve::no_solution(inputs, scene, rule)? {
+        _ if title.is_empty() => String::new(),
         Some(end) => format!("{title} ({end})"),
         None if rule.is_some() && scene.paper_table.is_none() => {
             format!("{title}, where the rule stops")

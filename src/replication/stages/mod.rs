@@ -11,6 +11,7 @@ pub(crate) mod report;
 mod results;
 mod solutions;
 pub(crate) mod solve;
+pub(crate) mod study;
 pub(crate) mod tabulate;
 
 use crate::pipeline::error::Result;
@@ -66,6 +67,10 @@ const PROGRAM: &str = env!("SIGNORINI_PROGRAM");
 pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Plan> {
     let mut tasks: Vec<Task> = Vec::new();
     for scene in scenes {
+        if scene.study.is_some() {
+            tasks.extend(study::tasks(scene));
+            continue;
+        }
         for rule in scene.rules() {
             tasks.extend(solve::tasks(scene, rule));
         }

@@ -5,9 +5,9 @@ mod digits;
 mod times;
 
 use super::solutions::Solutions;
-use super::{artifact, figures, files_of, results, tabulate};
+use super::{artifact, figures, files_of, results};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
-use crate::pipeline::names::{alike, clash, composed};
+use crate::pipeline::names::composed;
 use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
@@ -54,9 +54,9 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
     })
 }
 
-/// True if a page shows numbers or a map of the solution of a scene.
+/// True if a page shows numbers or a map of the solution of a scene; a study has its table and chart.
 fn is_shown(scene: &Scene) -> bool {
-    scene.wants(Output::Table) || scene.wants(Output::Map)
+    scene.study.is_none() && (scene.wants(Output::Table) || scene.wants(Output::Map))
 }
 
 /// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
@@ -190,8 +190,6 @@ fn book(
     for (_, tables) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("tabulate/")) {
         for (name, bytes) in tables {
             // Pages link to all digits, and include the table with fewer.
-            let shown = tabulate::markdown(std::str::from_utf8(bytes)?);
-            made.insert(format!("src/tables/{}", name.replace(".csv", ".md")), shown.into_bytes());
             made.insert(format!("src/tables/{name}"), bytes.clone());
         }
     }
@@ -214,8 +212,7 @@ fn book(
     Ok(artifacts)
 }
 
-/// Refuses a file of the user, among `files` or `templates`, with the name of one that the run has `made`. Other names
-/// that some file systems do not tell apart count as the same.
+/// Refuses a file of the user, among `files` or `templates`, with the name of one that the run has `made`.
 fn refuse_replaced<'a>(
     files: &Artifacts,
     templates: &BTreeMap<String, String>,
@@ -226,23 +223,12 @@ fn refuse_replaced<'a>(
         !templates.contains_key(*name) && !templates.contains_key(&format!("{name}.tera"))
     };
     let made = made.filter_map(|name| name.strip_prefix("src/")).filter(own);
-    let made: BTreeMap<String, &str> = made.map(|name| (alike(name), name)).collect();
+    let made: BTreeSet<&str> = made.collect();
     let users = files.keys().filter_map(|name| name.strip_prefix("src/"));
-    let users: Vec<&str> = users.chain(templates.keys().map(String::as_str)).collect();
-    for name in &users {
-        if let Some(same) = made.get(&alike(name)) {
-            return Err(format!(
-                "report/templates/{name}: a run makes a file of this name, {same}; rename this one"
-            )
-            .into());
-        }
-    }
-    let folders = made.values().chain(&users).filter_map(|name| Some(name.rsplit_once('/')?.0));
-    match clash(folders) {
+    match users.chain(templates.keys().map(String::as_str)).find(|name| made.contains(name)) {
         None => Ok(()),
-        Some((one, other)) => Err(format!(
-            "report/templates: `{one}` and `{other}` are one folder where capitals or the way to write accents do not \
-             count; rename your own"
+        Some(name) => Err(format!(
+            "report/templates/{name}: a run makes a file of this name; rename this one"
         )
         .into()),
     }

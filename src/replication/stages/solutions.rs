@@ -6,7 +6,6 @@ use crate::pipeline::{Artifacts, Inputs};
 use crate::replication::mesh_files;
 use crate::replication::scene::{Output, Scene};
 use serde_json::{Value, json};
-use signorini_mathematics::formats::npz;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::Pair;
 
@@ -54,7 +53,7 @@ impl Solutions {
     fn add(&mut self, scene: &Scene, problem: &Problem, state: State<'_>) {
         let State { ending, words, pair } = state;
         let (name, what) = (format!("{}{ending}", scene.name), format!("{}, {words}", scene.title));
-        self.files.extend(npz(problem, pair).map(|bytes| (format!("{name}.npz"), bytes)));
+        self.files.extend(problem.npz(pair).map(|bytes| (format!("{name}.npz"), bytes)));
         let domain = problem.domain(problem.finest());
         let mut listed = json!({ "name": name, "what": what });
         match domain.cells() {

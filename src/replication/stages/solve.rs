@@ -17,8 +17,8 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
-use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher, takes_spectral};
-use signorini_mathematics::spectral::{TrueChecks, TrueSolution};
+use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
+use signorini_mathematics::spectral::TrueChecks;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -56,30 +56,13 @@ pub(super) struct Outcomes {
     /// Parts of the problem that the bounds leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) reserve: Vec<Reserve>,
-    /// End of the spectral solver.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) without_grid: Option<WithoutGrid>,
-}
-
-/// End of the spectral solver.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct WithoutGrid {
-    /// Newton steps.
-    pub(super) steps: usize,
-    /// Energy of the solution.
+    /// Iterations on the finest grid; of the spectral solver, Newton steps.
+    pub(super) iterations: usize,
+    /// Energy that answers: on the finest grid, as [`Outcomes::energy_on`] has it, or of the true solution.
     pub(super) energy: f64,
-    /// Difference of the energies at two resolutions, or of the bounds, over the energy.
+    /// Accuracy of a true solution's energy, over the energy: the difference at two resolutions, or of the bounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) accuracy: Option<f64>,
-}
-
-impl WithoutGrid {
-    fn of(found: &TrueSolution) -> Self {
-        let accuracy = match found.checks {
-            TrueChecks::Square(checks) => checks.resolution,
-            TrueChecks::Plane(checks) => Some(checks.bracket),
-        };
-        Self { steps: found.steps, energy: found.energy, accuracy }
-    }
 }
 
 /// Name of the end of the spectral solver.
@@ -158,6 +141,16 @@ fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     .with_files(files)
 }
 
+/// Solves a statement of which no more is kept than its answer; a mesh is read from these files.
+pub(super) fn solved(
+    statement: &Statement,
+    files: &InputFiles,
+    interrupted: &AtomicBool,
+) -> Read<Solved> {
+    let cell = Cell { statement: statement.clone(), keep_pair: false, keep_history: false };
+    Ok(cell.run(files, interrupted)?.0)
+}
+
 impl Cell {
     /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
     fn run<'a>(
@@ -176,36 +169,14 @@ impl Cell {
             let text = format!("{e}; choose another `solver`, or change f");
             of_accuracy.unwrap_or_else(|| Error::input(text))
         })?;
-        self.check_accuracy(&solved)?;
-        Ok((solved, recorder))
-    }
-
-    /// Refuses an accuracy that was not reached.
-    fn check_accuracy(&self, solved: &Solved) -> Read<()> {
-        let (Some(accuracy), Some(reached)) = (self.statement.accuracy(), &solved.reached) else {
-            return Ok(());
-        };
-        if self.statement.domain.is_square() {
-            return Voice::Keys.check_end(accuracy, reached.end);
+        if let Some(ReachEnd::Interrupted { .. }) = solved.reached.as_ref().map(|way| way.end) {
+            return Err(Error::Interrupted);
         }
-        let best = match reached.end {
-            ReachEnd::Goal | ReachEnd::NoSolution => return Ok(()),
-            ReachEnd::Interrupted { .. } => return Err(Error::Interrupted),
-            ReachEnd::Finest { best, .. }
-            | ReachEnd::MostNodes { best }
-            | ReachEnd::Rounding { least: best } => best,
-        };
-        let asked = Voice::Keys.accuracy(accuracy);
-        Err(Error::input(match best.is_finite() {
-            false => format!(
-                "{asked}: the error is bounded on no mesh by less than the solution, as where v = 0; leave it out"
-            ),
-            true => format!(
-                "{asked}: {best:.1e} is reached with {} nodes, and no more; ask for less{}",
-                solved.problem.lengths()[0],
-                if takes_spectral(&solved.problem) { ", or use solver = \"spectral\"" } else { "" }
-            ),
-        }))
+        let accuracy = self.statement.accuracy();
+        match accuracy.and_then(|accuracy| Voice::Keys.shortfall(accuracy, &solved)) {
+            Some(shortfall) => Err(shortfall.into()),
+            None => Ok((solved, recorder)),
+        }
     }
 
     fn artifacts(
@@ -237,12 +208,23 @@ impl Cell {
             levels: solved.ends().to_vec(),
             errors: solved.run().map(|run| run.errors.clone()).unwrap_or_default(),
             asks_energy: matches!(self.statement.accuracy(), Some(Accuracy::Energy(_))),
-            without_grid: solved.truth().map(WithoutGrid::of),
+            energy: solved.energy(),
             ..Outcomes::default()
         };
+        if let Some(found) = solved.truth() {
+            outcomes.iterations = found.steps;
+            outcomes.accuracy = match found.checks {
+                TrueChecks::Square(checks) => checks.resolution,
+                TrueChecks::Plane(checks) => Some(checks.bracket),
+            };
+        }
         if outcomes.r.is_none() {
             outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
             outcomes.reserve = solved.reserves();
+        }
+        if let Some((last, coarser)) = outcomes.levels.split_last() {
+            outcomes.iterations = last.end.iterations;
+            outcomes.energy = outcomes.energy_on(coarser.len());
         }
         outcomes
     }
@@ -280,22 +262,12 @@ impl Outcomes {
 
     /// Energy on the level with this number: that of v or, where the accuracy of the energy was asked for, the number
     /// of the guaranteed bracket that is nearest to it.
-    pub(super) fn energy(&self, level: usize) -> f64 {
+    pub(super) fn energy_on(&self, level: usize) -> f64 {
         let of_v = self.levels[level].energy;
         match self.bounds.get(level) {
             Some(Some(bounds)) if self.asks_energy => bounds.nearest_energy(of_v),
             _ => of_v,
         }
-    }
-
-    /// Energy on the finest level, if there is one.
-    pub(super) fn last_energy(&self) -> Option<f64> {
-        self.levels.len().checked_sub(1).map(|level| self.energy(level))
-    }
-
-    /// Energy on the finest level or, without one, of the true solution.
-    pub(super) fn final_energy(&self) -> Option<f64> {
-        self.last_energy().or(self.without_grid.map(|end| end.energy))
     }
 
     /// Guaranteed bounds on the finest level, if there are any.

@@ -1,7 +1,7 @@
 //! The `tabulate` stage: the cells of one scene as a table, for each stopping rule in the layout of the paper.
 
 use super::from_json;
-use super::solve::{self, Outcomes, WithoutGrid};
+use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
@@ -44,22 +44,34 @@ pub(crate) fn under(table: &str, rule: StopRule) -> String {
     rows
 }
 
-/// Returns a table in Markdown, with as many digits as are read; a bracket is rounded outwards.
-pub(super) fn markdown(table: &str) -> String {
-    let mut lines = table.lines().map(|line| line.split(',').map(str::to_owned).collect());
-    let head: Vec<String> = lines.next().unwrap_or_default();
-    let bracket = BRACKET.map(|name| head.iter().position(|column| column == name));
-    let mut rows: Vec<Vec<String>> = lines.collect();
-    for row in &mut rows {
+/// Returns the files of a table: in CSV, and as it is `shown` in Markdown and LaTeX, each with a `note` below.
+pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Artifacts {
+    let (mut markdown, mut tex) = (shown.markdown(), shown.tex());
+    for line in note.lines() {
+        markdown += &format!("\n{line}\n");
+        tex += &format!("% {line}\n");
+    }
+    let texts = [("csv", table.csv()), ("md", markdown), ("tex", tex)];
+    let files =
+        texts.into_iter().map(|(ending, text)| (format!("{name}.{ending}"), text.into_bytes()));
+    files.collect()
+}
+
+/// Returns a table with as many digits as are read behind the first columns, which are as they are `given`; a bracket
+/// is rounded outwards.
+pub(super) fn with_few_digits(table: &Table, given: usize) -> Table {
+    let mut table = table.clone();
+    let bracket = BRACKET.map(|name| table.head.iter().position(|column| column == name));
+    for row in &mut table.rows {
         let ends = bracket.map(|at| at.and_then(|at| row[at].parse::<f64>().ok()));
-        row.iter_mut().for_each(|cell| *cell = shown(cell));
+        row[given..].iter_mut().for_each(|cell| *cell = shown(cell));
         if let ([Some(lower), Some(upper)], [Some(low), Some(high)]) = (bracket, ends) {
             let text = interval([low, high]);
             let (low, high) = text[1..text.len() - 1].split_once(", ").unwrap_or_default();
             (row[lower], row[upper]) = (low.into(), high.into());
         }
     }
-    Table { head, rows, left: Vec::new() }.markdown()
+    table
 }
 
 /// Returns a number with six digits, unless it is whole, and any other cell as it is.
@@ -73,8 +85,8 @@ fn shown(cell: &str) -> String {
 /// Solves from which a table is made.
 #[derive(Serialize, Deserialize)]
 struct Tabulated {
-    /// Name of the artifact.
-    file: String,
+    /// Name of the scene.
+    name: String,
     /// In the order of the rows.
     solves: Vec<TabulatedSolve>,
 }
@@ -93,7 +105,7 @@ pub(crate) fn task(scene: &Scene) -> Task {
         solves.push(TabulatedSolve { task, rule: run.map(|run| run.rule) });
     }
     let needs = solves.iter().map(|solve| solve.task.clone()).collect();
-    let tabulated = Tabulated { file: file(scene), solves };
+    let tabulated = Tabulated { name: scene.name.clone(), solves };
     Task::new(id(scene), &tabulated, needs, Tabulated::made).exported_to(FOLDER)
 }
 
@@ -109,7 +121,7 @@ impl Tabulated {
             }
             None => table_of_levels(&first),
         };
-        Ok(Artifacts::from([(self.file.clone(), table.csv().into_bytes())]))
+        Ok(files(&self.name, &table, &with_few_digits(&table, 0), ""))
     }
 }
 
@@ -119,14 +131,15 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
     let head = ["grid", "iterations", "stop", "energy"];
     let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative", "kkt_relative"];
     let mut table = Table::new(head.into_iter().chain(bounds).map(str::to_owned), &[]);
-    if let Some(WithoutGrid { steps, energy, .. }) = outcomes.without_grid {
-        let row = [String::new(), steps.to_string(), outcomes.end().into(), decimal(energy)];
+    if outcomes.levels.is_empty() {
+        let Outcomes { iterations, energy, .. } = *outcomes;
+        let row = [String::new(), iterations.to_string(), outcomes.end().into(), decimal(energy)];
         let of_bounds = in_columns(outcomes.last_bounds());
         table.rows.push(row.into_iter().chain(of_bounds).chain([String::new()]).collect());
     }
     for (number, (level, bounds)) in outcomes.levels.iter().zip(&outcomes.bounds).enumerate() {
         let iterations = level.end.iterations.to_string();
-        let energy = outcomes.energy(number);
+        let energy = outcomes.energy_on(number);
         let mut row = vec![level.label(), iterations, level.name().into(), decimal(energy)];
         row.extend(in_columns(bounds.as_ref()));
         row.push(decimal(level.kkt.relative));
@@ -238,15 +251,21 @@ mod tests {
 
     #[test]
     fn a_page_has_few_digits_and_a_bracket_that_holds() {
-        let csv = "grid,energy_lower,energy_upper,error_bound,stop\n\
-            1/4,-0.12345678901234,-0.1234567812345,0.012345678,converged\n1/8,,,,not-solved\n";
+        let head = ["grid", "energy_lower", "energy_upper", "error_bound", "stop"];
+        let mut table = Table::new(head, &[]);
+        table.rows = vec![
+            ["1/4", "-0.12345678901234", "-0.1234567812345", "0.012345678", "converged"]
+                .map(str::to_owned)
+                .into(),
+            ["1/8", "", "", "", "not-solved"].map(str::to_owned).into(),
+        ];
         expect_test::expect![[r"
             | grid | energy_lower | energy_upper | error_bound | stop |
             |---:|---:|---:|---:|---:|
             | 1/4 | -0.1234567891 | -0.1234567812 | 0.0123457 | converged |
             | 1/8 |  |  |  | not-solved |
         "]]
-        .assert_eq(&markdown(csv));
+        .assert_eq(&with_few_digits(&table, 0).markdown());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::cells::Cells;
 use super::grid::{Grid, MIN_CELLS};
 use super::sampled::{sampled, triangles};
 use crate::machine::threads::{TASK, for_runs, items_per_task};
+use crate::problem::choices::choices;
 use crate::problem::side::TiedRow;
 use crate::problem::source::{Source, Tie};
 use exact::exact;
@@ -144,20 +145,7 @@ impl FromStr for LoadRule {
     }
 }
 
-impl Diagonal {
-    /// Name in scenes and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rising => "rising",
-            Self::Falling => "falling",
-        }
-    }
-
-    /// Diagonal of this name.
-    fn named(name: &str) -> Option<Self> {
-        [Self::Rising, Self::Falling].into_iter().find(|one| one.name() == name)
-    }
-}
+choices!(Diagonal, 2: Rising = "rising", Falling = "falling");
 
 /// The load vector of `f` on `grid`, a nodal vector, the same whatever the number of threads.
 pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {

@@ -1,6 +1,7 @@
 //! Prolongation of nodal and boundary vectors to the grid of half the width.
 
 use crate::discrete::grid::Grid;
+use crate::problem::choices::choices;
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul};
 
@@ -17,24 +18,10 @@ pub enum Prolongation {
     FallingDiagonal,
 }
 
-impl Prolongation {
-    /// All rules.
-    pub const ALL: [Self; 3] = [Self::Bilinear, Self::RisingDiagonal, Self::FallingDiagonal];
-
-    /// Name in scenes and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bilinear => "bilinear",
-            Self::RisingDiagonal => "rising-diagonal",
-            Self::FallingDiagonal => "falling-diagonal",
-        }
-    }
-
-    /// Rule of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|rule| rule.name() == name)
-    }
-}
+choices!(Prolongation, 3:
+    Bilinear = "bilinear", RisingDiagonal = "rising-diagonal",
+    FallingDiagonal = "falling-diagonal",
+);
 
 /// Prolongs the nodal vector `coarse`, of numbers or of one for each of several problems, to the grid with twice the
 /// cells per side.

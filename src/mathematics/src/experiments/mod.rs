@@ -13,6 +13,7 @@ mod domains;
 mod known;
 mod numbers;
 pub mod problems;
+mod radius;
 mod rows;
 mod saddle;
 mod sticking;
@@ -44,7 +45,7 @@ pub struct Experiment {
 }
 
 /// All experiments of the book.
-pub const EXPERIMENTS: [Experiment; 8] = [
+pub const EXPERIMENTS: [Experiment; 9] = [
     Experiment {
         name: "accuracy",
         plan: |problems| json(accuracy::AccuracyPlan::new(named(problems))),
@@ -69,6 +70,11 @@ pub const EXPERIMENTS: [Experiment; 8] = [
         name: "domains",
         plan: |_| json(domains::DomainsPlan::default()),
         run: |plan| found(plan, domains::domains),
+    },
+    Experiment {
+        name: "radius",
+        plan: |problems| json(radius::RadiusPlan::new(named(problems))),
+        run: |plan| found(plan, radius::radius),
     },
     Experiment {
         name: "sticking",

@@ -86,7 +86,10 @@ impl TableProblem {
     /// # Errors
     /// A sentence if f cannot be read, or the grids do not nest.
     pub(super) fn on_grids(&self) -> Result<(Source, Vec<Grid>), String> {
-        let f = self.statement.source().map_err(|e| format!("{}: {e}", self.statement.f))?;
+        let f = self
+            .statement
+            .source()
+            .ok_or_else(|| format!("{} is no f on the square", self.statement.f))?;
         Ok((f, self.statement.grids().map_err(|e| e.to_string())?))
     }
 

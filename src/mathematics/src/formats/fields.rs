@@ -16,7 +16,7 @@ pub(super) struct SolutionFields<'a> {
     pub(super) v: &'a [f64],
     /// Multiplier dv/dn at the nodes, zero where there is no contact.
     pub(super) multiplier: Vec<f64>,
-    /// f in the middle of each square of a grid, or its mean over each cell of a mesh.
+    /// f in the middle of each square of a grid, or its mean over each cell of a mesh; empty if it is left out.
     pub(super) f: Cow<'a, [f64]>,
     /// Guaranteed error in each cell; empty if it is not known.
     pub(super) errors: Cow<'a, [f64]>,
@@ -41,6 +41,16 @@ impl<'a> SolutionFields<'a> {
         };
         let (f, errors) = (Cow::default(), Cow::default());
         Self { place, v: &pair.y, multiplier: Vec::new(), f, errors }
+    }
+
+    /// Arrays at the nodes of the mesh of a level, which are the first of the finest one.
+    pub(super) fn on_mesh(problem: &'a Problem, pair: &'a Pair, level: usize) -> Self {
+        let mesh = problem.levels().mesh(level);
+        let nodes = mesh.nodes();
+        let mut multiplier = problem.at_nodes(&pair.a, 0.0);
+        multiplier.truncate(nodes);
+        let (f, errors) = (Cow::default(), Cow::default());
+        Self { place: FieldPlace::Mesh(mesh), v: &pair.y[..nodes], multiplier, f, errors }
     }
 
     pub(super) fn of(problem: &'a Problem, pair: &'a Pair) -> Self {

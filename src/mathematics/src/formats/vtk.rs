@@ -33,19 +33,17 @@ fn vti(fields: &SolutionFields<'_>, grid: Grid, name: &str) -> Vec<u8> {
 
 /// Unstructured grid.
 fn vtu(fields: &SolutionFields<'_>, mesh: &AnyMesh, name: &str) -> Vec<u8> {
-    let (nodes, cells) = (fields.v.len(), fields.f.len());
+    let (nodes, cells) = (fields.v.len(), mesh.cells());
     let vertices = usize::from(mesh.dimension()) + 1;
     let ends = (1..=cells).map(|cell| ((vertices * cell) as i64).to_le_bytes());
     // In the opposite order of the text: the reader of meshio looks arrays up by offsets that it changes as it goes,
     // and takes the first one in the text.
     let mut arrays = Appended::default();
-    let errors = match &fields.errors[..] {
-        [] => String::new(),
-        errors => arrays.doubles("local_error", errors),
-    };
+    let errors = arrays.doubles_if_any("local_error", &fields.errors);
+    let gradient = arrays.vectors("gradient", &mesh.gradients(fields.v));
     let region = mesh.regions().iter().map(|region| region.to_le_bytes());
     let region = arrays.array("type=\"UInt16\" Name=\"region\"", region);
-    let f = arrays.doubles("f", &fields.f);
+    let f = arrays.doubles_if_any("f", &fields.f);
     let multiplier = arrays.doubles("multiplier", &fields.multiplier);
     let v = arrays.doubles("v", fields.v);
     // VTK's number of a triangle or a tetrahedron.
@@ -54,20 +52,28 @@ fn vtu(fields: &SolutionFields<'_>, mesh: &AnyMesh, name: &str) -> Vec<u8> {
     let offsets = arrays.array("type=\"Int64\" Name=\"offsets\"", ends);
     let connectivity = integers(mesh.positive_cells());
     let connectivity = arrays.array("type=\"Int64\" Name=\"connectivity\"", connectivity);
-    let points = arrays.array(
-        "type=\"Float64\" Name=\"points\" NumberOfComponents=\"3\"",
-        doubles(mesh.points_in_space().as_flattened()),
-    );
+    let points = arrays.vectors("points", &mesh.points_in_space());
+    let scalars = if f.is_empty() { "region" } else { "f" };
     let regions = names_of_regions(mesh);
     let body = format!(
         "<UnstructuredGrid>\n{regions}<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{cells}\">\n\
         <Points>\n{points}</Points>\n\
         <Cells>\n{connectivity}{offsets}{types}</Cells>\n\
         <PointData Scalars=\"v\">\n{v}{multiplier}</PointData>\n\
-        <CellData Scalars=\"f\">\n{f}{region}{errors}</CellData>\n\
+        <CellData Scalars=\"{scalars}\">\n{f}{region}{gradient}{errors}</CellData>\n\
         </Piece>\n</UnstructuredGrid>\n"
     );
     arrays.file("UnstructuredGrid", name, &body)
+}
+
+/// Returns a file for ParaView that lists files with meshes, whose times are the numbers of the meshes.
+pub(super) fn collection(names: &[String]) -> Vec<u8> {
+    let mut sets = String::new();
+    for (level, name) in names.iter().enumerate() {
+        sets += &format!("<DataSet timestep=\"{level}\" file=\"{}\"/>\n", escaped(name));
+    }
+    let head = "<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
+    format!("<?xml version=\"1.0\"?>\n{head}{sets}</Collection>\n</VTKFile>\n").into_bytes()
 }
 
 /// Returns field data with an array for each region, under its name: its number, and its dimension. Text of VTK's own
@@ -114,6 +120,17 @@ impl Appended {
     /// Adds an array of numbers with this name. Returns its tag.
     fn doubles(&mut self, name: &str, numbers: &[f64]) -> String {
         self.array(&format!("type=\"Float64\" Name=\"{name}\""), doubles(numbers))
+    }
+
+    /// As [`Appended::doubles`]; without numbers there is no array, and no tag.
+    fn doubles_if_any(&mut self, name: &str, numbers: &[f64]) -> String {
+        if numbers.is_empty() { String::new() } else { self.doubles(name, numbers) }
+    }
+
+    /// Adds an array of vectors with this name. Returns its tag.
+    fn vectors(&mut self, name: &str, vectors: &[[f64; 3]]) -> String {
+        let attributes = format!("type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"3\"");
+        self.array(&attributes, doubles(vectors.as_flattened()))
     }
 
     /// Returns a file of a VTK type on the solution of this name, with the tags of the arrays in `body`.
@@ -173,6 +190,7 @@ mod tests {
                 ("multiplier", 8 * nodes),
                 ("f", 8 * cells),
                 ("region", 2 * cells),
+                ("gradient", 24 * cells),
             ] {
                 assert_eq!(appended(&file, array).len(), size, "{array}");
             }

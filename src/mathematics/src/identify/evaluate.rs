@@ -9,7 +9,6 @@ use super::{IdentifyError, Target, grid};
 use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::load;
-use crate::discrete::transfer::Prolongation;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, Lanes, V};
 use crate::saddle::{Engine, Goals, Method, Pair, RunStart, RunState, run};
@@ -34,7 +33,6 @@ pub struct Table {
 pub struct Evaluator<'a> {
     target: &'a Target,
     variant: Variant,
-    prolongation: Prolongation,
     /// `basis[geometry][level][p]`: load vector of the indicator of piece p.
     basis: Arc<Vec<Vec<Vec<Vec<f64>>>>>,
     /// `moves[geometry][row][n - 1]`: how far the measure after n iterations on the coarsest grid moves at most with
@@ -59,11 +57,8 @@ impl<'a> Evaluator<'a> {
         geometries: &[Geometry],
     ) -> Result<Self, IdentifyError> {
         target.validate()?;
-        let (against_x, against_y) = variant.mirrored();
         let basis = |geometry: &Geometry, level: usize| -> Vec<Vec<f64>> {
-            let grid = grid(level);
-            let turn = |v: Vec<f64>| mirror(grid, v, against_x, against_y);
-            let piece = |p| turn(load(grid, &geometry.indicator(p), variant.load));
+            let piece = |p| load(grid(level), &geometry.indicator(p), variant.load);
             (0..geometry.pieces()).map(piece).collect()
         };
         let levels = |geometry| (0..target.levels()).map(|level| basis(geometry, level)).collect();
@@ -76,12 +71,6 @@ impl<'a> Evaluator<'a> {
             target.r.iter().zip(&target.counts).map(of_row).collect()
         };
         let moves: Vec<_> = basis.iter().map(moves).collect();
-        let prolongation = match variant.prolongation {
-            // Turning the square over once swaps its diagonals.
-            Prolongation::RisingDiagonal if against_x != against_y => Prolongation::FallingDiagonal,
-            Prolongation::FallingDiagonal if against_x != against_y => Prolongation::RisingDiagonal,
-            rule => rule,
-        };
         let grids: Vec<_> = (0..target.levels()).map(grid).collect();
         let mut lanes = Vec::with_capacity(grids.len());
         for &grid in &grids {
@@ -90,7 +79,6 @@ impl<'a> Evaluator<'a> {
         Ok(Self {
             target,
             variant: *variant,
-            prolongation,
             basis: basis.into(),
             moves: moves.into(),
             grids,
@@ -153,7 +141,7 @@ impl<'a> Evaluator<'a> {
         let loads = lanes.enter_all(self.target.r[row]);
         combine(loads, &self.basis[geometry][level], &values);
         if let Some(coarser) = coarser.last() {
-            lanes.prolong(coarser, self.prolongation, self.variant.prolong_multiplier);
+            lanes.prolong(coarser, self.variant.prolongation, self.variant.prolong_multiplier);
         }
     }
 }
@@ -210,14 +198,4 @@ where
             *load = *load + value * share;
         }
     }
-}
-
-fn mirror(grid: Grid, mut v: Vec<f64>, against_x: bool, against_y: bool) -> Vec<f64> {
-    if against_x {
-        v.chunks_exact_mut(grid.side()).for_each(<[f64]>::reverse);
-    }
-    if against_y {
-        v = v.chunks_exact(grid.side()).rev().flatten().copied().collect();
-    }
-    v
 }

@@ -27,7 +27,7 @@ pub use identifiability::{
 };
 pub use search::{SearchReport, search};
 pub use space::{Geometry, Lattice};
-pub use variant::{DualWeight, Measure, Order, ResidualTime, Start, Variant};
+pub use variant::{DualWeight, Measure, Order, ResidualTime, Variant};
 
 use crate::discrete::grid::Grid;
 use crate::saddle::batch::LANES;

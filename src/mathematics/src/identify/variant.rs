@@ -8,21 +8,6 @@ pub use crate::saddle::batch::Order;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Corner of the square from which the sweep starts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Start {
-    /// x and y increase.
-    #[default]
-    LowerLeft,
-    /// x decreases, y increases.
-    LowerRight,
-    /// x increases, y decreases.
-    UpperLeft,
-    /// x and y decrease.
-    UpperRight,
-}
-
 /// Number compared with the tolerance in (13).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -77,8 +62,6 @@ pub struct Variant {
     pub corner_multiplier: DualWeight,
     /// Order of the sweep.
     pub order: Order,
-    /// Corner where the sweep starts.
-    pub start: Start,
     /// Prolongation of y; it differs from rule to rule at cell centres only.
     pub prolongation: Prolongation,
     /// True if each grid but the first starts from the multiplier of the one before; else from zero.
@@ -97,7 +80,6 @@ impl Default for Variant {
             load: LoadRule::Nodal { tie: Tie::LowerLeft, diagonal: Some(Diagonal::Rising) },
             corner_multiplier: DualWeight::default(),
             order: Order::default(),
-            start: Start::default(),
             prolongation: Prolongation::default(),
             prolong_multiplier: true,
             measure: Measure::default(),
@@ -114,7 +96,8 @@ const fn nodal(tie: Tie, diagonal: Option<Diagonal>) -> LoadRule {
 /// A choice that the default does not make, in words.
 type Choice = (fn(&mut Variant), &'static str);
 
-/// Every single choice but where the sweep starts.
+/// Every single choice. Where the sweep starts is none: for a space closed under the symmetries of the square another
+/// corner only turns the picture, together with the side of the ties and the diagonal.
 const CHOICES: [Choice; 18] = [
     (
         |v| v.load = nodal(Tie::LowerLeft, Some(Diagonal::Falling)),
@@ -153,9 +136,6 @@ const CHOICES: [Choice; 18] = [
 
 impl Variant {
     /// The default and every variant that differs from it in one choice, each once.
-    ///
-    /// Starting corners are left out: for a space closed under the symmetries of the square they
-    /// only turn the picture, together with the side of the ties and the diagonal.
     pub fn neighbours() -> Vec<Self> {
         let chosen = CHOICES.iter().map(|(choose, _)| Self::default().with(*choose));
         std::iter::once(Self::default()).chain(chosen).collect()
@@ -164,16 +144,6 @@ impl Variant {
     fn with(mut self, choose: fn(&mut Self)) -> Self {
         choose(&mut self);
         self
-    }
-
-    /// True if the sweep runs against x, and against y.
-    pub(super) fn mirrored(&self) -> (bool, bool) {
-        match self.start {
-            Start::LowerLeft => (false, false),
-            Start::LowerRight => (true, false),
-            Start::UpperLeft => (false, true),
-            Start::UpperRight => (true, true),
-        }
     }
 
     /// Multiplier weight at a corner in units of h.

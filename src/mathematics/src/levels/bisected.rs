@@ -22,7 +22,7 @@ impl Problem {
         f: &str,
         law: Law,
     ) -> Result<Self, ProblemError> {
-        let f = read(coarsest, f)?;
+        let (f, text) = (read(coarsest, f)?, f);
         let mut mesh = coarsest.clone();
         label_longest_edges(&mut mesh);
         let mut sides = Sides::new(&mesh);
@@ -38,7 +38,7 @@ impl Problem {
         }
         let load = mesh_load(&meshes[meshes.len() - 1], &f)?;
         let is_curved = coarsest.parts().iter().any(|part| part.curve.is_some());
-        let levels = Triangulations::of(NestedMeshes { meshes, networks }, f, load);
+        let levels = Triangulations::of(NestedMeshes { meshes, networks }, (f, text), load);
         Ok(Self::checked(levels, law, is_curved))
     }
 }

@@ -14,6 +14,7 @@ mod lattices;
 mod problem;
 mod steps;
 mod triangulations;
+mod values;
 
 pub use error::ProblemError;
 pub use lattices::Lattices;

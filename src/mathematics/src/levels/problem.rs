@@ -244,11 +244,15 @@ impl Problem {
         Some(Self::on_square(vec![grid], f, rule, self.law))
     }
 
-    /// Part of the integral of |f| by which the load vector of the square moves jumps of f, as [`moved_jumps`] has it;
-    /// none on meshes, whose load moves none.
-    pub fn moved_jumps(&self) -> Option<f64> {
+    /// Line that the load vector of the square moves jumps of f, where that matters; the load of meshes moves none.
+    pub fn note_on_jumps(&self) -> Option<String> {
         let lattices = self.lattices()?;
-        moved_jumps(lattices.finest(), lattices.source(), lattices.rule())
+        let moved = moved_jumps(lattices.finest(), lattices.source(), lattices.rule())?;
+        Some(format!(
+            "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, \
+             {:.1} % of the integral of |f|",
+            100.0 * moved
+        ))
     }
 
     /// Guaranteed bounds for a nodal vector of the finest level, but for what [`Problem::reserves`] lists.

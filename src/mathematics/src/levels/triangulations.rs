@@ -7,12 +7,13 @@ use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{
-    AnyMesh, ClosedCurve, Condition, CurveGain, CutShape, Mesh, MeshLoad, MeshSource, NestedMeshes,
-    Sides, boundary_curves, curve_gains, mesh_load, nested_meshes,
+    AnyMesh, ClosedCurve, Condition, CurveGain, CutShape, Mesh, MeshLoad, NestedMeshes, Sides,
+    boundary_curves, curve_gains, mesh_load, nested_meshes, on_regions,
 };
 use crate::problem::error::SourceError;
 use crate::problem::law::Law;
 use crate::problem::shape::Shape;
+use crate::problem::source::Source;
 use crate::problem::unsolvable::Component;
 use std::borrow::Cow;
 
@@ -22,8 +23,8 @@ pub(crate) struct Triangulations<const D: usize, const V: usize> {
     meshes: Vec<AnyMesh>,
     /// Discrete problem of each mesh.
     networks: Vec<NestedNetwork>,
-    /// Right-hand side.
-    f: MeshSource<D>,
+    /// Right-hand side on each region.
+    f: Vec<Source<D>>,
     /// f on the finest mesh.
     load: MeshLoad,
     facts: Facts,
@@ -46,29 +47,37 @@ where
         f: &str,
         watch: Watch<'_>,
     ) -> Result<Self, ProblemError> {
-        let f = read(coarsest, f)?;
+        let (f, text) = (read(coarsest, f)?, f);
         let nested = nested_meshes(coarsest, times)?;
         watch(Step::Mesh);
         let load = mesh_load(&nested.meshes[times], &f)?;
-        f.check_scale(&load)?;
-        Ok(Self::of(nested, f, load))
+        load.check_scale(&f)?;
+        Ok(Self::of(nested, (f, text), load))
     }
 
-    /// Levels on nested meshes, with f and what it is on the finest.
-    pub(crate) fn of(nested: NestedMeshes<D, V>, f: MeshSource<D>, load: MeshLoad) -> Self {
+    /// Levels on nested meshes, with f on each region and its text, and what it is on the finest.
+    pub(crate) fn of(
+        nested: NestedMeshes<D, V>,
+        (f, text): (Vec<Source<D>>, &str),
+        load: MeshLoad,
+    ) -> Self {
         let finest = &nested.meshes[nested.meshes.len() - 1];
         // Shapes know whether they reach into the unit box, and no other domain.
-        let outside = if finest.is_unit_box() { f.outside() } else { Vec::new() };
+        let outside = f.iter().map(Source::outside).find(|pieces| !pieces.is_empty());
+        let known = match &f[0] {
+            Source::Exact(known) if f.iter().all(|other| *other == f[0]) => Some(*known),
+            _ => None,
+        };
         let facts = Facts {
             dimension: D as u8,
             width: finest.width(),
             extent: finest.extent(),
-            f: f.text().into(),
-            outside,
+            f: text.split_whitespace().collect::<Vec<_>>().join(" "),
+            outside: outside.filter(|_| finest.is_unit_box()).unwrap_or_default(),
             integral: load.integral,
             size: load.size,
             by_quadrature: load.unsettled.is_some(),
-            known: f.known(),
+            known,
             notes: finest.notes(),
             is_adapted: false,
         };
@@ -106,14 +115,14 @@ where
     }
 }
 
-/// Reads f on a mesh.
+/// Reads f on each region of a mesh.
 pub(crate) fn read<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     f: &str,
-) -> Result<MeshSource<D>, SourceError> {
+) -> Result<Vec<Source<D>>, SourceError> {
     // A power of ten, which messages show.
     let size = libm::exp10(libm::log10(mesh.largest_coordinate()).ceil());
-    MeshSource::read(f, mesh.region_names(), size)
+    on_regions(f, mesh.region_names(), size)
 }
 
 impl<const D: usize, const V: usize> Levels for Triangulations<D, V>

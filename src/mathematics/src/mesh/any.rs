@@ -14,6 +14,16 @@ pub enum AnyMesh {
     Space(SpaceMesh),
 }
 
+/// Value of an expression of the mesh, the same in both dimensions.
+macro_rules! either {
+    ($any:expr, $mesh:ident => $value:expr) => {
+        match $any {
+            Self::Plane($mesh) => $value,
+            Self::Space($mesh) => $value,
+        }
+    };
+}
+
 /// Distance of a node from the curve of its part, over the radius, that is taken for rounding of the file.
 const ON_CURVE: f64 = 1e-4;
 
@@ -60,18 +70,12 @@ impl AnyMesh {
 
     /// Number of nodes.
     pub fn nodes(&self) -> usize {
-        match self {
-            Self::Plane(mesh) => mesh.points.len(),
-            Self::Space(mesh) => mesh.points.len(),
-        }
+        either!(self, mesh => mesh.points.len())
     }
 
     /// Number of triangles or tetrahedra.
     pub fn cells(&self) -> usize {
-        match self {
-            Self::Plane(mesh) => mesh.cells.len(),
-            Self::Space(mesh) => mesh.cells.len(),
-        }
+        either!(self, mesh => mesh.cells.len())
     }
 
     /// Names of the parts of the boundary, those of one part together.
@@ -88,50 +92,32 @@ impl AnyMesh {
 
     /// Names of the regions.
     pub fn region_names(&self) -> &[Names] {
-        match self {
-            Self::Plane(mesh) => &mesh.region_names,
-            Self::Space(mesh) => &mesh.region_names,
-        }
+        either!(self, mesh => &mesh.region_names)
     }
 
     /// Coordinates of the nodes, one node after the other.
     pub(crate) fn coordinates(&self) -> &[f64] {
-        match self {
-            Self::Plane(mesh) => mesh.points.as_flattened(),
-            Self::Space(mesh) => mesh.points.as_flattened(),
-        }
+        either!(self, mesh => mesh.points.as_flattened())
     }
 
     /// Places of the nodes in the space of the mesh's file.
     pub(crate) fn points_in_space(&self) -> Vec<[f64; 3]> {
-        match self {
-            Self::Plane(mesh) => mesh.points.iter().map(|point| mesh.in_space(point)).collect(),
-            Self::Space(mesh) => mesh.points.iter().map(|point| mesh.in_space(point)).collect(),
-        }
+        either!(self, mesh => mesh.points.iter().map(|point| mesh.in_space(point)).collect())
     }
 
     /// Numbers of the vertices of each cell in the positive sense, one cell after the other.
     pub(crate) fn positive_cells(&self) -> Vec<u32> {
-        match self {
-            Self::Plane(mesh) => mesh.positive_cells().flatten().collect(),
-            Self::Space(mesh) => mesh.positive_cells().flatten().collect(),
-        }
+        either!(self, mesh => mesh.positive_cells().flatten().collect())
     }
 
     /// Position of the region of each cell in [`AnyMesh::region_names`].
     pub(crate) fn regions(&self) -> &[u16] {
-        match self {
-            Self::Plane(mesh) => &mesh.regions,
-            Self::Space(mesh) => &mesh.regions,
-        }
+        either!(self, mesh => &mesh.regions)
     }
 
     /// Length of the longest edge.
     pub fn width(&self) -> f64 {
-        match self {
-            Self::Plane(mesh) => mesh.width(),
-            Self::Space(mesh) => mesh.width(),
-        }
+        either!(self, mesh => mesh.width())
     }
 
     /// The mesh, if it lies in the plane.
@@ -153,10 +139,7 @@ impl AnyMesh {
 
     /// True if refinement puts new nodes on a curve, so that the domain changes with the mesh.
     pub fn is_curved(&self) -> bool {
-        match self {
-            Self::Plane(mesh) => mesh.is_curved(),
-            Self::Space(mesh) => mesh.is_curved(),
-        }
+        either!(self, mesh => mesh.is_curved())
     }
 
     /// Mesh after some uniform refinements.
@@ -176,28 +159,19 @@ impl AnyMesh {
 
     /// Longest side of the least box around the domain, along the axes.
     pub fn extent(&self) -> f64 {
-        match self {
-            Self::Plane(mesh) => mesh.extent(),
-            Self::Space(mesh) => mesh.extent(),
-        }
+        either!(self, mesh => mesh.extent())
     }
 
     /// Returns, in a line each, what a user has to know of the mesh: what was read otherwise than it stands in its
     /// file, and where the domain touches itself.
     pub fn notes(&self) -> Vec<String> {
-        match self {
-            Self::Plane(mesh) => mesh.notes(),
-            Self::Space(mesh) => mesh.notes(),
-        }
+        either!(self, mesh => mesh.notes())
     }
 
     /// Names of the parts of the boundary on which nodes lie, as [`Mesh::parts_of`] has them; none if the boundary has
     /// one part.
     pub(crate) fn parts_of(&self, marked: &[bool]) -> Option<String> {
-        match self {
-            Self::Plane(mesh) => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)),
-            Self::Space(mesh) => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)),
-        }
+        either!(self, mesh => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)))
     }
 
     /// Sets the condition on the facets of this name.
@@ -205,10 +179,7 @@ impl AnyMesh {
     /// # Errors
     /// A sentence if no facets of the boundary have this name, or some have another condition than contact already.
     pub fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), String> {
-        match self {
-            Self::Plane(mesh) => mesh.set_condition(name, condition),
-            Self::Space(mesh) => mesh.set_condition(name, condition),
-        }
+        either!(self, mesh => mesh.set_condition(name, condition))
     }
 
     /// Puts a part of the boundary on a circle, sphere or cylinder, given by its numbers: the centre and the radius, or

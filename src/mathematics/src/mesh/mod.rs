@@ -5,6 +5,7 @@
 mod any;
 mod arcs;
 mod assemble;
+mod at;
 mod ball;
 mod beyond;
 mod bisect;
@@ -39,6 +40,7 @@ pub use any::AnyMesh;
 pub use arcs::arcs;
 pub use assemble::assemble;
 pub(crate) use assemble::assemble_sides;
+pub use at::PointValue;
 pub(crate) use beyond::{CurveGain, curve_gains};
 pub(crate) use bisect::{Bisected, bisect, label_longest_edges};
 pub(crate) use boundary::boundary_curves;
@@ -62,7 +64,7 @@ pub(crate) use nested::{NestedMeshes, nested_meshes};
 pub(crate) use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
 pub(crate) use sides::{BoundarySide, Neighbour, Sides};
-pub(crate) use source::MeshSource;
+pub(crate) use source::on_regions;
 pub use uniform::{lattice_mesh, uniform_cube, uniform_square};
 
 /// Condition on a part of the boundary.

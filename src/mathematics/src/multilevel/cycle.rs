@@ -241,6 +241,7 @@ mod tests {
     use crate::discrete::nested::NestedNetwork;
     use crate::mesh::{AnyMesh, refined};
     use crate::multilevel::iterate::dot;
+    use crate::multilevel::smoothed::STRONG;
     use std::ops::Range;
 
     #[test]
@@ -254,7 +255,7 @@ mod tests {
             let network = nested[times].network.clone();
             let alone = [NestedNetwork { network, parents: Vec::new() }];
             for meshes in [&nested[..], &alone] {
-                check_cycle(&NetworkLevels::new(meshes), held_from..held_from + held_nodes);
+                check_cycle(&NetworkLevels::new(meshes, STRONG), held_from..held_from + held_nodes);
             }
         }
     }

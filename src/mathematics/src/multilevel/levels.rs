@@ -29,9 +29,9 @@ pub(super) struct NetworkLevels<'a> {
 impl<'a> NetworkLevels<'a> {
     /// Levels of nested meshes, and below them levels of aggregates until factors are cheap.
     ///
-    /// A single mesh is renumbered, so that neighbours lie near each other in memory. Refined meshes are in a good
-    /// order already.
-    pub(super) fn new(meshes: &'a [NestedNetwork]) -> Self {
+    /// In aggregates of the coarsest mesh couplings above the part `strong` of the diagonal are strong. A single mesh is
+    /// renumbered, so that neighbours lie near each other in memory. Refined meshes are in a good order already.
+    pub(super) fn new(meshes: &'a [NestedNetwork], strong: f64) -> Self {
         let first = &meshes[0].network;
         let is_renumbered = meshes.len() == 1 && first.nodes() > MOST_DIRECT;
         let places = is_renumbered.then(|| reverse_cuthill_mckee(first));
@@ -39,7 +39,7 @@ impl<'a> NetworkLevels<'a> {
             Some(places) => Cow::Owned(first.renumbered(places)),
             None => Cow::Borrowed(first),
         };
-        let coarse = coarse_levels(&network);
+        let coarse = coarse_levels(&network, strong);
         let coarsest_mesh = coarse.len();
         let mut levels = Vec::with_capacity(coarsest_mesh + meshes.len());
         let mut finer = NetworkLevel { network, interpolation: None, of_contact: Vec::new() };

@@ -21,8 +21,10 @@ use crate::problem::law::ContactNode;
 /// Weight of the step of Jacobi's method.
 const OMEGA: f64 = 0.9;
 /// Part of the diagonal above which a coupling is strong, on the mesh; half as large on each coarser level, whose
-/// couplings are more even.
-const STRONG: f64 = 0.03;
+/// couplings are more even. With fewer strong couplings aggregates are smaller, and levels cost more.
+pub(super) const STRONG: f64 = 0.03;
+/// Such a part for cells that are sheared and stretched, where couplings of any size are of little use to steps.
+pub(super) const VERY_STRONG: f64 = 0.25;
 /// Part of the nodes at which a coarser level is still worth its cost.
 const LARGEST_PART: f64 = 0.7;
 /// Number of nodes below which a level is solved by factors.
@@ -38,9 +40,10 @@ pub(super) struct CoarseLevel {
     pub(super) of_contact: Vec<u32>,
 }
 
-/// Levels below a network, finest first, until factors are cheap.
-pub(super) fn coarse_levels(network: &Network) -> Vec<CoarseLevel> {
-    let (mut levels, mut part) = (Vec::<CoarseLevel>::new(), STRONG);
+/// Levels below a network, finest first, until factors are cheap; `strong` is the part of the diagonal above which a
+/// coupling of the network is strong.
+pub(super) fn coarse_levels(network: &Network, strong: f64) -> Vec<CoarseLevel> {
+    let (mut levels, mut part) = (Vec::<CoarseLevel>::new(), strong);
     loop {
         let finest = levels.last().map_or(network, |level| &level.network);
         if finest.nodes() <= MOST_DIRECT {
@@ -233,7 +236,7 @@ mod tests {
     #[test]
     fn levels_shrink_to_a_size_for_factors() {
         let network = network(Condition::Contact);
-        let levels = coarse_levels(&network);
+        let levels = coarse_levels(&network, STRONG);
         let mut finer = network.nodes();
         for level in &levels {
             assert!(level.network.nodes() < finer / 4, "{} of {finer}", level.network.nodes());
@@ -246,7 +249,7 @@ mod tests {
     fn contact_nodes_are_means_of_contact_nodes_and_measures_sum_up() {
         let network = network(Condition::Contact);
         let mut finer = &network;
-        let levels = coarse_levels(&network);
+        let levels = coarse_levels(&network, STRONG);
         for CoarseLevel { network, rows, of_contact } in &levels {
             for (contact, &aggregate) in finer.contact().iter().zip(of_contact) {
                 let row = rows.row(contact.node);
@@ -268,7 +271,7 @@ mod tests {
         for condition in [Condition::Contact, Condition::Fixed] {
             let network = network(condition);
             let mut finer = &network;
-            for CoarseLevel { network, rows, .. } in &coarse_levels(&network) {
+            for CoarseLevel { network, rows, .. } in &coarse_levels(&network, STRONG) {
                 let nodes = network.nodes();
                 let coarse: Vec<f64> = (0..nodes).map(|k| ((k * k) % 17) as f64 - 8.0).collect();
                 let fine: Vec<f64> = rows.rows().map(|row| product(row, &coarse)).collect();

@@ -3,6 +3,7 @@
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
 use super::levels::NetworkLevels;
+use super::smoothed::{STRONG, VERY_STRONG};
 use crate::discrete::components::components;
 use crate::discrete::end::End;
 use crate::discrete::kkt::judge;
@@ -45,8 +46,18 @@ pub fn solve_nested_networks(
     problem: LawAndLoad<'_>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
-    let Improved { y, end, .. } = improve_on_nested_networks(levels, problem, None, params)?;
+    let Improved { y, end, .. } =
+        improve_on_nested_networks(levels, problem, Start::default(), params)?;
     Ok((y, end))
+}
+
+/// What is known before a run on nested networks.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Start<'a> {
+    /// Nodal vector near the solution of the last network, in place of the solutions on the networks before it.
+    pub y: Option<&'a [f64]>,
+    /// True if the networks before the last one are of little use, as a run before has found.
+    pub is_slow: bool,
 }
 
 /// End of a run on nested networks.
@@ -55,12 +66,12 @@ pub struct Improved {
     pub y: Vec<f64>,
     /// End of the iteration.
     pub end: End,
-    /// True if the networks before the last one have been of little use, as on stretched cells.
+    /// True if the networks before the last one have been of little use, or are said to be, as on stretched cells.
     pub is_slow: bool,
 }
 
-/// As [`solve_nested_networks`]; a `start` near the solution of the last network takes the place of the solutions on
-/// the networks before it. Where the steps are slow, aggregates of the last network take the place of these networks.
+/// As [`solve_nested_networks`], with a start. Where the steps are slow, aggregates of the last network along its very
+/// strong couplings take the place of the networks before it.
 ///
 /// # Errors
 /// As [`solve_nested_networks`].
@@ -70,29 +81,33 @@ pub struct Improved {
 pub fn improve_on_nested_networks(
     levels: &[NestedNetwork],
     problem: LawAndLoad<'_>,
-    start: Option<&[f64]>,
+    start: Start<'_>,
     params: &MultigridParams,
 ) -> Result<Improved, InputError> {
+    let last = &levels[levels.len() - 1..];
+    if start.is_slow {
+        return solve_on(last, problem, start, params);
+    }
     let first = solve_on(levels, problem, start, params)?;
     if !first.is_slow {
         return Ok(first);
     }
-    let last = &levels[levels.len() - 1..];
-    let Improved { y, end, .. } = solve_on(last, problem, Some(&first.y), params)?;
+    let again = Start { y: Some(&first.y), is_slow: true };
+    let Improved { y, end, .. } = solve_on(last, problem, again, params)?;
     let iterations = first.end.iterations + end.iterations;
     let work_units = first.end.work_units + end.work_units;
     Ok(Improved { y, end: End { iterations, work_units, ..end }, is_slow: true })
 }
 
-/// Runs on these levels, and levels of aggregates below them.
+/// Runs on these levels, and levels of aggregates below them: after a slow run of very strongly coupled nodes.
 fn solve_on(
     levels: &[NestedNetwork],
     LawAndLoad { law, load }: LawAndLoad<'_>,
-    start: Option<&[f64]>,
+    start: Start<'_>,
     params: &MultigridParams,
 ) -> Result<Improved, InputError> {
     check_length(levels[levels.len() - 1].network.nodes(), load)?;
-    let levels = NetworkLevels::new(levels);
+    let levels = NetworkLevels::new(levels, if start.is_slow { VERY_STRONG } else { STRONG });
     let load = &levels.renumbered(load);
     let components = Components::of(&levels, law, load)?;
     let one_sided = law.one_sided(load);
@@ -103,9 +118,10 @@ fn solve_on(
     let mut run = NetworkRun::new(&nested);
     let factor = one_sided.signed(1.0) / scale;
     let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();
-    run.start = start.map(|y| scaled(&nested.levels.renumbered(y)));
+    run.start = start.y.map(|y| scaled(&nested.levels.renumbered(y)));
+    run.has_other_levels = !start.is_slow;
     let end = driver::solve(&mut run, one_sided.limit, params)?;
-    let is_slow = end.stop == Stop::IterationLimit && run.is_slow();
+    let is_slow = start.is_slow || (end.stop == Stop::IterationLimit && run.is_slow());
     let mut y = nested.levels.in_order_of_mesh(run.take_y());
     y.iter_mut().for_each(|value| *value *= one_sided.signed(scale));
     Ok(Improved { y, end, is_slow })
@@ -177,6 +193,8 @@ struct NetworkRun<'a> {
     cycle: Cycle<'a>,
     /// Nodal vector from which the finest level starts, divided as the load.
     start: Option<Vec<f64>>,
+    /// True if slow steps are to end, since other levels may be of more use.
+    has_other_levels: bool,
     /// Limit of the flux, divided as the load.
     limit: f64,
     /// Measure of the boundary of each component that balances the load if it slips down.
@@ -209,6 +227,7 @@ impl<'a> NetworkRun<'a> {
             nested,
             cycle: Cycle::new(&nested.levels),
             start: None,
+            has_other_levels: true,
             limit: f64::INFINITY,
             needed: Vec::new(),
             coarsest: Vec::new(),
@@ -336,8 +355,8 @@ impl Hierarchy for NetworkRun<'_> {
     }
 
     fn is_slow(&self) -> bool {
-        let has_meshes_below = self.finest() > self.nested.levels.coarsest_mesh;
-        has_meshes_below && self.measured == MEASURED_STEPS && self.residual > SLOW * self.before
+        let is_measured = self.measured == MEASURED_STEPS;
+        self.has_other_levels && is_measured && self.residual > SLOW * self.before
     }
 
     /// The energy's error falls by four from one network to the next. On a curved boundary the domain changes as well,

@@ -12,6 +12,7 @@ mod torsion;
 pub use known::Known;
 pub use space::CubeExact;
 
+use super::choices::choices;
 use super::complex::Complex;
 use super::field::{Field, bump, falling, hill, product};
 use crate::machine::simd::vectorised;
@@ -33,21 +34,12 @@ pub enum Exact {
 /// The solution at a point.
 pub use super::field::Sample;
 
+choices!(Exact, 4:
+    FullContact = "full-contact", Torsion = "torsion",
+    FreeSegment = "free-segment", FreeCorner = "free-corner",
+);
+
 impl Exact {
-    /// Every problem.
-    pub const ALL: [Self; 4] =
-        [Self::FullContact, Self::Torsion, Self::FreeSegment, Self::FreeCorner];
-
-    /// The name used in `exact(name)`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FullContact => "full-contact",
-            Self::Torsion => "torsion",
-            Self::FreeSegment => "free-segment",
-            Self::FreeCorner => "free-corner",
-        }
-    }
-
     /// v as LaTeX.
     pub fn latex(self) -> &'static str {
         match self {

@@ -29,33 +29,12 @@ pub struct Law {
 
 /// Parameter of a law as texts and files have it; the paper's law has none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", try_from = "LawTable")]
+#[serde(rename_all = "kebab-case")]
 pub enum LawParameter {
     /// Bound g of the friction: the flux lies in `[-g, g]`.
     Friction(f64),
     /// Largest flux: it lies in `[0, limit]`.
     Limit(f64),
-}
-
-/// Law as files have it: a table with one entry.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-#[serde(expecting = "a table such as { friction = 0.3 } or { limit = 2.0 }")]
-struct LawTable {
-    friction: Option<f64>,
-    limit: Option<f64>,
-}
-
-impl TryFrom<LawTable> for LawParameter {
-    type Error = &'static str;
-
-    fn try_from(table: LawTable) -> Result<Self, Self::Error> {
-        match (table.friction, table.limit) {
-            (Some(g), None) => Ok(Self::Friction(g)),
-            (None, Some(limit)) => Ok(Self::Limit(limit)),
-            _ => Err("a law has one number, as { friction = 0.3 } or { limit = 2.0 }"),
-        }
-    }
 }
 
 /// Node of the boundary where the law holds.

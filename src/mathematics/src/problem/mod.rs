@@ -1,6 +1,7 @@
 //! Problems: right-hand sides in the plane and in space, the law on the boundary, and problems with known solutions.
 
 pub(crate) mod balance;
+pub(crate) mod choices;
 pub(crate) mod complex;
 pub(crate) mod descent;
 pub mod disc;

@@ -3,6 +3,7 @@
 //!
 //! What is not constant on pieces is smooth: all that computes with f takes the values at points, by [`Source::at`].
 
+use crate::problem::choices::choices;
 use crate::problem::error::{SCALE, SourceError};
 use crate::problem::exact::{CubeExact, Exact, Known};
 use crate::problem::formula::Formula;
@@ -42,26 +43,10 @@ pub enum Tie {
     UpperRight,
 }
 
-impl Tie {
-    /// All sides.
-    pub const ALL: [Self; 4] =
-        [Self::LowerLeft, Self::LowerRight, Self::UpperLeft, Self::UpperRight];
-
-    /// Name in scenes and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::LowerLeft => "lower-left",
-            Self::LowerRight => "lower-right",
-            Self::UpperLeft => "upper-left",
-            Self::UpperRight => "upper-right",
-        }
-    }
-
-    /// Side of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|side| side.name() == name)
-    }
-}
+choices!(Tie, 4:
+    LowerLeft = "lower-left", LowerRight = "lower-right",
+    UpperLeft = "upper-left", UpperRight = "upper-right",
+);
 
 /// Distance by which a sample steps off a jump; any jump closer than this to a node counts as through it.
 pub(super) const STEP_OFF: f64 = 1e-9;

@@ -4,6 +4,7 @@
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::norms::{largest, worst};
+use crate::problem::choices::choices;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -22,25 +23,12 @@ pub enum StopRule {
     PrintedDual,
 }
 
+choices!(StopRule, 4:
+    Signed = "signed", Printed = "printed",
+    SignedDual = "signed-dual", PrintedDual = "printed-dual",
+);
+
 impl StopRule {
-    /// All rules.
-    pub const ALL: [Self; 4] = [Self::Signed, Self::Printed, Self::SignedDual, Self::PrintedDual];
-
-    /// Name in scenes and artifacts.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Signed => "signed",
-            Self::Printed => "printed",
-            Self::SignedDual => "signed-dual",
-            Self::PrintedDual => "printed-dual",
-        }
-    }
-
-    /// Rule of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|rule| rule.name() == name)
-    }
-
     /// Measure that a rule compares with the tolerance.
     pub(super) fn measure(self) -> GradientMeasure {
         match self {

@@ -5,12 +5,13 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
-use crate::mesh::{Condition, MeshSource, PlaneMesh};
+use crate::mesh::{Condition, PlaneMesh};
 use crate::multigrid::active_set::{
     MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
 };
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
+use crate::problem::source::Source;
 use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
 use crate::spectral::{SpectralError, TrueSolution, check_plane, true_solution, true_solution_on};
 use std::borrow::Cow;
@@ -32,6 +33,11 @@ pub struct Run {
 }
 
 impl Run {
+    /// Nodal vector with the multiplier that follows from it, not with one of the solver.
+    pub fn pair(&self) -> Pair {
+        Pair { y: self.y.clone(), a: self.judgement.multiplier(&self.y) }
+    }
+
     /// End on the finest level.
     pub fn last(&self) -> &Outcome {
         &self.ends[self.ends.len() - 1]
@@ -133,9 +139,10 @@ fn most_nodes(problem: &Problem) -> usize {
 pub(super) fn active_set(
     problem: &Problem,
     _: &Settings,
-    _: &mut dyn Monitor,
+    monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let (law, load) = (problem.law(), problem.load());
+    monitor.factors(load.len());
     let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
         Discrete::Networks(networks) => {
@@ -212,7 +219,7 @@ impl Monitor for Measuring<'_> {
 /// Coarsest mesh of a problem in the plane, and f on it, as the spectral solver takes them.
 fn on_coarsest<T>(
     problem: &Problem,
-    take: impl FnOnce(&PlaneMesh, &MeshSource<2>) -> Result<T, SpectralError>,
+    take: impl FnOnce(&PlaneMesh, &[Source]) -> Result<T, SpectralError>,
 ) -> Result<T, Refusal> {
     let mesh = problem.levels().mesh(0);
     let mesh = mesh.plane().ok_or(Refusal::NotInSpace(Solver::Spectral))?;

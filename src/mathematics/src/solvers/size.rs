@@ -229,8 +229,8 @@ impl Memory {
     fn of_mesh(self, mesh: &AnyMesh, times: usize) -> f64 {
         // Below the coarsest mesh there are levels of aggregates.
         let [finest, coarsest, files] = match mesh.dimension() {
-            2 => [480.0, 320.0, 240.0],
-            _ => [950.0, 1000.0, 520.0],
+            2 => [480.0, 320.0, 340.0],
+            _ => [950.0, 1000.0, 810.0],
         };
         let files = if self.files == Files::None { 0.0 } else { files };
         (finest + files) * mesh.nodes_after(times) + coarsest * mesh.nodes() as f64

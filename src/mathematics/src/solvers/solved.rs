@@ -7,6 +7,7 @@ use crate::discrete::end::Outcome;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::prolong_boundary;
 use crate::levels::{Problem, Reserve};
+use crate::mesh::PointValue;
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
@@ -178,13 +179,21 @@ impl Solved {
         problem.errors(&run.y).filter(|_| is_known)
     }
 
-    /// Solution on the finest level, with the multiplier that follows from it, not with one of the solver.
+    /// Solution on the finest level, as [`Run::pair`] has it.
     pub fn pair(&self) -> Pair {
         match &self.found {
-            FoundSolution::Vector(Run { y, judgement, .. }) => {
-                Pair { a: judgement.multiplier(y), y: y.clone() }
-            }
+            FoundSolution::Vector(run) => run.pair(),
             FoundSolution::Truth(found) => values(found, &self.problem),
+        }
+    }
+
+    /// v and its gradient at points, as [`Problem::values_at`] has them; those of a true solution itself, if it is one.
+    pub fn values_at(&self, points: &[Vec<f64>]) -> Vec<PointValue> {
+        match &self.found {
+            FoundSolution::Vector(run) => self.problem.values_at(&run.y, points),
+            FoundSolution::Truth(found) => {
+                points.iter().map(|point| PointValue::new(point, found.at(point))).collect()
+            }
         }
     }
 }

@@ -229,24 +229,26 @@ const FARTHEST: f64 = 10.0;
 
 /// Curves that bound a shape; none for a disc that is hardly wider than a point.
 pub(super) fn borders(shape: &Shape<2>) -> Vec<Curve> {
-    if let Shape::Ball { centre: [x, y], radius } = *shape {
-        if radius < 2.0 * SAME {
-            return Vec::new();
+    match *shape {
+        Shape::Ball { radius, .. } if radius < 2.0 * SAME => Vec::new(),
+        Shape::Ball { centre: [x, y], radius } => {
+            let (centre, small, large) =
+                (Complex::new(x, y), x.abs().min(y.abs()), x.abs().max(y.abs()));
+            let away = centre.norm();
+            // Of a large disc the point nearest to the square, without cancellation.
+            let nearest = ((large - radius) * (large + radius) + small * small) / (away + radius);
+            let (normal, origin) = if away > 0.5 * radius {
+                (centre.scaled(1.0 / away), centre.scaled(nearest / away))
+            } else {
+                (Complex::new(1.0, 0.0), Complex::new(x - radius, y))
+            };
+            vec![Curve { origin, tangent: -normal.turned(), curvature: 1.0 / radius }]
         }
-        let (centre, small, large) =
-            (Complex::new(x, y), x.abs().min(y.abs()), x.abs().max(y.abs()));
-        let away = centre.norm();
-        // Of a large disc the point nearest to the square, without cancellation.
-        let nearest = ((large - radius) * (large + radius) + small * small) / (away + radius);
-        let (normal, origin) = if away > 0.5 * radius {
-            (centre.scaled(1.0 / away), centre.scaled(nearest / away))
-        } else {
-            (Complex::new(1.0, 0.0), Complex::new(x - radius, y))
-        };
-        return vec![Curve { origin, tangent: -normal.turned(), curvature: 1.0 / radius }];
+        Shape::Box(_) | Shape::HalfSpace { .. } => {
+            let lines = shape.half_planes().into_iter().map(line);
+            lines.filter(|line| line.origin.norm() < FARTHEST).collect()
+        }
     }
-    let lines = shape.half_planes().into_iter().map(line);
-    lines.filter(|line| line.origin.norm() < FARTHEST).collect()
 }
 
 /// Line `a x + b y = c`.

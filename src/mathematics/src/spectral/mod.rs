@@ -104,6 +104,7 @@ mod contact;
 mod curve;
 mod elementary;
 mod energy;
+mod gradient;
 mod jumps;
 mod map;
 mod newton;

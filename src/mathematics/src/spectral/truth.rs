@@ -3,7 +3,7 @@
 use super::plane::{PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh};
 use super::{Checks, Solution, SpectralError, SpectralParams, spectral_under};
 use crate::discrete::contact::ContactArc;
-use crate::mesh::{MeshSource, PlaneMesh};
+use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use serde::Serialize;
@@ -91,7 +91,7 @@ pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError
 /// [`SpectralError::Plane`].
 pub(crate) fn true_solution_on(
     mesh: &PlaneMesh,
-    f: &MeshSource<2>,
+    f: &[Source],
     law: Law,
 ) -> Result<TrueSolution, SpectralError> {
     let truth = solve_on_mesh(mesh, f, law)?;
@@ -114,11 +114,7 @@ pub(crate) fn true_solution_on(
 ///
 /// # Errors
 /// [`SpectralError::Plane`].
-pub(crate) fn check_plane(
-    mesh: &PlaneMesh,
-    f: &MeshSource<2>,
-    law: Law,
-) -> Result<(), SpectralError> {
+pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), SpectralError> {
     Ok(check_on_mesh(mesh, f, law)?)
 }
 
@@ -147,6 +143,14 @@ impl TrueSolution {
                 points.iter().map(|&[x, y]| solution.value(x, y)).collect()
             }
             TrueForm::Plane(truth) => truth.values(points),
+        }
+    }
+
+    /// v and its gradient at a point; none outside of the domain.
+    pub fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
+        match &self.form {
+            TrueForm::Square(solution) => solution.at(point),
+            TrueForm::Plane(truth) => truth.at(point),
         }
     }
 

@@ -13,13 +13,12 @@ use fineness::{FIRST_CELLS, USUAL_NODES};
 
 use crate::bounds::Accuracy;
 use crate::discrete::grid::{Grid, nested};
-use crate::discrete::load::{Diagonal, LoadRule, moved_jumps};
+use crate::discrete::load::{Diagonal, LoadRule};
 use crate::discrete::norms::largest;
 use crate::levels::{Problem, ProblemError, Step, Watch};
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::error::SourceError;
-use crate::problem::exact::Exact;
 use crate::problem::law::{Law, LawError, LawParameter};
 use crate::problem::source::Source;
 use crate::solvers::{
@@ -52,19 +51,6 @@ pub struct Statement {
     /// KKT residual over the largest load at which multigrid stops; none for the rounding floor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
-}
-
-/// Facts on the meshes of a statement.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeshFacts {
-    /// Number of dimensions.
-    pub dimension: u8,
-    /// Number of refinements of the coarsest mesh.
-    pub times: usize,
-    /// Number of nodes of the finest mesh, about.
-    pub nodes: f64,
-    /// Facts that a user has to know, in a line each.
-    pub notes: Vec<String>,
 }
 
 /// Reason for which a statement states no problem.
@@ -129,12 +115,9 @@ impl Statement {
         LawParameter::law_or_papers(self.law)
     }
 
-    /// f on the square.
-    ///
-    /// # Errors
-    /// [`SourceError`] if the text is no f.
-    pub fn source(&self) -> Result<Source, SourceError> {
-        self.f.parse()
+    /// f on the square; none on meshes, and if the text is no f.
+    pub fn source(&self) -> Option<Source> {
+        self.domain.is_square().then(|| self.f.parse().ok()).flatten()
     }
 
     /// Accuracy that is asked for; none where the fineness is stated otherwise.
@@ -192,7 +175,7 @@ impl Statement {
     ) -> Result<Problem, StatementError> {
         let law = self.law()?;
         let Some(mesh) = mesh else {
-            let f = self.source().map_err(|e| StatementError::field("f", "", e))?;
+            let f = self.f.parse().map_err(|e: SourceError| StatementError::field("f", "", e))?;
             let rule = self.load.unwrap_or(Self::LOAD);
             return Ok(Problem::on_square(self.grids()?, f, rule, law)?);
         };
@@ -200,28 +183,21 @@ impl Statement {
         Ok(Problem::on_mesh_watched((mesh, times), &self.f, law, watch)?)
     }
 
-    /// Facts on the meshes of the statement, or on the usual ones, where an accuracy is asked for.
-    ///
-    /// # Errors
-    /// As [`Statement::refinements`].
-    pub fn facts(&self, coarsest: &AnyMesh) -> Result<MeshFacts, StatementError> {
-        let times = self.on_usual_meshes().refinements(coarsest)?;
-        let nodes = coarsest.nodes_after(times);
-        let (dimension, notes) = (coarsest.dimension(), coarsest.notes());
-        Ok(MeshFacts { dimension, times, nodes, notes })
-    }
-
-    /// As [`Statement::facts`]; on meshes of the usual size it is also checked that there is a problem to be solved.
+    /// Checks that there is a problem to be solved, unless its meshes have more nodes than the usual ones. Returns what
+    /// a user has to know, in a line each.
     ///
     /// # Errors
     /// [`StatementError`].
-    pub fn checked_facts(&self, coarsest: &AnyMesh) -> Result<MeshFacts, StatementError> {
-        let mut facts = self.facts(coarsest)?;
-        if facts.nodes <= USUAL_NODES {
-            let problem = self.on_usual_meshes().problem(Some(coarsest), &|_| ())?;
-            facts.notes.extend(problem.note_on_curves());
+    pub fn checked(&self, mesh: Option<&AnyMesh>) -> Result<Vec<String>, StatementError> {
+        let usual = self.on_usual_meshes();
+        let mut notes = mesh.map_or_else(Vec::new, AnyMesh::notes);
+        let times = mesh.map(|mesh| usual.refinements(mesh)).transpose()?;
+        let nodes = mesh.zip(times).map_or(0.0, |(mesh, times)| mesh.nodes_after(times));
+        if nodes <= USUAL_NODES {
+            let problem = usual.problem(mesh, &|_| ())?;
+            notes.extend(problem.note_on_jumps().or_else(|| problem.note_on_curves()));
         }
-        Ok(facts)
+        Ok(notes)
     }
 
     /// The statement on the usual grids or meshes, where an accuracy is asked for.
@@ -242,25 +218,6 @@ impl Statement {
             saddle: None,
             ..self.clone()
         }
-    }
-
-    /// Part of the integral of |f| by which a nodal load moves jumps of f, half a cell where grid lines lie on them;
-    /// none if it is too small to matter, and on meshes.
-    pub fn moved_jumps(&self) -> Option<f64> {
-        let (rule, f) = (self.load?, self.source().ok()?);
-        let finest = *self.grids().ok()?.last()?;
-        moved_jumps(finest, &f, rule)
-    }
-
-    /// Pieces of f that are certain to lie outside the domain, as far as that is known without the mesh.
-    pub fn outside(&self) -> Vec<String> {
-        let f = self.domain.is_square().then(|| self.source());
-        f.and_then(Result::ok).map(|f| f.outside()).unwrap_or_default()
-    }
-
-    /// Known solution on the square.
-    pub fn known_solution(&self) -> Option<Exact> {
-        self.domain.is_square().then(|| self.source())?.ok()?.exact()
     }
 
     /// Problem on the meshes of a way to the accuracy that is asked for, which began with this mesh and marked these

@@ -88,7 +88,7 @@ pub(super) fn drawings() -> [Task; 6] {
         ("meshes", "Meshes of three domains, refined once", |it, inputs| {
             it.made(inputs, meshes()?)
         }),
-        ("adapted-mesh", "Adapted meshes of two domains", |it, inputs| {
+        ("adapted-mesh", "Adapted meshes of three domains", |it, inputs| {
             it.made(inputs, beside(&coarse_meshes(FEW)?)?)
         }),
         ("cuts", "Cuts of the functions of true solutions on three domains", |it, inputs| {

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::identify::Findings;
-use signorini_mathematics::problem::exact::Exact;
+use signorini_mathematics::problem::exact::Known;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Iteration, Pair, StopRule, tolerance};
 use std::collections::BTreeMap;
@@ -222,8 +222,11 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let rule = scene.first_rule();
     let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
     let problem = solve::problem(inputs, scene)?;
-    let (f, integral_f) = (&problem.levels().facts().f, problem.levels().facts().integral);
-    let exact = scene.statement.known_solution();
+    let facts = problem.levels().facts();
+    let exact = match facts.known {
+        Some(Known::Square(exact)) => Some(exact.latex()),
+        _ => None,
+    };
     let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
     let held = scene.wants(Output::Map).then(|| {
         solve::pair(inputs, scene, rule, &problem).map(|pair| solve::held(&problem, &pair))
@@ -235,11 +238,11 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
         // Accuracy of the energy of a true solution, over the energy.
-        "accuracy": outcomes.without_grid.and_then(|end| end.accuracy).map(f64::abs),
-        "f": f,
-        "integral_f": integral_f,
+        "accuracy": outcomes.accuracy.map(f64::abs),
+        "f": facts.f,
+        "integral_f": facts.integral,
         // The exact solution in LaTeX, if it is known.
-        "exact": exact.map(Exact::latex),
+        "exact": exact,
         // On the finest level, as `solve` names it.
         "end": outcomes.end(),
         // What is drawn: the solution, or where a rule stops.
@@ -252,8 +255,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "rule": rule,
         // The finest level; none for the spectral solver.
         "level": level,
-        "energy": outcomes.final_energy(),
-        "iterations": level.map(|level| level.end.iterations).or(outcomes.without_grid.map(|end| end.steps)),
+        "energy": outcomes.energy,
+        "iterations": outcomes.iterations,
         "nodal_error": outcomes.errors.last(),
     });
     Ok(extended(scene, more))
@@ -295,7 +298,14 @@ fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
 /// Returns an attribute of the root of an SVG file that is a number.
 fn attribute(svg: &[u8], key: &str) -> Option<f64> {
     let root = std::str::from_utf8(svg).ok()?.split('>').next()?;
-    root.split_once(&format!(" {key}=\""))?.1.split('"').next()?.parse().ok()
+    let value = |key: &str| root.split_once(&format!(" {key}=\""))?.1.split('"').next();
+    let in_pixels = value(key)?.parse().ok();
+    // A picture for print has a length with a unit, and four steps of its view are a pixel.
+    in_pixels.or_else(|| {
+        let place = if key == "width" { 2 } else { 3 };
+        let view: f64 = value("viewBox")?.split(' ').nth(place)?.parse().ok()?;
+        Some(view / 4.0)
+    })
 }
 
 /// Returns the provenance of the book's numbers: names and hashes of input files, and versions.

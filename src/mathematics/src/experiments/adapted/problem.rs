@@ -10,6 +10,9 @@ use crate::solvers::{Adaption, FoundSolution, Settings, Solver, find, solve};
 use crate::spectral::TrueSolution;
 use serde::{Deserialize, Serialize};
 
+/// Power of the lattice's height above the lower side that is the height of a node of the layer.
+const GRADING: f64 = 5.0;
+
 /// Problem of the experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -19,16 +22,19 @@ pub(in crate::experiments) enum AdaptedProblem {
     /// The unit square, whose lower side is fixed on its left half, free on its right half; the other sides are in
     /// contact.
     FixedFree,
+    /// The same on a mesh with a boundary layer on the lower side, whose first cells are 256 times as long as high.
+    Layer,
 }
 
 impl AdaptedProblem {
-    pub(super) const ALL: [Self; 2] = [Self::LShape, Self::FixedFree];
+    pub(super) const ALL: [Self; 3] = [Self::LShape, Self::FixedFree, Self::Layer];
 
     /// Name in pictures and tables.
     pub(in crate::experiments) fn name(self) -> &'static str {
         match self {
             Self::LShape => "L-shape",
             Self::FixedFree => "square, fixed and free",
+            Self::Layer => "boundary layer",
         }
     }
 
@@ -36,7 +42,15 @@ impl AdaptedProblem {
     pub(super) fn f(self) -> &'static str {
         match self {
             Self::LShape => "rect(-9,0,-9,0)=3; else=-2",
-            Self::FixedFree => "rect(-9,0,-9,0)=-4; else=2",
+            Self::FixedFree | Self::Layer => "rect(-9,0,-9,0)=-4; else=2",
+        }
+    }
+
+    /// Number of times that the sides are halved in the first mesh.
+    pub(super) fn halvings(self) -> usize {
+        match self {
+            Self::LShape | Self::FixedFree => 1,
+            Self::Layer => 2,
         }
     }
 
@@ -49,22 +63,12 @@ impl AdaptedProblem {
             Self::LShape => {
                 BuiltIn::LShape.plane().ok_or_else(|| "the L-shape lies in the plane".into())
             }
-            Self::FixedFree => {
-                let square = lattice_mesh(&[-0.5, 0.0, 0.5]);
-                let part =
-                    |name, condition| Part { names: Names::from(name), condition, curve: None };
-                MeshData {
-                    points: square.points,
-                    cells: square.cells,
-                    facets: vec![
-                        Facet { nodes: [0, 1], part: 0 },
-                        Facet { nodes: [1, 2], part: 1 },
-                    ],
-                    parts: vec![part("fixed", Condition::Fixed), part("free", Condition::Free)],
-                    ..MeshData::default()
-                }
-                .mesh()
-                .map_err(|e| e.to_string())
+            Self::FixedFree => fixed_and_free(lattice_mesh(&[-0.5, 0.0, 0.5])),
+            Self::Layer => {
+                let mut square = lattice_mesh(&[-0.5, -0.25, 0.0, 0.25, 0.5]);
+                let points = square.points.iter_mut();
+                points.for_each(|[_, y]| *y = libm::pow(*y + 0.5, GRADING) - 0.5);
+                fixed_and_free(square)
             }
         }
     }
@@ -140,6 +144,25 @@ impl AdaptedProblem {
         bounds.append(&mut run.bounds);
         Ok(BoundedRun { bounds, ..run })
     }
+}
+
+/// Square whose lower side, of the first nodes of the mesh, is fixed on its left half and free on its right half.
+///
+/// # Errors
+/// A sentence if it fails the checks of meshes.
+fn fixed_and_free(square: PlaneMesh) -> Result<PlaneMesh, String> {
+    let part = |name, condition| Part { names: Names::from(name), condition, curve: None };
+    let across = square.points.iter().take_while(|[_, y]| *y == square.points[0][1]).count() - 1;
+    let facet = |k| Facet { nodes: [k as u32, k as u32 + 1], part: u16::from(2 * k >= across) };
+    MeshData {
+        facets: (0..across).map(facet).collect(),
+        points: square.points,
+        cells: square.cells,
+        parts: vec![part("fixed", Condition::Fixed), part("free", Condition::Free)],
+        ..MeshData::default()
+    }
+    .mesh()
+    .map_err(|e| e.to_string())
 }
 
 /// Problem on nested meshes, with guaranteed bounds.

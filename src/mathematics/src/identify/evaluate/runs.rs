@@ -227,7 +227,7 @@ impl Evaluator<'_> {
     ) -> Vec<(Vec<Option<usize>>, f64)> {
         let mut ends = vec![(Vec::new(), 0.0); runs.len()];
         let grids = self.grids.clone();
-        let nested = NestedGrids { grids: &grids, prolongation: self.prolongation };
+        let nested = NestedGrids { grids: &grids, prolongation: self.variant.prolongation };
         let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
         let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
         let on_level = |level: usize, pairs: &mut Vec<Pair>| {

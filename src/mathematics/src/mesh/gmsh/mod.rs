@@ -57,9 +57,6 @@ fn read_mesh(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
                 }
             }
             "Nodes" => nodes.get_or_insert_with(FileNodes::default).read(&mut scanner)?,
-            "ParametricNodes" if scanner.version == Version::Two => {
-                nodes.get_or_insert_with(FileNodes::default).read_parametric(&mut scanner)?;
-            }
             "Elements" => {
                 let Some(nodes) = &nodes else { return Err(scanner.fault(Fault::Order("Nodes"))) };
                 let elements = elements.get_or_insert_with(FileElements::default);
@@ -369,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_wrong_heads_and_the_mark_of_an_editor_change_nothing() {
+    fn wrong_heads_and_the_mark_of_an_editor_change_nothing() {
         let square = plane(SQUARE_41.as_bytes());
         let marked = [b"\xef\xbb\xbf", SQUARE_22.as_bytes()].concat();
         assert_eq!(plane(&marked), square);
@@ -379,12 +376,5 @@ mod tests {
             assert!(SQUARE_41.contains(from), "{from}");
             assert_eq!(plane(SQUARE_41.replace(from, to).as_bytes()), square);
         }
-        let parametric = SQUARE_22
-            .replace("Nodes\n", "ParametricNodes\n")
-            .replace("\n11 0 0 0\n", "\n11 0 0 0 0 1\n")
-            .replace("12 1 0 0\n", "12 1 0 0 1 7 0.5\n")
-            .replace("13 1 1 0\n", "13 1 1 0 2 3 0.5 0.25\n")
-            .replace("14 0 1 0\n", "14 0 1 0 3 1\n");
-        assert_eq!(plane(parametric.as_bytes()), square);
     }
 }

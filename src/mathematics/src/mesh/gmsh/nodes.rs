@@ -1,4 +1,4 @@
-//! The sections `$Nodes` and `$ParametricNodes`.
+//! The section `$Nodes`.
 
 use super::error::{Fault, GmshError};
 use super::scanner::{Scanner, Version};
@@ -57,14 +57,9 @@ impl FileNodes {
     /// Adds the nodes of a section `$Nodes`.
     pub(super) fn read(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         match scanner.version {
-            Version::Two => self.read_list(scanner, pass_over_nothing),
+            Version::Two => self.read_list(scanner),
             Version::FourZero | Version::FourOne => self.read_blocks(scanner),
         }
-    }
-
-    /// Adds the nodes of a section `$ParametricNodes` of version 2.
-    pub(super) fn read_parametric(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
-        self.read_list(scanner, pass_over_parameters)
     }
 
     /// Position of the node of this number.
@@ -72,18 +67,13 @@ impl FileNodes {
         self.positions.get(tag)
     }
 
-    /// Nodes of version 2; `pass` passes over what follows the coordinates.
-    fn read_list(
-        &mut self,
-        scanner: &mut Scanner<'_>,
-        pass: fn(&mut Scanner<'_>) -> Result<(), GmshError>,
-    ) -> Result<(), GmshError> {
+    /// Nodes of version 2.
+    fn read_list(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         let said: u64 = scanner.number("a whole number from 0 on")?;
         scanner.begin_bytes()?;
         for _ in 0..said {
             self.add_tag(scanner)?;
             self.add_point(scanner)?;
-            pass(scanner)?;
         }
         Ok(())
     }
@@ -132,21 +122,6 @@ impl FileNodes {
         self.points.push([scanner.real()?, scanner.real()?, scanner.real()?]);
         Ok(())
     }
-}
-
-#[expect(clippy::unnecessary_wraps, reason = "has the type of `pass_over_parameters`")]
-fn pass_over_nothing(_: &mut Scanner<'_>) -> Result<(), GmshError> {
-    Ok(())
-}
-
-/// Passes over the dimension and the number of an entity, and the parameters there: one on a curve, two on a surface.
-fn pass_over_parameters(scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
-    let (dimension, _entity) = (scanner.whole()?, scanner.whole()?);
-    let parameters = if dimension == 1 || dimension == 2 { dimension } else { 0 };
-    for _ in 0..parameters {
-        scanner.real()?;
-    }
-    Ok(())
 }
 
 /// Reads the head of a section with blocks: the number of blocks, then that of nodes or elements and, in version 4.1,

@@ -5,6 +5,7 @@
 //! ([`Exact`](super::Exact)), the numbers are the same on all machines.
 
 use super::segment;
+use crate::problem::choices::choices;
 use crate::problem::field::{Field, Sample, bump, falling, hill, product};
 use std::f64::consts::PI;
 
@@ -19,19 +20,9 @@ pub enum CubeExact {
     FreeDisc,
 }
 
+choices!(CubeExact, 3: FullContact = "full-contact", FreeStrip = "free-strip", FreeDisc = "free-disc");
+
 impl CubeExact {
-    /// Every problem.
-    pub const ALL: [Self; 3] = [Self::FullContact, Self::FreeStrip, Self::FreeDisc];
-
-    /// The name used in `exact(name)`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FullContact => "full-contact",
-            Self::FreeStrip => "free-strip",
-            Self::FreeDisc => "free-disc",
-        }
-    }
-
     /// The solution at a point of the closed cube.
     pub fn at(self, point: [f64; 3]) -> Sample<3> {
         self.field(point).into()

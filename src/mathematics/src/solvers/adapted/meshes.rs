@@ -15,11 +15,12 @@ use crate::levels::{
 };
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
-    Bisected, CellsBefore, MeshLoad, MeshSource, NestedMeshes, PlaneMesh, Sides, assemble_sides,
-    bisect, label_longest_edges, mesh_load, mesh_load_after,
+    Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
+    label_longest_edges, mesh_load, mesh_load_after,
 };
 use crate::multigrid::{Goal, InputError, MultigridParams};
-use crate::multilevel::{Improved, improve_on_nested_networks};
+use crate::multilevel::{Improved, Start, improve_on_nested_networks};
+use crate::problem::source::Source;
 use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
 use crate::solvers::reach::Refining;
@@ -33,6 +34,8 @@ const STEPS: usize = 4;
 /// KKT residual over the largest load up to which a vector has converged: on well-shaped cells the first steps leave a
 /// tenth of that.
 const TOLERANCE: f64 = 0.02;
+/// Residual, likewise, where steps are slow, as on stretched cells, whose bounds feel smaller ones.
+const SLOW_TOLERANCE: f64 = 0.005;
 /// Part of the square of the error that the marked cells have at most.
 const MARKED: f64 = 0.65;
 /// Least such part, where little is missing.
@@ -51,7 +54,8 @@ const LEAST_ERRORS: usize = 4;
 const COST: usize = 16;
 /// Number of nodes up to which the polygon of a curved domain may be too coarse for a flux that balances f.
 const COARSE: usize = 1000;
-/// Number of nodes up to which rounding errors may leave a mesh without a bound.
+/// Number of nodes up to which rounding errors may leave a mesh without a bound, or long cells with one that is larger
+/// than the solution.
 const MOST_WITHOUT_BOUND: usize = 100_000;
 
 /// Meshes so far, with the solution on the finest.
@@ -59,11 +63,12 @@ pub(super) struct Meshes<'a> {
     adaption: &'a Adaption<'a>,
     /// Is told each step.
     ended: Watch<'a>,
-    f: MeshSource<2>,
+    /// f on each region.
+    f: Vec<Source>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
-    /// True if cells are stretched, so that the networks before the last one are of no use.
-    is_stretched: bool,
+    /// True if the networks before the last one are of little use, as on stretched cells.
+    is_slow: bool,
     /// Cells that were marked for each mesh but the first.
     marks: Vec<Vec<u32>>,
     /// Number of the connected component of each node of the finest mesh.
@@ -83,6 +88,8 @@ pub(super) struct Meshes<'a> {
     pub(super) found: Result<LocalBounds, NoBound>,
     /// Number of nodes and guaranteed error of each mesh so far that has one.
     errors: Vec<[f64; 2]>,
+    /// True if the last such error may be larger than the solution.
+    is_vague: bool,
     /// Part of the square of the error that the cells had that were marked last.
     marked: f64,
     /// Part of their square that their bisections are expected to take away.
@@ -100,7 +107,7 @@ impl<'a> Meshes<'a> {
         ended(Step::Mesh);
         let load = mesh_load(&mesh, &f)?;
         ended(Step::Load);
-        f.check_scale(&load)?;
+        load.check_scale(&f)?;
         Ok(Self {
             adaption,
             ended,
@@ -108,7 +115,7 @@ impl<'a> Meshes<'a> {
             component_of: network.components(),
             all: vec![mesh],
             networks: vec![NestedNetwork { network, parents: Vec::new() }],
-            is_stretched: false,
+            is_slow: false,
             marks: Vec::new(),
             sides,
             load,
@@ -118,6 +125,7 @@ impl<'a> Meshes<'a> {
             bounds: Vec::new(),
             found: Err(NoBound::NotFinite),
             errors: Vec::new(),
+            is_vague: false,
             marked: MARKED,
             gain: GAIN,
         })
@@ -136,7 +144,8 @@ impl<'a> Meshes<'a> {
             return if self.is_coarse() { Ok(Err(reason.into())) } else { Err(reason.into()) };
         }
         let has_solution = self.check(&found, 0.0).is_ok();
-        let goal = Goal::Kkt(TOLERANCE * largest(&self.load.load));
+        let tolerance = if self.is_slow { SLOW_TOLERANCE } else { TOLERANCE };
+        let goal = Goal::Kkt(tolerance * largest(&self.load.load));
         let params = MultigridParams { goal, least_cycles: STEPS, ..MultigridParams::default() };
         let bounds = self.improve(&params, has_solution)?;
         self.note(&bounds);
@@ -169,11 +178,11 @@ impl<'a> Meshes<'a> {
     ) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
         let law = self.adaption.law;
         let problem = law.with_load(&self.load.load);
-        let first = if self.is_stretched { self.networks.len() - 1 } else { 0 };
-        let start = self.y.as_deref().filter(|_| self.networks.len() > 1);
+        let y = self.y.as_deref().filter(|_| self.networks.len() > 1);
         let usual = MultigridParams::default();
-        let params = if start.is_some() { params } else { &usual };
-        let solved = improve_on_nested_networks(&self.networks[first..], problem, start, params);
+        let params = if y.is_some() { params } else { &usual };
+        let start = Start { y, is_slow: self.is_slow };
+        let solved = improve_on_nested_networks(&self.networks, problem, start, params);
         (self.ended)(Step::Solver);
         let Improved { y, end, is_slow } = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
@@ -181,7 +190,7 @@ impl<'a> Meshes<'a> {
             }
             solved => solved?,
         };
-        self.is_stretched |= is_slow;
+        self.is_slow = is_slow;
         // The bound is the goal: rounding errors are small enough.
         let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };
         let end = End { stop, ..end };
@@ -204,12 +213,15 @@ impl<'a> Meshes<'a> {
     fn note(&mut self, bounds: &Result<LocalBounds, NoBound>) {
         if let Ok(LocalBounds { bounds, .. }) = bounds {
             self.errors.push([self.nodes() as f64, bounds.error[1]]);
+            self.is_vague = bounds.relative() > 1.0;
         }
     }
 
-    /// True if the error has hardly fallen while the number of nodes has doubled, twice; the first meshes do not tell.
+    /// True if the error has hardly fallen while the number of nodes has doubled, twice; the first meshes do not tell,
+    /// and bounds that are larger than the solution do not while meshes are coarse.
     fn has_stalled(&self) -> bool {
-        if self.errors.len() < LEAST_ERRORS {
+        let is_vague = self.is_vague && self.nodes() <= MOST_WITHOUT_BOUND;
+        if is_vague || self.errors.len() < LEAST_ERRORS {
             return false;
         }
         let Some(&[nodes, error]) = self.errors.last() else { return false };
@@ -366,7 +378,8 @@ impl Refining for Meshes<'_> {
         (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
-        let levels = Triangulations::of(nested, self.f, self.load).with_errors(errors);
+        let levels =
+            Triangulations::of(nested, (self.f, self.adaption.f), self.load).with_errors(errors);
         let run = Run {
             solver: Solver::Multigrid,
             y,

@@ -8,7 +8,7 @@ use super::{
     PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
 };
 use crate::discrete::contact::ContactArc;
-use crate::mesh::{Condition, MeshSource, Names, PlaneMesh, boundary_curves, centroid};
+use crate::mesh::{Condition, Names, PlaneMesh, boundary_curves, centroid};
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -36,7 +36,7 @@ pub(crate) struct PlaneTruth {
 /// [`PlaneError`].
 pub(crate) fn solve_on_mesh(
     mesh: &PlaneMesh,
-    f: &MeshSource<2>,
+    f: &[Source],
     law: Law,
 ) -> Result<PlaneTruth, PlaneError> {
     let height = height(mesh, f);
@@ -56,19 +56,15 @@ pub(crate) fn solve_on_mesh(
 ///
 /// # Errors
 /// [`PlaneError`].
-pub(crate) fn check_on_mesh(
-    mesh: &PlaneMesh,
-    f: &MeshSource<2>,
-    law: Law,
-) -> Result<(), PlaneError> {
+pub(crate) fn check_on_mesh(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), PlaneError> {
     problem(mesh, f, law, height(mesh, f)).map(|_| ())
 }
 
 /// Power of two next to the largest value of f in the middle of a cell, or on a piece: a unit that changes no digit.
-fn height(mesh: &PlaneMesh, f: &MeshSource<2>) -> f64 {
+fn height(mesh: &PlaneMesh, f: &[Source]) -> f64 {
     let mut largest = 0.0f64;
     for (cell, &region) in mesh.cells().iter().zip(mesh.regions()) {
-        let f = f.on(region);
+        let f = &f[usize::from(region)];
         let here = f.largest().unwrap_or_else(|| f.at(centroid(mesh.vertices(cell))).abs());
         largest = largest.max(here);
     }
@@ -166,6 +162,16 @@ impl PlaneTruth {
         values.into_iter().map(|v| self.height * v).collect()
     }
 
+    /// v and its gradient at a point; none outside of the domain, or as near to its boundary as rounding errors.
+    pub(crate) fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
+        let &[x, y] = point else { return None };
+        let is_inside = self.problem.domain.contains([x, y]);
+        is_inside.then(|| {
+            let gradient = self.solution.gradient([x, y]).map(|slope| self.height * slope);
+            (self.height * self.solution.value([x, y]), gradient)
+        })
+    }
+
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
     /// beside it.
     pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
@@ -214,7 +220,7 @@ impl PlaneTruth {
 /// [`PlaneError`] if the boundary is neither straight nor on circles, or f is of a kind that is not served.
 fn problem(
     mesh: &PlaneMesh,
-    f: &MeshSource<2>,
+    f: &[Source],
     law: Law,
     height: f64,
 ) -> Result<PlaneProblem, PlaneError> {
@@ -239,15 +245,15 @@ fn in_unit(f: &Source, height: f64) -> Source {
 /// Returns f as the solver takes it.
 fn source(
     mesh: &PlaneMesh,
-    f: &MeshSource<2>,
+    f: &[Source],
     domain: &PlaneDomain,
     height: f64,
 ) -> Result<PlaneSource, PlaneError> {
     let mut in_use = mesh.regions().to_vec();
     in_use.sort_unstable();
     in_use.dedup();
-    let first = f.on(in_use[0]);
-    if in_use.iter().all(|&region| f.on(region) == first) {
+    let first = &f[usize::from(in_use[0])];
+    if in_use.iter().all(|&region| f[usize::from(region)] == *first) {
         if !first.is_smooth() {
             return Ok(PlaneSource::Pieces(in_unit(first, height)));
         }
@@ -261,7 +267,7 @@ fn source(
     }
     let mut values = vec![0.0; mesh.region_names().len()];
     for region in in_use {
-        match f.on(region) {
+        match &f[usize::from(region)] {
             Source::Pieces { background, pieces } if pieces.is_empty() => {
                 values[usize::from(region)] = background / height;
             }

@@ -4,13 +4,14 @@ use super::{LoopStart, PlaneProblem, PlaneSide, PlaneStart, SidePlace};
 use crate::discrete::contact::reach;
 use crate::discrete::kkt::judge;
 use crate::mesh::{
-    AnyMesh, ClosedCurve, Condition, MeshSource, NestedMeshes, PlaneMesh, boundary_curves,
-    mesh_load, nested_meshes,
+    AnyMesh, ClosedCurve, Condition, NestedMeshes, PlaneMesh, boundary_curves, mesh_load,
+    nested_meshes,
 };
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::complex::Complex;
 use crate::problem::law::{BoundaryState, Law};
+use crate::problem::source::Source;
 use std::collections::HashMap;
 
 /// Most refinements of the first mesh.
@@ -29,7 +30,7 @@ impl MeshSolution {
     /// Solution on the finest refinement of a mesh with no more nodes than this, about; none if there is no solution.
     pub(super) fn new(
         coarsest: &PlaneMesh,
-        f: &MeshSource<2>,
+        f: &[Source],
         law: Law,
         most_nodes: f64,
     ) -> Option<Self> {
@@ -37,7 +38,7 @@ impl MeshSolution {
         let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
         let NestedMeshes { meshes, networks } = nested_meshes(coarsest, fits.count()).ok()?;
         let (finest, network) = (meshes.last()?, &networks.last()?.network);
-        let load = mesh_load(finest, f).ok()?.load;
+        let load = mesh_load(finest, &f.to_vec()).ok()?.load;
         let params = MultigridParams::default();
         let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
         let judgement = judge(network, law, &y, &load);

@@ -1,0 +1,221 @@
+//! Studies of `solve`: `--vary`, and scenes that vary something.
+//!
+//! Central is [`solve`]: the statements of all members, each checked and solved beside others, and their table.
+
+use super::SolveArgs;
+use super::request::{check_fineness, coarsest, stated};
+use super::save;
+use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::found;
+use crate::pipeline::{InputFile, InputFiles, bar};
+use crate::replication::fields::table::Voice;
+use crate::replication::fields::vary::Vary;
+use crate::replication::mesh_files::path_of;
+use crate::replication::numbers::Numbers;
+use crate::replication::scene::Scene;
+use crate::replication::stages::study::numbers;
+use crate::replication::study::{Member, Study};
+use crate::table::Table;
+use crate::timing::machine;
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use serde_json::{Map, Value, json};
+use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::solvers::Memory;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// Most members whose reasons are printed.
+const MOST_REASONS: usize = 5;
+
+/// Members to be solved.
+pub(super) struct Asked {
+    /// Name of the scene or the domain, and f, in the first line of the answer.
+    title: String,
+    study: Study,
+    /// Files of the meshes.
+    files: InputFiles,
+}
+
+impl Asked {
+    /// Returns the study for which the arguments ask, checked but for whether its members have solutions; none if they
+    /// ask for one solution.
+    pub(super) fn read(args: &SolveArgs) -> Result<Option<Self>> {
+        let scene = args.scene.as_deref().map(crate::cli::scene).transpose()?;
+        let of_scene = scene.as_ref().and_then(|scene| scene.study.as_ref());
+        let study = match (of_scene, args.vary.is_empty()) {
+            (None, true) if args.csv.is_some() => {
+                return Err(Error::input(
+                    "--csv is the table of a study; add --vary NAME=VALUE,VALUE, or leave it out",
+                ));
+            }
+            (None, true) => return Ok(None),
+            (Some(_), false) => {
+                return Err(Error::input(
+                    "--vary does not go with a scene that varies something; change the scene, or leave it out",
+                ));
+            }
+            (Some(study), true) => over(study, args)?,
+            (None, false) => varied(args, scene.as_ref())?,
+        };
+        args.refuse_files_of_one()?;
+        let mut asked = Self { title: String::new(), study, files: InputFiles::new() };
+        asked.check(args, scene.as_ref())?;
+        let first = &asked.study.members[0].statement;
+        let f = args.fields.f.as_deref().unwrap_or(&first.f);
+        asked.title = match &scene {
+            Some(scene) => format!("{}: {}", scene.name, scene.title),
+            None => format!("{}: f = {f}", first.domain.name),
+        };
+        if let Some(name) = &args.save {
+            save::save_study(name, (&args.fields, &args.vary), first)?;
+        }
+        Ok(Some(asked))
+    }
+
+    /// Refuses members that take too much memory, each kind of grid or mesh once, and finds their meshes.
+    fn check(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<()> {
+        let voice = if scene.is_some() { Voice::OverScene } else { Voice::Options };
+        let memory = Memory::new(machine::available_memory());
+        let mut checked = BTreeSet::new();
+        for Member { statement, .. } in &self.study.members {
+            let kind =
+                format!("{:?} {:?} {}", statement.domain, statement.fineness, statement.solver);
+            if !checked.insert(kind) {
+                continue;
+            }
+            let mesh = coarsest(statement, scene)?;
+            check_fineness(mesh.as_ref(), statement, voice, memory)?;
+            let Some(path) = path_of(&statement.domain).filter(|_| args.scene.is_none()) else {
+                continue;
+            };
+            let file = InputFile::new(found(Path::new(&statement.domain.name)));
+            self.files.insert(path, file);
+        }
+        self.files.extend(scene.into_iter().flat_map(|scene| scene.files.clone()));
+        Ok(())
+    }
+
+    /// Solves the members, beside each other; returns their numbers in their order.
+    fn solve(&self) -> Result<Vec<Numbers>> {
+        let bar = bar("[{bar:30}] {pos} of {len}  {elapsed}");
+        if let Some(bar) = &bar {
+            bar.set_length(self.study.members.len() as u64);
+        }
+        let never = AtomicBool::new(false);
+        let solved = self.study.members.par_iter().map(|member| {
+            let numbers = numbers(&member.statement, &self.files, &never);
+            bar.iter().for_each(|bar| bar.inc(1));
+            numbers
+        });
+        let solved = solved.collect();
+        bar.iter().for_each(ProgressBar::finish_and_clear);
+        solved
+    }
+}
+
+/// Returns the study of a scene with what the options have in place of its own.
+fn over(study: &Study, args: &SolveArgs) -> Result<Study> {
+    let mut study = study.clone();
+    for member in &mut study.members {
+        member.statement = args.fields.over(member.statement.clone(), Voice::OverScene)?;
+    }
+    Ok(study)
+}
+
+/// Returns the study of what `--vary` names.
+fn varied(args: &SolveArgs, scene: Option<&Scene>) -> Result<Study> {
+    let voice = if scene.is_some() { Voice::OverScene } else { Voice::Options };
+    let vary = Vary::of_options(&args.vary);
+    let vary = vary.map_err(|reason| Error::input(format!("--vary: {reason}")))?;
+    let mut study = Study::of(&vary.names);
+    for (values, fields) in vary.members.iter().zip(vary.fields(&args.fields, voice)?) {
+        let statement = stated(&fields, scene).map(|(statement, _)| statement);
+        let statement = statement.map_err(|e| match e {
+            Error::Input(text) => Error::input(format!("with {}: {text}", study.in_words(values))),
+            other => other,
+        })?;
+        study.members.push(Member { values: values.clone(), statement });
+    }
+    Ok(study)
+}
+
+/// Solves a study, prints its table, and writes the file that is asked for.
+///
+/// # Errors
+/// [`Error::Stage`] if no member has a solution.
+pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
+    let file = args.csv.as_deref().map(OutputFile::check).transpose()?;
+    let (study, solved) = (&asked.study, asked.solve()?);
+    let csv = file.as_ref().map(|file| file.write(study.table(&solved).csv().as_bytes()));
+    // The answer is not lost with the file.
+    if args.json {
+        say(&lines(study, &solved))
+    } else {
+        let head = paragraph(&format!("{}\n", asked.title));
+        say(&(head + &in_columns(&for_people(study, &solved))))?;
+        tell(&paragraph(&study.reasons(&solved, MOST_REASONS)))
+    }?;
+    csv.transpose()?;
+    if let Some(file) = file.filter(|_| !args.json) {
+        tell(&format!("wrote {}\n", file.path().display()))?;
+    }
+    match solved.iter().map(Numbers::reason).collect::<Option<Vec<_>>>() {
+        Some(reasons) => {
+            Err(Error::Stage(vec![format!("no member has a solution: {}", reasons[0])]))
+        }
+        None => Ok(0),
+    }
+}
+
+/// Returns a line of JSON for each member: its values, and all columns.
+fn lines(study: &Study, solved: &[Numbers]) -> String {
+    let mut text = String::new();
+    for (member, numbers) in study.members.iter().zip(solved) {
+        let mut line = Map::new();
+        line.insert("schema".into(), json!(1));
+        for (name, value) in study.names.iter().zip(&member.values) {
+            let number = serde_json::from_str(value).ok().filter(Value::is_number);
+            line.insert(name.clone(), number.unwrap_or_else(|| json!(value)));
+        }
+        for column in study.found() {
+            line.insert(column.into(), numbers.value(column));
+        }
+        text += &(Value::Object(line).to_string() + "\n");
+    }
+    text
+}
+
+/// Returns the table with the digits that are read, and what is asked for first on the left.
+fn for_people(study: &Study, solved: &[Numbers]) -> Table {
+    const SHOWN: [(&str, &str, usize); 6] = [
+        ("energy", "energy", 7),
+        ("contact_length", "contact", 4),
+        ("force", "force", 4),
+        ("v_least", "v from", 4),
+        ("v_greatest", "to", 4),
+        ("nodes", "nodes", 0),
+    ];
+    let mut head = study.names.clone();
+    head.extend(["energy", "error"].map(str::to_owned));
+    head.extend(SHOWN[1..].iter().map(|(_, name, _)| (*name).to_owned()));
+    let mut table = Table::new(head, &[]);
+    for (member, numbers) in study.members.iter().zip(solved) {
+        let mut cells = Vec::new();
+        for (column, _, digits) in SHOWN {
+            let number = numbers.number(column);
+            cells.push(number.map_or_else(String::new, |number| match digits {
+                0 => number.to_string(),
+                digits => plain(number, digits),
+            }));
+        }
+        let error = numbers.number("error_relative");
+        let error =
+            error.map_or_else(String::new, |error| format!("{} %", plain(100.0 * error, 3)));
+        cells.insert(1, error);
+        table.rows.push([member.values.clone(), cells].concat());
+    }
+    table.with_columns(|_| true)
+}

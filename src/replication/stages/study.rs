@@ -1,0 +1,211 @@
+//! Tasks of a study: one for each member, the table of all, and its chart.
+
+use super::{from_json, solve, tabulate, to_json};
+use crate::figures::{Chart, Curve, Picture, Scale, Stroke, charts};
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
+use crate::replication::mesh_files::path_of;
+use crate::replication::numbers::Numbers;
+use crate::replication::scene::{Output, Scene};
+use crate::replication::study::{Axes, Member, Study, number};
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::statement::Statement;
+use std::sync::atomic::AtomicBool;
+
+/// Artifact with the [`Numbers`] of a member.
+const NUMBERS: &str = "numbers.json";
+
+/// Returns the tasks of a study.
+pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for (member, task) in members(scene) {
+        let Member { statement, .. } = member;
+        let path = path_of(&statement.domain);
+        let file = path.and_then(|path| scene.files.get_key_value(&path));
+        let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
+        tasks.push(Task::new(task, statement, Vec::new(), made).with_files(files));
+    }
+    if scene.wants(Output::Table) {
+        tasks.extend(Tabulated::task(scene));
+    }
+    tasks
+}
+
+/// Returns the members of a scene, each with the id of its task.
+pub(super) fn members(scene: &Scene) -> impl Iterator<Item = (&Member, String)> {
+    let mut members = Vec::new();
+    if let Some(study) = &scene.study {
+        for member in &study.members {
+            members.push((member, id(&scene.name, study, &member.values)));
+        }
+    }
+    members.into_iter()
+}
+
+/// Most bytes of the names and values in the id of a task, which names files.
+const MOST_BYTES: usize = 120;
+
+/// Id of the task of a member: with its values, so that it stays when others are added.
+fn id(scene: &str, study: &Study, values: &[String]) -> String {
+    let mut pairs = Vec::new();
+    for (name, value) in study.names.iter().zip(values) {
+        let shown = value.replace('/', "_");
+        let is_plain = shown.chars().all(|c| c.is_ascii_alphanumeric() || "._-+".contains(c));
+        let shown = if is_plain { shown } else { digest(value) };
+        pairs.push(format!("{name}={shown}"));
+    }
+    let pairs = pairs.join(",");
+    let pairs = if pairs.len() <= MOST_BYTES { pairs } else { digest(&pairs) };
+    format!("solve/{scene}/{pairs}")
+}
+
+/// Returns some digits of the hash of a text.
+fn digest(text: &str) -> String {
+    hash(text.as_bytes())[..16].to_owned()
+}
+
+/// Solves the statement of a member.
+fn made(statement: &Statement, inputs: &Inputs) -> Made {
+    let numbers = numbers(statement, inputs.files, inputs.interrupted)?;
+    Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]))
+}
+
+/// Returns the numbers of a member, or the reason for which it has no solution; a mesh is read from these files.
+///
+/// # Errors
+/// [`Error::Interrupted`].
+pub(crate) fn numbers(
+    statement: &Statement,
+    files: &InputFiles,
+    interrupted: &AtomicBool,
+) -> Result<Numbers> {
+    match solve::solved(statement, files, interrupted) {
+        Ok(solved) => Ok(Numbers::of(statement, &solved)),
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
+    }
+}
+
+/// Study of a scene with this name.
+#[derive(Serialize, Deserialize)]
+struct Tabulated {
+    name: String,
+    study: Study,
+}
+
+/// Most members whose reasons stand below a table.
+const MOST_REASONS: usize = 3;
+
+impl Tabulated {
+    /// The task that makes the table of a study.
+    fn task(scene: &Scene) -> Option<Task> {
+        let study = Study { chart: None, ..scene.study.clone()? };
+        let needs = members(scene).map(|(_, task)| task).collect();
+        let tabulated = Self { name: scene.name.clone(), study };
+        let task = Task::new(tabulate::id(scene), &tabulated, needs, Self::made);
+        Some(task.exported_to(tabulate::FOLDER))
+    }
+
+    fn made(&self, inputs: &Inputs) -> Made {
+        let (study, mut all) = (&self.study, Vec::<Numbers>::new());
+        for member in &study.members {
+            all.push(from_json(inputs, &id(&self.name, study, &member.values), NUMBERS)?);
+        }
+        let table = study.table(&all);
+        let shown = tabulate::with_few_digits(&table, study.names.len());
+        // Reasons are sentences, and stand below.
+        let shown = shown.with_columns(|column| match &study.columns[..] {
+            [] => column != "reason",
+            columns => columns.iter().any(|wanted| wanted == column),
+        });
+        let note = study.reasons(&all, MOST_REASONS);
+        Ok(tabulate::files(&self.name, &table, &shown, &note))
+    }
+}
+
+/// Returns a line on the members of a study that have no solution, if there are any; `outcome` reads the artifact of
+/// this name of a task, or returns `None` for a task that is not concerned.
+pub(crate) fn without_solution(
+    scene: &Scene,
+    outcome: impl Fn(&str, &str) -> Option<Vec<u8>>,
+) -> Option<String> {
+    let (mut without, mut count) = (0, 0);
+    for (_, task) in members(scene) {
+        count += 1;
+        let Some(bytes) = outcome(&task, NUMBERS) else { continue };
+        let numbers = serde_json::from_slice::<Numbers>(&bytes).ok()?;
+        without += usize::from(numbers.reason().is_some());
+    }
+    let says = match scene.wants(Output::Table) {
+        true => format!("{}/{} says why", tabulate::FOLDER, tabulate::file(scene)),
+        false => format!("`signorini solve {}` says why", scene.name),
+    };
+    let name = &scene.name;
+    (without > 0)
+        .then(|| format!("{name}: {without} of {count} members without a solution; {says}"))
+}
+
+/// Draws the chart of a study: a curve for each of the other values that are varied.
+pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> std::result::Result<Picture, String> {
+    let study = scene.study.as_ref().ok_or("a chart is of a study")?;
+    let axes = study.chart.as_ref().ok_or("the study has no chart")?;
+    let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    for (member, task) in members(scene) {
+        let numbers: Numbers = from_json(inputs, &task, NUMBERS)?;
+        let label = axes.label(study, member);
+        let place = curves.iter().position(|(known, _)| *known == label);
+        let place = place.unwrap_or_else(|| {
+            curves.push((label, Vec::new()));
+            curves.len() - 1
+        });
+        let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
+        curves[place].1.extend(x.zip(y));
+    }
+    for (_, points) in &mut curves {
+        points.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    }
+    curves.retain(|(_, points)| !points.is_empty());
+    let [across, up] = axes.columns.each_ref();
+    if curves.is_empty() {
+        return Err(format!(
+            "no member has {across} and {up} to be drawn; on a logarithmic axis only what is positive is"
+        ));
+    }
+    let curves =
+        curves.into_iter().map(|(label, points)| Curve::new(Stroke::Marked, label, points));
+    let names = axes.columns.each_ref().map(|column| column.replace('_', " "));
+    let scales = axes.log.map(|log| if log { Scale::Logarithmic } else { Scale::Linear });
+    let chart = Chart::new(&scene.title, names.each_ref().map(String::as_str), curves.collect());
+    Ok(charts(false, &[chart.scaled(scales)]))
+}
+
+impl Axes {
+    /// Label of the curve to which a member belongs: the values that no axis shows.
+    fn label(&self, study: &Study, member: &Member) -> String {
+        let mut others = Vec::new();
+        for (name, value) in study.names.iter().zip(&member.values) {
+            if !self.columns.contains(name) {
+                others.push(format!("{name} = {value}"));
+            }
+        }
+        match others.is_empty() {
+            true => self.columns[1].replace('_', " "),
+            false => others.join(", "),
+        }
+    }
+
+    /// Value of a member with its numbers on an axis; none if it has none there.
+    fn value(
+        &self,
+        axis: usize,
+        study: &Study,
+        (member, numbers): (&Member, &Numbers),
+    ) -> Option<f64> {
+        let column = &self.columns[axis];
+        let value = match study.names.iter().position(|name| name == column) {
+            Some(place) => number(&member.values[place]),
+            None => numbers.number(column),
+        };
+        value.filter(|value| *value > 0.0 || !self.log[axis])
+    }
+}

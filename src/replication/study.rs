@@ -1,0 +1,160 @@
+//! Studies: scenes whose members have other values of some fields, or of names in f.
+
+use crate::replication::fields::keys::{AxisName, ChartFields};
+use crate::replication::fields::table::{Reading, Refused};
+use crate::replication::numbers::{COLUMNS, Numbers};
+use crate::table::Table;
+use serde::{Deserialize, Serialize};
+use signorini_mathematics::statement::Statement;
+
+/// Members of a study, and the axes of its chart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Study {
+    /// Names of what is varied, in the order of the columns.
+    pub(crate) names: Vec<String>,
+    /// In the order of the rows.
+    pub(crate) members: Vec<Member>,
+    /// Axes of the chart; none if there is no chart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) chart: Option<Axes>,
+    /// Columns of the table in Markdown and LaTeX; empty for all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) columns: Vec<String>,
+}
+
+/// One problem of a study.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Member {
+    /// Values in the order of the names, as options have them.
+    pub(crate) values: Vec<String>,
+    pub(crate) statement: Statement,
+}
+
+/// Axes of a chart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Axes {
+    /// Columns across and up.
+    pub(crate) columns: [String; 2],
+    /// True for a logarithmic axis.
+    pub(crate) log: [bool; 2],
+}
+
+/// Columns of texts, which no axis shows.
+const TEXTS: [&str; 2] = ["solver", "reason"];
+
+impl Study {
+    /// Study without members, which varies these names.
+    pub(crate) fn of(names: &[String]) -> Self {
+        Self { names: names.to_vec(), members: Vec::new(), chart: None, columns: Vec::new() }
+    }
+
+    /// Returns the axes that are given, or the usual ones.
+    ///
+    /// # Errors
+    /// [`Refused`] if there is no such column of numbers.
+    pub(crate) fn axes(&self, given: Option<&ChartFields>) -> Reading<Axes> {
+        let (mut x, mut y) = (None, None);
+        let mut log = [false; 2];
+        if let Some(given) = given {
+            (x, y) = (given.x.clone(), given.y.clone());
+            log = [AxisName::X, AxisName::Y].map(|axis| given.log.contains(&axis));
+        }
+        let columns: Vec<&str> = self.columns_of_numbers();
+        let first = columns.first().copied().unwrap_or_default();
+        let chosen = [x.unwrap_or_else(|| first.into()), y.unwrap_or_else(|| "energy".into())];
+        if let Some(unknown) = chosen.iter().find(|one| !columns.contains(&one.as_str())) {
+            let known = columns.join(", ");
+            let text = format!("`chart`: no column of numbers `{unknown}`; choose from {known}");
+            return Err(Refused::new("chart", text));
+        }
+        Ok(Axes { columns: chosen, log })
+    }
+
+    /// Returns the columns that are given for a table on a page.
+    ///
+    /// # Errors
+    /// [`Refused`] if there is no such column.
+    pub(crate) fn columns(&self, given: Option<&[String]>) -> Reading<Vec<String>> {
+        let known: Vec<&str> = self.names.iter().map(String::as_str).chain(self.found()).collect();
+        let given = given.unwrap_or_default();
+        match given.iter().find(|column| !known.contains(&column.as_str())) {
+            None => Ok(given.to_vec()),
+            Some(unknown) => {
+                let known = known.join(", ");
+                let text = format!("`columns`: no column `{unknown}`; choose from {known}");
+                Err(Refused::new("columns", text))
+            }
+        }
+    }
+
+    /// Columns of what was found, without those that are varied.
+    pub(crate) fn found(&self) -> Vec<&'static str> {
+        let mut columns = COLUMNS.to_vec();
+        columns.retain(|column| !self.names.iter().any(|name| name == column));
+        columns
+    }
+
+    /// Returns the table of the members with their numbers, with all digits: what was varied, then what was found.
+    pub(crate) fn table(&self, all: &[Numbers]) -> Table {
+        let found = self.found();
+        let head: Vec<String> =
+            self.names.iter().cloned().chain(found.iter().map(|&name| name.to_owned())).collect();
+        let mut left: Vec<usize> = (0..head.len()).collect();
+        left.retain(|&k| TEXTS.contains(&head[k].as_str()));
+        let mut table = Table::new(head, &left);
+        for (member, numbers) in self.members.iter().zip(all) {
+            table.rows.push([member.values.clone(), numbers.cells(&found)].concat());
+        }
+        table
+    }
+
+    /// Returns a line for each reason for which members have no solution, for the first `most` of them.
+    pub(crate) fn reasons(&self, all: &[Numbers], most: usize) -> String {
+        let (mut text, mut count) = (String::new(), 0);
+        for (member, numbers) in self.members.iter().zip(all) {
+            let Some(reason) = numbers.reason() else { continue };
+            count += 1;
+            if count <= most {
+                text += &format!("no solution with {}: {reason}\n", self.in_words(&member.values));
+            }
+        }
+        if count > most {
+            text += &format!("no solution of {} more\n", count - most);
+        }
+        text
+    }
+
+    /// Names of the columns of numbers.
+    fn columns_of_numbers(&self) -> Vec<&str> {
+        let mut columns = Vec::new();
+        for (place, name) in self.names.iter().enumerate() {
+            if self.members.iter().all(|member| number(&member.values[place]).is_some()) {
+                columns.push(name.as_str());
+            }
+        }
+        columns.extend(self.found().into_iter().filter(|column| !TEXTS.contains(column)));
+        columns
+    }
+
+    /// Refusal of a member with these values.
+    pub(crate) fn refused(&self, values: &[String], refused: Refused) -> Refused {
+        let Refused { field, text } = refused;
+        let field = if self.names.iter().any(|name| name == field) { "vary" } else { field };
+        Refused::new(field, format!("with {}: {text}", self.in_words(values)))
+    }
+
+    /// Returns the values of a member in words, as `friction = 0.2, refine = 3`.
+    pub(crate) fn in_words(&self, values: &[String]) -> String {
+        let pairs = self.names.iter().zip(values);
+        pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Returns the number that a value is, also of a fraction such as `1/64`.
+pub(crate) fn number(value: &str) -> Option<f64> {
+    let number = match value.split_once('/') {
+        Some((above, below)) => above.parse::<f64>().ok()? / below.parse::<f64>().ok()?,
+        None => value.parse().ok()?,
+    };
+    Some(number).filter(|number| number.is_finite())
+}

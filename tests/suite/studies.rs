@@ -1,0 +1,384 @@
+//! Studies: members as single solves, tables, charts, interrupts and refusals; and what calls the program from Python.
+
+use crate::common::{Project, Said, TABLE, interrupt, send, skip, wait_for_handler};
+use serde_json::Value;
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+const F: &str = "halfplane(1,0,0)=8; else=-9";
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// Project with the study `s`, of this f and these lines.
+fn with(f: &str, lines: &str) -> Project {
+    let project = Project::with(TABLE);
+    project.scene("s", &format!("title = \"t\"\nf = \"{f}\"\n{lines}\n"));
+    project
+}
+
+/// Study of four members, one of which has no solution.
+fn four() -> Project {
+    let lines = "vary = { friction = [0.1, 1], h = [\"1/8\", 16] }\noutputs = [\"table\", \"chart\"]\n\
+        chart = { x = \"friction\", y = \"force\", log = [\"x\"] }";
+    with(F, lines)
+}
+
+/// Rows of the table of a study in CSV, each with its cells by column.
+fn rows(project: &Project, file: &str) -> Vec<Value> {
+    let text = fs::read_to_string(project.path(file)).unwrap();
+    let mut lines = text.lines().map(|line| line.splitn(14, ',').map(str::to_owned));
+    let head: Vec<String> = lines.next().unwrap().collect();
+    let rows = lines.map(|cells| head.iter().cloned().zip(cells.map(Value::from)).collect());
+    rows.collect()
+}
+
+#[test]
+fn members_are_single_solves_to_the_last_bit() {
+    let project = four();
+    let said = project.run(&["run", "s"]);
+    assert!(said.err.contains("s: 2 of 4 members without a solution"), "{said:?}");
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let mut solved = 0;
+    for row in rows(&project, "report/tables/s.csv") {
+        let [g, h] = ["friction", "h"].map(|name| row[name].as_str().unwrap());
+        let single = project.run(&["solve", "--f", F, "--friction", g, "--h", h, "--json"]);
+        if single.code != Some(0) {
+            assert!(!row["reason"].as_str().unwrap().is_empty() && row["energy"] == "", "{row}");
+            continue;
+        }
+        solved += 1;
+        let single = single.json();
+        let bound = &single["bound"];
+        for (column, value) in [
+            ("energy", &single["energy"]),
+            ("energy_lower", &bound["energy"][0]),
+            ("energy_upper", &bound["energy"][1]),
+            ("error_relative", &bound["relative"]["error"]),
+            ("v_least", &single["v_least"]),
+            ("v_greatest", &single["v_greatest"]),
+            ("force", &single["force"]),
+            ("nodes", &single["unknowns"]),
+            ("iterations", &single["iterations"]),
+        ] {
+            assert_eq!(row[column], value.to_string(), "{column} of {row}");
+        }
+        assert_eq!(row["solver"], single["solver"]);
+    }
+    assert_eq!(solved, 2);
+    let chart = fs::read_to_string(project.path("figures/s-chart.csv")).unwrap();
+    assert_eq!(chart.lines().count(), 1 + solved, "{chart}");
+}
+
+#[test]
+fn tables_are_there_for_pages_and_papers_of_every_scene() {
+    let project = four();
+    project.run(&["run"]).lines();
+    let read =
+        |name: &str| fs::read_to_string(project.path(&format!("report/tables/{name}"))).unwrap();
+    assert!(read("s.md").starts_with("| friction | h | energy |"));
+    assert!(
+        read("s.md").contains("\nno solution with friction = 0.1, h = 1/8: the integral of f is")
+    );
+    assert!(read("s.tex").contains("\\toprule\nfriction & h & energy & energy lower &"));
+    assert!(read("s.tex").contains("\n$1$ & 1/8 & $-0."));
+    assert!(read("a.tex").contains("\\toprule\nrule & r & 1/4 & 1/8 & delta a"));
+    assert!(read("a.csv").starts_with("rule,r,1/4,1/8,delta_a"));
+}
+
+#[test]
+fn options_scenes_and_saved_scenes_are_one_study() {
+    let project = four();
+    let options = ["--vary", "friction=0.1,1", "--vary", "h=1/8,16"];
+    let mut saves = vec!["solve", "--f", F, "--save", "saved", "--csv", "by-options.csv"];
+    saves.extend(options);
+    project.run(&saves).lines();
+    project.run(&["run", "-k", "s", "saved"]).lines();
+    project.run(&["solve", "saved", "--csv", "of-scene.csv"]).lines();
+    let read = |path: &str| fs::read_to_string(project.path(path)).unwrap();
+    for path in ["report/tables/s.csv", "report/tables/saved.csv", "of-scene.csv"] {
+        assert_eq!(read(path), read("by-options.csv"), "{path}");
+    }
+    let json = project.run(&[&["solve", "--f", F, "--json"][..], &options].concat());
+    let lines: Vec<Value> = json.lines().iter().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(lines.len(), 4);
+    assert_eq!(lines[2]["friction"], 1);
+    assert_eq!(lines[2]["h"], "1/8");
+    assert_eq!(
+        lines[2]["energy"].to_string(),
+        rows(&project, "of-scene.csv")[2]["energy"].as_str().unwrap()
+    );
+    let text = project.run(&[&["solve", "--f", F][..], &options].concat());
+    assert!(text.lines().iter().all(|line| line.len() <= 80), "{text:?}");
+}
+
+#[test]
+fn a_value_more_solves_one_member_more() {
+    let project = with(
+        "disc(0,0,$R)=4; else=-1",
+        "vary = { R = [0.1, 0.2] }\nh = \"1/8\"\noutputs = [\"table\"]",
+    );
+    let ran = project.run(&["run", "-v", "s"]);
+    assert_eq!(ran.ran(), ["solve/s/R=0.1", "solve/s/R=0.2", "tabulate/s"]);
+    project.run(&["run", "s"]).nothing_to_do();
+    let scene = fs::read_to_string(project.path("pipeline/scenes/s.toml")).unwrap();
+    project.scene("s", &scene.replace("[0.1, 0.2]", "[0.05, 0.1, 0.2]"));
+    assert_eq!(project.run(&["run", "-v", "s"]).ran(), ["solve/s/R=0.05", "tabulate/s"]);
+    // As an engine runs a member.
+    project.scene("s", &scene.replace("[0.1, 0.2]", "[0.01]"));
+    assert_eq!(project.run(&["run", "-v", "--task", "solve/s/R=0.01"]).ran(), ["solve/s/R=0.01"]);
+}
+
+#[test]
+fn a_list_of_tables_is_one_product_after_the_other() {
+    let lines = "vary = [{ friction = 1, h = [8, 16] }, { h = 4, friction = 2 }]\noutputs = [\"table\"]\n\
+        columns = [\"friction\", \"energy\"]";
+    let project = with(F, lines);
+    project.run(&["run", "s"]).lines();
+    let pairs: Vec<_> = rows(&project, "report/tables/s.csv")
+        .iter()
+        .map(|row| format!("{} {}", row["friction"].as_str().unwrap(), row["h"].as_str().unwrap()))
+        .collect();
+    assert_eq!(pairs, ["1 8", "1 16", "2 4"]);
+    let markdown = fs::read_to_string(project.path("report/tables/s.md")).unwrap();
+    assert!(markdown.starts_with("| friction | energy |\n"), "{markdown}");
+}
+
+/// Study of so many members.
+fn of(members: usize) -> Project {
+    let values: Vec<_> = (1..=members).map(|k| format!("{}", 1.0 + k as f64 / 1000.0)).collect();
+    let values = values.join(", ");
+    with(F, &format!("h = \"1/4\"\nvary = {{ friction = [{values}] }}\noutputs = [\"table\"]"))
+}
+
+#[test]
+fn a_thousand_members_are_solved_once() {
+    let project = of(1000);
+    let said = project.run(&["run", "s"]);
+    assert!(said.lines().iter().any(|line| line.starts_with("solve     1000 of 1000")), "{said:?}");
+    project.run(&["run", "s"]).nothing_to_do();
+    assert_eq!(rows(&project, "report/tables/s.csv").len(), 1000);
+}
+
+#[test]
+fn killed_and_interrupted_studies_go_on_where_they_were() {
+    let whole = of(200);
+    whole.run(&["run", "s"]).lines();
+    let table = fs::read(whole.path("report/tables/s.csv")).unwrap();
+    for signal in ["KILL", "INT"] {
+        let project = of(200);
+        let mut command = project.command(&["run", "-v", "-j", "1", "s"]);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_handler(&child);
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let ran =
+            lines.by_ref().filter(|l| l.as_ref().is_ok_and(|l| l.starts_with("ran "))).take(20);
+        assert_eq!(ran.count(), 20);
+        if signal == "INT" {
+            interrupt(&child);
+        } else {
+            send(signal, &child);
+        }
+        let before = 20 + lines.filter(|l| l.as_ref().is_ok_and(|l| l.starts_with("ran "))).count();
+        child.wait().unwrap();
+        let after = project.run(&["run", "-v", "s"]).ran().len();
+        // The member at work when a run is killed may be solved again.
+        assert!((200..=202).contains(&(before + after)) && after < 185, "{before} + {after}");
+        assert_eq!(fs::read(project.path("report/tables/s.csv")).unwrap(), table, "{signal}");
+    }
+}
+
+#[test]
+fn a_study_without_any_solution_fails_in_solve() {
+    let project = Project::with(TABLE);
+    let said = project.run(&["solve", "--f", F, "--vary", "friction=0.01,0.02"]);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    assert!(said.out.contains("no solution with friction = 0.02"), "{said:?}");
+    assert!(said.err.starts_with("error: no member has a solution: the integral"), "{said:?}");
+}
+
+#[test]
+fn mistakes_in_studies_are_refused_with_their_line() {
+    for (lines, words) in [
+        (
+            "vary = { frction = [1] }",
+            "line 3: `vary`: frction: no such field, and f has no $frction; the fields are f,",
+        ),
+        ("vary = { outputs = [\"table\"] }", "`vary`: outputs: no such field"),
+        ("vary = { energy = [1] }", "`energy` is a column of the answer"),
+        ("vary = { friction = [] }", "`friction` has no values"),
+        ("vary = {}", "nothing is varied; write vary = {"),
+        ("vary = 3", "expected a table of lists"),
+        ("vary = { friction = [1, 1.0] }", "friction = 1 is there twice"),
+        (
+            "vary = { friction = [1, -1] }",
+            "with friction = -1: friction = -1: must be a positive number",
+        ),
+        ("vary = { friction = [\"x\"] }", "`vary`: friction = x: invalid float"),
+        ("vary = [{ friction = 1 }, { h = 8 }]", "each table has the same names"),
+        (
+            "law = { friction = 1 }\nvary = { friction = [2] }",
+            "line 4: `vary`: friction: `friction` is given as well",
+        ),
+        ("grids = [4]\nvary = { h = [8] }", "both say how fine"),
+        (
+            "vary = { h = [8] }\nchart = { x = \"solver\" }\noutputs = [\"chart\"]",
+            "no column of numbers `solver`",
+        ),
+        ("vary = { h = [8] }\nchart = { x = \"h\" }", "add \"chart\" to `outputs`"),
+        ("vary = { h = [8] }\ncolumns = [\"x\"]", "no column `x`; choose from h, energy"),
+        ("vary = { h = [8] }\noutputs = [\"map\"]", "`map` shows one solution"),
+        ("vary = { h = [8] }\npaper_table = 1", "leave out `vary`"),
+        ("outputs = [\"chart\"]", "add `vary`, or drop it"),
+        ("columns = [\"energy\"]", "`columns` are of a study"),
+        ("solver = \"uzawa\"\nr = [1, 2]\nvary = { h = [8] }", "`r` has several values"),
+    ] {
+        let outputs = if lines.contains("outputs = [\"") && !lines.contains("{ outputs") {
+            ""
+        } else {
+            "\noutputs = [\"table\"]"
+        };
+        let project = with(F, &format!("{lines}{outputs}"));
+        let said = project.run(&["run", "s"]);
+        assert!(said.refusal().contains(words), "{words}: {said:?}");
+    }
+    let many: Vec<_> = (1..=101).map(|k| k.to_string()).collect();
+    let many = many.join(", ");
+    let lines = format!(
+        "vary = {{ max_iterations = [{many}], tolerance = [{many}] }}\noutputs = [\"table\"]"
+    );
+    let said = with(F, &lines).run(&["run", "s"]);
+    assert!(said.refusal().contains("there are 10201 members, more than 10000"), "{said:?}");
+    let said = with("disc(0,0,$R)=1; else=-1", "outputs = [\"table\"]").run(&["run", "s"]);
+    assert!(said.refusal().contains("f has $R, which has no values; add vary = { R ="), "{said:?}");
+}
+
+#[test]
+fn mistakes_in_options_of_studies_are_refused() {
+    let project = four();
+    for (args, words) in [
+        (&["--f", F, "--vary", "friction=x"][..], "--vary friction=x: invalid float"),
+        (&["--f", F, "--vary", "solver=multigrid,foo"], "--vary solver=foo: choose one of"),
+        (&["--f", F, "--friction", "1", "--vary", "friction=1"], "--friction is given as well"),
+        (&["--f", F, "--vary", "h=8", "--out", "v.npz"], "--out is about one solution"),
+        (&["--f", F, "--csv", "t.csv"], "add --vary NAME=VALUE,VALUE"),
+        (&["s", "--vary", "h=8"], "a scene that varies something"),
+        (&["a", "--vary", "friction=1"], "does not go with the domain of a scene"),
+        (&["--f", "disc(0,0,$R)=1; else=-1"], "--vary R=0.1,0.2"),
+        (&["--f", F, "--vary", "h=1/100000"], "--h 1/100000"),
+    ] {
+        let said = project.run(&[&["solve"], args].concat());
+        assert!(said.refusal().contains(words), "{words}: {said:?}");
+    }
+}
+
+#[test]
+fn solvers_files_and_values_with_commas_are_varied() {
+    let project = Project::with(TABLE);
+    let solve =
+        |args: &[&str]| project.run(&[&["solve", "--f", F, "--friction", "1"], args].concat());
+    let solvers = solve(&["--h", "1/16", "--vary", "solver=multigrid,active-set", "--json"]);
+    let lines: Vec<Value> =
+        solvers.lines().iter().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines[1]["solver"], "active-set");
+    assert!(
+        (lines[0]["energy"].as_f64().unwrap() - lines[1]["energy"].as_f64().unwrap()).abs() < 1e-12
+    );
+    let grids = solve(&["--vary", "grids=4,8|8,16"]);
+    assert!(grids.lines()[2].trim_start().starts_with("4,8 "), "{grids:?}");
+    let f = project.run(&[
+        "solve",
+        "--f",
+        "$F",
+        "--vary",
+        "F=else=-1|rect(-0.5,0,-0.5,0.5)=-2; else=-1",
+        "--h",
+        "8",
+    ]);
+    assert_eq!(f.lines().len(), 4, "{f:?}");
+    let gear = Path::new(ROOT).join("pipeline/meshes/gear.msh");
+    let gear = gear.to_str().unwrap();
+    let args = ["solve", "--domain", gear, "--f", "region(gear)=-1", "--vary", "refine=0,1"];
+    assert_eq!(project.run(&args).lines().len(), 4);
+}
+
+#[test]
+fn pictures_for_print_have_a_width_and_no_title() {
+    let project = with(
+        F,
+        "law = { friction = 1 }\noutputs = [\"map\"]\npicture = { width = \"85mm\", title = false }",
+    );
+    project.run(&["run", "s"]).lines();
+    let map = fs::read_to_string(project.path("figures/s-map.svg")).unwrap();
+    assert!(
+        map.contains(" width=\"85mm\" height=\"") && map.contains("<title>Map of v: t</title>"),
+        "{map}"
+    );
+    let args = ["solve", "s", "--map", "--no-title", "--width", "85mm", "--out", "v.svg"];
+    project.run(&args).lines();
+    let drawn = |path: &str| {
+        let text = fs::read_to_string(project.path(path)).unwrap();
+        text.lines()
+            .filter(|l| !l.starts_with("<title>") && !l.starts_with("<desc>"))
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    assert_eq!(drawn("v.svg"), drawn("figures/s-map.svg"));
+    let said = project.run(&["solve", "s", "--width", "5 ells", "--out", "v.svg"]);
+    assert!(said.code == Some(2) && said.err.contains("such as 85mm"), "{said:?}");
+    let said = project.run(&["solve", "s", "--no-title", "--out", "v.npz"]);
+    assert!(said.refusal().contains("--no-title is for a picture"), "{said:?}");
+}
+
+/// Runs Python with the module of this project and the program that the tests built; none without NumPy.
+fn python(args: &[&str]) -> Option<Output> {
+    let run = |args: &[&str]| {
+        let mut command = Command::new("python3");
+        command.args(args).current_dir(ROOT).env("PYTHONDONTWRITEBYTECODE", "1");
+        command.env("PYTHONPATH", "src/python").env("SIGNORINI", env!("CARGO_BIN_EXE_signorini"));
+        command.output()
+    };
+    if !run(&["-c", "import numpy"]).is_ok_and(|found| found.status.success()) {
+        skip("no python3 with numpy");
+        return None;
+    }
+    Some(run(args).unwrap())
+}
+
+#[test]
+fn the_notebook_has_the_outputs_that_it_keeps() {
+    let Some(output) = python(&["tests/notebook.py", "src/python/signorini.ipynb"]) else { return };
+    let said = Said::from(output);
+    assert_eq!(said.lines(), ["5 cells"]);
+}
+
+#[test]
+fn the_python_of_the_page_prints_what_it_shows() {
+    let page =
+        fs::read_to_string(Path::new(ROOT).join("report/templates/studies.md.tera")).unwrap();
+    let (_, rest) = page.split_once("```python\n").unwrap();
+    let (program, rest) = rest.split_once("```").unwrap();
+    let shown = rest.split_once("```text\n").unwrap().1.split_once("```").unwrap().0;
+    let Some(output) = python(&["-c", program]) else { return };
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), shown);
+}
+
+#[test]
+fn python_raises_the_line_of_the_program() {
+    let program = "import signorini\n\
+        try: signorini.solve(f='else=1')\n\
+        except signorini.Refused as e: print(e)\n\
+        square = signorini.solve(f='rect(-0.5,0.5,-0.5,0)=-3; else=1', h='1/8')\n\
+        middles = square.points[square.cells].mean(axis=1)\n\
+        print(((middles[:, 1] < 0) == (square.f == -3)).all(), square.v.shape, square.multiplier.shape)\n\
+        none = signorini.study({'friction': [0.01]}, f='else=-1')\n\
+        print(none['energy'], none['reason'][0][:15])\n";
+    let Some(output) = python(&["-c", program]) else { return };
+    let said = Said::from(output);
+    let want = [
+        "the integral of f is 1.000, but (2) asks for a negative one; lower f somewhere",
+        "True (81,) (81,)",
+        "[nan] the integral of",
+    ];
+    assert_eq!(said.lines(), want);
+}
