@@ -120,6 +120,30 @@ pub(super) fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
     }
 }
 
+/// Fits of a search so far.
+#[derive(Default)]
+pub(super) struct Effort {
+    /// Number of fits, which are steps of Newton's method.
+    pub steps: usize,
+    /// Number of operations of their least squares, `2 M N^2` each with M rows and N unknowns.
+    operations: f64,
+}
+
+impl Effort {
+    /// Adds a fit.
+    pub(super) fn add(&mut self, fit: &Fit) {
+        self.steps += 1;
+        self.operations += 2.0 * fit.rows as f64 * (fit.unknowns as f64).powi(2);
+    }
+
+    /// True if a search is to be given up: some twenty fits with a thousand unknowns, many hundred with a few hundred.
+    pub(super) fn is_spent(&self) -> bool {
+        /// Most operations, half a minute's at most.
+        const MOST: f64 = 2e11;
+        self.operations > MOST
+    }
+}
+
 /// Least number of rows per column.
 const ROWS: f64 = 2.5;
 

@@ -5,7 +5,7 @@
 //! function; so to move each end by `-K / (1.5 K1)` towards the free side is Newton's method.
 
 use super::boundary::{RingContact, State};
-use super::fit::Fit;
+use super::fit::{Effort, Fit};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 
@@ -30,13 +30,16 @@ pub(super) fn settle(
     setup: &Setup,
     contact: &mut [RingContact],
     level: &Level,
-    steps: &mut usize,
+    effort: &mut Effort,
 ) -> Option<Fit> {
     let mut last = f64::INFINITY;
     let mut shrinking = 0;
     for _ in 0..MOST {
+        if effort.is_spent() {
+            return None;
+        }
         let fit = Fit::new(setup, contact, level);
-        *steps += 1;
+        effort.add(&fit);
         let moves = end_steps(setup, contact, &fit);
         let largest = moves.iter().fold(0.0f64, |most, m| most.max(m.step.abs())) / setup.perimeter;
         let cut = moves.iter().any(|m| m.cut);

@@ -3,7 +3,7 @@
 use super::boundary::RingContact;
 use super::energy::Integrals;
 use super::field::{PlaneNode, Sizes, boundary_nodes};
-use super::fit::Fit;
+use super::fit::{Effort, Fit};
 use super::newton::{remove, settle};
 use super::setup::{Level, Setup};
 use super::signs::PlaneSigns;
@@ -33,15 +33,15 @@ impl PlaneFound {
         setup: &Setup,
         contact: &mut Vec<RingContact>,
         level: Level,
-        steps: &mut usize,
+        effort: &mut Effort,
         points: usize,
     ) -> Result<Self, PlaneError> {
-        let most = *steps + STEPS;
+        let most = effort.steps + STEPS;
         for _ in 0..CORRECTIONS {
-            if *steps > most {
+            if effort.steps > most {
                 break;
             }
-            let fit = settle(setup, contact, &level, steps).ok_or_else(|| {
+            let fit = settle(setup, contact, &level, effort).ok_or_else(|| {
                 let text = "the ends of the arcs that stick were not found: Newton's method did not settle";
                 PlaneError::NotFound(text.into())
             })?;
@@ -59,7 +59,7 @@ impl PlaneFound {
                         sizes,
                         signs,
                         integrals,
-                        steps: *steps,
+                        steps: effort.steps,
                     });
                 }
             }
@@ -86,20 +86,21 @@ impl PlaneFound {
 /// Solves a problem from a contact set.
 pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
-    let mut steps = 0;
+    let mut effort = Effort::default();
     let poles = if setup.narrow { 12.0 } else { 0.0 };
     let coarse = PlaneFound::on(
         setup,
         &mut contact,
         Level { poles, ..Level::COARSE },
-        &mut steps,
+        &mut effort,
         POINTS[0],
     )?;
     contact = coarse.contact;
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
         let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
-        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, &mut steps, POINTS[1]) {
+        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, &mut effort, POINTS[1])
+        {
             Ok(found) => {
                 let better =
                     best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());
