@@ -1,7 +1,7 @@
 //! What `solve` shows while it runs: on the way to an accuracy on adapted meshes a bar or lines, and its end; a bar
 //! while sparse factors are made.
 
-use super::truth::turning;
+use super::clock::turning;
 use crate::cli::interrupt::interrupted;
 use crate::pipeline::{bar, talk};
 use crate::replication::fields::table::Voice;
