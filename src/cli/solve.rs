@@ -75,9 +75,9 @@ pub(super) struct SolveArgs {
     ///
     /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. A .pvd lists a .vtu of
     /// each mesh, the coarsest first, and a .csv has v and its gradient at the points of --at and --line. The ending
-    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or of
-    /// the mesh of --refine. A picture is a shaded surface on the square and a map on every other domain in the plane,
-    /// unless --map or --surface says otherwise; a solution in space has none.
+    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or
+    /// of the mesh of --refine. A picture is a shaded surface on the square and a map on every other domain in the
+    /// plane, unless --map or --surface says otherwise; a solution in space has none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
@@ -202,7 +202,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if let Some(name) = &args.save {
         save::save(name, &request, problem.levels().facts().dimension)?;
     }
-    adapting::note(&request, &problem).iter().for_each(|note| talk(note));
+    adapting::note(&request.statement, request.voice, &problem).iter().for_each(|note| talk(note));
     let mut shown = ShownMeshes::new(&request.statement, args.verbose);
     // The first signal ends the way to an accuracy with the answer so far.
     let _at_work = adapting::of_meshes(&request.statement).map(|_| at_work());

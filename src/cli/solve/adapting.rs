@@ -1,10 +1,10 @@
 //! What `solve` shows while it runs: on the way to an accuracy on adapted meshes a bar or lines, and its end; a bar
 //! while sparse factors are made.
 
-use super::request::Request;
-use super::truth::turning;
+use super::clock::turning;
 use crate::cli::interrupt::interrupted;
 use crate::pipeline::{bar, talk};
+use crate::replication::fields::table::Voice;
 use crate::replication::written::error;
 use indicatif::ProgressBar;
 use signorini_mathematics::bounds::Accuracy;
@@ -91,15 +91,15 @@ impl ShownMeshes {
 
 /// Returns a note on an accuracy that linear elements reach with millions of nodes, if at all, where the true solution
 /// can be had.
-pub(super) fn note(request: &Request, problem: &Problem) -> Option<String> {
+pub(super) fn note(statement: &Statement, voice: Voice, problem: &Problem) -> Option<String> {
     /// Errors in the energy norm and of the energy that some million nodes reach on an L-shape.
     const HARDLY: [f64; 2] = [1e-3, 1e-6];
-    let accuracy = of_meshes(&request.statement)?;
+    let accuracy = of_meshes(statement)?;
     let is_hard = match accuracy {
         Accuracy::Error(wanted) => wanted < HARDLY[0],
         Accuracy::Energy(wanted) => wanted < HARDLY[1],
     };
-    let asked = request.voice.accuracy(accuracy);
+    let asked = voice.accuracy(accuracy);
     let text = format!(
         "note: {asked} takes millions of nodes, if they are enough; --solver spectral has the true solution"
     );

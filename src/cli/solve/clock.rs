@@ -1,6 +1,8 @@
 //! Clock of `solve`: where the time of the command went.
 
 use crate::cli::shown::brief;
+use crate::pipeline::bar;
+use indicatif::ProgressBar;
 use serde_json::{Map, Value};
 use signorini_mathematics::levels::Step;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -96,4 +98,12 @@ impl Clock {
         }
         format!("time: {}\n", parts.join(", "))
     }
+}
+
+/// A bar without a length, with what is done at the moment and the time that it takes.
+pub(super) fn turning(doing: &str) -> Option<ProgressBar> {
+    bar("{spinner} {msg}, {elapsed}").inspect(|bar| {
+        bar.set_message(doing.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+    })
 }

@@ -1,14 +1,13 @@
 //! Parts of an answer that only a true solution has: its numbers, and the checks that they stand.
 
 use super::bound::{self, BoundaryWords};
-use crate::pipeline::bar;
+use super::clock::turning;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::spectral::{PlaneChecks, TrueChecks};
-use std::time::Duration;
 
 /// Returns what only a true solution has.
 pub(super) fn json(solved: &Solved) -> Option<Value> {
@@ -91,14 +90,6 @@ fn checks(checks: &TrueChecks) -> String {
         }
     }
     text + "\n"
-}
-
-/// A bar without a length, with what is done at the moment and the time that it takes.
-pub(super) fn turning(doing: &str) -> Option<ProgressBar> {
-    bar("{spinner} {msg}, {elapsed}").inspect(|bar| {
-        bar.set_message(doing.to_owned());
-        bar.enable_steady_tick(Duration::from_millis(200));
-    })
 }
 
 /// Evaluates a solution at so many nodes, under a bar.
