@@ -182,7 +182,7 @@ fn a_reverted_edit_is_a_hit_and_survives_gc() {
         (
             vec![],
             vec![
-                "2 files written to figures/ and report/",
+                "4 files written to figures/ and report/",
                 "pipeline/lock.toml brought up to date"
             ]
         )

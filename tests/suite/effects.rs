@@ -252,7 +252,8 @@ fn a_scene_that_cannot_run_does_not_stop_the_others_where_the_run_is_to_go_on() 
     assert!(said.err.ends_with(
         "error: scene `b`: line 1: unknown field `x`, expected one of \
         `title`, `paper_table`, `f`, `domain`, `law`, `h`, `grids`, `solver`, `load`, `r`, `stop`, `draw_r`, \
-        `max_iterations`, `prolongation`, `tolerance`, `accuracy`, `accuracy_energy`, `outputs`\n"
+        `max_iterations`, `prolongation`, `tolerance`, `accuracy`, `accuracy_energy`, `outputs`, `vary`, `picture`, \
+        `chart`, `columns`\n"
     ));
     assert!(said.out.contains("solve"), "{said:?}");
     assert!(fs::read_to_string(lock).unwrap().contains("solve/b/"));

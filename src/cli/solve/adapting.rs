@@ -1,4 +1,4 @@
-//! What `solve` shows while it runs: on the way to an accuracy on adapted meshes a bar or lines, and its end; a bar
+//! Progress of `solve`: on the way to an accuracy on adapted meshes a bar or lines, and its end; a bar
 //! while sparse factors are made.
 
 use super::clock::turning;

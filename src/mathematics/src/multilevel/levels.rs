@@ -29,8 +29,8 @@ pub(super) struct NetworkLevels<'a> {
 impl<'a> NetworkLevels<'a> {
     /// Levels of nested meshes, and below them levels of aggregates until factors are cheap.
     ///
-    /// In aggregates of the coarsest mesh couplings above the part `strong` of the diagonal are strong. A single mesh is
-    /// renumbered, so that neighbours lie near each other in memory. Refined meshes are in a good order already.
+    /// In aggregates of the coarsest mesh couplings above the part `strong` of the diagonal are strong. A single mesh
+    /// is renumbered, so that neighbours lie near each other in memory. Refined meshes are in a good order already.
     pub(super) fn new(meshes: &'a [NestedNetwork], strong: f64) -> Self {
         let first = &meshes[0].network;
         let is_renumbered = meshes.len() == 1 && first.nodes() > MOST_DIRECT;

@@ -51,7 +51,7 @@ pub fn solve_nested_networks(
     Ok((y, end))
 }
 
-/// What is known before a run on nested networks.
+/// Facts known before a run on nested networks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Start<'a> {
     /// Nodal vector near the solution of the last network, in place of the solutions on the networks before it.

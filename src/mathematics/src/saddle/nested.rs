@@ -97,7 +97,8 @@ pub trait Monitor {
     /// Called after each iteration on this level, counted from 1.
     fn iteration(&mut self, _level: usize, _iteration: &Iteration) {}
 
-    /// Called before sparse factors of the finest level, with so many nodes, are made again and again, which takes time.
+    /// Called before sparse factors of the finest level, with so many nodes, are made again and again, which takes
+    /// time.
     fn factors(&mut self, _nodes: usize) {}
 
     /// Called at the end on each level, counted from 1, with the last pair.

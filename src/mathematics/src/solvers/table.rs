@@ -93,7 +93,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         solver: Solver::Spectral,
         name: "spectral",
         in_words: "spectral",
-        description: "The true solution of a domain in the plane, to ten digits and more; on the square to rounding",
+        description: "The true solution in the plane, to ten digits; on the square to rounding",
         run: truth,
         method: None,
         is_discrete: false,

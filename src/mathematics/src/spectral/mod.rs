@@ -1,5 +1,5 @@
 //! True solution: on the square to rounding, by a conformal map and a scalar Riemann-Hilbert problem; on any domain in
-//! the plane with straight and circular sides to ten digits and more ([`plane`]). Both are a [`TrueSolution`].
+//! the plane with straight and circular sides to ten digits and more (`plane`). Both are a [`TrueSolution`].
 //!
 //! The rest of this page is about the square.
 //!
@@ -111,7 +111,7 @@ mod newton;
 mod panels;
 mod parts;
 mod place;
-pub mod plane;
+mod plane;
 mod potential;
 mod problem;
 mod rule;

@@ -22,7 +22,7 @@ pub(in crate::experiments) enum AdaptedProblem {
     /// The unit square, whose lower side is fixed on its left half, free on its right half; the other sides are in
     /// contact.
     FixedFree,
-    /// The same on a mesh with a boundary layer on the lower side, whose first cells are 256 times as long as high.
+    /// Problem on a mesh with a boundary layer on the lower side, whose first cells are 256 times as long as high.
     Layer,
 }
 

@@ -198,7 +198,8 @@ mod tests {
             (
                 "23 2 2",
                 "23 34 2",
-                "$Elements, line 20: element 23 has type 34, which is not read; mesh with simplices only",
+                "$Elements, line 20: element 23 has type 34, which is not read; mesh with simplices of order 1, by \
+                 `Mesh.ElementOrder = 1`",
             ),
             (
                 "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14",

@@ -194,7 +194,8 @@ mod tests {
             (
                 "$Mesh",
                 "Mesh",
-                "the file does not begin with $MeshFormat; save the mesh with Gmsh as .msh",
+                "the file does not begin with $MeshFormat; save the mesh with Gmsh as .msh, or convert it with `meshio \
+                 convert FILE mesh.msh --output-format gmsh22`",
             ),
             (
                 "2.2 0",

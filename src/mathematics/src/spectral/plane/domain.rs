@@ -8,7 +8,7 @@ use crate::spectral::curve::{Arc, Curve, SAME};
 
 /// Side of a domain: a segment, or an arc of a circle, with one condition.
 #[derive(Clone, Copy, Debug)]
-pub struct PlaneSide {
+pub(crate) struct PlaneSide {
     pub(super) arc: Arc,
     /// Condition on it.
     pub condition: Condition,
@@ -18,7 +18,7 @@ pub struct PlaneSide {
 
 /// PlaneCircle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlaneCircle {
+pub(crate) struct PlaneCircle {
     /// Centre.
     pub centre: [f64; 2],
     /// Radius.
@@ -27,7 +27,7 @@ pub struct PlaneCircle {
 
 impl PlaneSide {
     /// Segment between two points, in walking order.
-    pub fn segment([from, to]: [[f64; 2]; 2], condition: Condition, part: usize) -> Self {
+    pub(crate) fn segment([from, to]: [[f64; 2]; 2], condition: Condition, part: usize) -> Self {
         let [from, to] = [from, to].map(|[x, y]| Complex::new(x, y));
         let way = to - from;
         let length = way.norm();
@@ -36,7 +36,7 @@ impl PlaneSide {
     }
 
     /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
-    pub fn arc(
+    pub(crate) fn arc(
         circle: PlaneCircle,
         [from, to]: [f64; 2],
         condition: Condition,
@@ -51,12 +51,12 @@ impl PlaneSide {
     }
 
     /// Length.
-    pub fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         (self.arc.span[1] - self.arc.span[0]).abs()
     }
 
     /// Point at a distance from the start along the side.
-    pub fn at(&self, s: f64) -> [f64; 2] {
+    pub(crate) fn at(&self, s: f64) -> [f64; 2] {
         self.point(s).coordinates()
     }
 
@@ -116,13 +116,13 @@ impl PlaneSide {
 /// Domain of the plane: closed loops of sides with the domain on the left, the outer one first and anticlockwise, holes
 /// clockwise.
 #[derive(Clone, Debug)]
-pub struct PlaneDomain {
+pub(crate) struct PlaneDomain {
     pub(super) loops: Vec<Vec<PlaneSide>>,
 }
 
 /// Point of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SidePlace {
+pub(crate) struct SidePlace {
     /// Number of the side in its loop.
     pub side: usize,
     /// Distance from its start.
@@ -134,7 +134,7 @@ impl PlaneDomain {
     ///
     /// # Errors
     /// [`PlaneError::Domain`] if a loop does not close, or the domain does not lie on its left.
-    pub fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+    pub(crate) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
         let domain = Self { loops };
         let size = domain.diameter();
         for (ring, sides) in domain.loops.iter().enumerate() {
@@ -160,12 +160,12 @@ impl PlaneDomain {
     }
 
     /// Loops of sides, the outer one first.
-    pub fn loops(&self) -> &[Vec<PlaneSide>] {
+    pub(crate) fn loops(&self) -> &[Vec<PlaneSide>] {
         &self.loops
     }
 
     /// True if the domain holds a point.
-    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+    pub(crate) fn contains(&self, [x, y]: [f64; 2]) -> bool {
         self.holds(Complex::new(x, y))
     }
 

@@ -55,19 +55,19 @@ mod start;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::text::plain;
-pub use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
+pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
 use field::PlaneNode;
 use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 use panels::Spot;
-pub use polynomial::Polynomial;
+pub(crate) use polynomial::Polynomial;
 use search::PlaneFound;
 use setup::Setup;
 use std::fmt;
 
 /// Right-hand side of a domain in the plane.
 #[derive(Clone, Debug)]
-pub enum PlaneSource {
+pub(crate) enum PlaneSource {
     /// Constant pieces.
     Pieces(Source),
     /// A polynomial.
@@ -78,7 +78,7 @@ pub enum PlaneSource {
 
 /// Constant values on regions with straight or circular borders.
 #[derive(Clone, Debug)]
-pub struct Regions {
+pub(crate) struct Regions {
     /// Borders between regions inside of the domain, each once: the condition and part of the side are not used.
     pub borders: Vec<RegionBorder>,
     /// A point inside of the domain, and f there.
@@ -87,7 +87,7 @@ pub struct Regions {
 
 /// Border between two regions.
 #[derive(Clone, Copy, Debug)]
-pub struct RegionBorder {
+pub(crate) struct RegionBorder {
     /// The border: its condition and part are not read.
     pub side: PlaneSide,
     /// f on the left and on the right.
@@ -96,7 +96,7 @@ pub struct RegionBorder {
 
 /// Problem on a domain of the plane.
 #[derive(Clone, Debug)]
-pub struct PlaneProblem {
+pub(crate) struct PlaneProblem {
     /// The domain.
     pub domain: PlaneDomain,
     /// The law on sides in contact.
@@ -107,7 +107,7 @@ pub struct PlaneProblem {
 
 /// Contact set with which Newton's method begins, loop by loop.
 #[derive(Clone, Debug, Default)]
-pub struct PlaneStart {
+pub(crate) struct PlaneStart {
     /// Arcs that stick, loop by loop.
     pub loops: Vec<LoopStart>,
     /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
@@ -116,7 +116,7 @@ pub struct PlaneStart {
 
 /// Arcs of a loop that stick. What it says of fixed and free sides is not read.
 #[derive(Clone, Debug, Default)]
-pub struct LoopStart {
+pub(crate) struct LoopStart {
     /// Beginning and end of each arc in walking order.
     pub arcs: Vec<[SidePlace; 2]>,
     /// Flux dv/dn on the gap after each arc, an end of the law. Without arcs: none if all of the loop sticks, one if
@@ -126,7 +126,7 @@ pub struct LoopStart {
 
 /// Two bounds of the energy.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaneBracket {
+pub(crate) struct PlaneBracket {
     /// Lower bound.
     pub lower: f64,
     /// Upper bound.
@@ -138,7 +138,7 @@ pub struct PlaneBracket {
 
 /// Arc of the boundary that sticks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaneArc {
+pub(crate) struct PlaneArc {
     /// Number of its loop.
     pub ring: usize,
     /// Beginning and end in walking order.
@@ -167,7 +167,7 @@ pub struct PlaneChecks {
 }
 
 /// True solution.
-pub struct PlaneSolution {
+pub(crate) struct PlaneSolution {
     /// J(v).
     pub energy: f64,
     /// Bounds of the energy.
@@ -182,8 +182,6 @@ pub struct PlaneSolution {
     pub checks: PlaneChecks,
     /// Real unknowns of the last fit.
     pub unknowns: usize,
-    /// Rows of the last fit.
-    pub rows: usize,
     /// Fits on all levels.
     pub steps: usize,
     frame: Frame,
@@ -207,7 +205,7 @@ pub enum PlaneError {
 
 impl PlaneError {
     /// True if the input is the reason, and not that no solution was found.
-    pub fn is_of_input(&self) -> bool {
+    pub(crate) fn is_of_input(&self) -> bool {
         !matches!(self, Self::NotFound(_))
     }
 }
@@ -229,7 +227,10 @@ impl fmt::Display for PlaneChecks {
 ///
 /// # Errors
 /// [`PlaneError`], with a sentence for the user.
-pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution, PlaneError> {
+pub(crate) fn solve(
+    problem: &PlaneProblem,
+    start: &PlaneStart,
+) -> Result<PlaneSolution, PlaneError> {
     let frame = Frame::of(&problem.domain);
     let setup = Setup::new(&frame.problem(problem))?;
     let found = search::search(&setup, &frame.start(start))?;
@@ -256,7 +257,6 @@ pub fn solve(problem: &PlaneProblem, start: &PlaneStart) -> Result<PlaneSolution
         integral: square * integrals.source,
         checks,
         unknowns: fit.unknowns,
-        rows: fit.rows,
         steps: found.steps,
         frame,
         setup,
@@ -294,7 +294,7 @@ fn arcs(domain: &PlaneDomain, frame: Frame, setup: &Setup, found: &PlaneFound) -
 
 impl PlaneSolution {
     /// v at a point of the closed domain.
-    pub fn value(&self, point: [f64; 2]) -> f64 {
+    pub(crate) fn value(&self, point: [f64; 2]) -> f64 {
         self.values(&[point])[0]
     }
 
@@ -311,7 +311,7 @@ impl PlaneSolution {
     }
 
     /// v at many points.
-    pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+    pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let mut values = Vec::with_capacity(points.len());
         for block in points.chunks(64) {
             let spots: Vec<Spot> =
@@ -327,7 +327,7 @@ impl PlaneSolution {
     }
 
     /// Gradient of v at a point of the domain.
-    pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         let spots = [Spot::inside(self.frame.seen(point))];
         let fit = &self.found.fit;
         let [_, slopes] = fit.sums(&fit.functions.at(&spots, true));
@@ -336,7 +336,7 @@ impl PlaneSolution {
     }
 
     /// v and dv/dn at a point of the boundary.
-    pub fn on_boundary(&self, ring: usize, place: SidePlace) -> [f64; 2] {
+    pub(crate) fn on_boundary(&self, ring: usize, place: SidePlace) -> [f64; 2] {
         let (walk, place) = (&self.found.fit.walk, self.frame.place(place));
         let mut nearest = (f64::INFINITY, 0);
         for (k, own) in walk.intervals.iter().enumerate() {

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Polynomial in x and y that takes the place of a formula: the real part of a sum of `c z^j conj(z)^k`.
 #[derive(Clone, Debug)]
-pub struct Polynomial {
+pub(crate) struct Polynomial {
     terms: Vec<Term>,
     /// Largest difference from the formula seen, over the largest value; of rounding if the formula is a polynomial.
     pub error: f64,
@@ -25,7 +25,7 @@ impl Polynomial {
     ///
     /// It is fitted on the box round the domain, with the lowest degree of 2, 4, 8 and 12 that is right to rounding
     /// between the points of the fit.
-    pub fn fitted(f: impl Fn([f64; 2]) -> f64, domain: &PlaneDomain) -> Self {
+    pub(crate) fn fitted(f: impl Fn([f64; 2]) -> f64, domain: &PlaneDomain) -> Self {
         let extent = domain.extent();
         let at = |x: [f64; 2]| -> [f64; 2] {
             std::array::from_fn(|axis| {
