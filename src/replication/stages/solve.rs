@@ -357,12 +357,16 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
     let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
     let Some(bounds) = outcomes.last_bounds() else { return Ok(String::new()) };
     let [_, most] = bounds.error;
-    let mut reserves = String::new();
+    let is_sampled = outcomes.reserve.contains(&Reserve::Sampled);
+    let mut reserves = String::from(match is_sampled {
+        true => "Not guaranteed, from samples on the boundary",
+        false => "Guaranteed",
+    });
     for reserve in &outcomes.reserve {
         reserves += match reserve {
             Reserve::Polygon => ", on the polygon or polyhedron of the mesh",
             Reserve::Quadrature => ", but for the quadrature of f",
-            Reserve::Sampled => ", but for what lies between samples on the boundary",
+            Reserve::Sampled => "",
         };
     }
     let relative = match bounds.relative() {
@@ -370,7 +374,7 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
         _ => String::new(),
     };
     Ok(format!(
-        "Guaranteed{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
+        "{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
         interval(bounds.energy),
         plain(most, 4)
     ))

@@ -150,6 +150,8 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> std::result::Result<Pictu
     let study = scene.study.as_ref().ok_or("a chart is of a study")?;
     let axes = study.chart.as_ref().ok_or("the study has no chart")?;
     let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    // Reason of the first member without a solution.
+    let mut reason = None;
     for (member, task) in members(scene) {
         let numbers: Numbers = from_json(inputs, &task, NUMBERS)?;
         let label = axes.label(study, member);
@@ -160,6 +162,7 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> std::result::Result<Pictu
         });
         let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
         curves[place].1.extend(x.zip(y));
+        reason = reason.or_else(|| numbers.reason().map(str::to_owned));
     }
     for (_, points) in &mut curves {
         points.sort_by(|(one, _), (other, _)| one.total_cmp(other));
@@ -167,9 +170,9 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> std::result::Result<Pictu
     curves.retain(|(_, points)| !points.is_empty());
     let [across, up] = axes.columns.each_ref();
     if curves.is_empty() {
-        return Err(format!(
-            "no member has {across} and {up} to be drawn; on a logarithmic axis only what is positive is"
-        ));
+        let reason =
+            reason.unwrap_or_else(|| "on a logarithmic axis only what is positive is".into());
+        return Err(format!("no member has {across} and {up} to be drawn; {reason}"));
     }
     let curves =
         curves.into_iter().map(|(label, points)| Curve::new(Stroke::Marked, label, points));

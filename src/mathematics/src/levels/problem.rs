@@ -33,7 +33,7 @@ pub enum Reserve {
     Quadrature,
     /// Of a curved domain, by the polygon or polyhedron of the finest mesh.
     Polygon,
-    /// Between samples of what a true solution violates on the boundary.
+    /// Of what a true solution violates on the boundary, by samples there: bounds with it are not proved.
     Sampled,
 }
 

@@ -9,7 +9,8 @@
 //! ```text
 //! J >= -1/2 |p|^2 >= -1/2 |grad v|^2 - oint v eta - C/2 oint eta^2,     |grad v|^2 = oint v l + int f v,
 //! ```
-//! with C the trace constant, `oint (w - mean)^2 <= C |grad w|^2`; eta^2 is so small that twice the diameter is taken.
+//! with C the trace constant, `oint (w - mean)^2 <= C |grad w|^2`; eta^2 is so small that twice the diameter is taken,
+//! without a proof. What the boundary violates is seen in points of it; so the bounds are called sampled.
 
 use super::PlaneBracket;
 use super::boundary::State;
