@@ -202,10 +202,8 @@ fn summary(table: &TableComparison) -> [String; 3] {
 fn text(table: &TableComparison, grids: &[String]) -> String {
     let mut shown = Table::new(head(grids, &["Delta a"]), &[]);
     for row in &table.rows {
-        let mut cells = vec![row.r.to_string()];
-        for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
-            cells.push(format!("{ours}{} {paper:>3}", Mark::of_count(row, level).sign()));
-        }
+        let mut cells =
+            counts(row, |mark, [ours, paper]| format!("{ours}{} {paper:>3}", mark.sign()));
         let sign = Mark::of_delta_a(row).sign();
         cells.push(format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper));
         shown.rows.push(cells);
@@ -220,13 +218,10 @@ fn text(table: &TableComparison, grids: &[String]) -> String {
 fn tex(table: &TableComparison, grids: &[String]) -> String {
     let mut shown = Table::new(head(grids, &["Δa ours", "Δa paper"]), &[]);
     for row in &table.rows {
-        let mut cells = vec![row.r.to_string()];
-        for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
-            cells.push(match Mark::of_count(row, level) {
-                Mark::Exact => ours.to_string(),
-                mark => format!("{ours} {} {paper}", mark.sign()),
-            });
-        }
+        let mut cells = counts(row, |mark, [ours, paper]| match mark {
+            Mark::Exact => ours.to_string(),
+            mark => format!("{ours} {} {paper}", mark.sign()),
+        });
         cells.push(format!("{:.2e}", row.delta_a_ours));
         cells.push(format!("{:.1e}", row.delta_a_paper));
         shown.rows.push(cells);
@@ -238,13 +233,10 @@ fn tex(table: &TableComparison, grids: &[String]) -> String {
 fn markdown(table: &TableComparison, grids: &[String]) -> String {
     let mut shown = Table::new(head(grids, &["Δa ours", "Δa paper"]), &[]);
     for row in &table.rows {
-        let mut cells = vec![row.r.to_string()];
-        for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
-            cells.push(match Mark::of_count(row, level) {
-                Mark::Exact => ours.to_string(),
-                mark => format!("**{ours}** {} {paper}", mark.sign()),
-            });
-        }
+        let mut cells = counts(row, |mark, [ours, paper]| match mark {
+            Mark::Exact => ours.to_string(),
+            mark => format!("**{ours}** {} {paper}", mark.sign()),
+        });
         cells.push(match Mark::of_delta_a(row) {
             Mark::Exact => format!("{:.2e}", row.delta_a_ours),
             mark => format!("**{:.2e}** {}", row.delta_a_ours, mark.sign()),
@@ -254,6 +246,15 @@ fn markdown(table: &TableComparison, grids: &[String]) -> String {
     }
     let TableComparison { table: number, scene, .. } = table;
     format!("**Table {number}** ({scene}): {}\n\n{}", summary(table).join("; "), shown.markdown())
+}
+
+/// Returns r, and ours and the published number of each count as `shown` writes them.
+fn counts(row: &RowComparison, shown: impl Fn(Mark, [usize; 2]) -> String) -> Vec<String> {
+    let mut cells = vec![row.r.to_string()];
+    for (level, (&ours, &paper)) in row.ours.iter().zip(&row.paper).enumerate() {
+        cells.push(shown(Mark::of_count(row, level), [ours, paper]));
+    }
+    cells
 }
 
 /// Returns the names of the columns, `last` those after the counts.
