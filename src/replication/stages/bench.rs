@@ -49,8 +49,7 @@ impl Asked {
         let mut found = json!((experiment.run)(&self.plan)?);
         // Pages have the plan beside the tables.
         found["plan"] = self.plan.clone();
-        let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
-        Ok(Artifacts::from([(RESULT.into(), json.into_bytes())]))
+        Ok(Artifacts::from([(RESULT.into(), super::to_json(&found))]))
     }
 }
 
