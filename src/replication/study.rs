@@ -17,7 +17,7 @@ pub(crate) struct Study {
     /// Axes of the chart; none if there is no chart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) chart: Option<Axes>,
-    /// Columns of the table in Markdown and LaTeX; empty for all.
+    /// Columns of the table in Markdown and LaTeX; empty for what is varied and the [`USUAL`] ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) columns: Vec<String>,
 }
@@ -38,6 +38,9 @@ pub(crate) struct Axes {
     /// True for a logarithmic axis.
     pub(crate) log: [bool; 2],
 }
+
+/// Columns of a table in Markdown and LaTeX behind those of what is varied: as many as a page has room for.
+const USUAL: [&str; 4] = ["energy", "error_relative", "contact_length", "force"];
 
 /// Columns of texts, which no axis shows.
 const TEXTS: [&str; 2] = ["solver", "reason"];
@@ -84,6 +87,14 @@ impl Study {
                 let text = format!("`columns`: no column `{unknown}`; choose from {known}");
                 Err(Refused::new("columns", text))
             }
+        }
+    }
+
+    /// True if the table in Markdown and LaTeX has this column.
+    pub(crate) fn shows(&self, column: &str) -> bool {
+        match &self.columns[..] {
+            [] => self.names.iter().any(|name| name == column) || USUAL.contains(&column),
+            columns => columns.iter().any(|wanted| wanted == column),
         }
     }
 

@@ -113,11 +113,8 @@ impl Tabulated {
         }
         let table = study.table(&all);
         let shown = tabulate::with_few_digits(&table, study.names.len());
+        let shown = shown.with_columns(|column| study.shows(column));
         // Reasons are sentences, and stand below.
-        let shown = shown.with_columns(|column| match &study.columns[..] {
-            [] => column != "reason",
-            columns => columns.iter().any(|wanted| wanted == column),
-        });
         let note = study.reasons(&all, MOST_REASONS);
         Ok(tabulate::files(&self.name, &table, &shown, &note))
     }
@@ -169,16 +166,22 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> std::result::Result<Pictu
     }
     curves.retain(|(_, points)| !points.is_empty());
     let [across, up] = axes.columns.each_ref();
-    if curves.is_empty() {
-        let reason =
-            reason.unwrap_or_else(|| "on a logarithmic axis only what is positive is".into());
-        return Err(format!("no member has {across} and {up} to be drawn; {reason}"));
+    let mut title = scene.title.clone();
+    match reason {
+        // The table has the same row by row, and no error either.
+        Some(reason) if curves.is_empty() => title += &format!("\nno solution: {reason}"),
+        None if curves.is_empty() => {
+            return Err(format!(
+                "no member has {across} and {up} to be drawn; on a logarithmic axis only what is positive is"
+            ));
+        }
+        _ => {}
     }
     let curves =
         curves.into_iter().map(|(label, points)| Curve::new(Stroke::Marked, label, points));
     let names = axes.columns.each_ref().map(|column| column.replace('_', " "));
     let scales = axes.log.map(|log| if log { Scale::Logarithmic } else { Scale::Linear });
-    let chart = Chart::new(&scene.title, names.each_ref().map(String::as_str), curves.collect());
+    let chart = Chart::new(title, names.each_ref().map(String::as_str), curves.collect());
     Ok(charts(false, &[chart.scaled(scales)]))
 }
 
