@@ -5,6 +5,7 @@ use crate::replication::fields::table::{Reading, Refused};
 use crate::replication::numbers::{COLUMNS, Numbers};
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use signorini_mathematics::statement::Statement;
 
 /// Members of a study, and the axes of its chart.
@@ -33,7 +34,7 @@ pub(crate) struct Member {
 /// Axes of a chart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Axes {
-    /// Columns across and up.
+    /// Columns across and up; `1/` before a column is for one over its numbers.
     pub(crate) columns: [String; 2],
     /// True for a logarithmic axis.
     pub(crate) log: [bool; 2],
@@ -65,7 +66,7 @@ impl Study {
         let columns: Vec<&str> = self.columns_of_numbers();
         let first = columns.first().copied().unwrap_or_default();
         let chosen = [x.unwrap_or_else(|| first.into()), y.unwrap_or_else(|| "energy".into())];
-        if let Some(unknown) = chosen.iter().find(|one| !columns.contains(&one.as_str())) {
+        if let Some(unknown) = chosen.iter().find(|one| !columns.contains(&of_axis(one).0)) {
             let known = columns.join(", ");
             let text = format!("`chart`: no column of numbers `{unknown}`; choose from {known}");
             return Err(Refused::new("chart", text));
@@ -119,6 +120,23 @@ impl Study {
         table
     }
 
+    /// Returns the members with their numbers as rows of JSON.
+    pub(crate) fn rows(&self, all: &[Numbers]) -> Vec<Map<String, Value>> {
+        let mut rows = Vec::new();
+        for (member, numbers) in self.members.iter().zip(all) {
+            let mut row = Map::new();
+            for (name, value) in self.names.iter().zip(&member.values) {
+                let number = serde_json::from_str(value).ok().filter(Value::is_number);
+                row.insert(name.clone(), number.unwrap_or_else(|| value.clone().into()));
+            }
+            for column in self.found() {
+                row.insert(column.into(), numbers.value(column));
+            }
+            rows.push(row);
+        }
+        rows
+    }
+
     /// Returns a line for each reason for which members have no solution, for the first `most` of them.
     pub(crate) fn reasons(&self, all: &[Numbers], most: usize) -> String {
         let (mut text, mut count) = (String::new(), 0);
@@ -159,6 +177,11 @@ impl Study {
         let pairs = self.names.iter().zip(values);
         pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// Returns the column of an axis, and true if the axis has one over its numbers.
+pub(crate) fn of_axis(chosen: &str) -> (&str, bool) {
+    chosen.strip_prefix("1/").map_or((chosen, false), |column| (column, true))
 }
 
 /// Returns the number that a value is, also of a fraction such as `1/64`.

@@ -20,7 +20,7 @@ use crate::table::Table;
 use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Memory;
 use std::collections::BTreeSet;
@@ -176,17 +176,9 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
 /// Returns a line of JSON for each member: its values, and all columns.
 fn lines(study: &Study, solved: &[Numbers]) -> String {
     let mut text = String::new();
-    for (member, numbers) in study.members.iter().zip(solved) {
-        let mut line = Map::new();
-        line.insert("schema".into(), json!(1));
-        for (name, value) in study.names.iter().zip(&member.values) {
-            let number = serde_json::from_str(value).ok().filter(Value::is_number);
-            line.insert(name.clone(), number.unwrap_or_else(|| json!(value)));
-        }
-        for column in study.found() {
-            line.insert(column.into(), numbers.value(column));
-        }
-        text += &(Value::Object(line).to_string() + "\n");
+    for mut row in study.rows(solved) {
+        row.insert("schema".into(), json!(1));
+        text += &(json!(row).to_string() + "\n");
     }
     text
 }

@@ -338,16 +338,6 @@ impl LawParameter {
     }
 }
 
-/// Parameter, as it stands in messages.
-impl fmt::Display for LawParameter {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Friction(g) => write!(out, "friction {}", Written(*g)),
-            Self::Limit(limit) => write!(out, "limit {}", Written(*limit)),
-        }
-    }
-}
-
 /// A number of two digits above a positive one.
 fn above(value: f64) -> f64 {
     let scientific = format!("{value:e}");

@@ -1,7 +1,7 @@
 //! The condition (2) of the paper: whether a problem has a unique solution, asked of numbers in one place.
 
 use super::law::{Law, LawParameter};
-use super::text::plain;
+use super::text::{Written, plain};
 
 /// Reason for which a problem has no unique solution: a connected component of the domain violates the condition (2).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -11,7 +11,7 @@ pub enum Unsolvable {
         "the integral of f{} is {}, but (2) asks for a negative one; lower f somewhere{}",
         over(*component),
         plain(*integral, 4),
-        fixing(*has_parts)
+        if *has_parts { ", or fix a part of the boundary" } else { "" }
     )]
     NotCoercive {
         /// Integral of f.
@@ -23,14 +23,12 @@ pub enum Unsolvable {
     },
     /// The integral of f is one that the flux under another law cannot balance.
     #[error(
-        "the integral of f{} is {}, but the flux through the boundary can only balance one between {} and {}; {}\
-         change f{}",
+        "the integral of f{} is {}, but the flux through the boundary can only balance one between {} and {}; {}",
         over(*component),
         plain(*integral, 4),
         plain(*least, 4),
         plain(*most, 4),
-        enough.map_or_else(String::new, |parameter| format!("{parameter} is enough, or ")),
-        fixing(*has_parts)
+        remedy(*enough, *has_parts)
     )]
     Unbalanced {
         /// Integral of f.
@@ -74,9 +72,18 @@ fn over(component: Option<usize>) -> String {
     component.map_or_else(String::new, |number| format!(" over component {number} of the domain"))
 }
 
-/// Advice to fix a part of the boundary, if it has parts.
-fn fixing(has_parts: bool) -> &'static str {
-    if has_parts { ", or fix a part of the boundary" } else { "" }
+/// Advice where the law cannot balance f; the boundary may have parts.
+fn remedy(enough: Option<LawParameter>, has_parts: bool) -> String {
+    let raised = enough.map(|parameter| match parameter {
+        LawParameter::Friction(g) => format!("raise friction to {}", Written(g)),
+        LawParameter::Limit(limit) => format!("raise limit to {}", Written(limit)),
+    });
+    match (raised, has_parts) {
+        (Some(raised), true) => format!("{raised}, change f, or fix a part of the boundary"),
+        (Some(raised), false) => format!("{raised}, or change f"),
+        (None, true) => "change f, or fix a part of the boundary".into(),
+        (None, false) => "change f".into(),
+    }
 }
 
 /// Connected component of a domain, with f or with a load vector.
@@ -139,7 +146,7 @@ mod tests {
         assert!(check(friction, -1.19).is_ok() && check(friction, 1.19).is_ok());
         let message = check(friction, 1.2).unwrap_err().to_string();
         assert!(message.contains("between -1.2") && !message.contains('\n'), "{message}");
-        assert!(message.ends_with("; friction 0.31 is enough, or change f"), "{message}");
+        assert!(message.ends_with("; raise friction to 0.31, or change f"), "{message}");
         for integral in [1.2f64, -1.2, 17.3, -4e-9, 1e30] {
             let narrow = check(Law::friction(integral.abs() / 5.0).unwrap(), integral);
             let Err(Unsolvable::Unbalanced { enough: Some(enough), .. }) = narrow else { panic!() };
@@ -147,7 +154,7 @@ mod tests {
         }
         let limited = Law::limited(0.1).unwrap();
         let message = check(limited, -1.0).unwrap_err().to_string();
-        assert!(message.ends_with("; limit 0.26 is enough, or change f"), "{message}");
+        assert!(message.ends_with("; raise limit to 0.26, or change f"), "{message}");
         let message = check(limited, 1.0).unwrap_err().to_string();
         assert!(message.ends_with("and 0; change f"), "{message}");
         assert!(check(Law::SIGNORINI, -1e-9).is_ok());
