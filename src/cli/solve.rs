@@ -60,7 +60,7 @@ pub(super) struct SolveArgs {
     ///
     /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. Values with commas are divided
     /// by |. --json prints a line for each member. One without a solution is a row that says why. With --save NAME,
-    /// `run NAME` keeps the results, and makes the table, also in LaTeX, and a chart.
+    /// `run NAME` keeps the results, and makes the table, report/tables/NAME.csv, also in LaTeX, and a chart.
     #[arg(long, value_name = "NAME=A,B,..", value_parser = varied)]
     vary: Vec<Varied>,
     /// With --vary, write the table with all digits
