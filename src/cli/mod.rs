@@ -107,7 +107,7 @@ enum Command {
         signorini diff --tex > tables.tex"
     )]
     Diff(diff::DiffArgs),
-    /// Solve one problem once
+    /// Solve one problem once, or with each of several values by --vary
     #[command(
         after_help = "Examples:\n  signorini solve problem2\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --accuracy 1e-3\n  \
