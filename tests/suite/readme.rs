@@ -2,6 +2,7 @@
 //! shown are the true ones.
 
 use crate::common::Project;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -127,6 +128,7 @@ fn commands_run_and_outputs_are_true() {
         let page = project.join(format!("report/src/{page}.md"));
         assert_eq!(follow(page.to_str().unwrap(), project), commands, "{page:?}");
     }
+    commands_of_captions_run(project);
     assert!(project.join("figures/round-map.svg").is_file());
     fs::remove_file(project.join("pipeline/scenes/round.toml")).unwrap();
     changes_are_explained(project);
@@ -152,6 +154,31 @@ fn the_citation_and_the_changes_are_of_this_version() {
     let archive: serde_json::Value = serde_json::from_str(&read(".zenodo.json")).unwrap();
     let title = archive["title"].as_str().unwrap();
     assert!(citation.contains(&format!("title: \"{title}\"")), "{title}");
+}
+
+/// The commands in captions of figures and tables make what is there already, but for one that takes minutes.
+fn commands_of_captions_run(project: &Path) {
+    let mut commands = BTreeSet::new();
+    for page in fs::read_dir(project.join("report/src")).unwrap() {
+        let path = page.unwrap().path();
+        let text = if path.is_file() {
+            fs::read_to_string(&path).unwrap_or_default()
+        } else {
+            String::new()
+        };
+        for rest in text.split("<span class=\"command\">Command <code>").skip(1) {
+            commands.insert(rest.split("</code>").next().unwrap().to_owned());
+        }
+    }
+    assert!(commands.len() > 8 && commands.remove("signorini bench --record"), "{commands:?}");
+    for command in commands {
+        let line = command.replace("signorini", "cargo run --release --");
+        let said = String::from_utf8(run(&line, project).stdout).unwrap();
+        assert!(
+            said.starts_with("nothing to do") || command == "signorini diff",
+            "{command}: {said}"
+        );
+    }
 }
 
 /// Does what a page says in its fenced blocks; returns how many commands that were.

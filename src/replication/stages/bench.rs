@@ -92,11 +92,6 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             },
         ),
         picture(
-            ["sticking", "sticking"],
-            "Length of the arcs that stick against one over the bound of the friction",
-            |it, inputs| it.made(inputs, claims::sticking(&table(inputs, "sticking", "arcs")?)?),
-        ),
-        picture(
             ["stress", "duality"],
             "KKT residual at the stop of the paper's method over r",
             |it, inputs| it.made(inputs, duality(&table(inputs, "stress", "runs")?)?),
