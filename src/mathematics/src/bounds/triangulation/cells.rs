@@ -80,8 +80,6 @@ pub(super) fn gradient<const D: usize, const V: usize>(
 pub(super) struct RaviartThomas<const D: usize, const V: usize> {
     /// Centroid less each vertex.
     to_centre: [[f64; D]; V],
-    /// Volume.
-    volume: f64,
     /// One over D times the volume.
     inverse: f64,
 }
@@ -91,7 +89,7 @@ impl<const D: usize, const V: usize> RaviartThomas<D, V> {
     pub(super) fn new(vertices: [[f64; D]; V], volume: f64) -> Self {
         let centre = centroid(vertices);
         let to_centre = vertices.map(|vertex| difference(centre, vertex));
-        Self { to_centre, volume, inverse: 1.0 / (D as f64 * volume) }
+        Self { to_centre, inverse: 1.0 / (D as f64 * volume) }
     }
 
     /// Mean of the field with these outflows through the sides.
@@ -102,60 +100,9 @@ impl<const D: usize, const V: usize> RaviartThomas<D, V> {
         }
         mean.map(|sum| sum * self.inverse)
     }
-
-    /// Square of the L2 norm of the field with these outflows through the sides.
-    pub(super) fn square(&self, outflows: [f64; V]) -> f64 {
-        let mean = self.mean(outflows);
-        let density = outflows.iter().sum::<f64>() * self.inverse;
-        self.volume * (dot(mean, mean) + density * density * self.spread())
-    }
-
-    /// Upper bound of [`RaviartThomas::square`] for any signs of the outflows, the size of its rounding errors.
-    pub(super) fn largest_square(&self, outflows: [f64; V]) -> f64 {
-        // The square of a sum is at most the sum of the squares times their number.
-        let squares = outflows.iter().zip(self.to_centre).map(|(q, x)| {
-            let density = q * self.inverse;
-            density * density * (dot(x, x) + self.spread())
-        });
-        V as f64 * self.volume * squares.sum::<f64>()
-    }
-
-    /// Mean square of the distance from the centroid.
-    fn spread(&self) -> f64 {
-        let squares: f64 = self.to_centre.iter().map(|&x| dot(x, x)).sum();
-        squares / (V * (V + 1)) as f64
-    }
 }
 
 /// Difference of two points.
 pub(super) fn difference<const D: usize>(to: [f64; D], from: [f64; D]) -> [f64; D] {
     std::array::from_fn(|d| to[d] - from[d])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TETRAHEDRON: [[f64; 3]; 4] =
-        [[0.0, 0.1, 0.0], [1.0, 0.0, 0.2], [0.1, 1.0, 0.0], [0.0, 0.3, 1.0]];
-
-    #[test]
-    fn fields_of_constant_gradients_have_their_norm() {
-        let element = Element::<3, 4>::new(TETRAHEDRON);
-        let fields = RaviartThomas::new(TETRAHEDRON, element.volume);
-        let slope = gradient(&element, [1.0, 3.0, -2.0, 0.5]);
-        let outflows = element.gradients.map(|g| -3.0 * element.volume * dot(g, slope));
-        let expected = element.volume * dot(slope, slope);
-        assert!((fields.square(outflows) - expected).abs() < 1e-14 * expected);
-        assert!(difference(fields.mean(outflows), slope).iter().all(|d| d.abs() < 1e-13));
-        assert!(fields.largest_square(outflows) >= expected);
-    }
-
-    #[test]
-    fn the_field_that_grows_from_the_centre_has_its_norm() {
-        // x on the triangle with corners 0, (1, 0), (0, 1): no flux through the sides at 0, 1 through the third one.
-        let fields = RaviartThomas::<2, 3>::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.5);
-        // The integral of x^2 + y^2.
-        assert!((fields.square([1.0, 0.0, 0.0]) - 1.0 / 6.0).abs() < 1e-15);
-    }
 }

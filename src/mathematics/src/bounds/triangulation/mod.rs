@@ -46,11 +46,14 @@ mod circulation;
 mod curve;
 mod fan;
 mod forest;
+mod linear;
 mod lower;
+mod quadratic;
 mod reaction;
 mod ring;
 mod stream;
 mod sums;
+mod vary;
 #[cfg(test)]
 mod tests;
 
@@ -67,12 +70,15 @@ use circulation::Circulations;
 pub(crate) use curve::curve_shares;
 use fan::Fan;
 use forest::CellForest;
+use linear::SideFlux;
 use lower::lower;
+use quadratic::circulate_quadratic;
 use ring::Ring;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 use stream::circulate;
 use sums::Summands;
+use vary::vary;
 
 /// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a
 /// law on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present
@@ -261,7 +267,7 @@ fn equilibrated<const D: usize, const V: usize>(
     sides: &Sides<V>,
     network: &Network,
     forest: &OnceLock<CellForest>,
-) -> Result<Vec<f64>, NoBound> {
+) -> Result<Vec<SideFlux<D>>, NoBound> {
     let (mut flux, forest) = join(
         || {
             let mut flux = of_patches(cells, sides);
@@ -273,6 +279,8 @@ fn equilibrated<const D: usize, const V: usize>(
         || forest.get_or_init(|| CellForest::new(sides, cells.f.len())),
     );
     balance(cells, sides, forest, &mut flux)?;
+    let mut flux: Vec<_> = flux.into_iter().map(|flux| [flux; D]).collect();
+    vary(cells, sides, &mut flux);
     Ok(flux)
 }
 
