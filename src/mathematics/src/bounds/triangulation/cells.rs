@@ -2,7 +2,7 @@
 //! given fluxes through the sides.
 
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{Element, Mesh, centroid, dot, volume};
+use crate::mesh::{CellData, Element, Mesh, centroid, dot, volume};
 use crate::problem::law::Law;
 
 /// Numbers whose work takes as long as that on a cell.
@@ -15,8 +15,8 @@ pub(super) struct Cell<const V: usize> {
     pub volume: f64,
     /// True if the vertices are numbered in the negative sense.
     pub is_mirrored: bool,
-    /// Integral of f over the number of vertices.
-    pub load: f64,
+    /// Integrals of f times the hat functions of the vertices.
+    pub load: [f64; V],
     /// Integrals of `grad w . grad phi` for the hat functions phi of the vertices. The flux of `grad w` out of the cell
     /// through the side opposite to a vertex is minus D times the integral of the vertex.
     pub work: [f64; V],
@@ -28,8 +28,8 @@ pub(super) struct Cells<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
     /// Nodal vector of the linear function.
     pub w: &'a [f64],
-    /// Means of f.
-    pub f: &'a [f64],
+    /// f on the cells.
+    pub f: &'a CellData,
     /// Law on the boundary in contact.
     pub law: Law,
 }
@@ -43,14 +43,14 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
         Cell {
             volume: element.volume,
             is_mirrored: element.is_mirrored,
-            load: self.load_on(number, element.volume),
+            load: std::array::from_fn(|k| self.load(number, k, element.volume)),
             work: element.gradients.map(|slopes| element.volume * dot(gradient, slopes)),
         }
     }
 
     /// Integrals of f over all cells.
     pub(super) fn masses(&self) -> Vec<f64> {
-        let (nodes, mut masses) = (self.mesh.cells(), self.f.to_vec());
+        let (nodes, mut masses) = (self.mesh.cells(), self.f.mean.clone());
         let run = items_per_task(masses.len(), COST);
         for_runs(&mut masses, run, &|number, masses| {
             for (nodes, mass) in nodes[number * run..].iter().zip(masses) {
@@ -60,8 +60,13 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
         masses
     }
 
-    fn load_on(&self, number: u32, volume: f64) -> f64 {
-        self.f[number as usize] * volume / V as f64
+    /// Integral of f times the hat function of a vertex over a cell with this volume.
+    #[inline(always)]
+    pub(super) fn load(&self, number: u32, vertex: usize, volume: f64) -> f64 {
+        match &self.f.shares {
+            Some(shares) => shares[V * number as usize + vertex],
+            None => self.f.mean[number as usize] * volume / V as f64,
+        }
     }
 }
 

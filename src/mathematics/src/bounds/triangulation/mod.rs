@@ -77,7 +77,7 @@ use ring::Ring;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 use stream::circulate;
-use sums::Summands;
+use sums::{Summands, Totals};
 use vary::vary;
 
 /// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a
@@ -126,6 +126,10 @@ pub(crate) struct LocalBounds {
     pub squares: Vec<f64>,
 }
 
+/// Part of the square of the distance between the gradient and the flux by which the last sweep lowers it, from which
+/// on more sweeps are slow.
+const SLOW: f64 = 0.1;
+
 impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     /// Returns bounds for the nodal vector `y`, one value for each node, without a lower bound of the error.
     ///
@@ -164,10 +168,17 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         forest: &OnceLock<CellForest>,
     ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
         let &Self { mesh, sides, network, f, law } = self;
-        let cells = Cells { mesh, w, f: &f.cells.mean, law };
-        let flux = equilibrated(&cells, sides, network, forest)?;
+        let cells = Cells { mesh, w, f: &f.cells, law };
+        let (mut flux, gain) = equilibrated(&cells, sides, network, forest)?;
         let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
-        Ok((combined(&summands), summands.slips()))
+        let totals = summands.totals();
+        if D != 2 || gain <= SLOW * totals.0.distance {
+            return Ok((combined(&summands, totals), summands.slips()));
+        }
+        let forest = forest.get().expect("found for the flux");
+        circulate_quadratic(&cells, sides, forest, &mut flux);
+        let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
+        Ok((combined(&summands, summands.totals()), summands.slips()))
     }
 
     /// Adds the lower bound of the error to bounds for a nodal vector.
@@ -204,8 +215,8 @@ impl LocalBounds {
 /// Combines the sums for a nodal vector in K and a flux to bounds.
 fn combined<const D: usize, const V: usize>(
     summands: &Summands<'_, D, V>,
+    (totals, squares): (Totals, Vec<f64>),
 ) -> Result<LocalBounds, NoBound> {
-    let (totals, squares) = summands.totals();
     let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
     let of_exact_load = summands.exact_load();
@@ -267,7 +278,7 @@ fn equilibrated<const D: usize, const V: usize>(
     sides: &Sides<V>,
     network: &Network,
     forest: &OnceLock<CellForest>,
-) -> Result<Vec<SideFlux<D>>, NoBound> {
+) -> Result<(Vec<SideFlux<D>>, f64), NoBound> {
     let (mut flux, forest) = join(
         || {
             let mut flux = of_patches(cells, sides);
@@ -276,12 +287,12 @@ fn equilibrated<const D: usize, const V: usize>(
             }
             flux
         },
-        || forest.get_or_init(|| CellForest::new(sides, cells.f.len())),
+        || forest.get_or_init(|| CellForest::new(sides, cells.mesh.cells().len())),
     );
     balance(cells, sides, forest, &mut flux)?;
     let mut flux: Vec<_> = flux.into_iter().map(|flux| [flux; D]).collect();
-    vary(cells, sides, &mut flux);
-    Ok(flux)
+    let gain = vary(cells, sides, &mut flux);
+    Ok((flux, gain))
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.

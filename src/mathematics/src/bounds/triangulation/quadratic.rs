@@ -7,6 +7,7 @@
 use super::cells::Cells;
 use super::forest::CellForest;
 use super::linear::{SideFlux, at_vertices, outflows, product};
+use super::vary::{of_bubble, turned};
 use crate::bounds::boundary::PartLaw;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
@@ -89,7 +90,8 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
         for tree in 0..forest.trees() {
             let mut nodes = forest.cells(tree).iter().flat_map(|&cell| self.nodes(cell));
             if !nodes.any(|node| self.is_kept[node as usize]) {
-                self.is_kept[self.nodes(forest.root(tree))[0] as usize] = true;
+                let first = self.nodes(forest.root(tree))[0];
+                self.is_kept[first as usize] = true;
             }
         }
     }
@@ -106,7 +108,7 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
     /// Minus the products of a flux with the fields of all values.
     fn load(&self, flux: &[SideFlux<D>]) -> Vec<f64> {
         let mut load = vec![0.0; self.is_kept.len()];
-        for cell in 0..self.cells.f.len() as u32 {
+        for cell in 0..self.cells.mesh.cells().len() as u32 {
             let nodes = self.nodes(cell);
             let vertices = self.cells.mesh.vertices(&nodes);
             let element = Element::new(vertices);
@@ -114,15 +116,10 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
             let sigma = at_vertices(&vertices, element.volume, &outflows);
             let turned = element.gradients.map(turned);
             for k in 0..V {
-                let [i, j] = [(k + 1) % V, (k + 2) % V];
                 let mut of_node = [turned[k].map(|x| -x); V];
                 of_node[k] = turned[k].map(|x| 3.0 * x);
                 load[nodes[k] as usize] -= product(element.volume, &sigma, &of_node);
-                let mut of_midpoint = [[0.0; D]; V];
-                of_midpoint[i] = turned[j].map(|x| 4.0 * x);
-                of_midpoint[j] = turned[i].map(|x| 4.0 * x);
-                let of_midpoint = product(element.volume, &sigma, &of_midpoint);
-                load[self.midpoint(cell, k) as usize] -= of_midpoint;
+                load[self.midpoint(cell, k) as usize] -= of_bubble(&element, &sigma, k);
             }
         }
         load
@@ -131,8 +128,8 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
     /// Products of the fields of all values.
     fn network(&self) -> Network {
         let mut of_sides = vec![([0; 2], 0.0); self.sides.len()];
-        let mut couplings = Vec::with_capacity(3 * (self.cells.f.len() + self.sides.len()));
-        for cell in 0..self.cells.f.len() as u32 {
+        let mut couplings = Vec::with_capacity(3 * (self.cells.mesh.cells().len() + self.sides.len()));
+        for cell in 0..self.cells.mesh.cells().len() as u32 {
             let nodes = self.nodes(cell);
             let element = Element::new(self.cells.mesh.vertices(&nodes));
             for k in 0..V {
@@ -160,7 +157,7 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
     fn add_to(&self, psi: &[f64], flux: &mut [SideFlux<D>]) {
         let mesh = self.cells.mesh;
         let mut steps = vec![[0.0; D]; flux.len()];
-        for cell in 0..self.cells.f.len() as u32 {
+        for cell in 0..self.cells.mesh.cells().len() as u32 {
             let nodes = self.nodes(cell);
             for (k, side) in self.sides.numbers(cell).into_iter().enumerate() {
                 if self.sides.leaves(cell, side) {
@@ -196,11 +193,4 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
             flux[side] = flux[side].map(|flux| law.clamp(flux));
         }
     }
-}
-
-/// The field of a linear psi with this gradient.
-fn turned<const D: usize>(gradient: [f64; D]) -> [f64; D] {
-    let mut turned = [0.0; D];
-    [turned[0], turned[1]] = [gradient[1], -gradient[0]];
-    turned
 }

@@ -30,7 +30,7 @@ fn constant_on_cells<const D: usize, const V: usize>(
 ) -> MeshLoad {
     let load = load_of_cells(mesh, &mean);
     let (integral, size) = (load.iter().sum(), f64::NAN);
-    MeshLoad { load, cells: CellData { mean, deviation: None }, integral, size, unsettled: None }
+    MeshLoad { load, cells: CellData { mean, deviation: None, shares: None }, integral, size, unsettled: None }
 }
 
 /// Discrete problem on a mesh with straight sides, and a nodal vector.
@@ -219,9 +219,9 @@ fn sigma_is_a_flux_for_every_vector() {
     problem.y = noise(problem.y.len(), 12.9898);
     let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
     let sides = Sides::new(&problem.mesh);
-    let (mesh, f) = (&problem.mesh, &problem.f.cells.mean);
+    let (mesh, f) = (&problem.mesh, &problem.f.cells);
     let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
-    let flux = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
+    let (flux, _) = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
     for (cell, mass) in (0..).zip(cells.masses()) {
         let outflows = outflows(&sides, cell, &mesh.cells()[cell as usize], &flux);
         let outflow = 0.5 * outflows.as_flattened().iter().sum::<f64>();
@@ -255,7 +255,7 @@ fn circulations_around_all_nodes_lower_the_norm_and_keep_the_balance() {
         problem.y = noise(problem.y.len(), 12.9898);
         let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
         let sides = Sides::new(&problem.mesh);
-        let (mesh, f) = (&problem.mesh, &problem.f.cells.mean);
+        let (mesh, f) = (&problem.mesh, &problem.f.cells);
         let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
         let before = of_patches(&cells, &sides);
         let mut after = before.clone();

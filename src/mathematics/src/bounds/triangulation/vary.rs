@@ -1,135 +1,166 @@
-//! Variation of the flux along the sides, by which the norm of sigma becomes smaller: whatever it is, the outflow of
-//! each cell stays.
+//! Variation of the flux along the sides in the plane, by which the norm of sigma becomes smaller: whatever it is, the
+//! outflow of each cell stays.
 //!
-//! The part of the flux through a side that varies along it, and has no sum, is supported on the two cells of the side
-//! and has no divergence: in the plane it is the field of a quadratic bubble as psi in `stream.rs`. With it the flux of
-//! a smooth solution is of second order, not of first.
+//! As in `stream.rs`, the field `(d psi/dy, -d psi/dx)` has no divergence. Here psi is a sum of bubbles `4 p q` on the
+//! sides, p and q the hat functions of the ends: the flux through a side becomes linear along it. With the best
+//! variation the flux of a smooth solution is of second order, not of first.
 
-use super::cells::{Cells, difference};
-use super::linear::{SideFlux, at_vertices, outflows, rank, total};
+use super::cells::Cells;
+use super::linear::{SideFlux, at_vertices, outflows, product};
 use crate::bounds::boundary::PartLaw;
-use crate::mesh::{Condition, Neighbour, Sides, dot, measure, volume};
+use crate::machine::threads::{items_per_task, map_range};
+use crate::mesh::{BoundarySide, Condition, Element, Neighbour, Sides, measure};
 
-/// First and second derivatives of the square of the norm by the fluxes at the nodes of a side.
-struct SideSquare<const D: usize> {
-    first: [f64; D],
-    second: [[f64; D]; D],
+/// Numbers whose work takes as long as that on a cell.
+const COST: usize = 32;
+
+/// Sum of bubbles.
+struct Bubbles<'a, const D: usize, const V: usize> {
+    sides: &'a Sides<V>,
+    /// Factor of the bubble of each side.
+    psi: Vec<f64>,
+    /// Minus the products of the flux with the fields of the bubbles.
+    load: Vec<f64>,
+    /// Minus the products of the gradients of the hat functions at both ends of each side, for each cell.
+    couplings: Vec<[f64; V]>,
+    /// Greatest factor of the bubble of each facet that the law allows.
+    limits: Vec<f64>,
 }
 
 /// Gives the flux through each side the variation of the least norm within the law, in one sweep over all sides forth
-/// and one back; returns by how much the last one has lowered the square of the norm.
+/// and one back; returns by how much the last one has lowered the square of the norm. In space there is none.
 pub(super) fn vary<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     flux: &mut [SideFlux<D>],
 ) -> f64 {
-    let of_cells = cells.f.len() as u32 * V as u32;
-    let mut relaxed = |place: u32| relax(cells, sides, flux, [place / V as u32, place % V as u32]);
-    (0..of_cells).map(&mut relaxed).for_each(drop);
-    (0..of_cells).rev().map(relaxed).sum()
-}
-
-/// Relaxes the variation along the side of a cell opposite to one of its vertices, if the flux is counted out of this
-/// cell; returns by how much that lowers the square of the norm.
-#[inline(always)]
-fn relax<const D: usize, const V: usize>(
-    cells: &Cells<'_, D, V>,
-    sides: &Sides<V>,
-    flux: &mut [SideFlux<D>],
-    [cell, k]: [u32; 2],
-) -> f64 {
-    let side = sides.numbers(cell)[k as usize];
-    if !sides.leaves(cell, side) {
+    if D != 2 {
         return 0.0;
     }
-    let mut square = SideSquare { first: [0.0; D], second: [[0.0; D]; D] };
-    square.add(cells, sides, flux, [cell, k]);
-    let mut law = None;
-    match sides.across(cell, side) {
-        Neighbour::Cell(next) => {
-            let back = sides.slot(next, side) as u32;
-            square.add(cells, sides, flux, [next, back]);
+    let mut bubbles = Bubbles::<D, V>::new(cells, sides, flux);
+    let count = (V * cells.mesh.cells().len()) as u32;
+    let mut relaxed = |place: u32| bubbles.relax(place / V as u32, place as usize % V);
+    (0..count).map(&mut relaxed).for_each(drop);
+    let gain = (0..count).rev().map(relaxed).sum();
+    bubbles.add_to(cells, flux);
+    gain
+}
+
+impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
+    /// No bubbles, with what the best ones depend on.
+    fn new(cells: &Cells<'_, D, V>, sides: &'a Sides<V>, flux: &[SideFlux<D>]) -> Self {
+        let mesh = cells.mesh;
+        let count = mesh.cells().len();
+        let parts = map_range(0..count, items_per_task(count, COST), |cell| {
+            let nodes = &mesh.cells()[cell];
+            let vertices = mesh.vertices(nodes);
+            let element = Element::new(vertices);
+            let outflows = outflows(sides, cell as u32, nodes, flux);
+            let sigma = at_vertices(&vertices, element.volume, &outflows);
+            let coupling = |k: usize| -element.stiffness((k + 1) % V, (k + 2) % V);
+            let loads: [f64; V] = std::array::from_fn(|k| -of_bubble(&element, &sigma, k));
+            (std::array::from_fn(coupling), loads)
+        });
+        let mut load = vec![0.0; sides.len()];
+        let mut couplings = Vec::with_capacity(parts.len());
+        for (cell, (coupling, loads)) in (0..).zip(parts) {
+            couplings.push(coupling);
+            for (side, of_cell) in sides.numbers(cell).into_iter().zip(loads) {
+                load[side as usize] += of_cell;
+            }
         }
-        Neighbour::Facet(facet) => {
-            let facet = &cells.mesh.facets()[facet as usize];
-            match cells.mesh.condition(facet) {
-                Condition::Free => return 0.0,
-                Condition::Fixed => {}
-                Condition::Contact => {
-                    law = Some(PartLaw::new(cells.law, measure(cells.mesh.corners(facet))));
+        let facets = mesh.facets().iter().zip(sides.of_facets());
+        let limits = facets.map(|(facet, &BoundarySide { side, .. })| match mesh.condition(facet) {
+            Condition::Free => 0.0,
+            Condition::Fixed => f64::INFINITY,
+            Condition::Contact => {
+                let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
+                let room = flux[side as usize].map(|flux| law.room(flux));
+                0.25 * room.into_iter().fold(f64::INFINITY, f64::min).max(0.0)
+            }
+        });
+        let limits = limits.collect();
+        Self { sides, psi: vec![0.0; sides.len()], load, couplings, limits }
+    }
+
+    /// Gives the bubble on the side of a cell opposite to one of its vertices the factor of the least norm, if the flux
+    /// is counted out of this cell; returns by how much that lowers the square of the norm.
+    #[inline(always)]
+    fn relax(&mut self, cell: u32, k: usize) -> f64 {
+        let side = self.sides.numbers(cell)[k];
+        if !self.sides.leaves(cell, side) {
+            return 0.0;
+        }
+        let [mut sum, mut diagonal] = self.row(cell, k);
+        let mut limit = f64::INFINITY;
+        match self.sides.across(cell, side) {
+            Neighbour::Cell(next) => {
+                let [of_next, own] = self.row(next, self.sides.slot(next, side));
+                sum += of_next;
+                diagonal += own;
+            }
+            Neighbour::Facet(facet) => limit = self.limits[facet as usize],
+        }
+        let psi = &mut self.psi[side as usize];
+        let best = (self.load[side as usize] + sum) / diagonal;
+        // Flat cells keep their flux.
+        let new = if best.is_finite() { best.clamp(-limit, limit) } else { *psi };
+        let old = std::mem::replace(psi, new);
+        diagonal * (new - old) * (2.0 * best - new - old)
+    }
+
+    /// Sum of the products of other bubbles on a cell with that of a side, and minus its product with itself.
+    #[inline(always)]
+    fn row(&self, cell: u32, k: usize) -> [f64; 2] {
+        let (numbers, couplings) = (self.sides.numbers(cell), &self.couplings[cell as usize]);
+        let [i, j] = [(k + 1) % V, (k + 2) % V];
+        let [of_i, of_j] = [i, j].map(|place| self.psi[numbers[place] as usize]);
+        let sum = couplings[j] * of_i + couplings[i] * of_j;
+        [sum, couplings.iter().sum()].map(|x| 8.0 / 3.0 * x)
+    }
+
+    /// Adds the field of the bubbles to a flux.
+    fn add_to(&self, cells: &Cells<'_, D, V>, flux: &mut [SideFlux<D>]) {
+        for (number, nodes) in (0..).zip(cells.mesh.cells()) {
+            for (k, side) in self.sides.numbers(number).into_iter().enumerate() {
+                if self.sides.leaves(number, side) {
+                    let [from, to] = [1, 2].map(|step| nodes[(k + step) % V]);
+                    let slope = if from < to { 4.0 } else { -4.0 } * self.psi[side as usize];
+                    flux[side as usize][0] += slope;
+                    flux[side as usize][1] -= slope;
                 }
             }
         }
-    }
-    let variation = square.least();
-    let of_side = &mut flux[side as usize];
-    let mut part = 1.0f64;
-    for (flux, step) in of_side.iter().zip(variation) {
-        part = law.map_or(1.0, |law| law.part_of_step(*flux, step)).min(part);
-    }
-    for (flux, step) in of_side.iter_mut().zip(variation) {
-        *flux += part * step;
-        *flux = law.map_or(*flux, |law| law.clamp(*flux));
-    }
-    square.gain(variation, part)
-}
-
-impl<const D: usize> SideSquare<D> {
-    /// Adds the derivatives of the norm on a cell by the outflows through the side opposite to one of its vertices.
-    #[inline(always)]
-    fn add<const V: usize>(
-        &mut self,
-        cells: &Cells<'_, D, V>,
-        sides: &Sides<V>,
-        flux: &[SideFlux<D>],
-        [cell, k]: [u32; 2],
-    ) {
-        let (nodes, k) = (&cells.mesh.cells()[cell as usize], k as usize);
-        let vertices = cells.mesh.vertices(nodes);
-        let volume = volume(vertices);
-        let values = at_vertices(&vertices, volume, &outflows(sides, cell, nodes, flux));
-        let sum = total(&values);
-        let side = sides.numbers(cell)[k];
-        let sign = if sides.leaves(cell, side) { 1.0 } else { -1.0 };
-        let scale = 2.0 / (V * (V + 1) * D) as f64;
-        let inverse = scale / (D as f64 * volume);
-        let mut edges = [[0.0; D]; D];
-        for vertex in (0..V).filter(|vertex| *vertex != k) {
-            let place = rank(nodes, k, vertex);
-            let edge = difference(vertices[vertex], vertices[k]);
-            self.first[place] += sign * scale * (dot(values[vertex], edge) + dot(sum, edge));
-            edges[place] = edge;
-        }
-        for i in 0..D {
-            for j in 0..=i {
-                let hats = if i == j { 2.0 } else { 1.0 };
-                self.second[i][j] += inverse * hats * dot(edges[i], edges[j]);
+        // Where a limit is met, rounding decides the side.
+        let mesh = cells.mesh;
+        for (facet, at) in mesh.facets().iter().zip(self.sides.of_facets()) {
+            if mesh.condition(facet) == Condition::Contact {
+                let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
+                let flux = &mut flux[at.side as usize];
+                *flux = flux.map(|flux| law.clamp(flux));
             }
         }
     }
+}
 
-    /// Variation without a sum by which the square becomes least; none where rounding leaves no system to solve.
-    fn least(&self) -> [f64; D] {
-        let last = D - 1;
-        let second = |i: usize, j: usize| self.second[i.max(j)][i.min(j)];
-        let first = |i: usize| self.first[last] - self.first[i];
-        let reduced = |i: usize, j: usize| {
-            second(i, j) - second(i, last) - second(last, j) + second(last, last)
-        };
-        let mut variation = [0.0; D];
-        if D == 2 {
-            variation[0] = first(0) / reduced(0, 0);
-        } else {
-            let determinant = reduced(0, 0) * reduced(1, 1) - reduced(0, 1) * reduced(0, 1);
-            variation[0] = (first(0) * reduced(1, 1) - first(1) * reduced(0, 1)) / determinant;
-            variation[1] = (first(1) * reduced(0, 0) - first(0) * reduced(0, 1)) / determinant;
-        }
-        variation[last] = -variation[..last].iter().sum::<f64>();
-        if variation.iter().all(|step| step.is_finite()) { variation } else { [0.0; D] }
-    }
+/// Product of a field on a cell, given by its values at the vertices, and that of the bubble on the side opposite to a
+/// vertex.
+#[inline(always)]
+pub(super) fn of_bubble<const D: usize, const V: usize>(
+    element: &Element<D, V>,
+    sigma: &[[f64; D]; V],
+    k: usize,
+) -> f64 {
+    let [i, j] = [(k + 1) % V, (k + 2) % V];
+    let mut field = [[0.0; D]; V];
+    field[i] = turned(element.gradients[j].map(|x| 4.0 * x));
+    field[j] = turned(element.gradients[i].map(|x| 4.0 * x));
+    product(element.volume, sigma, &field)
+}
 
-    /// Difference of the squares before and after a part of the way along a variation that makes it least.
-    fn gain(&self, variation: [f64; D], part: f64) -> f64 {
-        -part * (1.0 - 0.5 * part) * dot(self.first, variation)
-    }
+/// Field of a linear psi with this gradient.
+pub(super) fn turned<const D: usize>(gradient: [f64; D]) -> [f64; D] {
+    let mut turned = [0.0; D];
+    [turned[0], turned[1]] = [gradient[1], -gradient[0]];
+    turned
 }
