@@ -27,8 +27,7 @@ pub(super) fn outflows<const D: usize, const V: usize>(
     for (opposite, side) in sides.numbers(cell).into_iter().enumerate() {
         let sign = if sides.leaves(cell, side) { 1.0 } else { -1.0 };
         for vertex in (0..V).filter(|vertex| *vertex != opposite) {
-            outflows[opposite][vertex] =
-                sign * flux[side as usize][rank(nodes, opposite, vertex)];
+            outflows[opposite][vertex] = sign * flux[side as usize][rank(nodes, opposite, vertex)];
         }
     }
     outflows

@@ -53,9 +53,9 @@ mod reaction;
 mod ring;
 mod stream;
 mod sums;
-mod vary;
 #[cfg(test)]
 mod tests;
+mod vary;
 
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
@@ -129,6 +129,8 @@ pub(crate) struct LocalBounds {
 /// Part of the square of the distance between the gradient and the flux by which the last sweep lowers it, from which
 /// on more sweeps are slow.
 const SLOW: f64 = 0.1;
+/// Most nodes of a mesh on which psi is found by multigrid, which takes some 1700 bytes a node.
+const MOST_NODES: usize = 1 << 18;
 
 impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     /// Returns bounds for the nodal vector `y`, one value for each node, without a lower bound of the error.
@@ -172,7 +174,8 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         let (mut flux, gain) = equilibrated(&cells, sides, network, forest)?;
         let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
         let totals = summands.totals();
-        if D != 2 || gain <= SLOW * totals.0.distance {
+        let is_slow = gain > SLOW * totals.0.distance && w.len() <= MOST_NODES;
+        if D != 2 || !is_slow {
             return Ok((combined(&summands, totals), summands.slips()));
         }
         let forest = forest.get().expect("found for the flux");

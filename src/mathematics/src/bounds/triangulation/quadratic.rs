@@ -17,7 +17,11 @@ use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::{Start, improve_on_nested_networks};
 use crate::problem::law::Law;
 
-/// Most steps.
+/// Times that psi is found, at most.
+const MOST_TIMES: usize = 4;
+/// Part of psi that counts as all of it.
+const WHOLE: f64 = 0.95;
+/// Most steps of multigrid.
 const MOST_STEPS: usize = 20;
 /// Residual over the largest load that is small enough.
 const TOLERANCE: f64 = 1e-3;
@@ -34,13 +38,27 @@ struct QuadraticStream<'a, const D: usize, const V: usize> {
 }
 
 /// Lowers the norm of a flux on a mesh in the plane by a quadratic psi. The outflow of each cell stays, and the law
-/// allows the outflows through the boundary in contact.
+/// allows the outflows through the boundary in contact: where a step meets a limit, psi is kept there, and found again.
 pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     forest: &CellForest,
     flux: &mut [SideFlux<D>],
 ) {
+    for _ in 0..MOST_TIMES {
+        if step(cells, sides, forest, flux) > WHOLE {
+            return;
+        }
+    }
+}
+
+/// Adds the best psi to a flux; returns the part of it that the law allows.
+fn step<const D: usize, const V: usize>(
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+    forest: &CellForest,
+    flux: &mut [SideFlux<D>],
+) -> f64 {
     let is_kept = vec![false; cells.w.len() + sides.len()];
     let mut stream = QuadraticStream { cells, sides, is_kept };
     stream.keep_on_boundary(flux);
@@ -51,8 +69,9 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
     let networks = [NestedNetwork { network: stream.network(), parents: Vec::new() }];
     let start = Start { y: None, is_slow: true };
     let problem = Law::SIGNORINI.with_load(&load);
-    if let Ok(found) = improve_on_nested_networks(&networks, problem, start, &params) {
-        stream.add_to(&found.y, flux);
+    match improve_on_nested_networks(&networks, problem, start, &params) {
+        Ok(found) => stream.add_to(&found.y, flux),
+        Err(_) => 1.0,
     }
 }
 
@@ -128,7 +147,8 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
     /// Products of the fields of all values.
     fn network(&self) -> Network {
         let mut of_sides = vec![([0; 2], 0.0); self.sides.len()];
-        let mut couplings = Vec::with_capacity(3 * (self.cells.mesh.cells().len() + self.sides.len()));
+        let mut couplings =
+            Vec::with_capacity(3 * (self.cells.mesh.cells().len() + self.sides.len()));
         for cell in 0..self.cells.mesh.cells().len() as u32 {
             let nodes = self.nodes(cell);
             let element = Element::new(self.cells.mesh.vertices(&nodes));
@@ -153,8 +173,8 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
         Network::new(&couplings, Vec::new(), kept, vec![1.0; self.is_kept.len()])
     }
 
-    /// Adds the field of psi to a flux, as far as the law allows.
-    fn add_to(&self, psi: &[f64], flux: &mut [SideFlux<D>]) {
+    /// Adds the field of psi to a flux, as far as the law allows; returns the part of it that is added.
+    fn add_to(&self, psi: &[f64], flux: &mut [SideFlux<D>]) -> f64 {
         let mesh = self.cells.mesh;
         let mut steps = vec![[0.0; D]; flux.len()];
         for cell in 0..self.cells.mesh.cells().len() as u32 {
@@ -192,5 +212,6 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
         for (side, law) in contact() {
             flux[side] = flux[side].map(|flux| law.clamp(flux));
         }
+        part
     }
 }

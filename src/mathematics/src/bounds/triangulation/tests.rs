@@ -2,6 +2,7 @@
 
 mod cube;
 mod random;
+mod stretched;
 
 use super::linear::{at_vertices, outflows, product};
 use super::*;
@@ -30,7 +31,13 @@ fn constant_on_cells<const D: usize, const V: usize>(
 ) -> MeshLoad {
     let load = load_of_cells(mesh, &mean);
     let (integral, size) = (load.iter().sum(), f64::NAN);
-    MeshLoad { load, cells: CellData { mean, deviation: None, shares: None }, integral, size, unsettled: None }
+    MeshLoad {
+        load,
+        cells: CellData { mean, deviation: None, shares: None },
+        integral,
+        size,
+        unsettled: None,
+    }
 }
 
 /// Discrete problem on a mesh with straight sides, and a nodal vector.

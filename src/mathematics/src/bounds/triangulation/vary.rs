@@ -13,6 +13,8 @@ use crate::mesh::{BoundarySide, Condition, Element, Neighbour, Sides, measure};
 
 /// Numbers whose work takes as long as that on a cell.
 const COST: usize = 32;
+/// Number of cells between which their parts are added to the sides.
+const RUN: usize = 1 << 14;
 
 /// Sum of bubbles.
 struct Bubbles<'a, const D: usize, const V: usize> {
@@ -51,7 +53,7 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
     fn new(cells: &Cells<'_, D, V>, sides: &'a Sides<V>, flux: &[SideFlux<D>]) -> Self {
         let mesh = cells.mesh;
         let count = mesh.cells().len();
-        let parts = map_range(0..count, items_per_task(count, COST), |cell| {
+        let of_cell = |cell: usize| {
             let nodes = &mesh.cells()[cell];
             let vertices = mesh.vertices(nodes);
             let element = Element::new(vertices);
@@ -60,25 +62,29 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
             let coupling = |k: usize| -element.stiffness((k + 1) % V, (k + 2) % V);
             let loads: [f64; V] = std::array::from_fn(|k| -of_bubble(&element, &sigma, k));
             (std::array::from_fn(coupling), loads)
-        });
-        let mut load = vec![0.0; sides.len()];
-        let mut couplings = Vec::with_capacity(parts.len());
-        for (cell, (coupling, loads)) in (0..).zip(parts) {
-            couplings.push(coupling);
-            for (side, of_cell) in sides.numbers(cell).into_iter().zip(loads) {
-                load[side as usize] += of_cell;
+        };
+        let (mut load, mut couplings) = (vec![0.0; sides.len()], Vec::with_capacity(count));
+        for start in (0..count).step_by(RUN) {
+            let run = start..count.min(start + RUN);
+            let each = items_per_task(run.len(), COST);
+            for (cell, (coupling, loads)) in (start..).zip(map_range(run, each, of_cell)) {
+                couplings.push(coupling);
+                for (side, of_cell) in sides.numbers(cell as u32).into_iter().zip(loads) {
+                    load[side as usize] += of_cell;
+                }
             }
         }
         let facets = mesh.facets().iter().zip(sides.of_facets());
-        let limits = facets.map(|(facet, &BoundarySide { side, .. })| match mesh.condition(facet) {
-            Condition::Free => 0.0,
-            Condition::Fixed => f64::INFINITY,
-            Condition::Contact => {
-                let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
-                let room = flux[side as usize].map(|flux| law.room(flux));
-                0.25 * room.into_iter().fold(f64::INFINITY, f64::min).max(0.0)
-            }
-        });
+        let limits =
+            facets.map(|(facet, &BoundarySide { side, .. })| match mesh.condition(facet) {
+                Condition::Free => 0.0,
+                Condition::Fixed => f64::INFINITY,
+                Condition::Contact => {
+                    let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
+                    let room = flux[side as usize].map(|flux| law.room(flux));
+                    0.25 * room.into_iter().fold(f64::INFINITY, f64::min).max(0.0)
+                }
+            });
         let limits = limits.collect();
         Self { sides, psi: vec![0.0; sides.len()], load, couplings, limits }
     }
