@@ -102,6 +102,7 @@ mod checks;
 mod complex;
 mod contact;
 mod curve;
+mod domain;
 mod elementary;
 mod energy;
 mod gradient;

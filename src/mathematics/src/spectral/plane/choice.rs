@@ -1,8 +1,7 @@
 //! Which functions are fitted: at corners, ends of contact and crossings, at mirror images, in holes, behind sides.
 
 use super::boundary::{Split, State, Walk};
-use super::continuation::middle;
-use super::domain::PlaneDomain;
+use super::domain::{PlaneDomain, middle};
 use super::functions::{Family, Functions, Hole, Power};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;

@@ -30,8 +30,6 @@
 mod boundary;
 mod bounds;
 mod choice;
-mod continuation;
-mod domain;
 mod energy;
 mod field;
 mod fit;
@@ -52,6 +50,7 @@ mod setup;
 mod signs;
 mod start;
 
+use super::domain;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::text::plain;

@@ -2,7 +2,7 @@
 
 use super::outline::outline;
 use super::regions::regions;
-use super::start::{MeshSolution, nearest_side};
+use super::start::MeshSolution;
 use super::{
     PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem, PlaneSide,
     PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
@@ -179,10 +179,8 @@ impl PlaneTruth {
         const BESIDE: [f64; 2] = [1e-15, 1e-6];
         let [x, y] = point;
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
-        let nearest = loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
-        let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
-        let (ring, (side, _)) = nearest.expect("a domain has a boundary");
-        let (s, length) = (loops[ring][side].nearest(z), loops[ring][side].length());
+        let (ring, SidePlace { side, s }) = self.problem.domain.nearest(z);
+        let length = loops[ring][side].length();
         let [of_value, of_flux] = BESIDE.map(|part| {
             let place = SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) };
             self.solution.on_boundary(ring, place)
