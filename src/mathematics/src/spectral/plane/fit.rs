@@ -178,19 +178,22 @@ impl Fit {
         Self { walk, functions, coefficients, logs, unknowns, rows }
     }
 
-    /// g at the points of values.
-    pub(super) fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
-        let mut sums = [
-            vec![Complex::default(); values.points],
-            vec![Complex::default(); if values.slopes.is_empty() { 0 } else { values.points }],
-        ];
-        let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
-        for (k, c) in self.coefficients.iter().copied().chain(logs).enumerate() {
-            let range = k * values.points..(k + 1) * values.points;
+    /// g and, if wanted, its derivative at spots, with the principal logarithms of holes.
+    pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
+        /// Spots whose values are kept in the cache.
+        const TOGETHER: usize = 64;
+        let mut sums = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+        for block in spots.chunks(TOGETHER) {
+            let values = self.functions.at(block, slopes);
             for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
-                if let Some(values) = values.get(range.clone()) {
-                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
+                let mut own =
+                    vec![Complex::default(); if values.is_empty() { 0 } else { block.len() }];
+                let coefficients = self.coefficients.iter().copied();
+                let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
+                for (c, values) in coefficients.chain(logs).zip(values.chunks_exact(block.len())) {
+                    own.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
                 }
+                sums.extend(own);
             }
         }
         sums
