@@ -56,7 +56,7 @@ pub(super) fn boundary_nodes(
     level: &Level,
     points: usize,
 ) -> Vec<PlaneNode> {
-    let panels = panels(setup, &fit.walk, &fit.functions, level, 1.0);
+    let panels = panels(setup, &fit.walk, &fit.functions, level, [1.0, 0.0]);
     let spots = spots_on(&fit.walk, &panels, &gauss(points));
     let mut nodes = nodes_at(setup, fit, &spots);
     for (node, condition) in nodes.iter_mut().zip(conditions(setup, &fit.walk, &spots)) {

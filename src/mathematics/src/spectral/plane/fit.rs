@@ -153,10 +153,10 @@ impl Fit {
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
         let (rule, mut fineness) = (gauss(level.nodes), 1.0);
-        let mut panels = panels(setup, &walk, &functions, level, fineness);
+        let mut panels = panels(setup, &walk, &functions, level, [fineness, level.shortest]);
         while ((panels.len() * rule.len()) as f64) < ROWS * functions.unknowns() as f64 {
             fineness *= 1.4;
-            panels = self::panels(setup, &walk, &functions, level, fineness);
+            panels = self::panels(setup, &walk, &functions, level, [fineness, level.shortest]);
         }
         let spots = spots_on(&walk, &panels, &rule);
         functions.orthogonalise(&spots, level.degree);
@@ -200,13 +200,13 @@ impl Fit {
     }
 }
 
-/// Panels for functions, `fineness` times shorter than needed for the fit.
+/// Panels for functions, `fineness` times shorter than needed for the fit, none much shorter than a part of an interval.
 pub(super) fn panels(
     setup: &Setup,
     walk: &Walk,
     functions: &Functions,
     level: &Level,
-    fineness: f64,
+    [fineness, shortest]: [f64; 2],
 ) -> Vec<PlanePanel> {
     let longest = 4.0 * setup.diameter / level.degree as f64;
     // Points with the length of panels, in distances from them.
@@ -222,7 +222,7 @@ pub(super) fn panels(
             near.push((family.point, 1.0));
         }
     }
-    walk.panels(0.0, |middle, length| {
+    walk.panels(shortest, |middle, length| {
         fineness * length > longest
             || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
     })
