@@ -56,10 +56,10 @@ impl Functions {
             };
             let lengths = ladder.lengths(&setup.domain, image.point, image.inwards);
             let powers = vec![
-                Power::plain(1.0),
-                Power::plain(2.0),
                 Power::with_log(0.0),
+                Power::plain(1.0),
                 Power::with_log(1.0),
+                Power::plain(2.0),
                 Power::with_log(2.0),
             ];
             families.push(Family {

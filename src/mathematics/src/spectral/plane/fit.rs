@@ -153,10 +153,10 @@ impl Fit {
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
         let (rule, mut fineness) = (gauss(level.nodes), 1.0);
-        let mut panels = panels(setup, &walk, &functions, level, fineness);
+        let mut panels = panels(setup, &walk, &functions, level, [fineness, level.shortest]);
         while ((panels.len() * rule.len()) as f64) < ROWS * functions.unknowns() as f64 {
             fineness *= 1.4;
-            panels = self::panels(setup, &walk, &functions, level, fineness);
+            panels = self::panels(setup, &walk, &functions, level, [fineness, level.shortest]);
         }
         let spots = spots_on(&walk, &panels, &rule);
         functions.orthogonalise(&spots, level.degree);
@@ -178,32 +178,35 @@ impl Fit {
         Self { walk, functions, coefficients, logs, unknowns, rows }
     }
 
-    /// g at the points of values.
-    pub(super) fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
-        let mut sums = [
-            vec![Complex::default(); values.points],
-            vec![Complex::default(); if values.slopes.is_empty() { 0 } else { values.points }],
-        ];
-        let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
-        for (k, c) in self.coefficients.iter().copied().chain(logs).enumerate() {
-            let range = k * values.points..(k + 1) * values.points;
+    /// g and, if wanted, its derivative at spots, with the principal logarithms of holes.
+    pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
+        /// Spots whose values are kept in the cache.
+        const TOGETHER: usize = 64;
+        let mut sums = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+        for block in spots.chunks(TOGETHER) {
+            let values = self.functions.at(block, slopes);
             for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
-                if let Some(values) = values.get(range.clone()) {
-                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
+                let mut own =
+                    vec![Complex::default(); if values.is_empty() { 0 } else { block.len() }];
+                let coefficients = self.coefficients.iter().copied();
+                let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
+                for (c, values) in coefficients.chain(logs).zip(values.chunks_exact(block.len())) {
+                    own.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
                 }
+                sums.extend(own);
             }
         }
         sums
     }
 }
 
-/// Panels for functions, `fineness` times shorter than needed for the fit.
+/// Panels for functions, `fineness` times shorter than needed for the fit, none much shorter than a part of an interval.
 pub(super) fn panels(
     setup: &Setup,
     walk: &Walk,
     functions: &Functions,
     level: &Level,
-    fineness: f64,
+    [fineness, shortest]: [f64; 2],
 ) -> Vec<PlanePanel> {
     let longest = 4.0 * setup.diameter / level.degree as f64;
     // Points with the length of panels, in distances from them.
@@ -219,7 +222,7 @@ pub(super) fn panels(
             near.push((family.point, 1.0));
         }
     }
-    walk.panels(0.0, |middle, length| {
+    walk.panels(shortest, |middle, length| {
         fineness * length > longest
             || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
     })

@@ -311,25 +311,18 @@ impl PlaneSolution {
 
     /// v at many points.
     pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        let mut values = Vec::with_capacity(points.len());
-        for block in points.chunks(64) {
-            let spots: Vec<Spot> =
-                block.iter().map(|&point| Spot::inside(self.frame.seen(point))).collect();
-            let fit = &self.found.fit;
-            let [g, _] = fit.sums(&fit.functions.at(&spots, false));
-            let square = self.frame.unit * self.frame.unit;
-            for (spot, g) in spots.iter().zip(g) {
-                values.push(square * (self.setup.jumps.psi.value(spot.z) + g.re));
-            }
-        }
-        values
+        let spots: Vec<Spot> =
+            points.iter().map(|&point| Spot::inside(self.frame.seen(point))).collect();
+        let [g, _] = self.found.fit.at(&spots, false);
+        let square = self.frame.unit * self.frame.unit;
+        let psi = &self.setup.jumps.psi;
+        spots.iter().zip(g).map(|(spot, g)| square * (psi.value(spot.z) + g.re)).collect()
     }
 
     /// Gradient of v at a point of the domain.
     pub(crate) fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         let spots = [Spot::inside(self.frame.seen(point))];
-        let fit = &self.found.fit;
-        let [_, slopes] = fit.sums(&fit.functions.at(&spots, true));
+        let [_, slopes] = self.found.fit.at(&spots, true);
         let psi = self.setup.jumps.psi.gradients(&[spots[0].z])[0];
         (psi + slopes[0].conj()).scaled(self.frame.unit).coordinates()
     }
