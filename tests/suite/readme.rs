@@ -166,8 +166,8 @@ fn commands_of_captions_run(project: &Path) {
         } else {
             String::new()
         };
-        for rest in text.split("<span class=\"command\">Command <code>").skip(1) {
-            commands.insert(rest.split("</code>").next().unwrap().to_owned());
+        for rest in text.split("<span class=\"command\">Command `").skip(1) {
+            commands.insert(rest.split('`').next().unwrap().to_owned());
         }
     }
     assert!(commands.len() > 8 && commands.remove("signorini bench --record"), "{commands:?}");

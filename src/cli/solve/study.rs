@@ -42,8 +42,8 @@ pub(super) struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// Returns the study for which the arguments and the scene that they name ask, checked but for whether its members have solutions; none if they
-    /// ask for one solution.
+    /// Returns the study for which the arguments and the scene that they name ask, checked but for whether its members
+    /// have solutions; none if they ask for one solution.
     pub(super) fn read(args: &'a SolveArgs, scene: Option<&Scene>) -> Result<Option<Self>> {
         let of_scene = scene.and_then(|scene| scene.study.as_ref());
         let study = match (of_scene, args.vary.is_empty()) {

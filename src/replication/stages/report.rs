@@ -16,7 +16,7 @@ use crate::replication::study::Study;
 use crate::report;
 pub(crate) use crate::report::TEMPLATE;
 use crate::timing::recorded;
-use notebook::Cell;
+use notebook::NotebookCell;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::machine::memory::give_back;
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +86,7 @@ struct BookParts {
     /// Studies, by the names of their scenes.
     studies: BTreeMap<String, Study>,
     /// Cells of the notebook, if its page is among the templates.
-    notebook: Vec<Cell>,
+    notebook: Vec<NotebookCell>,
     /// Reason for which pages made from templates are left out, if there is one.
     left_out: Option<String>,
     /// Graph of all tasks.
@@ -209,8 +209,8 @@ fn book(
         }
     }
     for (_, tables) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("tabulate/")) {
-        for (name, bytes) in tables {
-            // Pages link to all digits, and include the table with fewer.
+        // Pages link to all digits, and include the table with fewer.
+        for (name, bytes) in tables.iter().filter(|(name, _)| !name.ends_with(".tex")) {
             made.insert(format!("src/tables/{name}"), bytes.clone());
         }
     }

@@ -6,9 +6,9 @@ use serde_json::Value;
 /// Notebook, as JSON.
 const NOTEBOOK: &str = include_str!("../../../python/signorini.ipynb");
 
-/// Cell of the notebook.
+/// NotebookCell of the notebook.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Cell {
+pub(super) struct NotebookCell {
     /// True for Python, else Markdown.
     is_code: bool,
     source: String,
@@ -23,13 +23,13 @@ pub(super) struct Cell {
 ///
 /// # Panics
 /// If the file is no notebook, which the tests run.
-pub(super) fn cells() -> Vec<Cell> {
+pub(super) fn cells() -> Vec<NotebookCell> {
     let notebook: Value = serde_json::from_str(NOTEBOOK).expect("the notebook is JSON");
     let cells = notebook["cells"].as_array().expect("a notebook has cells");
-    cells.iter().map(Cell::of).collect()
+    cells.iter().map(NotebookCell::of).collect()
 }
 
-impl Cell {
+impl NotebookCell {
     fn of(cell: &Value) -> Self {
         let mut read = Self {
             is_code: cell["cell_type"] == "code",
