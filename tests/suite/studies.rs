@@ -317,6 +317,8 @@ fn mistakes_in_options_of_studies_are_refused() {
     let project = four();
     for (args, words) in [
         (&["--f", F, "--vary", "friction=x"][..], "--vary friction=x: invalid float"),
+        (&["--f", F, "--vary", "friction=1:2:0.5"], "list values with commas between them"),
+        (&["--f", F, "--vary", "friction=1", "--csv", "t.tex"], "add --save NAME for a scene"),
         (&["--f", F, "--vary", "solver=multigrid,foo"], "--vary solver=foo: choose one of"),
         (&["--f", F, "--friction", "1", "--vary", "friction=1"], "--friction is given as well"),
         (&["--f", F, "--vary", "h=8", "--out", "v.npz"], "--out is about one solution"),
