@@ -171,6 +171,7 @@ fn commands_of_captions_run(project: &Path) {
         }
     }
     assert!(commands.len() > 8 && commands.remove("signorini bench --record"), "{commands:?}");
+    run("cargo run --release -- run", project);
     for command in commands {
         let line = command.replace("signorini", "cargo run --release --");
         let said = String::from_utf8(run(&line, project).stdout).unwrap();
