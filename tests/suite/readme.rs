@@ -128,9 +128,9 @@ fn commands_run_and_outputs_are_true() {
         let page = project.join(format!("report/src/{page}.md"));
         assert_eq!(follow(page.to_str().unwrap(), project), commands, "{page:?}");
     }
-    commands_of_captions_run(project);
     assert!(project.join("figures/round-map.svg").is_file());
     fs::remove_file(project.join("pipeline/scenes/round.toml")).unwrap();
+    commands_of_captions_run(project);
     changes_are_explained(project);
 }
 
