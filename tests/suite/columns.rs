@@ -9,8 +9,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, of the times of both
-/// fast solvers, and of studies.
+/// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, of the times of
+/// both fast solvers, and of studies.
 const OTHERS: [&str; 14] = [
     "name",
     "found.exact",

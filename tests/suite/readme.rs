@@ -128,9 +128,9 @@ fn commands_run_and_outputs_are_true() {
         let page = project.join(format!("report/src/{page}.md"));
         assert_eq!(follow(page.to_str().unwrap(), project), commands, "{page:?}");
     }
-    commands_of_captions_run(project);
     assert!(project.join("figures/round-map.svg").is_file());
     fs::remove_file(project.join("pipeline/scenes/round.toml")).unwrap();
+    commands_of_captions_run(project);
     changes_are_explained(project);
 }
 
@@ -166,11 +166,12 @@ fn commands_of_captions_run(project: &Path) {
         } else {
             String::new()
         };
-        for rest in text.split("<span class=\"command\">Command <code>").skip(1) {
-            commands.insert(rest.split("</code>").next().unwrap().to_owned());
+        for rest in text.split("<span class=\"command\">Command `").skip(1) {
+            commands.insert(rest.split('`').next().unwrap().to_owned());
         }
     }
     assert!(commands.len() > 8 && commands.remove("signorini bench --record"), "{commands:?}");
+    run("cargo run --release -- run", project);
     for command in commands {
         let line = command.replace("signorini", "cargo run --release --");
         let said = String::from_utf8(run(&line, project).stdout).unwrap();

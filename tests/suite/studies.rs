@@ -215,7 +215,7 @@ fn a_study_without_any_solution_is_a_table_and_a_chart_that_say_why() {
     );
     assert_eq!(said.code, Some(0), "{said:?}");
     let read = |path: &str| fs::read_to_string(project.path(path)).unwrap();
-    assert!(read("report/tables/s.csv").contains(",the integral of f is"));
+    assert!(read("report/tables/s.csv").contains("the integral of f is"));
     assert!(read("figures/s-chart.svg").contains("no solution: the integral of f"));
     // What does suffice is named.
     let reason = read("report/tables/s.md");
@@ -234,16 +234,32 @@ fn axes_are_columns_or_one_over_them() {
     assert_eq!(across, ["0.0625", "0.125"]);
 }
 
+/// Rows of a study of this project.
+fn rows_of_own(study: &str) -> Vec<Value> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
+    command.args(["solve", study, "--json"]).current_dir(ROOT);
+    let said = Said::from(command.output().unwrap());
+    said.lines().iter().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn errors_on_the_cube_fall_at_the_optimal_rate() {
+    let rows = rows_of_own("cube-errors");
+    assert_eq!(rows.len(), 6);
+    for meshes in rows.chunks(2) {
+        for (column, order, reach) in
+            [("error_l2", 2.0, 0.1), ("error_h1", 1.0, 0.05), ("error_max", 2.0, 0.2)]
+        {
+            let [coarse, fine] = [0, 1].map(|k| meshes[k][column].as_f64().unwrap());
+            let found = (coarse / fine).log2();
+            assert!((found - order).abs() < reach, "{column} {found}: {}", meshes[1]);
+        }
+    }
+}
+
 #[test]
 fn arcs_that_stick_shrink_exponentially_as_friction_gets_weaker() {
-    let said = Said::from(
-        Command::new(env!("CARGO_BIN_EXE_signorini"))
-            .args(["solve", "arcs", "--json"])
-            .current_dir(ROOT)
-            .output()
-            .unwrap(),
-    );
-    let rows: Vec<Value> = said.lines().iter().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let rows = rows_of_own("arcs");
     let number = |row: &Value, name: &str| row[name].as_f64().unwrap();
     // Two arcs of equal length.
     let lengths: Vec<f64> = rows.iter().map(|row| number(row, "contact_length") / 2.0).collect();
@@ -317,6 +333,8 @@ fn mistakes_in_options_of_studies_are_refused() {
     let project = four();
     for (args, words) in [
         (&["--f", F, "--vary", "friction=x"][..], "--vary friction=x: invalid float"),
+        (&["--f", F, "--vary", "friction=1:2:0.5"], "list values with commas between them"),
+        (&["--f", F, "--vary", "friction=1", "--csv", "t.tex"], "add --save NAME for a scene"),
         (&["--f", F, "--vary", "solver=multigrid,foo"], "--vary solver=foo: choose one of"),
         (&["--f", F, "--friction", "1", "--vary", "friction=1"], "--friction is given as well"),
         (&["--f", F, "--vary", "h=8", "--out", "v.npz"], "--out is about one solution"),

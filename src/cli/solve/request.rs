@@ -97,7 +97,8 @@ impl Remedies {
 }
 
 impl Request {
-    /// Reads and checks the arguments and the scene that they name; returns the problem as well, for an accuracy the one with which it begins.
+    /// Reads and checks the arguments and the scene that they name; returns the problem as well, for an accuracy the
+    /// one with which it begins.
     pub(super) fn read(args: &SolveArgs, scene: Option<&Scene>) -> Result<(Self, Problem)> {
         let clock = Clock::start();
         scene.map(Scene::check).transpose()?;

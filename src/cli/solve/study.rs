@@ -24,6 +24,7 @@ use serde_json::json;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Memory;
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -42,8 +43,8 @@ pub(super) struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// Returns the study for which the arguments and the scene that they name ask, checked but for whether its members have solutions; none if they
-    /// ask for one solution.
+    /// Returns the study for which the arguments and the scene that they name ask, checked but for whether its members
+    /// have solutions; none if they ask for one solution.
     pub(super) fn read(args: &'a SolveArgs, scene: Option<&Scene>) -> Result<Option<Self>> {
         let of_scene = scene.and_then(|scene| scene.study.as_ref());
         let study = match (of_scene, args.vary.is_empty()) {
@@ -148,7 +149,7 @@ fn varied(args: &SolveArgs, scene: Option<&Scene>) -> Result<Study> {
 /// # Errors
 /// [`Error::Stage`] if no member has a solution.
 pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
-    let file = args.csv.as_deref().map(OutputFile::check).transpose()?;
+    let file = args.csv.as_deref().map(checked_csv).transpose()?;
     let (study, solved) = (&asked.study, asked.solve()?);
     let csv = file.as_ref().map(|file| file.write(study.table(&solved).csv().as_bytes()));
     // The answer is not lost with the file.
@@ -170,6 +171,18 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
             Err(Error::Stage(vec![reason]))
         }
         None => asked.saved.as_ref().map_or(Ok(()), NewScene::write).map(|()| 0),
+    }
+}
+
+/// Returns the file of a table in CSV.
+fn checked_csv(path: &Path) -> Result<OutputFile> {
+    match path.extension().and_then(OsStr::to_str) {
+        Some("tex" | "md") => Err(Error::input(format!(
+            "--csv {}: the table is in CSV; add --save NAME for a scene, of which `run NAME` writes the table in \
+             LaTeX and Markdown",
+            path.display()
+        ))),
+        _ => OutputFile::check(path),
     }
 }
 

@@ -148,7 +148,7 @@ impl Vary {
         let of_option = |name: &String| field(name).is_some_and(|field| field.option() == option);
         let place = self.names.iter().position(of_option).unwrap_or_default();
         let reason = match (error.source(), error.get(ContextKind::ValidValue)) {
-            (Some(source), _) => source.to_string(),
+            (Some(source), _) => format!("{source}; list values with commas between them"),
             (None, Some(ContextValue::Strings(valid))) if !valid.is_empty() => {
                 format!("choose one of {}", valid.join(", "))
             }

@@ -1,4 +1,5 @@
-//! The paper's method and multigrid on other domains than the square: convergence on the disc, counts of iterations on nested meshes and for other numberings of the nodes, cost.
+//! The paper's method and multigrid on other domains than the square: convergence on the disc, counts of iterations on
+//! nested meshes and for other numberings of the nodes, cost.
 
 mod counts;
 mod disc;
