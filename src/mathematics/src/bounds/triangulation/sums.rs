@@ -4,7 +4,9 @@ use super::cells::gradient;
 use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
 use crate::bounds::boundary::{PartLaw, Slips, mean_product};
 use crate::machine::threads::in_tasks;
-use crate::mesh::{BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size, sorted};
+use crate::mesh::{
+    BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size, sorted,
+};
 use crate::problem::law::Law;
 use rayon::prelude::*;
 use std::f64::consts::PI;
