@@ -1,5 +1,5 @@
-//! Quadratic psi in the plane, where sweeps over nodes and sides are slow, as on stretched cells: the flux of least norm
-//! among all that differ by such a circulation, by multigrid.
+//! Quadratic psi in the plane, where sweeps over nodes and sides are slow, as on stretched cells: the flux of least
+//! norm among all that differ by such a circulation, by multigrid.
 //!
 //! On a cell that is long and thin against the direction of the gradient, the flux of each patch leaves through the
 //! wrong sides, over as many cells as there are across the domain. Aggregates along strong couplings reach them.
