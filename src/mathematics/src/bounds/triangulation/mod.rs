@@ -23,20 +23,21 @@
 //! flux for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the
 //! integral of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be
 //! to its share of `grad w . n` (`ring.rs`, in space `fan.rs`). Both integrals are exact where f is constant on shapes:
-//! their sums around a node without a reaction vanish, so that the part depends on the mesh alone, not on the numbers of
-//! cells and nodes. The distance that is made least is the one between the part of sigma and that share as fields on
+//! their sums around a node without a reaction vanish, so that the part depends on the mesh alone, not on the numbers
+//! of cells and nodes. The distance that is made least is the one between the part of sigma and that share as fields on
 //! the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on fine meshes the
 //! bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at the node as far
-//! as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for the residual
-//! at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an iteration has
-//! nearly the bounds of the last one. In the plane, a sweep over circulations around all nodes then lowers the norm of
-//! sigma (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to rounding, for every
-//! vector.
+//! as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for the
+//! residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
+//! iteration has nearly the bounds of the last one. In the plane, a sweep over circulations around all nodes then
+//! lowers the norm of sigma (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to
+//! rounding, for every vector.
 //!
-//! Step 3, in the plane, lets the flux through a side vary along it, by which the norm of sigma becomes least (`vary.rs`):
-//! sigma is then of second order where v is smooth, and the bounds are within a few per cent of the error. Where the
-//! sweeps over all sides are slow, as on stretched cells with contact everywhere, quadratic circulations of all nodes and
-//! sides at once take their place, by multigrid (`quadratic.rs`): without them bounds there grow with the aspect.
+//! Step 3, in the plane, lets the flux through a side vary along it, by which the norm of sigma becomes least
+//! (`vary.rs`): where v is smooth, the bounds are then within a few per cent of the error.
+//! Where the sweeps over all sides are slow, as on stretched cells with contact everywhere, quadratic circulations of
+//! all nodes and sides at once take their place, by multigrid (`quadratic.rs`): without them bounds there grow with the
+//! aspect.
 //!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose

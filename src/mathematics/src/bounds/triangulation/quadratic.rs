@@ -1,5 +1,5 @@
-//! Quadratic psi in the plane, where sweeps over nodes and sides are slow, as on stretched cells: the flux of least norm
-//! among all that differ by such a circulation, by multigrid.
+//! Quadratic psi in the plane, where sweeps over nodes and sides are slow, as on stretched cells: the flux of least
+//! norm among all that differ by such a circulation, by multigrid.
 //!
 //! On a cell that is long and thin against the direction of the gradient, the flux of each patch leaves through the
 //! wrong sides, over as many cells as there are across the domain. Aggregates along strong couplings reach them.
@@ -12,7 +12,7 @@ use crate::bounds::boundary::PartLaw;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
 use crate::discrete::norms::largest;
-use crate::mesh::{BoundarySide, Condition, Element, Sides, measure};
+use crate::mesh::{Condition, Element, Sides, measure};
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::{Start, improve_on_nested_networks};
 use crate::problem::law::Law;
@@ -33,86 +33,117 @@ const LEAST_ROOM: f64 = 0.05;
 struct QuadraticStream<'a, const D: usize, const V: usize> {
     cells: &'a Cells<'a, D, V>,
     sides: &'a Sides<V>,
-    /// Flag for each value, true if it is kept at zero.
-    is_kept: Vec<bool>,
+    /// Number of the unknown that is each value: along a facet whose flux stays as it is, all values are one unknown.
+    unknowns: Vec<u32>,
+    /// Number of unknowns.
+    count: usize,
 }
 
 /// Lowers the norm of a flux on a mesh in the plane by a quadratic psi. The outflow of each cell stays, and the law
-/// allows the outflows through the boundary in contact: where a step meets a limit, psi is kept there, and found again.
+/// allows the outflows through the boundary in contact: where a step exceeds a limit, the flux stays, and psi is found
+/// again.
 pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     forest: &CellForest,
     flux: &mut [SideFlux<D>],
 ) {
+    let mut stays = without_room(cells, sides, flux);
     for _ in 0..MOST_TIMES {
-        if step(cells, sides, forest, flux) > WHOLE {
+        let stream = QuadraticStream::new(cells, sides, &stays);
+        let Some(psi) = stream.best(forest, flux) else { return };
+        let steps = stream.steps(&psi);
+        let mut part = 1.0f64;
+        for ((at, stays), law) in sides.of_facets().iter().zip(&mut stays).zip(laws(cells)) {
+            let (flux, steps) = (flux[at.side as usize], steps[at.side as usize]);
+            let allowed = law.map_or(1.0, |law| {
+                let parts =
+                    flux.iter().zip(steps).map(|(flux, step)| law.part_of_step(*flux, step));
+                parts.fold(1.0, f64::min)
+            });
+            *stays |= allowed < WHOLE;
+            part = part.min(allowed);
+        }
+        for (flux, steps) in flux.iter_mut().zip(&steps) {
+            flux.iter_mut().zip(steps).for_each(|(flux, step)| *flux += part * step);
+        }
+        // Where a limit is met, rounding decides the side.
+        for (at, law) in sides.of_facets().iter().zip(laws(cells)) {
+            let flux = &mut flux[at.side as usize];
+            *flux = flux.map(|flux| law.map_or(flux, |law| law.clamp(flux)));
+        }
+        if part >= WHOLE {
             return;
         }
     }
 }
 
-/// Adds the best psi to a flux; returns the part of it that the law allows.
-fn step<const D: usize, const V: usize>(
+/// Law on each facet; none where the boundary is fixed or free.
+fn laws<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
-    sides: &Sides<V>,
-    forest: &CellForest,
-    flux: &mut [SideFlux<D>],
-) -> f64 {
-    let is_kept = vec![false; cells.w.len() + sides.len()];
-    let mut stream = QuadraticStream { cells, sides, is_kept };
-    stream.keep_on_boundary(flux);
-    stream.keep_in_each(forest);
-    let load = stream.load(flux);
-    let goal = Goal::Kkt(TOLERANCE * largest(&load));
-    let params = MultigridParams { goal, max_cycles: MOST_STEPS, ..MultigridParams::default() };
-    let networks = [NestedNetwork { network: stream.network(), parents: Vec::new() }];
-    let start = Start { y: None, is_slow: true };
-    let problem = Law::SIGNORINI.with_load(&load);
-    match improve_on_nested_networks(&networks, problem, start, &params) {
-        Ok(found) => stream.add_to(&found.y, flux),
-        Err(_) => 1.0,
-    }
+) -> impl Iterator<Item = Option<PartLaw>> {
+    let mesh = cells.mesh;
+    mesh.facets().iter().map(move |facet| {
+        let is_in_contact = mesh.condition(facet) == Condition::Contact;
+        is_in_contact.then(|| PartLaw::new(cells.law, measure(mesh.corners(facet))))
+    })
 }
 
-impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
-    /// Keeps psi on the facets through which there is no flux, or hardly any that the law allows to be changed, and at
-    /// nodes where the domain touches itself.
-    fn keep_on_boundary(&mut self, flux: &[SideFlux<D>]) {
-        let mesh = self.cells.mesh;
-        let facets = || mesh.facets().iter().zip(self.sides.of_facets());
-        let (mut whole, mut length) = (0.0, 0.0);
-        let mut counts = vec![0u8; self.cells.w.len()];
-        for (facet, at) in facets() {
-            facet.nodes.iter().for_each(|&node| counts[node as usize] += 1);
-            whole += flux[at.side as usize].iter().sum::<f64>().abs() / D as f64;
-            length += measure(mesh.corners(facet));
+/// Facets through which there is no flux, or that the law leaves hardly any room, in the order of the facets.
+fn without_room<const D: usize, const V: usize>(
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+    flux: &[SideFlux<D>],
+) -> Vec<bool> {
+    let mesh = cells.mesh;
+    let (mut whole, mut length) = (0.0, 0.0);
+    for (facet, at) in mesh.facets().iter().zip(sides.of_facets()) {
+        whole += flux[at.side as usize].iter().sum::<f64>().abs() / D as f64;
+        length += measure(mesh.corners(facet));
+    }
+    let facets = mesh.facets().iter().zip(sides.of_facets()).zip(laws(cells));
+    let stays = facets.map(|((facet, at), law)| match law {
+        None => mesh.condition(facet) == Condition::Free,
+        Some(law) => {
+            let least = LEAST_ROOM * whole * (measure(mesh.corners(facet)) / length);
+            flux[at.side as usize].iter().any(|flux| law.room(*flux) <= least)
         }
-        for (facet, &BoundarySide { side, .. }) in facets() {
-            let measure = measure(mesh.corners(facet));
-            let law = PartLaw::new(self.cells.law, measure);
-            let least = LEAST_ROOM * whole * (measure / length);
-            let keeps = match mesh.condition(facet) {
-                Condition::Free => true,
-                Condition::Fixed => false,
-                Condition::Contact => flux[side as usize].iter().any(|q| law.room(*q) <= least),
-            };
-            self.is_kept[counts.len() + side as usize] = keeps;
-            for node in facet.nodes.map(|node| node as usize) {
-                self.is_kept[node] |= keeps || counts[node] != 2;
+    });
+    stays.collect()
+}
+
+impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
+    /// Unknowns, with the facets whose flux stays as it is.
+    fn new(cells: &'a Cells<'a, D, V>, sides: &'a Sides<V>, stays: &[bool]) -> Self {
+        let nodes = cells.w.len() as u32;
+        let mut first: Vec<u32> = (0..nodes + sides.len() as u32).collect();
+        let facets = cells.mesh.facets().iter().zip(sides.of_facets()).zip(stays);
+        for ((facet, at), _) in facets.filter(|(_, stays)| **stays) {
+            for node in facet.nodes {
+                let [one, other] = [nodes + at.side, node].map(|place| first_of(&mut first, place));
+                first[one.max(other) as usize] = one.min(other);
             }
         }
+        // Each value points to one before it: to one that has its number already.
+        let (mut unknowns, mut count): (Vec<u32>, u32) = (Vec::with_capacity(first.len()), 0);
+        for (place, &before) in (0..).zip(&first) {
+            let is_new = before == place;
+            unknowns.push(if is_new { count } else { unknowns[before as usize] });
+            count += u32::from(is_new);
+        }
+        Self { cells, sides, unknowns, count: count as usize }
     }
 
-    /// Keeps a value in each part of the domain where all are open: a constant has no field.
-    fn keep_in_each(&mut self, forest: &CellForest) {
-        for tree in 0..forest.trees() {
-            let mut nodes = forest.cells(tree).iter().flat_map(|&cell| self.nodes(cell));
-            if !nodes.any(|node| self.is_kept[node as usize]) {
-                let first = self.nodes(forest.root(tree))[0];
-                self.is_kept[first as usize] = true;
-            }
-        }
+    /// psi of least norm with a flux, by its values; none if the numbers are not finite.
+    fn best(&self, forest: &CellForest, flux: &[SideFlux<D>]) -> Option<Vec<f64>> {
+        let load = self.load(flux);
+        let goal = Goal::Kkt(TOLERANCE * largest(&load));
+        let params = MultigridParams { goal, max_cycles: MOST_STEPS, ..MultigridParams::default() };
+        let networks = [NestedNetwork { network: self.network(forest), parents: Vec::new() }];
+        let start = Start { y: None, is_slow: true };
+        let problem = Law::SIGNORINI.with_load(&load);
+        let found = improve_on_nested_networks(&networks, problem, start, &params).ok()?;
+        Some(self.unknowns.iter().map(|&unknown| found.y[unknown as usize]).collect())
     }
 
     fn nodes(&self, cell: u32) -> [u32; V] {
@@ -126,7 +157,7 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
 
     /// Minus the products of a flux with the fields of all values.
     fn load(&self, flux: &[SideFlux<D>]) -> Vec<f64> {
-        let mut load = vec![0.0; self.is_kept.len()];
+        let mut load = vec![0.0; self.count];
         for cell in 0..self.cells.mesh.cells().len() as u32 {
             let nodes = self.nodes(cell);
             let vertices = self.cells.mesh.vertices(&nodes);
@@ -137,15 +168,18 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
             for k in 0..V {
                 let mut of_node = [turned[k].map(|x| -x); V];
                 of_node[k] = turned[k].map(|x| 3.0 * x);
-                load[nodes[k] as usize] -= product(element.volume, &sigma, &of_node);
-                load[self.midpoint(cell, k) as usize] -= of_bubble(&element, &sigma, k);
+                let [node, midpoint] =
+                    [nodes[k], self.midpoint(cell, k)].map(|place| self.unknown(place));
+                load[node as usize] -= product(element.volume, &sigma, &of_node);
+                load[midpoint as usize] -= of_bubble(&element, &sigma, k);
             }
         }
         load
     }
 
-    /// Products of the fields of all values.
-    fn network(&self) -> Network {
+    /// Products of the fields of all unknowns, one of which is kept at zero in each part of the domain: a constant has
+    /// no field.
+    fn network(&self, forest: &CellForest) -> Network {
         let mut of_sides = vec![([0; 2], 0.0); self.sides.len()];
         let mut couplings =
             Vec::with_capacity(3 * (self.cells.mesh.cells().len() + self.sides.len()));
@@ -168,15 +202,22 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
                 couplings.push(Coupling { nodes: [node, midpoint], weight });
             }
         }
-        let kept = (0..).zip(&self.is_kept).filter(|(_, is_kept)| **is_kept);
-        let kept = kept.map(|(place, _)| place).collect();
-        Network::new(&couplings, Vec::new(), kept, vec![1.0; self.is_kept.len()])
+        for coupling in &mut couplings {
+            coupling.nodes = coupling.nodes.map(|place| self.unknown(place));
+        }
+        couplings.retain(|coupling| coupling.nodes[0] != coupling.nodes[1]);
+        let first = |tree| self.unknown(self.nodes(forest.root(tree))[0]);
+        let kept = (0..forest.trees()).map(first).collect();
+        Network::new(&couplings, Vec::new(), kept, vec![1.0; self.count])
     }
 
-    /// Adds the field of psi to a flux, as far as the law allows; returns the part of it that is added.
-    fn add_to(&self, psi: &[f64], flux: &mut [SideFlux<D>]) -> f64 {
-        let mesh = self.cells.mesh;
-        let mut steps = vec![[0.0; D]; flux.len()];
+    fn unknown(&self, place: u32) -> u32 {
+        self.unknowns[place as usize]
+    }
+
+    /// Fluxes of the field of psi through all sides.
+    fn steps(&self, psi: &[f64]) -> Vec<SideFlux<D>> {
+        let mut steps = vec![[0.0; D]; self.sides.len()];
         for cell in 0..self.cells.mesh.cells().len() as u32 {
             let nodes = self.nodes(cell);
             for (k, side) in self.sides.numbers(cell).into_iter().enumerate() {
@@ -192,26 +233,16 @@ impl<const D: usize, const V: usize> QuadraticStream<'_, D, V> {
                 }
             }
         }
-        let contact = || {
-            let facets = mesh.facets().iter().zip(self.sides.of_facets());
-            let contact = facets.filter(|(facet, _)| mesh.condition(facet) == Condition::Contact);
-            contact.map(|(facet, at)| {
-                (at.side as usize, PartLaw::new(self.cells.law, measure(mesh.corners(facet))))
-            })
-        };
-        let mut part = 1.0f64;
-        for (side, law) in contact() {
-            for (flux, step) in flux[side].iter().zip(steps[side]) {
-                part = part.min(law.part_of_step(*flux, step));
-            }
-        }
-        for (flux, step) in flux.iter_mut().zip(&steps) {
-            flux.iter_mut().zip(step).for_each(|(flux, step)| *flux += part * step);
-        }
-        // Where a limit is met, rounding decides the side.
-        for (side, law) in contact() {
-            flux[side] = flux[side].map(|flux| law.clamp(flux));
-        }
-        part
+        steps
     }
+}
+
+/// First value of the unknown that is the one at this place, with shorter ways from now on.
+fn first_of(first: &mut [u32], mut place: u32) -> u32 {
+    while first[place as usize] != place {
+        let before = first[place as usize];
+        first[place as usize] = first[before as usize];
+        place = before;
+    }
+    place
 }

@@ -4,7 +4,9 @@ use super::cells::gradient;
 use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
 use crate::bounds::boundary::{PartLaw, Slips, mean_product};
 use crate::machine::threads::in_tasks;
-use crate::mesh::{BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size};
+use crate::mesh::{
+    BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size, sorted,
+};
 use crate::problem::law::Law;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -208,7 +210,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             if self.mesh.condition(facet) == Condition::Contact {
                 let measure = measure(self.mesh.corners(facet));
                 let law = PartLaw::new(self.law, measure);
-                let w = facet.nodes.map(|node| self.w[node as usize]);
+                let w = sorted(facet.nodes).map(|node| self.w[node as usize]);
                 let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
                 let flux = self.flux[side as usize];
                 let totals = Totals {

@@ -2,8 +2,8 @@
 //! outflow of each cell stays.
 //!
 //! As in `stream.rs`, the field `(d psi/dy, -d psi/dx)` has no divergence. Here psi is a sum of bubbles `4 p q` on the
-//! sides, p and q the hat functions of the ends: the flux through a side becomes linear along it. With the best
-//! variation the flux of a smooth solution is of second order, not of first.
+//! sides, p and q the hat functions of the ends: the flux through a side becomes linear along it, as sigma on the cells
+//! can be any linear field then.
 
 use super::cells::Cells;
 use super::linear::{SideFlux, at_vertices, outflows, product};
