@@ -243,7 +243,7 @@ impl Jumps {
 
     /// Leads a jump from a vertex outside of the domain to infinity, or to the middle of a hole.
     fn lead_away(&mut self, domain: &PlaneDomain, tip: usize, jump: f64) -> Result<(), PlaneError> {
-        let text = "f jumps into a bay from which no way out was found; use multigrid";
+        let text = "f jumps into a bay from which no way out was found";
         let WayOut { bends, ray } = domain
             .way_out(self.psi.vertices[tip])
             .ok_or_else(|| PlaneError::NotFound(text.into()))?;

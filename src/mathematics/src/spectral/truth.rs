@@ -1,7 +1,7 @@
 //! Answer of the spectral solver, whatever the domain.
 
 use super::plane::{PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh};
-use super::{Checks, Solution, SpectralError, SpectralParams, spectral_under};
+use super::{Checks, QUICK, STARTS, Solution, SpectralError, SpectralParams, solved_from};
 use crate::discrete::contact::ContactArc;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
@@ -65,9 +65,10 @@ impl fmt::Display for TrueChecks {
 /// digits of the energy or more.
 ///
 /// # Errors
-/// As [`spectral_under`], or if the finer solution fails a check.
+/// As [`spectral_under`](super::spectral_under), or if the finer solution fails a check.
 pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError> {
-    let usual = spectral_under(law, f, SpectralParams::default())?;
+    let starts = if law.is_bounded() { QUICK } else { &STARTS };
+    let usual = solved_from(starts, law, f, SpectralParams::default())?;
     let solution = usual.at_resolution(SpectralParams::FINER)?;
     Ok(TrueSolution {
         energy: solution.energy,
