@@ -91,7 +91,7 @@ impl CellsBefore<'_> {
 ///
 /// # Errors
 /// [`SourceError::NoValue`] with a point where f is not finite.
-pub fn mesh_load<const D: usize, const V: usize, F: OnCells<D>>(
+pub fn mesh_load<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     mesh: &Mesh<D, V>,
     f: &F,
 ) -> Result<MeshLoad, SourceError>
@@ -106,7 +106,7 @@ where
 ///
 /// # Errors
 /// As [`mesh_load`].
-pub(crate) fn mesh_load_after<const D: usize, const V: usize, F: OnCells<D>>(
+pub(crate) fn mesh_load_after<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     before: CellsBefore<'_>,
     mesh: &Mesh<D, V>,
     f: &F,
@@ -117,7 +117,7 @@ where
     integrated(mesh, f, Some(before))
 }
 
-fn integrated<const D: usize, const V: usize, F: OnCells<D>>(
+fn integrated<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     mesh: &Mesh<D, V>,
     f: &F,
     before: Option<CellsBefore<'_>>,
@@ -182,7 +182,7 @@ struct WeighedPart<const V: usize> {
 }
 
 /// Mesh and function to be integrated.
-struct CellWork<'a, F, const D: usize, const V: usize> {
+struct CellWork<'a, F: ?Sized, const D: usize, const V: usize> {
     mesh: &'a Mesh<D, V>,
     f: &'a F,
     before: Option<CellsBefore<'a>>,
@@ -191,7 +191,7 @@ struct CellWork<'a, F, const D: usize, const V: usize> {
     volume: f64,
 }
 
-impl<F: OnCells<D>, const D: usize, const V: usize> CellWork<'_, F, D, V>
+impl<F: OnCells<D> + ?Sized, const D: usize, const V: usize> CellWork<'_, F, D, V>
 where
     Shape<D>: CutShape<D, V>,
 {

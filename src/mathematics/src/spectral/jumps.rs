@@ -4,15 +4,15 @@
 //! piece goes on along its curve: a line beyond the last side to infinity; else to the middle of its way outside, or for
 //! a length of two, and from there away from the domain. Where the next piece has the same jump, so does all between.
 
-use super::curve::{Arc, Curve, ROUNDING, SAME, SIDES, borders};
-use super::domain::{PlaneDomain, WayOut};
+use super::curve::{Arc, Curve, ROUNDING, SAME, borders};
+use super::domain::PlaneDomain;
 use super::parts::{CurvePart, append, close};
 use super::plane::{PlaneError, RegionBorder};
 use super::potential::Potential;
+use super::way_out::WayOut;
 use crate::problem::complex::Complex;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;
-use std::fmt;
 
 /// Piece of a jump inside the domain, between vertices or points of the boundary.
 #[derive(Clone, Debug)]
@@ -22,23 +22,13 @@ pub(super) struct JumpEdge {
     pub values: [f64; 2],
 }
 
-/// Two borders that nearly touch, by the shapes that they bound.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Touch(pub [String; 2]);
-
-impl fmt::Display for Touch {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "; the borders of {} and {} nearly touch", self.0[0], self.0[1])
-    }
-}
-
 /// All jumps of f inside a domain.
 #[derive(Clone, Default)]
 pub(super) struct Jumps {
     /// Borders of all shapes, in full; none of regions.
     pub curves: Vec<Curve>,
     /// First shape that each of the curves bounds.
-    shapes: Vec<Shape<2>>,
+    pub shapes: Vec<Shape<2>>,
     pub edges: Vec<JumpEdge>,
     /// Points at which edges meet the boundary.
     pub crossings: Vec<Complex>,
@@ -130,36 +120,6 @@ impl Jumps {
         }
         Ok(jumps)
     }
-    /// The two borders that come nearest to touching or coinciding without doing so, if any nearly do.
-    pub(super) fn nearly_touching(&self) -> Option<Touch> {
-        /// Angle, or distance, below which borders nearly touch.
-        const NEARLY: f64 = 0.03;
-        let many = self.curves.len();
-        let curves = [&self.curves[..], &SIDES[..]].concat();
-        let (mut nearest, mut touch) = (NEARLY, None);
-        for k in 0..many {
-            for j in k + 1..curves.len() {
-                let apart = curves[k].apartness(curves[j]);
-                if apart < nearest && !curves[k].touches(curves[j]) {
-                    nearest = apart;
-                    touch = Some(Touch([k, j].map(|k| self.border_name(k))));
-                }
-            }
-        }
-        touch
-    }
-
-    /// Name of a shape by the number of a curve that bounds it; curves after the last are the sides.
-    fn border_name(&self, curve: usize) -> String {
-        match self.shapes.get(curve) {
-            Some(shape) => shape.to_string(),
-            None => {
-                let side = ["left", "right", "lower", "upper"][curve - self.curves.len()];
-                format!("the {side} side")
-            }
-        }
-    }
-
     /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
     /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
     /// within `on` of the piece coincide with it.
@@ -243,7 +203,7 @@ impl Jumps {
 
     /// Leads a jump from a vertex outside of the domain to infinity, or to the middle of a hole.
     fn lead_away(&mut self, domain: &PlaneDomain, tip: usize, jump: f64) -> Result<(), PlaneError> {
-        let text = "f jumps into a bay from which no way out was found; use multigrid";
+        let text = "f jumps into a bay from which no way out was found";
         let WayOut { bends, ray } = domain
             .way_out(self.psi.vertices[tip])
             .ok_or_else(|| PlaneError::NotFound(text.into()))?;

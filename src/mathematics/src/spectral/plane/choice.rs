@@ -1,10 +1,11 @@
 //! Which functions are fitted: at corners, ends of contact and crossings, at mirror images, in holes, behind sides.
 
 use super::boundary::{Split, State, Walk};
-use super::domain::{PlaneDomain, middle};
+use super::domain::PlaneDomain;
 use super::functions::{Family, Functions, Hole, Power};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
+use crate::spectral::way_out::middle;
 use std::f64::consts::PI;
 
 /// Power below which a singular function counts.

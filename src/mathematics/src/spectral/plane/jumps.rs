@@ -22,7 +22,7 @@ impl PlaneJumps {
             PlaneSource::Polynomial(f) => (Jumps::default(), Psi::Polynomial(f.clone())),
             PlaneSource::Pieces(f) => {
                 let jumps = Jumps::of_pieces(domain, f)?;
-                let points = inner_points(domain);
+                let points = domain.inner_points(25);
                 let psi = Psi::of_jumps(jumps.psi.clone(), &points, |z| f.at(z.coordinates()));
                 (jumps, psi)
             }
@@ -44,22 +44,69 @@ impl PlaneJumps {
     }
 }
 
-/// Points of the domain away from its boundary.
-fn inner_points(domain: &PlaneDomain) -> Vec<Complex> {
-    let [[left, right], [low, high]] = domain.extent();
-    let mut points = Vec::new();
-    for k in 0..2000 {
-        let [x, y] = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17];
-        let z = Complex::new(
-            left + (right - left) * (x - x.floor()),
-            low + (high - low) * (y - y.floor()),
-        );
-        if domain.holds(z) {
-            points.push(z);
-        }
-        if points.len() == 25 {
-            break;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Condition;
+    use crate::spectral::plane::PlaneSide;
+
+    fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
+        let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
+        let sides =
+            (0..points.len()).map(|k| PlaneSide::segment(ends(k), Condition::Contact, 0)).collect();
+        PlaneDomain::new(vec![sides]).unwrap()
+    }
+
+    #[test]
+    fn psi_belongs_to_f_where_jumps_end_in_bays() {
+        let u = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [1.0, 1.0],
+            [0.5, 1.0],
+            [0.5, -0.5],
+            [-0.5, -0.5],
+            [-0.5, 1.0],
+            [-1.0, 1.0],
+        ];
+        // A bay behind a way with two bends.
+        let hook = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [1.0, 1.0],
+            [-0.7, 1.0],
+            [-0.7, 0.6],
+            [0.2, 0.6],
+            [0.2, -0.2],
+            [-0.2, -0.2],
+            [-0.2, 0.2],
+            [0.1, 0.2],
+            [0.1, 0.5],
+            [-0.8, 0.5],
+            [-0.8, 1.0],
+            [-1.0, 1.0],
+        ];
+        for points in [&u[..], &hook[..]] {
+            let domain = polygon(points);
+            for text in [
+                "rect(-2,0,-2,0.1)=3; else=-1",
+                "halfplane(1,0.3,0.02)=4; rect(-0.3,0.8,-0.7,0.3)=2; disc(-0.4,0,0.5)=1; else=-2",
+                "disc(0,-0.9,0.75)=1; rect(-2,-0.1,-2,2)=-3; else=2",
+            ] {
+                let f = PlaneSource::Pieces(text.parse().unwrap());
+                let PlaneSource::Pieces(pieces) = &f else { panic!("pieces") };
+                let psi = PlaneJumps::new(&domain, &f).unwrap().psi;
+                for z in domain.inner_points(25) {
+                    let value = pieces.at(z.coordinates());
+                    assert!((psi.source(z) - value).abs() < 1e-10, "{text}: {z:?} {value}");
+                    let (step, slope) = (1e-5, psi.gradients(&[z])[0]);
+                    for way in [Complex::new(step, 0.0), Complex::new(0.0, step)] {
+                        let change = psi.value(z + way) - psi.value(z - way);
+                        let off = 0.5 * change / step - slope.dot(way.scaled(1.0 / step));
+                        assert!(off.abs() < 1e-4, "{text}: {z:?} {off}");
+                    }
+                }
+            }
         }
     }
-    points
 }

@@ -209,6 +209,20 @@ impl PlaneError {
     }
 }
 
+impl PlaneChecks {
+    /// The worse of each of two checks.
+    pub(super) fn worst(self, other: Self) -> Self {
+        let is_less = self.balance.abs() < other.balance.abs();
+        Self {
+            residual: self.residual.max(other.residual),
+            balance: if is_less { other.balance } else { self.balance },
+            flux: self.flux.min(other.flux),
+            sign: self.sign.min(other.sign),
+            bracket: self.bracket.max(other.bracket),
+        }
+    }
+}
+
 impl fmt::Display for PlaneChecks {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { residual, balance, flux, sign, bracket } = self;

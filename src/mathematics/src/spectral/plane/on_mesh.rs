@@ -124,6 +124,12 @@ impl PlaneTruth {
         }
     }
 
+    /// Distance of a point from the domain.
+    pub(crate) fn distance(&self, [x, y]: [f64; 2]) -> f64 {
+        let (domain, z) = (&self.problem.domain, Complex::new(x, y));
+        if domain.holds(z) { 0.0 } else { domain.distance(z) }
+    }
+
     /// Arcs in contact, with the names of the parts of a mesh: those on sides where the law holds.
     pub(crate) fn contact(&self, mesh: &PlaneMesh) -> Vec<ContactArc> {
         let mut arcs = Vec::new();

@@ -39,7 +39,7 @@ impl MeshSolution {
         let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
         let NestedMeshes { meshes, networks } = nested_meshes(coarsest, fits.count()).ok()?;
         let (finest, network) = (meshes.last()?, &networks.last()?.network);
-        let load = mesh_load(finest, &f.to_vec()).ok()?.load;
+        let load = mesh_load(finest, f).ok()?.load;
         let params = MultigridParams::default();
         let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
         let judgement = judge(network, law, &y, &load);
