@@ -139,7 +139,7 @@ impl Effort {
     /// True if a search is to be given up: some twenty fits with a thousand unknowns, many hundred with a few hundred.
     pub(super) fn is_spent(&self) -> bool {
         /// Most operations, half a minute's at most.
-        const MOST: f64 = 2e11;
+        const MOST: f64 = 4e11;
         self.operations > MOST
     }
 }

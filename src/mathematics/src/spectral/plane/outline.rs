@@ -8,7 +8,7 @@ use crate::spectral::curve::Curve;
 use std::f64::consts::TAU;
 
 /// Most sides of a closed curve, for which the time is still one of seconds.
-const MOST_SIDES: usize = 28;
+const MOST_SIDES: usize = 100;
 /// Sine of the angle between two edges below which both belong to one straight side.
 const STRAIGHT: f64 = 1e-6;
 /// Distance of nodes from their straight side, over the size of the curve, that is taken for rounding of the file.

@@ -1,6 +1,6 @@
 //! The way from a start to a checked solution: Newton's method on the ends on a coarse level, signs, finer levels.
 
-use super::boundary::RingContact;
+use super::boundary::{PlaneRing, RingContact};
 use super::energy::Integrals;
 use super::field::{PlaneNode, Sizes, boundary_nodes};
 use super::fit::{Effort, Fit};
@@ -135,7 +135,7 @@ fn started(setup: &Setup, start: &PlaneStart) -> Vec<RingContact> {
             [from, if to <= from { to + turn } else { to }]
         });
         let mut found = RingContact { arcs: arcs.collect(), gaps: own.gaps.clone() };
-        while let Some((number, is_gap)) = short(&found, turn, 1.5 * start.spacing) {
+        while let Some((number, is_gap)) = short(&found, ring, 1.5 * start.spacing) {
             remove(&mut found, number, is_gap, turn);
         }
         contact.push(found);
@@ -143,16 +143,20 @@ fn started(setup: &Setup, start: &PlaneStart) -> Vec<RingContact> {
     contact
 }
 
-/// An arc that is too short and can be left out, or a gap.
-fn short(ring: &RingContact, turn: f64, least: f64) -> Option<(usize, bool)> {
-    let many = ring.arcs.len();
+/// An arc that is too short and can be left out, or a gap; where elements see the flux least well, at a corner, gaps up
+/// to three times as long.
+fn short(ring: &RingContact, sides: &PlaneRing, least: f64) -> Option<(usize, bool)> {
+    let (many, turn) = (ring.arcs.len(), sides.length());
     (0..many).find_map(|k| {
         let [from, to] = ring.arcs[k];
         let between = ring.gaps[(k + many - 1) % many] != ring.gaps[k];
         let gap = (ring.arcs[(k + 1) % many][0] - to).rem_euclid(turn);
+        let mut corners = sides.starts[1..].iter();
+        let has_corner = sides.sides.len() > 1 && corners.any(|t| (t - to).rem_euclid(turn) < gap);
+        let least_gap = if has_corner { 3.0 * least } else { least };
         match () {
             () if to - from < least && !between && many > 1 => Some((k, false)),
-            () if gap < least && gap < to - from => Some((k, true)),
+            () if gap < least_gap && gap < to - from => Some((k, true)),
             () => None,
         }
     })
