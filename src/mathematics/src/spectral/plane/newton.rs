@@ -18,12 +18,18 @@ struct EndStep {
     which: usize,
     step: f64,
     cut: bool,
+    /// Distance to the next split.
+    near: f64,
 }
 
 /// Most steps on a level.
 const MOST: usize = 25;
 /// Largest part of an arc or a gap by which an end moves.
 const PART: f64 = 0.4;
+/// Largest part of the distance to the next split by which an end at rest moves.
+const AT_REST: f64 = 0.1;
+/// Step of an end, in perimeters, that leaves it where it is.
+const NOWHERE: f64 = 1e-7;
 
 /// Moves the ends of a contact set until none moves any more; returns the fit, or none if that does not happen.
 pub(super) fn settle(
@@ -43,7 +49,10 @@ pub(super) fn settle(
         let moves = end_steps(setup, contact, &fit);
         let largest = moves.iter().fold(0.0f64, |most, m| most.max(m.step.abs())) / setup.perimeter;
         let cut = moves.iter().any(|m| m.cut);
-        if !cut && (largest < level.found || largest < level.noise && largest > last / 3.0) {
+        let is_still =
+            moves.iter().all(|m| m.step.abs() < (AT_REST * m.near).max(NOWHERE * setup.perimeter));
+        let is_noise = largest < level.noise && largest > last / 3.0;
+        if !cut && is_still && (largest < level.found || is_noise) {
             if largest < level.noise {
                 moves.iter().for_each(|m| contact[m.ring].arcs[m.arc][m.which] += m.step);
             }
@@ -102,16 +111,24 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
             true => -k / (1.5 * k1),
             false => -(k * sign).signum() * f64::INFINITY,
         };
+        let near = split.lengths[0].min(split.lengths[1]);
         // What grows, grows no more than threefold.
         let room = match wanted > 0.0 {
             // The expansion holds up to the next split only.
-            _ if wanted.is_infinite() => PART * split.lengths[0].min(split.lengths[1]),
+            _ if wanted.is_infinite() => PART * near,
             true => (PART * gap).min(2.0 * arc_length),
             false => (PART * arc_length).min(2.0 * gap),
         };
         let step = wanted.clamp(-room, room);
         let along = if which == 0 { -step } else { step };
-        steps.push(EndStep { ring: split.ring, arc, which, step: along, cut: step != wanted });
+        steps.push(EndStep {
+            ring: split.ring,
+            arc,
+            which,
+            step: along,
+            cut: step != wanted,
+            near,
+        });
     }
     steps
 }
