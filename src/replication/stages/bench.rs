@@ -73,6 +73,11 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             |it, inputs| it.made(inputs, cost::ends(&table(inputs, "truth", "elements")?)?),
         ),
         picture(
+            ["truth", "ways"],
+            "Error of the energy against the number of unknowns: powers at corners, adaptive and uniform elements",
+            |it, inputs| it.made(inputs, cost::ways(&table(inputs, "truth", "plane_ways")?)?),
+        ),
+        picture(
             ["claims", "sweep"],
             "Iterations of both problems against the duality parameter, three ways of stopping",
             |it, inputs| it.made(inputs, claims::sweep(&table(inputs, "claims", "runs")?)?),

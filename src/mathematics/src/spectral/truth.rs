@@ -147,6 +147,14 @@ impl TrueSolution {
         }
     }
 
+    /// Numbers of unknowns, and energies, of levels from coarse to fine; none on the square in its closed form.
+    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
+        match &self.form {
+            TrueForm::Square(_) => Vec::new(),
+            TrueForm::Plane(truth) => truth.by_level(),
+        }
+    }
+
     /// v at points of the domain and its boundary.
     pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         match &self.form {

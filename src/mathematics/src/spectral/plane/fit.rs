@@ -127,20 +127,26 @@ pub(super) struct Effort {
     pub steps: usize,
     /// Number of operations of their least squares, `2 M N^2` each with M rows and N unknowns.
     operations: f64,
+    /// Number of those of the first fit.
+    first: f64,
 }
 
 impl Effort {
     /// Adds a fit.
     pub(super) fn add(&mut self, fit: &Fit) {
         self.steps += 1;
-        self.operations += 2.0 * fit.rows as f64 * (fit.unknowns as f64).powi(2);
+        let own = 2.0 * fit.rows as f64 * (fit.unknowns as f64).powi(2);
+        if self.steps == 1 {
+            self.first = own;
+        }
+        self.operations += own;
     }
 
-    /// True if a search is to be given up: some twenty fits with a thousand unknowns, many hundred with a few hundred.
+    /// True if a search is to be given up, after some ten times the work of one that is solved.
     pub(super) fn is_spent(&self) -> bool {
-        /// Most operations, half a minute's at most.
-        const MOST: f64 = 2e11;
-        self.operations > MOST
+        /// Most operations, half a minute's at most, and over those of the first fit.
+        const MOST: [f64; 2] = [4e11, 100.0];
+        self.operations > MOST[0].min(MOST[1] * self.first)
     }
 }
 

@@ -13,8 +13,9 @@ use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 
-/// Nodes, at most, of the meshes whose solutions are starts in turn.
+/// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
+const SIDES: f64 = 20.0;
 /// Largest error of a polynomial in place of f, over the largest value of f.
 const FITTED: f64 = 1e-10;
 /// Error of a polynomial that is rounding alone, over the largest value of f.
@@ -42,7 +43,10 @@ pub(crate) fn solve_on_mesh(
     let height = height(mesh, f);
     let problem = problem(mesh, f, law, height)?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
-    for most_nodes in STARTS {
+    let sides = problem.domain.loops().iter().map(Vec::len).sum::<usize>() as f64;
+    for nodes in STARTS {
+        // Short sides want short edges.
+        let most_nodes = nodes * (sides / SIDES).max(1.0).powi(2);
         let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
         match solve(&problem, &solution.start(&problem)) {
             Err(failed) => error = failed,
@@ -155,6 +159,13 @@ impl PlaneTruth {
             arcs.push(ContactArc { closed: *closed, part, ..arc });
         }
         arcs
+    }
+
+    /// Numbers of unknowns, and energies, of levels from coarse to fine.
+    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
+        let square = self.height * self.height;
+        let levels = self.solution.by_level().into_iter();
+        levels.map(|(unknowns, energy)| (unknowns, square * energy)).collect()
     }
 
     /// Cuts of the functions, from and to.

@@ -93,6 +93,15 @@ impl Level {
     ];
 }
 
+impl Level {
+    /// Level between the others, with one cut at least, and with `more`.
+    pub(super) fn with_few_cuts(more: usize) -> Self {
+        let fine = Self::FINE[1];
+        let cuts = fine.strong.min(more + 1);
+        Self { strong: cuts, weak: cuts, image: cuts, hole: fine.hole.min(4 * cuts), ..fine }
+    }
+}
+
 impl Setup {
     pub(super) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
         let PlaneProblem { domain, law, source } = problem;
