@@ -32,12 +32,22 @@ pub(super) struct Integrals {
     pub work: f64,
     /// Integral of v dv/dn over the boundary.
     pub flux_work: f64,
+    /// The same where v should be zero.
+    held: f64,
+    /// Integral of q v where dv/dn should be q.
+    slipping: f64,
 }
 
 impl Integrals {
     pub(super) fn new(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
+        let mut sums = Self::on_boundary(setup, fit, nodes);
+        sums.add_jumps(setup);
+        sums.completed()
+    }
+
+    /// The part of the boundary.
+    pub(super) fn on_boundary(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
         let mut sums = Self::default();
-        let (mut held, mut slipping) = (0.0, 0.0);
         let origin = setup.centre;
         for node in nodes {
             let weight = node.spot.weight;
@@ -62,20 +72,23 @@ impl Integrals {
                 }
             }
             match node.state {
-                State::Held => held += weight * node.value * node.flux,
-                State::Flux(q) => slipping += weight * q * node.value,
+                State::Held => sums.held += weight * node.value * node.flux,
+                State::Flux(q) => sums.slipping += weight * q * node.value,
             }
         }
-        sums.add_jumps(setup);
-        sums.plain = 0.5 * sums.flux_work - 0.5 * sums.work - slipping;
-        sums.energy = sums.plain - held;
         sums
+    }
+
+    /// With the energy, from all other integrals.
+    pub(super) fn completed(mut self) -> Self {
+        self.plain = 0.5 * self.flux_work - 0.5 * self.work - self.slipping;
+        self.energy = self.plain - self.held;
+        self
     }
 
     fn add_jumps(&mut self, setup: &Setup) {
         let rule = gauss(32);
         for edge in &setup.jumps.edges {
-            let [left, right] = edge.values;
             let curve = edge.arc.curve;
             let (mut points, mut normals) = (Vec::new(), Vec::new());
             for [from, to] in pieces(setup, edge.arc) {
@@ -89,17 +102,29 @@ impl Integrals {
                         .push((-curve.direction(s).turned()).scaled(weight * slope * (to - from)));
                 }
             }
-            for ((z, normal), gradient) in
-                points.iter().zip(normals).zip(setup.jumps.psi.gradients(&points))
-            {
-                let seen = *z - setup.centre;
-                let (outward, square) = (seen.dot(normal), 0.25 * seen.norm2());
-                let psi = setup.jumps.psi.value(*z);
-                self.source += 0.5 * (left - right) * outward;
-                self.work += (left - right)
-                    * ((0.5 * psi - 0.25 * (left + right) * square) * outward
-                        - square * gradient.dot(normal));
-            }
+            self.add_jump(setup, edge.values, &points, &normals);
+        }
+    }
+
+    /// Adds the part of a jump from f on its left and right, by points with normals to the right as long as their
+    /// weights.
+    pub(super) fn add_jump(
+        &mut self,
+        setup: &Setup,
+        [left, right]: [f64; 2],
+        points: &[Complex],
+        normals: &[Complex],
+    ) {
+        for ((z, &normal), gradient) in
+            points.iter().zip(normals).zip(setup.jumps.psi.gradients(points))
+        {
+            let seen = *z - setup.centre;
+            let (outward, square) = (seen.dot(normal), 0.25 * seen.norm2());
+            let psi = setup.jumps.psi.value(*z);
+            self.source += 0.5 * (left - right) * outward;
+            self.work += (left - right)
+                * ((0.5 * psi - 0.25 * (left + right) * square) * outward
+                    - square * gradient.dot(normal));
         }
     }
 }

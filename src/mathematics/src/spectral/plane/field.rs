@@ -92,25 +92,36 @@ pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<PlaneNod
     let gradients = setup.jumps.psi.gradients(&points);
     let mut nodes = Vec::with_capacity(spots.len());
     for (k, &spot) in spots.iter().enumerate() {
-        let normal = -spot.tangent.turned();
-        let interval = &fit.walk.intervals[spot.interval];
-        let psi = setup.jumps.psi.value(spot.z);
-        let psi_flux = gradients[k].dot(normal);
-        nodes.push(PlaneNode {
-            spot,
-            value: psi + g[k].re,
-            flux: psi_flux + (slopes[k] * normal).re,
-            conjugate: g[k].im,
-            psi,
-            psi_flux,
-            state: interval.state,
-            residual: 0.0,
-            lawful: interval.lawful,
-            t: fit.walk.splits[interval.splits[0]].t + spot.s,
-            ring: interval.ring,
-        });
+        nodes.push(node(setup, fit, spot, [g[k], slopes[k]], gradients[k]));
     }
     nodes
+}
+
+/// Node at a spot, from g, its derivative, and the gradient of psi.
+pub(super) fn node(
+    setup: &Setup,
+    fit: &Fit,
+    spot: Spot,
+    [g, slope]: [Complex; 2],
+    gradient: Complex,
+) -> PlaneNode {
+    let normal = -spot.tangent.turned();
+    let interval = &fit.walk.intervals[spot.interval];
+    let psi = setup.jumps.psi.value(spot.z);
+    let psi_flux = gradient.dot(normal);
+    PlaneNode {
+        spot,
+        value: psi + g.re,
+        flux: psi_flux + (slope * normal).re,
+        conjugate: g.im,
+        psi,
+        psi_flux,
+        state: interval.state,
+        residual: 0.0,
+        lawful: interval.lawful,
+        t: fit.walk.splits[interval.splits[0]].t + spot.s,
+        ring: interval.ring,
+    }
 }
 
 impl Sizes {

@@ -92,6 +92,20 @@ impl Polynomial {
         sum
     }
 
+    /// Bounds of the moduli of f, of psi and of the gradient of psi for |z| up to a radius, also for complex
+    /// coordinates with z and conj(z) up to that radius each.
+    pub(super) fn moduli(&self, radius: f64) -> [f64; 3] {
+        let mut sums = [0.0; 3];
+        for term in &self.terms {
+            let (degree, quarter) = (term.degree(), 0.25 / term.product());
+            let size = term.factor.norm() * libm::pow(radius, degree);
+            sums[0] += size;
+            sums[1] += quarter * size * radius * radius;
+            sums[2] += quarter * size * radius * (degree + 2.0);
+        }
+        sums
+    }
+
     /// Gradient of psi at a point.
     pub(super) fn psi_gradient(&self, z: Complex) -> Complex {
         let mut sum = Complex::default();

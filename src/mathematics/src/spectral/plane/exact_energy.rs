@@ -1,0 +1,169 @@
+//! The energy by Gauss rules on cells, with a bound of their errors and of rounding.
+
+use super::boundary::State;
+use super::cells::{POINTS, Singular, Stretch, Surroundings, Track};
+use super::continuation::PlaneJump;
+use super::energy::Integrals;
+use super::moduli::{Moduli, of_psi};
+use super::proof::Proof;
+use super::psi::Psi;
+use super::samples::Sampled;
+use super::setup::Setup;
+use crate::spectral::rule::gauss;
+
+/// Energy with a bound of its error.
+pub(super) struct BoundedEnergy {
+    pub energy: f64,
+    pub error: f64,
+}
+
+/// Energy of v on cells; `left` bounds the variation of v closer to splits than all cells, split by split.
+///
+/// # Errors
+/// What is not proved.
+pub(super) fn bounded_energy(
+    proof: &Proof,
+    samples: &[Sampled],
+    left: &[Leftover],
+) -> Result<BoundedEnergy, &'static str> {
+    let nodes: Vec<_> = samples.iter().flat_map(|own| own.nodes.iter().copied()).collect();
+    let mut sums = Integrals::on_boundary(proof.setup, proof.fit, &nodes);
+    let mut error = 0.0;
+    let mut total = 0.0;
+    for own in samples {
+        let [of_values, terms] = rounding(proof, own);
+        error += of_values + own.own.cell.gauss_error(modulus(proof, own));
+        total += terms;
+    }
+    for edge in &proof.setup.jumps.edges {
+        error += add_edge(proof.setup, edge, &mut sums)?;
+    }
+    for own in left {
+        error += own.integrals;
+    }
+    // The order of the sum is not used.
+    error += (nodes.len() as f64 + 16.0) * f64::EPSILON * total;
+    Ok(BoundedEnergy { energy: sums.completed().energy, error })
+}
+
+/// What lies closer to a split than all cells, on one side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leftover {
+    pub interval: usize,
+    pub side: usize,
+    /// Bound of the variation of v there, and of the integral of the modulus of its flux.
+    pub variation: f64,
+    /// Bound of the integrals of the energy there.
+    pub integrals: f64,
+}
+
+impl Leftover {
+    /// Of the cell that is nearest to the split.
+    pub(super) fn of(proof: &Proof, own: &Sampled) -> Self {
+        let (least, moduli) = (own.own.cell.span[0], &own.moduli);
+        // Twice for the growth of logarithms.
+        let terms = moduli.slope.iter().map(|[power, m]| 2.0 * m * libm::pow(least, *power) / power);
+        let variation = terms.sum::<f64>();
+        let value: f64 = moduli.value.iter().map(|[power, m]| m * libm::pow(least, *power)).sum();
+        let size = Sizes::of(proof, own);
+        let integrals = size.constants * (value + 1.0) * (variation + size.rate * least);
+        Self { interval: own.own.interval, side: own.own.side, variation, integrals }
+    }
+}
+
+/// Factors of the bound of the integrand of the energy.
+struct Sizes {
+    constants: f64,
+    /// Bound of slopes but that of v.
+    rate: f64,
+}
+
+impl Sizes {
+    fn of(proof: &Proof, own: &Sampled) -> Self {
+        let interval = &proof.fit.walk.intervals[own.own.interval];
+        let disc = own.own.cell.disc;
+        let far = (disc.centre - proof.setup.centre).norm() + disc.radius;
+        let f = match &proof.setup.jumps.psi {
+            Psi::Jumps(_) => interval.f.abs(),
+            Psi::Polynomial(f) => f.moduli(disc.centre.norm() + disc.radius)[0],
+        };
+        let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
+        let far = 1.0 + far + disc.centre.norm();
+        let constants = 8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + own.moduli.psi.value);
+        Self { constants, rate: own.moduli.psi.slope + q + 1.0 }
+    }
+}
+
+/// Bound of the integrand of the energy on the ellipse of a cell, in its variable: each of its terms is v or psi times
+/// a slope of v or psi, or f times psi and powers of the distance from the middle.
+fn modulus(proof: &Proof, own: &Sampled) -> f64 {
+    let (cell, moduli) = (&own.own.cell, &own.moduli);
+    let r = if cell.is_log { cell.distances[1] } else { 1.0 };
+    let at = |terms: &[[f64; 2]]| -> f64 { terms.iter().map(|[g, m]| m * libm::pow(r, *g)).sum() };
+    let size = Sizes::of(proof, own);
+    size.constants * (at(&moduli.value) + 1.0) * (at(&moduli.slope) + size.rate * r)
+}
+
+/// Error of the integrals of a cell by rounding of v and its flux, and the sum of the moduli of their terms.
+fn rounding(proof: &Proof, own: &Sampled) -> [f64; 2] {
+    let interval = &proof.fit.walk.intervals[own.own.interval];
+    let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
+    let psi = own.moduli.psi;
+    let of_psi = [psi.value, psi.slope].map(|size| 64.0 * f64::EPSILON * size);
+    let mut sums = [0.0; 2];
+    for (node, [value, slope]) in own.nodes.iter().zip(&own.rounding) {
+        let weight = node.spot.weight;
+        let flux = node.flux.abs() + node.psi_flux.abs() + q;
+        let size = node.value.abs() + node.psi.abs();
+        let by_f = interval.f.abs() * (1.0 + (node.spot.z - proof.setup.centre).norm2());
+        sums[0] += weight * ((value + of_psi[0]) * (flux + by_f) + (slope + of_psi[1]) * (size + by_f));
+        sums[1] += weight * (size * flux + by_f * (size + flux + by_f));
+    }
+    sums
+}
+
+/// Adds the integrals along a jump of f; returns a bound of their error.
+fn add_edge(setup: &Setup, edge: &PlaneJump, sums: &mut Integrals) -> Result<f64, &'static str> {
+    let singular = Singular { psi: &setup.jumps.psi, points: Vec::new() };
+    let (curve, rule) = (edge.arc.curve, gauss(POINTS));
+    let [start, end] = edge.arc.span;
+    let half = 0.5 * (end - start);
+    let [left, right] = edge.values;
+    let mut error = 0.0;
+    for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])] {
+        let centre = curve.at(from);
+        let reach = (singular.room(centre, Some(usize::MAX)) / 2.4).min(0.25 / curve.curvature);
+        let top = (0.2 * reach).min(half);
+        let near = Surroundings { centre, top, least: 1e-16 * top, reach };
+        let stretch = Stretch {
+            track: Track::Curve(curve, from, way),
+            singular: &singular,
+            curvature: curve.curvature,
+            length: half,
+            longest: setup.diameter,
+            near: vertex.map(|_| near),
+        };
+        let cells = stretch.cells().ok_or("psi on jumps of f")?;
+        let (mut points, mut normals) = (Vec::new(), Vec::new());
+        for cell in cells {
+            for [r, weight] in cell.nodes(&rule) {
+                let s = from + way * r;
+                points.push(curve.at(s));
+                normals.push((-curve.direction(s).turned()).scaled(weight));
+            }
+            let Moduli { value, slope } = of_psi(&setup.jumps.psi, cell.disc);
+            let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
+            let size = (left - right).abs() * far * far * far;
+            let size = 4.0 * size * (value + slope + left.abs() + right.abs());
+            let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
+            let length = cell.span[1] - cell.span[0];
+            error += cell.gauss_error(size * scale) + 64.0 * f64::EPSILON * size * length;
+            if cell.is_log {
+                error += 1e-16 * top * size;
+            }
+        }
+        sums.add_jump(setup, edge.values, &points, &normals);
+    }
+    Ok(error)
+}
+

@@ -1,0 +1,221 @@
+//! Bounds of the moduli of psi, of g and of their slopes on discs of the complex plane.
+//!
+//! Along a panel v is analytic in the distance s from its start. Where s is complex, z(s) is a complex number, and the
+//! function conj(z(conj(s))), which is conj(z) on the panel, another one; both lie in a disc round the panel and its
+//! mirror image, so that `|Re g|` is at most the largest |g| on the disc. There the functions of
+//! [`functions`](super::functions) are bounded by distances from the ends of cuts, polynomials by the maximum principle
+//! and their values on the circle: a trigonometric polynomial of degree m is at most `1 / cos(pi m / N)` times its
+//! largest value at N equally spaced points (by M. Riesz's comparison with a cosine; Ehlich and Zeller, Math. Z. 86,
+//! 1964), and a polynomial of degree n on a circle, turned back by half of n, has degree n / 2.
+
+use super::fit::Fit;
+use super::functions::{Family, Functions, Hole};
+use super::panels::Spot;
+use super::psi::Psi;
+use crate::problem::complex::Complex;
+use crate::spectral::potential::Jump;
+use std::f64::consts::{PI, TAU};
+
+/// Disc round a panel, or round the split that a panel is near to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Disc {
+    pub centre: Complex,
+    pub radius: f64,
+    /// Least distance from the centre, if that is a split.
+    pub inner: f64,
+}
+
+impl Disc {
+    /// Least and greatest distance of its points from another one.
+    fn range(self, z: Complex) -> [f64; 2] {
+        let away = (z - self.centre).norm();
+        match away < TOUCHES && self.inner > 0.0 {
+            true => [self.inner, self.radius],
+            false => [away - self.radius, away + self.radius],
+        }
+    }
+}
+
+/// Distance of a vertex from a split below which it is taken for it.
+pub(super) const TOUCHES: f64 = 1e-12;
+/// Most that the imaginary part of a logarithm is on a panel and its ellipse.
+pub(super) const TURNS: f64 = 12.0 * PI;
+
+/// Bounds of a function and of its derivative.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moduli {
+    pub value: f64,
+    pub slope: f64,
+}
+
+impl Moduli {
+    pub(super) fn add(&mut self, other: Self) {
+        self.value += other.value;
+        self.slope += other.slope;
+    }
+}
+
+/// Largest modulus of a logarithm of a number with a modulus between two.
+fn log_modulus([least, most]: [f64; 2]) -> f64 {
+    if least <= 0.0 { f64::INFINITY } else { libm::log(least).abs().max(libm::log(most).abs()) }
+}
+
+/// Bounds of g on a disc, without its polynomial and without the family of a split.
+pub(super) fn of_functions(fit: &Fit, disc: Disc, without: Option<usize>) -> Moduli {
+    let (mut sum, mut next) = (Moduli::default(), 0);
+    for family in &fit.functions.families {
+        let many = family.powers.len() * family.lengths.len();
+        if without.is_none() || family.split != without {
+            sum.add(family.moduli(disc, &fit.coefficients[next..next + many]));
+        }
+        next += many;
+    }
+    for (hole, log) in fit.functions.holes.iter().zip(&fit.logs) {
+        sum.add(hole.moduli(disc, &fit.coefficients[next..next + hole.powers], *log));
+        next += hole.powers;
+    }
+    sum
+}
+
+/// Bounds of the polynomial part of g on discs.
+pub(super) fn of_polynomial(fit: &Fit, discs: &[Disc]) -> Vec<Moduli> {
+    let arnoldi = fit.functions.arnoldi.clone();
+    let points = 2 * arnoldi.len().max(1);
+    let own = &fit.coefficients[fit.coefficients.len() - arnoldi.len() - 1..];
+    let functions = Functions { families: Vec::new(), holes: Vec::new(), arnoldi };
+    let mut moduli = Vec::with_capacity(discs.len());
+    for discs in discs.chunks(16) {
+        let on_circle = |disc: &Disc| {
+            let disc = *disc;
+            (0..points).map(move |k| {
+                let way = Complex::unit(TAU * k as f64 / points as f64);
+                Spot::inside(disc.centre + way.scaled(disc.radius))
+            })
+        };
+        let spots: Vec<Spot> = discs.iter().flat_map(on_circle).collect();
+        let values = functions.at(&spots, true);
+        let mut sums = [vec![Complex::default(); spots.len()], vec![Complex::default(); spots.len()]];
+        for (k, c) in own.iter().enumerate() {
+            let range = k * spots.len()..(k + 1) * spots.len();
+            for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
+                sums.iter_mut().zip(&values[range.clone()]).for_each(|(s, v)| *s = *s + *c * *v);
+            }
+        }
+        for k in 0..discs.len() {
+            // The cosine of a quarter of pi.
+            let [value, slope] = [0, 1].map(|which: usize| {
+                let own = &sums[which][k * points..(k + 1) * points];
+                own.iter().fold(0.0f64, |most, z| most.max(z.norm())) * 1.4143
+            });
+            moduli.push(Moduli { value, slope });
+        }
+    }
+    moduli
+}
+
+impl Family {
+    /// Bounds of its part of g.
+    fn moduli(&self, disc: Disc, coefficients: &[Complex]) -> Moduli {
+        let [near, far] = disc.range(self.point);
+        let mut sum = Moduli::default();
+        for (&d, own) in self.lengths.iter().zip(coefficients.chunks_exact(self.powers.len())) {
+            let [tip, beyond] = disc.range(self.point - self.inwards.scaled(d));
+            if tip <= 0.0 {
+                return Moduli { value: f64::INFINITY, slope: f64::INFINITY };
+            }
+            let u = [near.max(0.0) / beyond, far / tip];
+            let rate = d / (tip * tip);
+            for (function, c) in self.powers.iter().zip(own) {
+                let power = function.power;
+                let base = if power < 1.0 { u[0] } else { u[1] };
+                let log = if function.log { log_modulus(u) + TURNS } else { 1.0 };
+                let factor = if function.log { power * log + 1.0 } else { power };
+                sum.value += c.norm() * libm::pow(u[1], power) * log;
+                sum.slope += c.norm() * libm::pow(base, power - 1.0) * rate * factor;
+            }
+        }
+        sum
+    }
+}
+
+impl Hole {
+    /// Bounds of its part of g.
+    fn moduli(&self, disc: Disc, coefficients: &[Complex], log: f64) -> Moduli {
+        let range = disc.range(self.middle);
+        let near = range[0].max(0.0);
+        let mut sum =
+            Moduli { value: log.abs() * (log_modulus(range) + TURNS), slope: log.abs() / near };
+        let mut power = 1.0;
+        for (k, c) in coefficients.iter().enumerate() {
+            power *= self.radius / near;
+            sum.value += c.norm() * power;
+            sum.slope += c.norm() * power * (k as f64 + 1.0) / near;
+        }
+        sum
+    }
+}
+
+/// Bounds of psi and its gradient on a disc, in complex coordinates as said above.
+pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
+    let Disc { centre, radius, .. } = disc;
+    match psi {
+        Psi::Polynomial(f) => {
+            let [_, value, slope] = f.moduli(centre.norm() + radius);
+            Moduli { value, slope }
+        }
+        Psi::Jumps(potential) => {
+            let mut slope =
+                potential.gradients(&[centre])[0].norm() + 0.5 * potential.background.abs() * radius;
+            for jump in &potential.jumps {
+                let part = jump.modulus(disc, &potential.vertices);
+                slope += 2.0 * jump.size.abs() / (2.0 * TAU) * part;
+            }
+            Moduli { value: psi.value(centre).abs() + 4.0 * radius * slope, slope }
+        }
+    }
+}
+
+impl Jump {
+    /// Bound of the part of the gradient that is not constant, for a jump of 4 pi: with nu and the logarithm of
+    /// [`Potential`](crate::spectral::potential::Potential), `(s + i power log) / nu`.
+    fn modulus(&self, disc: Disc, vertices: &[Complex]) -> f64 {
+        let curve = self.arc.curve;
+        let seen = curve.polar(disc.centre);
+        let (bend, size) = (curve.curvature * disc.radius, seen.nu.norm());
+        let power = seen.power.abs() + 2.0 * disc.radius * (size + bend);
+        let ends = self.arc.ends.iter().flatten();
+        let log = TURNS + ends.map(|&v| log_modulus(disc.range(vertices[v]))).sum::<f64>();
+        let length = (self.arc.span[1] - self.arc.span[0]).abs();
+        if curve.curvature == 0.0 {
+            return power * log;
+        }
+        if size + bend < 1.0 {
+            // Inside the circle the logarithm vanishes in the centre: Schwarz's lemma.
+            let within = (size + bend).max(0.5);
+            return length * (size + bend) - power * 2.0 * libm::log(1.0 - within) / within;
+        }
+        match size - bend {
+            least if least > 0.0 => (length + power * log) / least,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+/// Distance from a point up to which psi, as continued from there, is known to be analytic.
+pub(super) fn room_of_psi(psi: &Psi, z: Complex, at_split: bool) -> f64 {
+    let Psi::Jumps(potential) = psi else { return f64::INFINITY };
+    let mut room = f64::INFINITY;
+    for &vertex in &potential.vertices {
+        let away = (vertex - z).norm();
+        if !(at_split && away < TOUCHES) {
+            room = room.min(away);
+        }
+    }
+    for jump in potential.jumps.iter().filter(|jump| jump.arc.curve.curvature > 0.0) {
+        let size = jump.arc.curve.polar(z).nu.norm();
+        // Inside the circle up to it, or up to its centre.
+        let part = if size < 1.0 - 1e-9 { size.max(1.0 - size) } else { size };
+        room = room.min(part / jump.arc.curve.curvature);
+    }
+    room
+}

@@ -1,0 +1,254 @@
+//! By how much v misses the conditions on the boundary, cell by cell, and what follows from it for the functions whose
+//! extensions the bounds of the energy need.
+
+use super::boundary::State;
+use super::exact_energy::Leftover;
+use super::field::Sizes;
+use super::proof::Proof;
+use super::samples::{Deficit, Quantity, Sampled, Test};
+use std::f64::consts::TAU;
+
+/// Sign of v that belongs to a flux at an end of the law.
+fn sign(proof: &Proof, q: f64) -> f64 {
+    if q == proof.setup.law.hi() { -1.0 } else { 1.0 }
+}
+
+/// Test of v having the sign that belongs to a flux.
+fn signed(proof: &Proof, q: f64) -> Test {
+    Test { quantity: Quantity::Value, sign: sign(proof, q), constant: 0.0 }
+}
+
+/// How far the flux is outside of the law on a cell, where v should be zero.
+fn violation(proof: &Proof, own: &Sampled, weights: &[f64]) -> Deficit {
+    let law = proof.setup.law;
+    let mut sum = Deficit { most: 0.0, integral: 0.0, scaled: 0.0, room: f64::INFINITY };
+    for (sign, constant) in [(1.0, law.lo()), (-1.0, law.hi())] {
+        if constant.is_finite() {
+            let one = own.deficit(Test { quantity: Quantity::Flux, sign, constant }, weights);
+            sum.most += one.most;
+            sum.integral += one.integral;
+            sum.scaled += one.scaled;
+            sum.room = sum.room.min(one.room);
+        }
+    }
+    sum
+}
+
+/// Flux and condition of a cell.
+fn condition(proof: &Proof, own: &Sampled) -> (State, bool) {
+    let interval = &proof.fit.walk.intervals[own.own.interval];
+    (interval.state, interval.lawful)
+}
+
+/// True if signs on a cell are not certain, and matter.
+pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes, weights: &[f64]) -> bool {
+    /// Size of v, over that of the solution, that does not matter.
+    const SMALL: f64 = 1e-11;
+    let small = SMALL * sizes.value;
+    match condition(proof, own) {
+        (State::Held, true) => violation(proof, own, weights).integral > small,
+        (State::Flux(q), true) => {
+            let deficit = own.deficit(signed(proof, q), weights);
+            let slope = Test::of(Quantity::Slope);
+            deficit.most > small
+                || deficit.room < 100.0 * small
+                    && own.most(slope, weights) * own.own.cell.length().min(1.0) > 1e3 * small
+        }
+        _ => false,
+    }
+}
+
+/// Coefficients of logarithms that balance the flux of holes on which v should be zero nowhere.
+pub(super) fn hole_logs(proof: &Proof, samples: &[Sampled]) -> Vec<f64> {
+    let mut logs = vec![0.0; proof.fit.logs.len()];
+    for (hole, log) in logs.iter_mut().enumerate() {
+        let own = samples.iter().filter(|own| own.nodes[0].ring == hole + 1);
+        let mut excess = 0.0;
+        for node in own.flat_map(|own| &own.nodes) {
+            match node.state {
+                State::Held => {
+                    excess = 0.0;
+                    break;
+                }
+                State::Flux(q) => excess += node.spot.weight * (node.flux - q),
+            }
+        }
+        *log = excess / TAU;
+    }
+    logs
+}
+
+/// How far v is from where it should be.
+pub(super) struct Distances {
+    /// Bound of |v| where it should be zero, and of that part of v that has the wrong sign.
+    pub delta: f64,
+    /// Bounds of the slope of W, cell by cell; in log r times r.
+    pub slopes: Vec<f64>,
+}
+
+impl Distances {
+    pub(super) fn new(
+        proof: &Proof,
+        samples: &[Sampled],
+        left: &[Leftover],
+        weights: &[f64],
+    ) -> Self {
+        let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
+        let (mut delta, mut rooms) = (0.0f64, Vec::with_capacity(samples.len()));
+        for own in samples {
+            let (most, room) = match condition(proof, own) {
+                (State::Held, _) => (own.most(Test::of(Quantity::Value), weights), 0.0),
+                (State::Flux(q), true) => {
+                    let deficit = own.deficit(signed(proof, q), weights);
+                    (deficit.most, deficit.room)
+                }
+                (State::Flux(_), false) => (0.0, 0.0),
+            };
+            delta = delta.max(most);
+            rooms.push(room);
+        }
+        delta += near;
+        let mut slopes = Vec::with_capacity(samples.len());
+        for (own, room) in samples.iter().zip(rooms) {
+            let interval = &proof.fit.walk.intervals[own.own.interval];
+            let r = if own.own.cell.is_log { own.own.cell.span[1] } else { 1.0 };
+            slopes.push(match condition(proof, own) {
+                (State::Flux(_), false) => 2.0 * delta / interval.length * r,
+                (State::Flux(_), true) if room >= delta => 0.0,
+                _ => own.most(Test::of(Quantity::Slope), weights),
+            });
+        }
+        Self { delta, slopes }
+    }
+}
+
+/// How far the flux is from where it should be, with what balances it.
+pub(super) struct Balance {
+    /// Range of H.
+    pub range: f64,
+    /// Bounds of eta, cell by cell; in log r times r.
+    pub slopes: Vec<f64>,
+    /// Bound of the integral of |eta| where v should be zero.
+    pub moved: f64,
+    /// Bound of the integral of |l - q| where the flux should be q.
+    pub missed: f64,
+}
+
+/// What eta is on a cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Eta {
+    /// Its integral, if known.
+    known: f64,
+    /// Bound of the rest of the integral.
+    unknown: f64,
+    /// Bound of the integral of its modulus.
+    most: f64,
+    /// Length of a part on which a constant may be added.
+    open: f64,
+}
+
+impl Balance {
+    /// With the size of the flux, by which room is measured.
+    ///
+    /// # Errors
+    /// What is not proved.
+    pub(super) fn new(
+        proof: &Proof,
+        samples: &[Sampled],
+        left: &[Leftover],
+        weights: &[f64],
+        flux: f64,
+    ) -> Result<Self, &'static str> {
+        /// Room of the flux, over its size, that is enough for what is added.
+        const ROOM: f64 = 1e-4;
+        let (mut etas, mut slopes) = (Vec::new(), Vec::new());
+        let mut balance = Self { range: 0.0, slopes: Vec::new(), moved: 0.0, missed: 0.0 };
+        let rings = proof.setup.rings.len();
+        let mut fixed = vec![false; rings];
+        for own in &proof.fit.walk.intervals {
+            fixed[own.ring] |= own.state == State::Held && !own.lawful;
+        }
+        for own in samples {
+            let cell = &own.own.cell;
+            let (mut eta, mut slope) = (Eta::default(), 0.0);
+            match condition(proof, own) {
+                (State::Flux(q), _) => {
+                    for (node, [_, error]) in own.nodes.iter().zip(&own.rounding) {
+                        eta.known += node.spot.weight * (q - node.flux);
+                        eta.unknown += node.spot.weight * error;
+                    }
+                    slope = own.most(Test { constant: q, ..Test::of(Quantity::Flux) }, weights);
+                    eta.most = slope * cell.length();
+                    let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
+                    let terms = own.moduli.slope.iter();
+                    let modulus: f64 = terms.map(|[g, m]| m * libm::pow(scale, *g)).sum();
+                    eta.unknown += cell.gauss_error(modulus + q.abs() * scale);
+                    balance.missed += eta.most;
+                }
+                (State::Held, false) => eta.open = if cell.is_log { 0.0 } else { cell.length() },
+                (State::Held, true) => {
+                    let law = violation(proof, own, weights);
+                    (eta.most, eta.unknown) = (law.integral, law.integral);
+                    slope = if cell.is_log { law.scaled } else { law.most };
+                    let is_open = law.room > ROOM * flux && !fixed[own.nodes[0].ring];
+                    eta.open = if is_open && !cell.is_log { cell.length() } else { 0.0 };
+                    balance.moved += law.integral;
+                }
+            }
+            etas.push(eta);
+            slopes.push(slope);
+        }
+        for ring in 0..rings {
+            let own: Vec<usize> = (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
+            let near = left.iter().filter(|own| proof.fit.walk.intervals[own.interval].ring == ring);
+            let near: f64 = near.map(|own| own.variation).sum();
+            let sum = |part: &dyn Fn(&Eta) -> f64| own.iter().map(|&p| part(&etas[p])).sum::<f64>();
+            let (excess, open) = (sum(&|eta| eta.known), sum(&|eta| eta.open));
+            let unknown = sum(&|eta| eta.unknown) + near;
+            let is_balanced = samples[own[0]].nodes[0].ring > 0
+                && own.iter().all(|&p| samples[p].nodes[0].state != State::Held);
+            let mut added = 0.0;
+            if !is_balanced {
+                added = (excess.abs() + unknown) / open;
+                if !(added <= ROOM * flux || fixed[ring] && added.is_finite()) {
+                    return Err("room of the flux in the law");
+                }
+            }
+            let share = if is_balanced { 0.0 } else { -excess / open };
+            balance.moved += added * if is_balanced { 0.0 } else { open } + near;
+            balance.missed += near;
+            balance.range = balance.range.max(range(proof, samples, &own, &etas, share) + 2.0 * unknown);
+            for &p in &own {
+                if etas[p].open > 0.0 {
+                    slopes[p] += added;
+                }
+            }
+        }
+        balance.slopes = slopes;
+        Ok(balance)
+    }
+}
+
+/// Range of H on a loop, but for what is unknown of eta.
+fn range(
+    proof: &Proof,
+    samples: &[Sampled],
+    own: &[usize],
+    etas: &[Eta],
+    share: f64,
+) -> f64 {
+    let mut order = own.to_vec();
+    let along = |p: usize| samples[p].own.along(&proof.fit.walk)[0];
+    order.sort_by(|&p, &q| {
+        let [one, other] = [p, q].map(|p| samples[p].own.interval);
+        one.cmp(&other).then(along(p).total_cmp(&along(q)))
+    });
+    let (mut sum, mut least, mut most, mut within) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
+    for p in order {
+        let eta = etas[p];
+        sum += eta.known + share * eta.open;
+        (least, most) = (least.min(sum), most.max(sum));
+        within = within.max(eta.most + share.abs() * eta.open);
+    }
+    most - least + 2.0 * within
+}

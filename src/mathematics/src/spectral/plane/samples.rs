@@ -1,0 +1,171 @@
+//! v and its slopes at the Gauss points of a cell, and bounds of them on all of it.
+
+use super::cells::{POINTS, legendre};
+use super::field::PlaneNode;
+use super::moduli::Moduli;
+use super::proof::ProofCell;
+use crate::spectral::rule::gauss;
+
+/// Which function on the boundary is meant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Quantity {
+    /// v.
+    Value,
+    /// dv/dn.
+    Flux,
+    /// Derivative of v along the boundary.
+    Slope,
+}
+
+/// Bounds of moduli on the ellipse of a cell, as sums of `factor r^power`; for slopes of r times them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CellModuli {
+    pub value: Vec<[f64; 2]>,
+    pub slope: Vec<[f64; 2]>,
+    /// All but the functions of the split.
+    pub rest: Moduli,
+    pub psi: Moduli,
+}
+
+/// Values on a cell.
+pub(super) struct Sampled {
+    pub own: ProofCell,
+    pub nodes: Vec<PlaneNode>,
+    /// Derivatives along the boundary.
+    pub slopes: Vec<f64>,
+    /// Bounds of the rounding errors of values and of slopes.
+    pub rounding: Vec<[f64; 2]>,
+    pub moduli: CellModuli,
+    /// Distances from the end.
+    distances: Vec<f64>,
+}
+
+/// A quantity less a constant, times a sign.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Test {
+    pub quantity: Quantity,
+    pub sign: f64,
+    pub constant: f64,
+}
+
+impl Test {
+    pub(super) const fn of(quantity: Quantity) -> Self {
+        Self { quantity, sign: 1.0, constant: 0.0 }
+    }
+}
+
+/// How far a function is below zero on a cell: bounds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deficit {
+    /// The largest.
+    pub most: f64,
+    /// Integral.
+    pub integral: f64,
+    /// The largest, on a cell in log r times r.
+    pub scaled: f64,
+    /// Least value, if that is positive, else zero.
+    pub room: f64,
+}
+
+impl Sampled {
+    pub(super) fn new(own: ProofCell, moduli: CellModuli) -> Self {
+        let distances = own.cell.nodes(&gauss(POINTS)).into_iter().map(|[r, _]| r).collect();
+        let (nodes, slopes, rounding) = (Vec::new(), Vec::new(), Vec::new());
+        Self { own, nodes, slopes, rounding, moduli, distances }
+    }
+
+    fn tested(&self, test: Test, i: usize) -> f64 {
+        let raw = match test.quantity {
+            Quantity::Value => self.nodes[i].value,
+            Quantity::Flux => self.nodes[i].flux,
+            Quantity::Slope => self.slopes[i],
+        };
+        test.sign * (raw - test.constant)
+    }
+
+    /// Lower bound, and upper bound of the modulus, of a tested function times `(r / to)^power`, to the longest
+    /// distance of the cell.
+    ///
+    /// The polynomial through the values is at most the sum of the moduli of its coefficients in Legendre's
+    /// polynomials.
+    pub(super) fn bounds(&self, test: Test, power: f64, weights: &[f64]) -> [f64; 2] {
+        let cell = &self.own.cell;
+        let to = cell.span[1];
+        let which = usize::from(test.quantity != Quantity::Value);
+        let (mut values, mut error) = ([0.0; POINTS], 0.0f64);
+        for (i, value) in values.iter_mut().enumerate() {
+            let weight = if power == 0.0 { 1.0 } else { libm::pow(self.distances[i] / to, power) };
+            *value = weight * self.tested(test, i);
+            error = error.max(weight * self.rounding[i][which]);
+        }
+        let terms = if which == 0 { &self.moduli.value } else { &self.moduli.slope };
+        let constant = [[which as f64, test.constant.abs()]];
+        let mut modulus = 0.0;
+        for &[own, factor] in terms.iter().chain(&constant) {
+            let sizes = cell.distances.map(|r| libm::pow(r, own - which as f64) * libm::pow(r / to, power));
+            modulus += factor * sizes[0].max(sizes[1]);
+        }
+        let slack = cell.tail(modulus) + POINTS as f64 * error;
+        let mut sums = [0.0; 2];
+        for (k, row) in weights.chunks_exact(POINTS).enumerate() {
+            let c: f64 = row.iter().zip(&values).map(|(weight, value)| weight * value).sum();
+            sums[0] += if k == 0 { c } else { -c.abs() };
+            sums[1] += c.abs();
+        }
+        [sums[0] - slack, sums[1] + slack]
+    }
+
+    /// Largest modulus; of a slope on a cell in log r, times r.
+    pub(super) fn most(&self, test: Test, weights: &[f64]) -> f64 {
+        let scaled = self.own.cell.is_log && test.quantity != Quantity::Value;
+        match scaled {
+            true => self.own.cell.span[1] * self.bounds(test, 1.0, weights)[1],
+            false => self.bounds(test, 0.0, weights)[1],
+        }
+    }
+
+    /// How far a function is below zero.
+    pub(super) fn deficit(&self, test: Test, weights: &[f64]) -> Deficit {
+        let cell = &self.own.cell;
+        let [from, to] = cell.span;
+        let [first, last] = [0, POINTS - 1].map(|i| self.tested(test, i));
+        let base = if cell.is_log && test.quantity != Quantity::Value { 1.0 } else { 0.0 };
+        let mut powers = vec![base];
+        if first * last > 0.0 && cell.distances[0] > 0.0 {
+            let ratio = libm::log(self.distances[POINTS - 1] / self.distances[0]);
+            let power = -libm::log(last / first) / ratio;
+            // Away from 1, where the integral below would lose digits.
+            powers.push(if (power - 1.0).abs() < 0.01 { 0.99 } else { power.clamp(-4.0, 2.0) });
+        }
+        let infinite = f64::INFINITY;
+        let mut best =
+            Deficit { most: infinite, integral: infinite, scaled: infinite, room: 0.0 };
+        for power in powers {
+            let [least, _] = self.bounds(test, power, weights);
+            if !least.is_finite() {
+                continue;
+            }
+            let ends = if from > 0.0 { libm::pow(from / to, -power) } else { 1.0 };
+            if least >= 0.0 {
+                let room = best.room.max(least * ends.min(1.0));
+                best = Deficit { most: 0.0, integral: 0.0, scaled: 0.0, room };
+                continue;
+            }
+            let (rest, ratio) = (1.0 - power, from / to);
+            let integral = match rest == 0.0 {
+                true => to * libm::log(to / from),
+                false => to * (1.0 - libm::pow(ratio, rest)) / rest,
+            };
+            let scale = if cell.is_log { to * (ratio * ends).max(1.0) } else { ends.max(1.0) };
+            best.most = best.most.min(-least * ends.max(1.0));
+            best.integral = best.integral.min(-least * integral);
+            best.scaled = best.scaled.min(-least * scale);
+        }
+        best
+    }
+}
+
+/// Weights of all cells.
+pub(super) fn weights() -> Vec<f64> {
+    legendre(&gauss(POINTS))
+}
