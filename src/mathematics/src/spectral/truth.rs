@@ -147,11 +147,15 @@ impl TrueSolution {
         }
     }
 
-    /// Numbers of unknowns, and energies, of levels from coarse to fine; none on the square in its closed form.
+    /// Numbers of unknowns, and energies, of levels from coarse to fine; none on the square in its closed form, and on
+    /// several components.
     pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
         match &self.form {
             TrueForm::Square(_) => Vec::new(),
-            TrueForm::Plane(truth) => truth.by_level(),
+            TrueForm::Plane(truths) => match &truths[..] {
+                [truth] => truth.by_level(),
+                _ => Vec::new(),
+            },
         }
     }
 

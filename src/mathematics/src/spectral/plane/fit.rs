@@ -188,21 +188,26 @@ impl Fit {
     pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
         /// Spots whose values are kept in the cache.
         const TOGETHER: usize = 64;
-        let mut sums = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+        let mut all = [0; 2].map(|_| Vec::with_capacity(spots.len()));
         for block in spots.chunks(TOGETHER) {
-            let values = self.functions.at(block, slopes);
-            for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
-                let mut own =
-                    vec![Complex::default(); if values.is_empty() { 0 } else { block.len() }];
-                let coefficients = self.coefficients.iter().copied();
-                let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
-                for (c, values) in coefficients.chain(logs).zip(values.chunks_exact(block.len())) {
-                    own.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
-                }
-                sums.extend(own);
-            }
+            let sums = self.sums(&self.functions.at(block, slopes));
+            all.iter_mut().zip(sums).for_each(|(all, own)| all.extend(own));
         }
-        sums
+        all
+    }
+
+    /// g and, if they are there, its derivatives at the points of values.
+    pub(super) fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
+        [&values.all, &values.slopes].map(|values_of| {
+            let points = if values_of.is_empty() { 0 } else { values.points };
+            let mut sums = vec![Complex::default(); points];
+            let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
+            let coefficients = self.coefficients.iter().copied().chain(logs);
+            for (c, own) in coefficients.zip(values_of.chunks_exact(values.points)) {
+                sums.iter_mut().zip(own).for_each(|(sum, value)| *sum = *sum + c * *value);
+            }
+            sums
+        })
     }
 }
 
