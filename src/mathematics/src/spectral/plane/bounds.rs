@@ -76,7 +76,9 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     let mut samples = proof.samples(&proof.cells()?);
     proof.logs = hole_logs(&proof, &samples);
     samples.iter_mut().for_each(|own| proof.add_logs(own));
-    for _ in 0..ROUNDS {
+    let times = std::time::Instant::now();
+    for round in 0..ROUNDS {
+        eprintln!("DEBUG round {round} {} {:?}", samples.len(), times.elapsed());
         let (unsure, sure): (Vec<Sampled>, Vec<Sampled>) =
             samples.into_iter().partition(|own| uncertain(&proof, own, found.sizes, &weights));
         let halves: Vec<ProofCell> =
@@ -95,12 +97,8 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     let distances = Distances::new(&proof, &samples, &left, &weights);
     let balance = Balance::new(&proof, &samples, &left, &weights, found.sizes.flux)?;
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
-    let integrals = [
-        room.integral(&cells, 2.0 * distances.delta + near, &distances.slopes),
-        room.integral(&cells, balance.range + near, &balance.slopes),
-    ];
-    let near = 1e3 * near * near * left.len() as f64;
-    let [of_w, of_e] = integrals.map(|integral| 0.5 * (integral.sqrt() + near.sqrt()).powi(2));
+    let of_w = 0.5 * room.integral(&cells, [2.0 * distances.delta, near], &distances.slopes);
+    let of_e = 0.5 * room.integral(&cells, [balance.range, near], &balance.slopes);
     eprintln!(
         "DEBUG cells {} err {:e} delta {:e} range {:e} missed {:e} moved {:e} W {:e} E {:e} near {:e} off {:e}",
         cells.len(), exact.error, distances.delta, balance.range, balance.missed, balance.moved, of_w, of_e, near,

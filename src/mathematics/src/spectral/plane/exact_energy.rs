@@ -28,21 +28,28 @@ pub(super) fn bounded_energy(
 ) -> Result<BoundedEnergy, &'static str> {
     let nodes: Vec<_> = samples.iter().flat_map(|own| own.nodes.iter().copied()).collect();
     let mut sums = Integrals::on_boundary(proof.setup, proof.fit, &nodes);
-    let mut error = 0.0;
-    let mut total = 0.0;
+    let (mut error, mut total) = (0.0, 0.0);
+    let mut parts = [0.0; 4];
     for own in samples {
         let [of_values, terms] = rounding(proof, own);
-        error += of_values + own.own.cell.gauss_error(modulus(proof, own));
+        let rule = own.own.cell.gauss_error(modulus(proof, own));
+        parts[0] += of_values;
+        parts[1] += rule;
+        error += of_values + rule;
         total += terms;
     }
     for edge in &proof.setup.jumps.edges {
-        error += add_edge(proof.setup, edge, &mut sums)?;
+        let of_edge = add_edge(proof.setup, edge, &mut sums)?;
+        parts[2] += of_edge;
+        error += of_edge;
     }
     for own in left {
+        parts[3] += own.integrals;
         error += own.integrals;
     }
     // The order of the sum is not used.
     error += (nodes.len() as f64 + 16.0) * f64::EPSILON * total;
+    eprintln!("DEBUG rounding {:e} rule {:e} edges {:e} left {:e} sum {:e}", parts[0], parts[1], parts[2], parts[3], total * 1e-12);
     Ok(BoundedEnergy { energy: sums.completed().energy, error })
 }
 
@@ -50,7 +57,6 @@ pub(super) fn bounded_energy(
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leftover {
     pub interval: usize,
-    pub side: usize,
     /// Bound of the variation of v there, and of the integral of the modulus of its flux.
     pub variation: f64,
     /// Bound of the integrals of the energy there.
@@ -64,10 +70,10 @@ impl Leftover {
         // Twice for the growth of logarithms.
         let terms = moduli.slope.iter().map(|[power, m]| 2.0 * m * libm::pow(least, *power) / power);
         let variation = terms.sum::<f64>();
-        let value: f64 = moduli.value.iter().map(|[power, m]| m * libm::pow(least, *power)).sum();
-        let size = Sizes::of(proof, own);
-        let integrals = size.constants * (value + 1.0) * (variation + size.rate * least);
-        Self { interval: own.own.interval, side: own.own.side, variation, integrals }
+        let (node, size) = (&own.nodes[0], Sizes::of(proof, own));
+        let value = node.value.abs() + node.psi.abs() + variation + size.rate * least;
+        let integrals = 4.0 * value * (variation + size.rate * least) + size.constants * least;
+        Self { interval: own.own.interval, variation, integrals }
     }
 }
 
@@ -89,8 +95,9 @@ impl Sizes {
         };
         let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
         let far = 1.0 + far + disc.centre.norm();
-        let constants = 8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + own.moduli.psi.value);
-        Self { constants, rate: own.moduli.psi.slope + q + 1.0 }
+        let Moduli { value, slope } = own.moduli.psi;
+        let constants = 8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + value + slope);
+        Self { constants, rate: slope + q }
     }
 }
 
@@ -132,7 +139,9 @@ fn add_edge(setup: &Setup, edge: &PlaneJump, sums: &mut Integrals) -> Result<f64
     let mut error = 0.0;
     for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])] {
         let centre = curve.at(from);
-        let reach = (singular.room(centre, Some(usize::MAX)) / 2.4).min(0.25 / curve.curvature);
+        let reach = (singular.room(centre, Some(usize::MAX)) / 2.4)
+            .min(0.25 / curve.curvature)
+            .min(setup.diameter);
         let top = (0.2 * reach).min(half);
         let near = Surroundings { centre, top, least: 1e-16 * top, reach };
         let stretch = Stretch {

@@ -107,6 +107,8 @@ pub(super) struct Room {
     beside: Vec<Vec<(usize, f64)>>,
     /// Splits towards which cells get short.
     splits: f64,
+    /// Sum over them of the Dirichlet integrals of what is interpolated there, for values of 1.
+    near: f64,
 }
 
 /// Pieces: intervals that go on in each other without a corner, end or crossing have one number.
@@ -149,12 +151,15 @@ impl Room {
             deltas.push(if delta.is_finite() { delta } else { 1.0 });
         }
         let beside = (0..cells.len()).map(|p| beside(walk, &pieces, cells, p, deltas[p]));
-        Self { beside: beside.collect(), deltas, splits: graded.len() as f64 }
+        let near = graded.iter().map(|split| 22.0 * (4.0 * PI + 128.0 / split.angle)).sum();
+        Self { beside: beside.collect(), deltas, splits: graded.len() as f64, near }
     }
 
     /// Bound of the Dirichlet integral of an extension of a function with this range, and bounds of its slope on each
     /// cell; on cells in log r, of the slope times r.
-    pub(super) fn integral(&self, cells: &[ProofCell], range: f64, slopes: &[f64]) -> f64 {
+    /// Next to splits it may change by `near`.
+    pub(super) fn integral(&self, cells: &[ProofCell], [range, near]: [f64; 2], slopes: &[f64]) -> f64 {
+        let range = range + near;
         let mut sum = 4.0 * PI * self.splits * range * range;
         for (p, own) in cells.iter().enumerate() {
             let delta = self.deltas[p];
@@ -162,13 +167,14 @@ impl Room {
             if delta <= 0.0 {
                 return f64::INFINITY;
             }
+            let slope = if own.cell.is_log { slope + near } else { slope };
             let density = (range / delta).max(ARC * slope);
             let length = own.cell.length();
             let (many, length) =
                 if own.cell.is_log { ((length / LN_2).ceil(), 1.0) } else { (1.0, length) };
             sum += many * density * density * (2.0 * delta * length + PI * delta * delta);
         }
-        sum
+        (sum.sqrt() + near * self.near.sqrt()).powi(2)
     }
 }
 

@@ -53,7 +53,9 @@ pub(super) struct Proof<'a> {
 /// Largest share of the distance within which nothing else is singular, and of that from other sides.
 const TOP: [f64; 2] = [0.2, 0.3];
 /// Logarithm of the size of what is left closer to a split, over the coefficients.
-const LEFT: f64 = 46.0;
+const LEFT: f64 = 50.0;
+/// Logarithm of the least distance over the largest: powers of smaller ones cannot be written.
+const DEEPEST: f64 = 145.0;
 
 impl<'a> Proof<'a> {
     /// Finds all that is singular, and proves that no cut meets the domain.
@@ -112,7 +114,7 @@ impl<'a> Proof<'a> {
         let others = others.filter(|o| !walk.intervals[o.interval].splits.contains(&number));
         let clear = others.map(|chord| chord.distance(split.z)).fold(f64::INFINITY, f64::min);
         let room = self.singular.room(split.z, Some(number));
-        let reach = (room / 2.4).min(0.25 / bend);
+        let reach = (room / 2.4).min(0.25 / bend).min(self.setup.diameter);
         let turned = 0.25 * share(split.angle) / bend;
         let top = (TOP[0] * reach).min(TOP[1] * clear).min(turned).min(0.5 * interval.length);
         if top < 1e-10 {
@@ -121,7 +123,7 @@ impl<'a> Proof<'a> {
         let family = self.fit.functions.families.iter().find(|family| family.split == Some(number));
         let powers = family.map_or(&[][..], |family| &family.powers);
         let weakest = powers.iter().fold(1.0f64, |least, power| least.min(power.power));
-        let least = top * libm::exp(-LEFT / weakest);
+        let least = top * libm::exp(-(LEFT / weakest).min(DEEPEST));
         Ok(Some(Surroundings { centre: split.z, top, least, reach }))
     }
 
@@ -260,32 +262,40 @@ impl<'a> Proof<'a> {
         samples
     }
 
-    /// Sums of the moduli of all terms of g and of its derivative, point by point.
+    /// Rounding errors of g and of its derivative, point by point: those of its terms, and of each partial sum.
     fn sizes(&self, values: &Values) -> [Vec<f64>; 2] {
-        let mut sizes = [vec![0.0; values.points], vec![0.0; values.points]];
-        let logs = self.fit.logs.iter().map(|c| c.abs());
-        let factors = self.fit.coefficients.iter().map(|c| c.norm()).chain(logs);
-        for (k, factor) in factors.enumerate() {
+        /// Rounding errors of a term, in units in the last place.
+        const TERM: f64 = 40.0;
+        let none = || vec![0.0; values.points];
+        let mut errors = [none(), none()];
+        let zeros = || vec![Complex::default(); values.points];
+        let mut sums = [zeros(), zeros()];
+        let logs = self.fit.logs.iter().map(|&c| Complex::new(c, 0.0));
+        for (k, c) in self.fit.coefficients.iter().copied().chain(logs).enumerate() {
             let range = k * values.points..(k + 1) * values.points;
-            for (sizes, values) in sizes.iter_mut().zip([&values.all, &values.slopes]) {
-                let own = &values[range.clone()];
-                sizes.iter_mut().zip(own).for_each(|(size, z)| *size += factor * z.norm());
+            for which in [0, 1] {
+                let own = &[&values.all, &values.slopes][which][range.clone()];
+                let both = sums[which].iter_mut().zip(&mut errors[which]);
+                for ((sum, error), value) in both.zip(own) {
+                    let term = c * *value;
+                    *sum = *sum + term;
+                    *error += f64::EPSILON * (TERM * term.norm() + sum.norm());
+                }
             }
         }
-        sizes
+        errors
     }
 
-    /// Rounding errors of v and of its slopes at a point, from the sums of the moduli of the terms: those of a sum of
-    /// as many terms, some sixty of each function, and coordinates that are off by eight.
-    fn rounding(&self, sampled: &Sampled, sizes: [f64; 2]) -> [f64; 2] {
-        let unit = (self.fit.coefficients.len() as f64 + 64.0) * f64::EPSILON;
+    /// Rounding errors of v and of its slopes at a point, from those of g: with psi and coordinates that are off by
+    /// eight units in the last place.
+    fn rounding(&self, sampled: &Sampled, errors: [f64; 2]) -> [f64; 2] {
         let CellModuli { rest, psi, .. } = sampled.moduli;
         let cell = &sampled.own.cell;
         // Distance from a point of the cell to the edge of the ellipse or disc.
         let room = if cell.is_log { cell.disc.radius } else { cell.span[0] - cell.distances[0] };
         [
-            unit * sizes[0] + f64::EPSILON * (64.0 * psi.value + 8.0 * rest.slope),
-            unit * sizes[1] + f64::EPSILON * (64.0 * psi.slope + 8.0 * rest.slope / room),
+            errors[0] + f64::EPSILON * (64.0 * psi.value + 8.0 * rest.slope),
+            errors[1] + f64::EPSILON * (64.0 * psi.slope + 8.0 * rest.slope / room),
         ]
     }
 

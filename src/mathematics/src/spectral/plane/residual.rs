@@ -44,15 +44,13 @@ fn condition(proof: &Proof, own: &Sampled) -> (State, bool) {
 pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes, weights: &[f64]) -> bool {
     /// Size of v, over that of the solution, that does not matter.
     const SMALL: f64 = 1e-11;
-    let small = SMALL * sizes.value;
+    let small = |quantity| (SMALL * sizes.value).max(8.0 * own.noise(quantity));
     match condition(proof, own) {
-        (State::Held, true) => violation(proof, own, weights).integral > small,
+        (State::Held, true) => violation(proof, own, weights).integral > small(Quantity::Flux),
         (State::Flux(q), true) => {
-            let deficit = own.deficit(signed(proof, q), weights);
-            let slope = Test::of(Quantity::Slope);
+            let (small, deficit) = (small(Quantity::Value), own.deficit(signed(proof, q), weights));
             deficit.most > small
-                || deficit.room < 100.0 * small
-                    && own.most(slope, weights) * own.own.cell.length().min(1.0) > 1e3 * small
+                || deficit.room < 10.0 * small && own.most(Test::of(Quantity::Slope), weights) > 1e4 * small
         }
         _ => false,
     }

@@ -124,6 +124,17 @@ impl Sampled {
         }
     }
 
+    /// What a deficit cannot be less than, because of rounding: as its integral.
+    pub(super) fn noise(&self, quantity: Quantity) -> f64 {
+        let cell = &self.own.cell;
+        let which = usize::from(quantity != Quantity::Value);
+        let mut most = 0.0f64;
+        for (r, error) in self.distances.iter().zip(&self.rounding) {
+            most = most.max(error[which] * if cell.is_log && which == 1 { *r } else { 1.0 });
+        }
+        POINTS as f64 * most * if which == 1 { cell.length() } else { 1.0 }
+    }
+
     /// How far a function is below zero.
     pub(super) fn deficit(&self, test: Test, weights: &[f64]) -> Deficit {
         let cell = &self.own.cell;
