@@ -111,22 +111,38 @@ fn modulus(proof: &Proof, own: &Sampled) -> f64 {
     size.constants * (at(&moduli.value) + 1.0) * (at(&moduli.slope) + size.rate * r)
 }
 
-/// Error of the integrals of a cell by rounding of v and its flux, and the sum of the moduli of their terms.
+/// Error of the integrals of a cell by rounding of v, psi and their slopes, and the sum of the moduli of their terms.
+///
+/// The integrand of the energy is `1/2 (v (s l + psi_n - 2 q) - psi l - f psi)` with s = -1 where v should be zero and
+/// 1 elsewhere, in which `int f psi` is an integral of `f (1/2 psi (x.n) - q psi_n - 1/4 f q (x.n))`, q = |x|^2 / 4.
 fn rounding(proof: &Proof, own: &Sampled) -> [f64; 2] {
     let interval = &proof.fit.walk.intervals[own.own.interval];
     let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
-    let psi = own.moduli.psi;
-    let of_psi = [psi.value, psi.slope].map(|size| 64.0 * f64::EPSILON * size);
+    let of_psi = psi_errors(own.moduli.psi);
     let mut sums = [0.0; 2];
     for (node, [value, slope]) in own.nodes.iter().zip(&own.rounding) {
-        let weight = node.spot.weight;
-        let flux = node.flux.abs() + node.psi_flux.abs() + q;
-        let size = node.value.abs() + node.psi.abs();
-        let by_f = interval.f.abs() * (1.0 + (node.spot.z - proof.setup.centre).norm2());
-        sums[0] += weight * ((value + of_psi[0]) * (flux + by_f) + (slope + of_psi[1]) * (size + by_f));
-        sums[1] += weight * (size * flux + by_f * (size + flux + by_f));
+        let (weight, z) = (node.spot.weight, node.spot.z);
+        let by_value = 0.5 * (node.flux.abs() + node.psi_flux.abs()) + q;
+        let by_slope = 0.5 * (node.value.abs() + node.psi.abs());
+        let f = match &proof.setup.jumps.psi {
+            Psi::Jumps(_) => interval.f.abs(),
+            Psi::Polynomial(f) => f.moduli(z.norm())[0],
+        };
+        let square = 0.25 * (z - proof.setup.centre).norm2();
+        let far = if matches!(proof.setup.jumps.psi, Psi::Jumps(_)) { 2.0 * square.sqrt() } else { z.norm() };
+        let by_psi = 0.5 * f * far + 0.5 * node.flux.abs();
+        let by_psi_slope = f * square + 0.5 * node.value.abs();
+        sums[0] += weight * (value * by_value + slope * by_slope);
+        sums[0] += weight * (of_psi[0] * by_psi + of_psi[1] * by_psi_slope);
+        sums[1] += weight * (node.value.abs() * by_value + node.psi.abs() * by_psi);
+        sums[1] += weight * (node.psi_flux.abs() * by_psi_slope + f * f * far * square);
     }
     sums
+}
+
+/// Rounding errors of psi and of its gradient.
+pub(super) fn psi_errors(psi: Moduli) -> [f64; 2] {
+    [psi.value, psi.slope].map(|size| 16.0 * f64::EPSILON * size)
 }
 
 /// Adds the integrals along a jump of f; returns a bound of their error.
@@ -155,18 +171,21 @@ fn add_edge(setup: &Setup, edge: &PlaneJump, sums: &mut Integrals) -> Result<f64
         let cells = stretch.cells().ok_or("psi on jumps of f")?;
         let (mut points, mut normals) = (Vec::new(), Vec::new());
         for cell in cells {
+            let psi = of_psi(&setup.jumps.psi, cell.disc);
+            let (errors, Moduli { value, slope }) = (psi_errors(psi), psi);
             for [r, weight] in cell.nodes(&rule) {
                 let s = from + way * r;
                 points.push(curve.at(s));
                 normals.push((-curve.direction(s).turned()).scaled(weight));
+                let square = 0.25 * (curve.at(s) - setup.centre).norm2();
+                let by_value = square.sqrt() * (errors[0] + 8.0 * f64::EPSILON * (left + right).abs() * square);
+                error += weight * (left - right).abs() * (by_value + square * errors[1]);
             }
-            let Moduli { value, slope } = of_psi(&setup.jumps.psi, cell.disc);
             let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
             let size = (left - right).abs() * far * far * far;
             let size = 4.0 * size * (value + slope + left.abs() + right.abs());
             let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
-            let length = cell.span[1] - cell.span[0];
-            error += cell.gauss_error(size * scale) + 64.0 * f64::EPSILON * size * length;
+            error += cell.gauss_error(size * scale);
             if cell.is_log {
                 error += 1e-16 * top * size;
             }

@@ -214,7 +214,7 @@ impl<'a> Proof<'a> {
                 for (&d, c) in family.lengths.iter().zip(coefficients.chunks_exact(many / family.lengths.len())) {
                     let least = d - radius;
                     let sizes = own.cell.distances.map(|r| (libm::log(r).abs(), r));
-                    let log = sizes[0].0.max(sizes[1].0) + libm::log(least).abs() + TURNS + 1.0;
+                    let log = sizes[0].0.max(sizes[1].0) + libm::log(least).abs() + TURNS[1] + 1.0;
                     let [own_log, factor] =
                         if is_log { [log, power * log + 1.0] } else { [1.0, power] };
                     let size = c[k].norm() * libm::pow(1.2 / least, power);
@@ -237,7 +237,12 @@ impl<'a> Proof<'a> {
             let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
             for own in block {
                 for [r, weight] in own.cell.nodes(&rule) {
-                    spots.push(self.fit.walk.spot(own.interval, own.side, r, weight));
+                    let mut spot = self.fit.walk.spot(own.interval, own.side, r, weight);
+                    if !own.cell.is_log {
+                        // All functions see the same point.
+                        spot.split = usize::MAX;
+                    }
+                    spots.push(spot);
                 }
             }
             let values = self.fit.functions.at(&spots, true);
@@ -253,8 +258,9 @@ impl<'a> Proof<'a> {
                     let slope = (slopes[i] * spot.tangent).re + gradient.dot(spot.tangent);
                     sampled.nodes.push(node);
                     sampled.slopes.push(slope);
-                    sampled.rounding.push(self.rounding(&sampled, [sizes[0][i], sizes[1][i]]));
+                    sampled.rounding.push([sizes[0][i], sizes[1][i]]);
                 }
+                sampled.add_rounding();
                 self.add_logs(&mut sampled);
                 samples.push(sampled);
             }
@@ -262,10 +268,24 @@ impl<'a> Proof<'a> {
         samples
     }
 
+    /// Rounding errors of the functions, in units in the last place. A power is an exponential of its logarithm, whose
+    /// errors count as often as the power says.
+    fn units(&self) -> Vec<f64> {
+        let (functions, mut units) = (&self.fit.functions, Vec::new());
+        for family in &functions.families {
+            for _ in &family.lengths {
+                units.extend(family.powers.iter().map(|power| 6.0 + 8.0 * power.power));
+            }
+        }
+        units.extend(functions.holes.iter().flat_map(|hole| (0..hole.powers).map(|k| 6.0 + k as f64)));
+        units.extend((0..=functions.arnoldi.len()).map(|k| 6.0 + k as f64));
+        units.resize(self.fit.coefficients.len() + self.fit.logs.len(), 6.0);
+        units
+    }
+
     /// Rounding errors of g and of its derivative, point by point: those of its terms, and of each partial sum.
     fn sizes(&self, values: &Values) -> [Vec<f64>; 2] {
-        /// Rounding errors of a term, in units in the last place.
-        const TERM: f64 = 40.0;
+        let units = self.units();
         let none = || vec![0.0; values.points];
         let mut errors = [none(), none()];
         let zeros = || vec![Complex::default(); values.points];
@@ -279,24 +299,11 @@ impl<'a> Proof<'a> {
                 for ((sum, error), value) in both.zip(own) {
                     let term = c * *value;
                     *sum = *sum + term;
-                    *error += f64::EPSILON * (TERM * term.norm() + sum.norm());
+                    *error += f64::EPSILON * (units[k] * term.norm() + sum.norm());
                 }
             }
         }
         errors
-    }
-
-    /// Rounding errors of v and of its slopes at a point, from those of g: with psi and coordinates that are off by
-    /// eight units in the last place.
-    fn rounding(&self, sampled: &Sampled, errors: [f64; 2]) -> [f64; 2] {
-        let CellModuli { rest, psi, .. } = sampled.moduli;
-        let cell = &sampled.own.cell;
-        // Distance from a point of the cell to the edge of the ellipse or disc.
-        let room = if cell.is_log { cell.disc.radius } else { cell.span[0] - cell.distances[0] };
-        [
-            errors[0] + f64::EPSILON * (64.0 * psi.value + 8.0 * rest.slope),
-            errors[1] + f64::EPSILON * (64.0 * psi.slope + 8.0 * rest.slope / room),
-        ]
     }
 
     /// Adds the logarithms of holes that are added to v.

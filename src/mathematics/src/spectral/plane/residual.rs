@@ -44,13 +44,15 @@ fn condition(proof: &Proof, own: &Sampled) -> (State, bool) {
 pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes, weights: &[f64]) -> bool {
     /// Size of v, over that of the solution, that does not matter.
     const SMALL: f64 = 1e-11;
+    /// Slope of v, times r in log r, that does not matter.
+    const STEEP: f64 = 1e-7;
     let small = |quantity| (SMALL * sizes.value).max(8.0 * own.noise(quantity));
     match condition(proof, own) {
         (State::Held, true) => violation(proof, own, weights).integral > small(Quantity::Flux),
         (State::Flux(q), true) => {
             let (small, deficit) = (small(Quantity::Value), own.deficit(signed(proof, q), weights));
             deficit.most > small
-                || deficit.room < 10.0 * small && own.most(Test::of(Quantity::Slope), weights) > 1e4 * small
+                || deficit.room < 10.0 * small && own.most(Test::of(Quantity::Slope), weights) > STEEP * sizes.value
         }
         _ => false,
     }

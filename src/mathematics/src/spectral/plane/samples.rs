@@ -1,6 +1,7 @@
 //! v and its slopes at the Gauss points of a cell, and bounds of them on all of it.
 
 use super::cells::{POINTS, legendre};
+use super::exact_energy::psi_errors;
 use super::field::PlaneNode;
 use super::moduli::Moduli;
 use super::proof::ProofCell;
@@ -72,6 +73,28 @@ impl Sampled {
         let distances = own.cell.nodes(&gauss(POINTS)).into_iter().map(|[r, _]| r).collect();
         let (nodes, slopes, rounding) = (Vec::new(), Vec::new(), Vec::new());
         Self { own, nodes, slopes, rounding, moduli, distances }
+    }
+
+    /// Adds the rounding errors of psi, and of coordinates that are off by two units in the last place, to those of g.
+    ///
+    /// On a cell in log r the functions of the split see no such error. On another one all functions see the same
+    /// point; there the slopes of v, as polynomials of degree n - 1, have derivatives of no more than `(n - 1)^2` times
+    /// their size over half of the length (Markov).
+    pub(super) fn add_rounding(&mut self) {
+        let (cell, psi) = (&self.own.cell, psi_errors(self.moduli.psi));
+        let [slope, curvature] = if cell.is_log {
+            let slope = self.moduli.rest.slope;
+            [slope, slope / cell.disc.radius]
+        } else {
+            let sizes = self.nodes.iter().zip(&self.slopes);
+            let slope = sizes.fold(0.0f64, |most, (node, slope)| most.max(node.flux.abs() + slope.abs()));
+            let order = (POINTS - 1) as f64;
+            [2.0 * slope, 4.0 * slope * order * order / cell.length()]
+        };
+        for [value, derivative] in &mut self.rounding {
+            *value += psi[0] + 2.0 * f64::EPSILON * slope;
+            *derivative += psi[1] + 2.0 * f64::EPSILON * curvature;
+        }
     }
 
     fn tested(&self, test: Test, i: usize) -> f64 {
