@@ -1,7 +1,7 @@
 //! The energy by Gauss rules on cells, with a bound of their errors and of rounding.
 
 use super::boundary::State;
-use super::cells::{POINTS, Singular, Stretch, Surroundings, Track};
+use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
 use super::continuation::PlaneJump;
 use super::energy::Integrals;
 use super::moduli::{Moduli, of_psi};
@@ -29,27 +29,19 @@ pub(super) fn bounded_energy(
     let nodes: Vec<_> = samples.iter().flat_map(|own| own.nodes.iter().copied()).collect();
     let mut sums = Integrals::on_boundary(proof.setup, proof.fit, &nodes);
     let (mut error, mut total) = (0.0, 0.0);
-    let mut parts = [0.0; 4];
     for own in samples {
         let [of_values, terms] = rounding(proof, own);
-        let rule = own.own.cell.gauss_error(modulus(proof, own));
-        parts[0] += of_values;
-        parts[1] += rule;
-        error += of_values + rule;
+        error += of_values + own.own.cell.gauss_error(modulus(proof, own));
         total += terms;
     }
     for edge in &proof.setup.jumps.edges {
-        let of_edge = add_edge(proof.setup, edge, &mut sums)?;
-        parts[2] += of_edge;
-        error += of_edge;
+        error += add_edge(proof.setup, edge, &mut sums)?;
     }
     for own in left {
-        parts[3] += own.integrals;
         error += own.integrals;
     }
-    // The order of the sum is not used.
+    // Those of the sum itself.
     error += (nodes.len() as f64 + 16.0) * f64::EPSILON * total;
-    eprintln!("DEBUG rounding {:e} rule {:e} edges {:e} left {:e} sum {:e}", parts[0], parts[1], parts[2], parts[3], total * 1e-12);
     Ok(BoundedEnergy { energy: sums.completed().energy, error })
 }
 
@@ -68,9 +60,10 @@ impl Leftover {
     pub(super) fn of(proof: &Proof, own: &Sampled) -> Self {
         let (least, moduli) = (own.own.cell.span[0], &own.moduli);
         // Twice for the growth of logarithms.
-        let terms = moduli.slope.iter().map(|[power, m]| 2.0 * m * libm::pow(least, *power) / power);
+        let terms =
+            moduli.slope.iter().map(|[power, m]| 2.0 * m * libm::pow(least, *power) / power);
         let variation = terms.sum::<f64>();
-        let (node, size) = (&own.nodes[0], Sizes::of(proof, own));
+        let (node, size) = (&own.nodes[0], Factors::of(proof, own));
         let value = node.value.abs() + node.psi.abs() + variation + size.rate * least;
         let integrals = 4.0 * value * (variation + size.rate * least) + size.constants * least;
         Self { interval: own.own.interval, variation, integrals }
@@ -78,13 +71,13 @@ impl Leftover {
 }
 
 /// Factors of the bound of the integrand of the energy.
-struct Sizes {
+struct Factors {
     constants: f64,
     /// Bound of slopes but that of v.
     rate: f64,
 }
 
-impl Sizes {
+impl Factors {
     fn of(proof: &Proof, own: &Sampled) -> Self {
         let interval = &proof.fit.walk.intervals[own.own.interval];
         let disc = own.own.cell.disc;
@@ -106,9 +99,10 @@ impl Sizes {
 fn modulus(proof: &Proof, own: &Sampled) -> f64 {
     let (cell, moduli) = (&own.own.cell, &own.moduli);
     let r = if cell.is_log { cell.distances[1] } else { 1.0 };
-    let at = |terms: &[[f64; 2]]| -> f64 { terms.iter().map(|[g, m]| m * libm::pow(r, *g)).sum() };
-    let size = Sizes::of(proof, own);
-    size.constants * (at(&moduli.value) + 1.0) * (at(&moduli.slope) + size.rate * r)
+    let [value, slope] = [&moduli.value, &moduli.slope]
+        .map(|terms| terms.iter().map(|[g, m]| m * libm::pow(r, *g)).sum::<f64>());
+    let size = Factors::of(proof, own);
+    size.constants * (value + 1.0) * (slope + size.rate * r)
 }
 
 /// Error of the integrals of a cell by rounding of v, psi and their slopes, and the sum of the moduli of their terms.
@@ -118,7 +112,7 @@ fn modulus(proof: &Proof, own: &Sampled) -> f64 {
 fn rounding(proof: &Proof, own: &Sampled) -> [f64; 2] {
     let interval = &proof.fit.walk.intervals[own.own.interval];
     let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
-    let of_psi = psi_errors(own.moduli.psi);
+    let of_psi = psi_errors(own.moduli.psi_here);
     let mut sums = [0.0; 2];
     for (node, [value, slope]) in own.nodes.iter().zip(&own.rounding) {
         let (weight, z) = (node.spot.weight, node.spot.z);
@@ -129,7 +123,11 @@ fn rounding(proof: &Proof, own: &Sampled) -> [f64; 2] {
             Psi::Polynomial(f) => f.moduli(z.norm())[0],
         };
         let square = 0.25 * (z - proof.setup.centre).norm2();
-        let far = if matches!(proof.setup.jumps.psi, Psi::Jumps(_)) { 2.0 * square.sqrt() } else { z.norm() };
+        let far = if matches!(proof.setup.jumps.psi, Psi::Jumps(_)) {
+            2.0 * square.sqrt()
+        } else {
+            z.norm()
+        };
         let by_psi = 0.5 * f * far + 0.5 * node.flux.abs();
         let by_psi_slope = f * square + 0.5 * node.value.abs();
         sums[0] += weight * (value * by_value + slope * by_slope);
@@ -160,25 +158,27 @@ fn add_edge(setup: &Setup, edge: &PlaneJump, sums: &mut Integrals) -> Result<f64
             .min(setup.diameter);
         let top = (0.2 * reach).min(half);
         let near = Surroundings { centre, top, least: 1e-16 * top, reach };
-        let stretch = Stretch {
+        let stretch = CellStretch {
             track: Track::Curve(curve, from, way),
             singular: &singular,
             curvature: curve.curvature,
             length: half,
-            longest: setup.diameter,
+            longest: 0.25 * setup.diameter,
             near: vertex.map(|_| near),
         };
         let cells = stretch.cells().ok_or("psi on jumps of f")?;
         let (mut points, mut normals) = (Vec::new(), Vec::new());
         for cell in cells {
             let psi = of_psi(&setup.jumps.psi, cell.disc);
-            let (errors, Moduli { value, slope }) = (psi_errors(psi), psi);
+            let Moduli { value, slope } = psi;
+            let errors = psi_errors(of_psi(&setup.jumps.psi, cell.hull));
             for [r, weight] in cell.nodes(&rule) {
                 let s = from + way * r;
                 points.push(curve.at(s));
                 normals.push((-curve.direction(s).turned()).scaled(weight));
                 let square = 0.25 * (curve.at(s) - setup.centre).norm2();
-                let by_value = square.sqrt() * (errors[0] + 8.0 * f64::EPSILON * (left + right).abs() * square);
+                let by_value = square.sqrt()
+                    * (errors[0] + 8.0 * f64::EPSILON * (left + right).abs() * square);
                 error += weight * (left - right).abs() * (by_value + square * errors[1]);
             }
             let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
@@ -194,4 +194,3 @@ fn add_edge(setup: &Setup, edge: &PlaneJump, sums: &mut Integrals) -> Result<f64
     }
     Ok(error)
 }
-

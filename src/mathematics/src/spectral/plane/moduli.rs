@@ -90,16 +90,16 @@ pub(super) fn of_polynomial(fit: &Fit, discs: &[Disc]) -> Vec<Moduli> {
     let functions = Functions { families: Vec::new(), holes: Vec::new(), arnoldi };
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
-        let on_circle = |disc: &Disc| {
-            let disc = *disc;
-            (0..points).map(move |k| {
+        let mut spots = Vec::with_capacity(discs.len() * points);
+        for disc in discs {
+            for k in 0..points {
                 let way = Complex::unit(TAU * k as f64 / points as f64);
-                Spot::inside(disc.centre + way.scaled(disc.radius))
-            })
-        };
-        let spots: Vec<Spot> = discs.iter().flat_map(on_circle).collect();
+                spots.push(Spot::inside(disc.centre + way.scaled(disc.radius)));
+            }
+        }
         let values = functions.at(&spots, true);
-        let mut sums = [vec![Complex::default(); spots.len()], vec![Complex::default(); spots.len()]];
+        let mut sums =
+            [vec![Complex::default(); spots.len()], vec![Complex::default(); spots.len()]];
         for (k, c) in own.iter().enumerate() {
             let range = k * spots.len()..(k + 1) * spots.len();
             for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
@@ -145,11 +145,13 @@ impl Family {
 
 impl Hole {
     /// Bounds of its part of g.
-    fn moduli(&self, disc: Disc, coefficients: &[Complex], log: f64) -> Moduli {
+    pub(super) fn moduli(&self, disc: Disc, coefficients: &[Complex], log: f64) -> Moduli {
         let range = disc.range(self.middle);
         let near = range[0].max(0.0);
-        let mut sum =
-            Moduli { value: log.abs() * (log_modulus(range) + disc.turns()), slope: log.abs() / near };
+        let mut sum = Moduli {
+            value: log.abs() * (log_modulus(range) + disc.turns()),
+            slope: log.abs() / near,
+        };
         let mut power = 1.0;
         for (k, c) in coefficients.iter().enumerate() {
             power *= self.radius / near;
@@ -169,8 +171,8 @@ pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
             Moduli { value, slope }
         }
         Psi::Jumps(potential) => {
-            let mut slope =
-                potential.gradients(&[centre])[0].norm() + 0.5 * potential.background.abs() * radius;
+            let mut slope = potential.gradients(&[centre])[0].norm()
+                + 0.5 * potential.background.abs() * radius;
             for jump in &potential.jumps {
                 let part = jump.modulus(disc, &potential.vertices);
                 slope += 2.0 * jump.size.abs() / (2.0 * TAU) * part;

@@ -26,6 +26,8 @@ pub(super) struct CellModuli {
     /// All but the functions of the split.
     pub rest: Moduli,
     pub psi: Moduli,
+    /// The same on the cell itself.
+    pub psi_here: Moduli,
 }
 
 /// Values on a cell.
@@ -81,13 +83,14 @@ impl Sampled {
     /// point; there the slopes of v, as polynomials of degree n - 1, have derivatives of no more than `(n - 1)^2` times
     /// their size over half of the length (Markov).
     pub(super) fn add_rounding(&mut self) {
-        let (cell, psi) = (&self.own.cell, psi_errors(self.moduli.psi));
+        let (cell, psi) = (&self.own.cell, psi_errors(self.moduli.psi_here));
         let [slope, curvature] = if cell.is_log {
             let slope = self.moduli.rest.slope;
             [slope, slope / cell.disc.radius]
         } else {
             let sizes = self.nodes.iter().zip(&self.slopes);
-            let slope = sizes.fold(0.0f64, |most, (node, slope)| most.max(node.flux.abs() + slope.abs()));
+            let slope =
+                sizes.fold(0.0f64, |most, (node, slope)| most.max(node.flux.abs() + slope.abs()));
             let order = (POINTS - 1) as f64;
             [2.0 * slope, 4.0 * slope * order * order / cell.length()]
         };
@@ -125,7 +128,8 @@ impl Sampled {
         let constant = [[which as f64, test.constant.abs()]];
         let mut modulus = 0.0;
         for &[own, factor] in terms.iter().chain(&constant) {
-            let sizes = cell.distances.map(|r| libm::pow(r, own - which as f64) * libm::pow(r / to, power));
+            let sizes =
+                cell.distances.map(|r| libm::pow(r, own - which as f64) * libm::pow(r / to, power));
             modulus += factor * sizes[0].max(sizes[1]);
         }
         let slack = cell.tail(modulus) + POINTS as f64 * error;
@@ -172,8 +176,7 @@ impl Sampled {
             powers.push(if (power - 1.0).abs() < 0.01 { 0.99 } else { power.clamp(-4.0, 2.0) });
         }
         let infinite = f64::INFINITY;
-        let mut best =
-            Deficit { most: infinite, integral: infinite, scaled: infinite, room: 0.0 };
+        let mut best = Deficit { most: infinite, integral: infinite, scaled: infinite, room: 0.0 };
         for power in powers {
             let [least, _] = self.bounds(test, power, weights);
             if !least.is_finite() {
