@@ -35,7 +35,8 @@ use super::exact_energy::{Leftover, bounded_energy};
 use super::extension::Room;
 use super::field::PlaneNode;
 use super::proof::{Proof, ProofCell};
-use super::residual::{Balance, Distances, hole_logs, uncertain};
+use super::psi::Psi;
+use super::residual::{Distances, FluxBalance, hole_logs, uncertain};
 use super::samples::{Sampled, weights};
 use super::search::PlaneFound;
 use super::setup::Setup;
@@ -47,12 +48,16 @@ pub(super) fn bracket(setup: &Setup, found: &PlaneFound) -> PlaneBracket {
     const WIDE: f64 = 1e-5;
     let reason = match proved(setup, found) {
         Ok([lower, upper]) if upper - lower <= WIDE * found.integrals.energy.abs() => {
-            return PlaneBracket { lower, upper, reserve: Vec::new() };
+            let mut reserve = Vec::new();
+            if let Psi::Polynomial(_) = setup.jumps.psi {
+                // That a formula is a polynomial is seen at points.
+                reserve.push("f: sampled".into());
+            }
+            return PlaneBracket { lower, upper, reserve };
         }
         Ok(_) => "v and its flux on the boundary",
         Err(reason) => reason,
     };
-    eprintln!("DEBUG reason {reason}");
     let [lower, upper] = sampled(setup, found);
     PlaneBracket { lower, upper, reserve: vec![format!("{reason}: sampled")] }
 }
@@ -93,22 +98,17 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     let cells: Vec<ProofCell> = samples.iter().map(|own| own.own).collect();
     let room = Room::new(&fit.walk, &proof.chords, &cells);
     let distances = Distances::new(&proof, &samples, &left, &weights);
-    let balance = Balance::new(&proof, &samples, &left, &weights, found.sizes.flux)?;
+    let balance = FluxBalance::new(&proof, &samples, &left, &weights, found.sizes.flux)?;
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
-    let integrals = [
-        room.integral(&cells, 2.0 * distances.delta + near, &distances.slopes),
-        room.integral(&cells, balance.range + near, &balance.slopes),
-    ];
-    let near = 1e3 * near * near * left.len() as f64;
-    let [of_w, of_e] = integrals.map(|integral| 0.5 * (integral.sqrt() + near.sqrt()).powi(2));
-    eprintln!(
-        "DEBUG cells {} err {:e} delta {:e} range {:e} missed {:e} moved {:e} W {:e} E {:e} near {:e} off {:e}",
-        cells.len(), exact.error, distances.delta, balance.range, balance.missed, balance.moved, of_w, of_e, near,
-        exact.energy - found.integrals.energy
-    );
+    let of_w = 0.5 * room.integral(&cells, [2.0 * distances.delta, near], &distances.slopes);
+    let of_e = 0.5 * room.integral(&cells, [balance.range, near], &balance.slopes);
     let lower = exact.energy - exact.error - distances.delta * balance.moved - of_e;
     let upper = exact.energy + exact.error + distances.delta * balance.missed + of_w;
-    if lower.is_finite() && upper.is_finite() { Ok([lower, upper]) } else { Err("v next to corners") }
+    if lower.is_finite() && upper.is_finite() {
+        Ok([lower, upper])
+    } else {
+        Err("v next to corners")
+    }
 }
 
 /// What lies closer to splits than all cells.

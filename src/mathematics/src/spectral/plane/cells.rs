@@ -73,7 +73,7 @@ impl Track<'_> {
 
 /// Half of a piece of a curve, seen from one of its ends.
 #[derive(Clone, Copy)]
-pub(super) struct Stretch<'a> {
+pub(super) struct CellStretch<'a> {
     pub track: Track<'a>,
     pub singular: &'a Singular<'a>,
     pub curvature: f64,
@@ -84,23 +84,24 @@ pub(super) struct Stretch<'a> {
     pub near: Option<Surroundings>,
 }
 
-/// Cell of a curve.
+/// EllipseCell of a curve.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
+pub(super) struct EllipseCell {
     /// Least and greatest distance from the end.
     pub span: [f64; 2],
     /// True if its variable is log r.
     pub is_log: bool,
     pub rho: f64,
-    /// Disc that holds its ellipse.
+    /// Disc that holds its ellipse, and one that holds the cell itself.
     pub disc: Disc,
+    pub hull: Disc,
     /// Least and greatest distance from the end on the ellipse.
     pub distances: [f64; 2],
 }
 
-impl Stretch<'_> {
+impl CellStretch<'_> {
     /// Cells of the stretch; none if one would be too short.
-    pub(super) fn cells(&self) -> Option<Vec<Cell>> {
+    pub(super) fn cells(&self) -> Option<Vec<EllipseCell>> {
         let mut cells = Vec::new();
         let top = self.near.map_or(0.0, |near| near.top);
         if let Some(near) = self.near {
@@ -123,7 +124,7 @@ impl Stretch<'_> {
     }
 
     /// The two halves of a cell.
-    pub(super) fn halves(&self, cell: Cell) -> Option<[Cell; 2]> {
+    pub(super) fn halves(&self, cell: EllipseCell) -> Option<[EllipseCell; 2]> {
         let [from, to] = cell.span;
         let near = self.near.filter(|_| cell.is_log);
         let middle = if near.is_some() { (from * to).sqrt() } else { 0.5 * (from + to) };
@@ -134,7 +135,7 @@ impl Stretch<'_> {
         Some([halves[0]?, halves[1]?])
     }
 
-    fn log_cell(&self, near: Surroundings, span: [f64; 2]) -> Cell {
+    fn log_cell(&self, near: Surroundings, span: [f64; 2]) -> EllipseCell {
         let half = 0.5 * libm::log(span[1] / span[0]);
         let axis = (1.0 + libm::log(near.reach / span[1]) / half).min(AXES[1]);
         let beyond = libm::exp(half * (axis - 1.0));
@@ -142,14 +143,23 @@ impl Stretch<'_> {
         // On an arc the distance in the plane differs by up to a fifth from that along it.
         let (radius, inner) = (1.2 * near.reach, 0.8 * distances[0]);
         let disc = Disc { centre: near.centre, radius, inner };
-        Cell { span, is_log: true, rho: axis + (axis * axis - 1.0).sqrt(), disc, distances }
+        let hull = Disc { radius: 1.2 * span[1], inner: 0.8 * span[0], ..disc };
+        EllipseCell {
+            span,
+            is_log: true,
+            rho: axis + (axis * axis - 1.0).sqrt(),
+            disc,
+            hull,
+            distances,
+        }
     }
 
     /// Half axis of the ellipse of a cell.
     fn axis(&self, [from, to]: [f64; 2]) -> f64 {
         let (half, bend) = (0.5 * (to - from), self.curvature.abs());
         let room = 0.85 * self.singular.room(self.track.at(0.5 * (from + to)), None);
-        let along = if bend == 0.0 { room } else { (libm::log1p(bend * room) / bend).min(0.5 / bend) };
+        let along =
+            if bend == 0.0 { room } else { (libm::log1p(bend * room) / bend).min(0.5 / bend) };
         (along / half).min(AXES[1])
     }
 
@@ -161,7 +171,7 @@ impl Stretch<'_> {
         (length > 1e-12 && (is_long || self.axis(span) < AXES[0])).then_some(at)
     }
 
-    fn plain_cell(&self, span: [f64; 2]) -> Option<Cell> {
+    fn plain_cell(&self, span: [f64; 2]) -> Option<EllipseCell> {
         let [from, to] = span;
         let (middle, half, bend) = (0.5 * (from + to), 0.5 * (to - from), self.curvature.abs());
         let axis = self.axis(span);
@@ -171,24 +181,31 @@ impl Stretch<'_> {
         let along = axis * half;
         let radius = if bend == 0.0 { along } else { libm::expm1(bend * along) / bend };
         let disc = Disc { centre: self.track.at(middle), radius, inner: 0.0 };
+        let hull = Disc { radius: half, ..disc };
         let distances = [middle - along, middle + along];
-        Some(Cell { span, is_log: false, rho: axis + (axis * axis - 1.0).sqrt(), disc, distances })
+        Some(EllipseCell {
+            span,
+            is_log: false,
+            rho: axis + (axis * axis - 1.0).sqrt(),
+            disc,
+            hull,
+            distances,
+        })
     }
 }
 
-impl Cell {
+impl EllipseCell {
     /// Distances from the end and weights of a Gauss rule.
     pub(super) fn nodes(&self, rule: &[GaussNode]) -> Vec<[f64; 2]> {
         let [from, to] = self.span;
         let length = self.length();
-        let node = |node: &GaussNode| match self.is_log {
-            true => {
-                let r = to * libm::exp(-length * (1.0 - node.x));
-                [r, r * length * node.weight]
-            }
-            false => [from + length * node.x, length * node.weight],
-        };
-        rule.iter().map(node).collect()
+        let mut nodes = Vec::with_capacity(rule.len());
+        for &GaussNode { x, weight } in rule {
+            let r =
+                if self.is_log { to * libm::exp(length * (x - 1.0)) } else { from + length * x };
+            nodes.push([r, length * weight * if self.is_log { r } else { 1.0 }]);
+        }
+        nodes
     }
 
     /// Length in its variable.

@@ -28,7 +28,7 @@ use super::boundary::Walk;
 use super::proof::ProofCell;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::distance;
-use crate::spectral::rule::cut;
+use crate::spectral::rule::halved;
 use std::f64::consts::{LN_2, PI};
 
 /// Part of the boundary, as the segment between its ends from which it is no farther than `off`.
@@ -52,13 +52,10 @@ impl Chord {
     /// Chords of a part of an interval.
     fn many(walk: &Walk, interval: usize, range: [f64; 2]) -> Vec<Self> {
         let own = &walk.intervals[interval];
-        let too_long = |[from, to]: [f64; 2]| {
+        let parts = halved(range, |[from, to]| {
             let away = from.min(own.length - to).max(1e-5 * own.length);
-            let long = own.curvature != 0.0
-                && (to - from > away || (to - from) * own.curvature.abs() > 0.1);
-            long.then_some(0.5 * (from + to))
-        };
-        let parts = cut(range, too_long);
+            own.curvature != 0.0 && (to - from > away || (to - from) * own.curvature.abs() > 0.1)
+        });
         parts.into_iter().map(|part| Self::of(walk, interval, part)).collect()
     }
 
@@ -76,21 +73,11 @@ impl Chord {
         distance(self.ends, z) - self.off
     }
 
-    /// Lower bound of the distance of another part.
+    /// Lower bound of the distance of another part, which does not cross it.
     fn apart(&self, other: &Self) -> f64 {
-        let ([a, b], [c, d]) = (self.ends, other.ends);
-        let sides = [(b - a).cross(c - a), (b - a).cross(d - a)];
-        let others = [(d - c).cross(a - c), (d - c).cross(b - c)];
-        if sides[0] * sides[1] < 0.0 && others[0] * others[1] < 0.0 {
-            return 0.0;
-        }
-        let ends = [
-            distance(self.ends, c),
-            distance(self.ends, d),
-            distance(other.ends, a),
-            distance(other.ends, b),
-        ];
-        ends.into_iter().fold(f64::INFINITY, f64::min) - self.off - other.off
+        let ends = other.ends.map(|end| distance(self.ends, end));
+        let own = self.ends.map(|end| distance(other.ends, end));
+        ends[0].min(ends[1]).min(own[0]).min(own[1]) - self.off - other.off
     }
 }
 
@@ -107,6 +94,8 @@ pub(super) struct Room {
     beside: Vec<Vec<(usize, f64)>>,
     /// Splits towards which cells get short.
     splits: f64,
+    /// Sum over them of the Dirichlet integrals of what is interpolated there, for values of 1.
+    near: f64,
 }
 
 /// Pieces: intervals that go on in each other without a corner, end or crossing have one number.
@@ -149,26 +138,37 @@ impl Room {
             deltas.push(if delta.is_finite() { delta } else { 1.0 });
         }
         let beside = (0..cells.len()).map(|p| beside(walk, &pieces, cells, p, deltas[p]));
-        Self { beside: beside.collect(), deltas, splits: graded.len() as f64 }
+        let near = graded.iter().map(|split| 22.0 * (4.0 * PI + 128.0 / split.angle)).sum();
+        Self { beside: beside.collect(), deltas, splits: graded.len() as f64, near }
     }
 
     /// Bound of the Dirichlet integral of an extension of a function with this range, and bounds of its slope on each
     /// cell; on cells in log r, of the slope times r.
-    pub(super) fn integral(&self, cells: &[ProofCell], range: f64, slopes: &[f64]) -> f64 {
+    /// Next to splits it may change by `near`.
+    pub(super) fn integral(
+        &self,
+        cells: &[ProofCell],
+        [range, near]: [f64; 2],
+        slopes: &[f64],
+    ) -> f64 {
+        let range = range + near;
         let mut sum = 4.0 * PI * self.splits * range * range;
         for (p, own) in cells.iter().enumerate() {
             let delta = self.deltas[p];
-            let slope = self.beside[p].iter().fold(0.0f64, |most, (q, factor)| most.max(factor * slopes[*q]));
+            let slope = self.beside[p]
+                .iter()
+                .fold(0.0f64, |most, (q, factor)| most.max(factor * slopes[*q]));
             if delta <= 0.0 {
                 return f64::INFINITY;
             }
+            let slope = if own.cell.is_log { slope + near } else { slope };
             let density = (range / delta).max(ARC * slope);
             let length = own.cell.length();
             let (many, length) =
                 if own.cell.is_log { ((length / LN_2).ceil(), 1.0) } else { (1.0, length) };
             sum += many * density * density * (2.0 * delta * length + PI * delta * delta);
         }
-        sum
+        (sum.sqrt() + near * self.near.sqrt()).powi(2)
     }
 }
 
@@ -189,16 +189,23 @@ fn beside(
         }
         let [start, end] = other.cell.span;
         if own.cell.is_log {
-            // In units of r: slopes within 0.6 to 1.4 times the distance.
-            let near = (other.interval, other.side) == (own.interval, own.side);
-            if near && start <= 1.5 * to && end >= 0.6 * from {
-                beside.push((q, if other.cell.is_log { 1.0 / 0.6 } else { 1.5 * to }));
+            // In units of r: slopes within 0.6 to 1.4 times the distance, which may be beyond the middle.
+            let (same, length) = (other.side == own.side, walk.intervals[own.interval].length);
+            let range = if same { [start, end] } else { [length - end, length - start] };
+            if other.interval == own.interval && range[0] <= 1.5 * to && range[1] >= 0.6 * from {
+                beside.push((
+                    q,
+                    match (other.cell.is_log, same) {
+                        (true, true) => 1.0 / 0.6,
+                        (true, false) => 1.5 * to / start.max(0.25 * length),
+                        (false, _) => 1.5 * to,
+                    },
+                ));
             }
             continue;
         }
-        let length = |cell: &ProofCell| cell.cell.span[1] - cell.cell.span[0];
         let away = (own.middle(walk) - other.middle(walk)).norm();
-        if away > 0.53 * (length(own) + length(other)) + 1.1 * delta {
+        if away > 0.53 * (to - from + end - start) + 1.1 * delta {
             continue;
         }
         // Half of the way to the split remains.

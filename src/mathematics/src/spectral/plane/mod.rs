@@ -16,7 +16,8 @@
 //! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong
 //! a gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy
 //! is a sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual
-//! ([`energy`]); two bounds follow from how the conditions are missed ([`bounds`]).
+//! ([`energy`]); two bounds follow from how the conditions are missed ([`bounds`]), which is proved between points too
+//! ([`proof`]).
 //!
 //! # Limits
 //! Work grows with the cube of the number of corners: about a second for twenty. A contact set whose signs are not all
@@ -43,6 +44,7 @@ mod jumps;
 mod least_squares;
 mod moduli;
 mod newton;
+mod on_cells;
 mod on_mesh;
 mod outline;
 mod panels;
@@ -79,7 +81,7 @@ pub(crate) struct PlaneBracket {
     /// Upper bound.
     pub upper: f64,
     /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are
-    /// guaranteed.
+    /// guaranteed, but for the model of rounding errors in [`proof`].
     pub reserve: Vec<String>,
 }
 

@@ -26,6 +26,11 @@ pub(super) struct Disc {
 }
 
 impl Disc {
+    /// Most that the imaginary part of a logarithm is.
+    fn turns(self) -> f64 {
+        TURNS[usize::from(self.inner > 0.0)]
+    }
+
     /// Least and greatest distance of its points from another one.
     fn range(self, z: Complex) -> [f64; 2] {
         let away = (z - self.centre).norm();
@@ -38,8 +43,8 @@ impl Disc {
 
 /// Distance of a vertex from a split below which it is taken for it.
 pub(super) const TOUCHES: f64 = 1e-12;
-/// Most that the imaginary part of a logarithm is on a panel and its ellipse.
-pub(super) const TURNS: f64 = 12.0 * PI;
+/// Most that the imaginary part of a logarithm is on a cell and its ellipse, and on one in log r.
+pub(super) const TURNS: [f64; 2] = [5.0 * PI, 12.0 * PI];
 
 /// Bounds of a function and of its derivative.
 #[derive(Clone, Copy, Debug, Default)]
@@ -85,16 +90,16 @@ pub(super) fn of_polynomial(fit: &Fit, discs: &[Disc]) -> Vec<Moduli> {
     let functions = Functions { families: Vec::new(), holes: Vec::new(), arnoldi };
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
-        let on_circle = |disc: &Disc| {
-            let disc = *disc;
-            (0..points).map(move |k| {
+        let mut spots = Vec::with_capacity(discs.len() * points);
+        for disc in discs {
+            for k in 0..points {
                 let way = Complex::unit(TAU * k as f64 / points as f64);
-                Spot::inside(disc.centre + way.scaled(disc.radius))
-            })
-        };
-        let spots: Vec<Spot> = discs.iter().flat_map(on_circle).collect();
+                spots.push(Spot::inside(disc.centre + way.scaled(disc.radius)));
+            }
+        }
         let values = functions.at(&spots, true);
-        let mut sums = [vec![Complex::default(); spots.len()], vec![Complex::default(); spots.len()]];
+        let mut sums =
+            [vec![Complex::default(); spots.len()], vec![Complex::default(); spots.len()]];
         for (k, c) in own.iter().enumerate() {
             let range = k * spots.len()..(k + 1) * spots.len();
             for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
@@ -128,7 +133,7 @@ impl Family {
             for (function, c) in self.powers.iter().zip(own) {
                 let power = function.power;
                 let base = if power < 1.0 { u[0] } else { u[1] };
-                let log = if function.log { log_modulus(u) + TURNS } else { 1.0 };
+                let log = if function.log { log_modulus(u) + disc.turns() } else { 1.0 };
                 let factor = if function.log { power * log + 1.0 } else { power };
                 sum.value += c.norm() * libm::pow(u[1], power) * log;
                 sum.slope += c.norm() * libm::pow(base, power - 1.0) * rate * factor;
@@ -140,11 +145,13 @@ impl Family {
 
 impl Hole {
     /// Bounds of its part of g.
-    fn moduli(&self, disc: Disc, coefficients: &[Complex], log: f64) -> Moduli {
+    pub(super) fn moduli(&self, disc: Disc, coefficients: &[Complex], log: f64) -> Moduli {
         let range = disc.range(self.middle);
         let near = range[0].max(0.0);
-        let mut sum =
-            Moduli { value: log.abs() * (log_modulus(range) + TURNS), slope: log.abs() / near };
+        let mut sum = Moduli {
+            value: log.abs() * (log_modulus(range) + disc.turns()),
+            slope: log.abs() / near,
+        };
         let mut power = 1.0;
         for (k, c) in coefficients.iter().enumerate() {
             power *= self.radius / near;
@@ -164,8 +171,8 @@ pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
             Moduli { value, slope }
         }
         Psi::Jumps(potential) => {
-            let mut slope =
-                potential.gradients(&[centre])[0].norm() + 0.5 * potential.background.abs() * radius;
+            let mut slope = potential.gradients(&[centre])[0].norm()
+                + 0.5 * potential.background.abs() * radius;
             for jump in &potential.jumps {
                 let part = jump.modulus(disc, &potential.vertices);
                 slope += 2.0 * jump.size.abs() / (2.0 * TAU) * part;
@@ -184,7 +191,7 @@ impl Jump {
         let (bend, size) = (curve.curvature * disc.radius, seen.nu.norm());
         let power = seen.power.abs() + 2.0 * disc.radius * (size + bend);
         let ends = self.arc.ends.iter().flatten();
-        let log = TURNS + ends.map(|&v| log_modulus(disc.range(vertices[v]))).sum::<f64>();
+        let log = disc.turns() + ends.map(|&v| log_modulus(disc.range(vertices[v]))).sum::<f64>();
         let length = (self.arc.span[1] - self.arc.span[0]).abs();
         if curve.curvature == 0.0 {
             return power * log;

@@ -1,17 +1,13 @@
 //! v, its slopes and bounds of their moduli on cells of all of the boundary.
 
 use super::boundary::Walk;
-use super::cells::{Cell, POINTS, Singular, Stretch, Surroundings, Track};
+use super::cells::{CellStretch, EllipseCell, Singular, Surroundings, Track};
 use super::extension::{Chord, share};
-use super::field::node;
 use super::fit::Fit;
-use super::functions::{Family, Power, Values};
-use super::moduli::{Disc, TURNS, of_functions, of_polynomial, of_psi};
-use super::panels::Spot;
-use super::samples::{CellModuli, Sampled};
+use super::functions::Family;
 use super::setup::Setup;
 use crate::problem::complex::Complex;
-use crate::spectral::rule::gauss;
+use crate::spectral::jumps::JumpEdge;
 use std::f64::consts::PI;
 
 /// Cell of an interval, seen from one of its ends.
@@ -20,7 +16,7 @@ pub(super) struct ProofCell {
     pub interval: usize,
     /// 0 if its points are seen from the start of the interval, 1 from the end.
     pub side: usize,
-    pub cell: Cell,
+    pub cell: EllipseCell,
 }
 
 impl ProofCell {
@@ -53,7 +49,9 @@ pub(super) struct Proof<'a> {
 /// Largest share of the distance within which nothing else is singular, and of that from other sides.
 const TOP: [f64; 2] = [0.2, 0.3];
 /// Logarithm of the size of what is left closer to a split, over the coefficients.
-const LEFT: f64 = 46.0;
+const LEFT: f64 = 50.0;
+/// Logarithm of the least distance over the largest: powers of smaller ones cannot be written.
+const DEEPEST: f64 = 145.0;
 
 impl<'a> Proof<'a> {
     /// Finds all that is singular, and proves that no cut meets the domain.
@@ -76,6 +74,9 @@ impl<'a> Proof<'a> {
             }
             let ends = family.lengths.iter().map(|&d| family.point - family.inwards.scaled(d));
             points.extend(ends.map(|end| (end, None)));
+        }
+        if !setup.jumps.edges.iter().all(|edge| has_values(setup, edge)) {
+            return Err("f");
         }
         for hole in &fit.functions.holes {
             if setup.domain.holds(hole.middle) || setup.domain.distance(hole.middle) < 1e-9 {
@@ -112,7 +113,7 @@ impl<'a> Proof<'a> {
         let others = others.filter(|o| !walk.intervals[o.interval].splits.contains(&number));
         let clear = others.map(|chord| chord.distance(split.z)).fold(f64::INFINITY, f64::min);
         let room = self.singular.room(split.z, Some(number));
-        let reach = (room / 2.4).min(0.25 / bend);
+        let reach = (room / 2.4).min(0.25 / bend).min(self.setup.diameter);
         let turned = 0.25 * share(split.angle) / bend;
         let top = (TOP[0] * reach).min(TOP[1] * clear).min(turned).min(0.5 * interval.length);
         if top < 1e-10 {
@@ -121,14 +122,14 @@ impl<'a> Proof<'a> {
         let family = self.fit.functions.families.iter().find(|family| family.split == Some(number));
         let powers = family.map_or(&[][..], |family| &family.powers);
         let weakest = powers.iter().fold(1.0f64, |least, power| least.min(power.power));
-        let least = top * libm::exp(-LEFT / weakest);
+        let least = top * libm::exp(-(LEFT / weakest).min(DEEPEST));
         Ok(Some(Surroundings { centre: split.z, top, least, reach }))
     }
 
     /// Half of an interval.
-    fn stretch(&'a self, interval: usize, side: usize) -> Stretch<'a> {
+    fn stretch(&'a self, interval: usize, side: usize) -> CellStretch<'a> {
         let own = &self.fit.walk.intervals[interval];
-        Stretch {
+        CellStretch {
             track: Track::Interval(&self.fit.walk, interval, side),
             singular: &self.singular,
             curvature: own.curvature,
@@ -159,148 +160,16 @@ impl<'a> Proof<'a> {
         let halves = self.stretch(own.interval, own.side).halves(own.cell)?;
         Some(halves.map(|cell| ProofCell { cell, ..own }))
     }
+}
 
-    /// Bounds of moduli on the ellipses of cells.
-    fn moduli(&self, cells: &[ProofCell]) -> Vec<CellModuli> {
-        let mut discs: Vec<Disc> = Vec::new();
-        let mut numbers = Vec::with_capacity(cells.len());
-        for own in cells {
-            let disc = Disc { inner: 0.0, ..own.cell.disc };
-            let known = discs.iter().rposition(|other| *other == disc);
-            numbers.push(known.unwrap_or(discs.len()));
-            if known.is_none() {
-                discs.push(disc);
-            }
-        }
-        let polynomials = of_polynomial(self.fit, &discs);
-        let of_cell = |(own, number): (&ProofCell, usize)| {
-            let interval = &self.fit.walk.intervals[own.interval];
-            let split = own.cell.is_log.then_some(interval.splits[own.side]);
-            let mut rest = of_functions(self.fit, own.cell.disc, split);
-            rest.add(polynomials[number]);
-            let psi = of_psi(&self.setup.jumps.psi, own.cell.disc);
-            rest.add(psi);
-            // The normal of an arc, continued, is longer than 1.
-            rest.slope *= if interval.curvature == 0.0 { 1.0 } else { 1.8 };
-            let mut moduli = CellModuli {
-                value: vec![[0.0, rest.value]],
-                slope: vec![[1.0, rest.slope]],
-                rest,
-                psi,
-            };
-            if split.is_some() {
-                self.add_own(own, split, &mut moduli);
-            }
-            moduli
-        };
-        cells.iter().zip(numbers).map(of_cell).collect()
-    }
-
-    /// Adds the bounds of the functions of a split on a cell in log r.
-    fn add_own(&self, own: &ProofCell, split: Option<usize>, moduli: &mut CellModuli) {
-        let mut next = 0;
-        let Disc { radius, .. } = own.cell.disc;
-        for family in &self.fit.functions.families {
-            let many = family.powers.len() * family.lengths.len();
-            let coefficients = &self.fit.coefficients[next..next + many];
-            next += many;
-            if family.split != split {
-                continue;
-            }
-            for (k, &Power { power, log: is_log }) in family.powers.iter().enumerate() {
-                let (mut value, mut slope) = (0.0, 0.0);
-                for (&d, c) in family.lengths.iter().zip(coefficients.chunks_exact(many / family.lengths.len())) {
-                    let least = d - radius;
-                    let sizes = own.cell.distances.map(|r| (libm::log(r).abs(), r));
-                    let log = sizes[0].0.max(sizes[1].0) + libm::log(least).abs() + TURNS + 1.0;
-                    let [own_log, factor] =
-                        if is_log { [log, power * log + 1.0] } else { [1.0, power] };
-                    let size = c[k].norm() * libm::pow(1.2 / least, power);
-                    value += size * own_log;
-                    // The distance along an arc over that in the plane, and the length of the normal.
-                    slope += size * factor * d / least * 1.25 * 1.5;
-                }
-                moduli.value.push([power, value]);
-                moduli.slope.push([power, slope]);
-            }
-        }
-    }
-
-    /// v on cells.
-    pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
-        let rule = gauss(POINTS);
-        let mut samples = Vec::with_capacity(cells.len());
-        let mut moduli = self.moduli(cells).into_iter();
-        for block in cells.chunks(64) {
-            let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
-            for own in block {
-                for [r, weight] in own.cell.nodes(&rule) {
-                    spots.push(self.fit.walk.spot(own.interval, own.side, r, weight));
-                }
-            }
-            let values = self.fit.functions.at(&spots, true);
-            let [g, slopes] = self.fit.sums(&values);
-            let sizes = self.sizes(&values);
-            let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
-            let gradients = self.setup.jumps.psi.gradients(&points);
-            for (k, own) in block.iter().enumerate() {
-                let mut sampled = Sampled::new(*own, moduli.next().expect("one for each cell"));
-                for i in k * POINTS..(k + 1) * POINTS {
-                    let (spot, gradient) = (spots[i], gradients[i]);
-                    let node = node(self.setup, self.fit, spot, [g[i], slopes[i]], gradient);
-                    let slope = (slopes[i] * spot.tangent).re + gradient.dot(spot.tangent);
-                    sampled.nodes.push(node);
-                    sampled.slopes.push(slope);
-                    sampled.rounding.push(self.rounding(&sampled, [sizes[0][i], sizes[1][i]]));
-                }
-                self.add_logs(&mut sampled);
-                samples.push(sampled);
-            }
-        }
-        samples
-    }
-
-    /// Sums of the moduli of all terms of g and of its derivative, point by point.
-    fn sizes(&self, values: &Values) -> [Vec<f64>; 2] {
-        let mut sizes = [vec![0.0; values.points], vec![0.0; values.points]];
-        let logs = self.fit.logs.iter().map(|c| c.abs());
-        let factors = self.fit.coefficients.iter().map(|c| c.norm()).chain(logs);
-        for (k, factor) in factors.enumerate() {
-            let range = k * values.points..(k + 1) * values.points;
-            for (sizes, values) in sizes.iter_mut().zip([&values.all, &values.slopes]) {
-                let own = &values[range.clone()];
-                sizes.iter_mut().zip(own).for_each(|(size, z)| *size += factor * z.norm());
-            }
-        }
-        sizes
-    }
-
-    /// Rounding errors of v and of its slopes at a point, from the sums of the moduli of the terms: those of a sum of
-    /// as many terms, some sixty of each function, and coordinates that are off by eight.
-    fn rounding(&self, sampled: &Sampled, sizes: [f64; 2]) -> [f64; 2] {
-        let unit = (self.fit.coefficients.len() as f64 + 64.0) * f64::EPSILON;
-        let CellModuli { rest, psi, .. } = sampled.moduli;
-        let cell = &sampled.own.cell;
-        // Distance from a point of the cell to the edge of the ellipse or disc.
-        let room = if cell.is_log { cell.disc.radius } else { cell.span[0] - cell.distances[0] };
-        [
-            unit * sizes[0] + f64::EPSILON * (64.0 * psi.value + 8.0 * rest.slope),
-            unit * sizes[1] + f64::EPSILON * (64.0 * psi.slope + 8.0 * rest.slope / room),
-        ]
-    }
-
-    /// Adds the logarithms of holes that are added to v.
-    pub(super) fn add_logs(&self, sampled: &mut Sampled) {
-        for (hole, &c) in self.fit.functions.holes.iter().zip(&self.logs) {
-            for (node, slope) in sampled.nodes.iter_mut().zip(&mut sampled.slopes) {
-                let away = node.spot.z - hole.middle;
-                let size = 1.0 / away.norm2();
-                node.value += 0.5 * c * libm::log(away.norm2());
-                node.flux += c * size * away.dot(node.normal());
-                *slope += c * size * away.dot(node.spot.tangent);
-            }
-        }
-    }
+/// True if `-Lap psi` is f on both sides of a jump, next to its middle.
+fn has_values(setup: &Setup, edge: &JumpEdge) -> bool {
+    let (curve, [from, to]) = (edge.arc.curve, edge.arc.span);
+    let s = 0.5 * (from + to);
+    let step = curve.direction(s).turned().scaled(1e-6 * (to - from).abs().min(1.0));
+    let sides = [curve.at(s) + step, curve.at(s) - step].map(|z| setup.jumps.psi.source(z));
+    let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
+    (0..2).all(|k| (sides[k] - edge.values[k]).abs() <= size)
 }
 
 /// True if all its functions are rational, so that the point itself is not singular.
@@ -313,9 +182,8 @@ fn has_poles_alone(family: &Family) -> bool {
 fn is_outside(setup: &Setup, fit: &Fit, family: &Family) -> bool {
     let longest = family.lengths.iter().fold(0.0f64, |most, &d| most.max(d));
     let outwards = -family.inwards;
-    let is_clear = |z: Complex| setup.domain.distance(z) > 1e-9 && !setup.domain.holds(z);
-    let ends = family.lengths.iter().map(|&d| family.point + outwards.scaled(d));
-    if !ends.into_iter().all(is_clear) {
+    let mut ends = family.lengths.iter().map(|&d| family.point + outwards.scaled(d));
+    if !ends.all(|end| is_clear(setup, end)) {
         return false;
     }
     if has_poles_alone(family) {
@@ -323,7 +191,12 @@ fn is_outside(setup: &Setup, fit: &Fit, family: &Family) -> bool {
     }
     let begins = match family.split {
         Some(split) => fit.walk.splits[split].angle < 2.0 * PI - 1e-3,
-        None => is_clear(family.point),
+        None => is_clear(setup, family.point),
     };
     begins && setup.domain.exit(family.point, outwards) > 1.1 * longest
+}
+
+/// True if a point is outside of the closed domain.
+fn is_clear(setup: &Setup, z: Complex) -> bool {
+    setup.domain.distance(z) > 1e-9 && !setup.domain.holds(z)
 }

@@ -44,15 +44,19 @@ fn condition(proof: &Proof, own: &Sampled) -> (State, bool) {
 pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes, weights: &[f64]) -> bool {
     /// Size of v, over that of the solution, that does not matter.
     const SMALL: f64 = 1e-11;
+    /// Slope of v, times r in log r, that does not matter.
+    const STEEP: f64 = 1e-7;
     let small = SMALL * sizes.value;
     match condition(proof, own) {
-        (State::Held, true) => violation(proof, own, weights).integral > small,
+        (State::Held, true) => {
+            violation(proof, own, weights).integral > small.max(8.0 * own.noise(Quantity::Flux))
+        }
         (State::Flux(q), true) => {
+            let small = small.max(8.0 * own.noise(Quantity::Value));
             let deficit = own.deficit(signed(proof, q), weights);
-            let slope = Test::of(Quantity::Slope);
             deficit.most > small
-                || deficit.room < 100.0 * small
-                    && own.most(slope, weights) * own.own.cell.length().min(1.0) > 1e3 * small
+                || deficit.room < 10.0 * small
+                    && own.most(Test::of(Quantity::Slope), weights) > STEEP * sizes.value
         }
         _ => false,
     }
@@ -123,7 +127,7 @@ impl Distances {
 }
 
 /// How far the flux is from where it should be, with what balances it.
-pub(super) struct Balance {
+pub(super) struct FluxBalance {
     /// Range of H.
     pub range: f64,
     /// Bounds of eta, cell by cell; in log r times r.
@@ -147,7 +151,7 @@ struct Eta {
     open: f64,
 }
 
-impl Balance {
+impl FluxBalance {
     /// With the size of the flux, by which room is measured.
     ///
     /// # Errors
@@ -199,12 +203,15 @@ impl Balance {
             slopes.push(slope);
         }
         for ring in 0..rings {
-            let own: Vec<usize> = (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
-            let near = left.iter().filter(|own| proof.fit.walk.intervals[own.interval].ring == ring);
+            let own: Vec<usize> =
+                (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
+            let near =
+                left.iter().filter(|own| proof.fit.walk.intervals[own.interval].ring == ring);
             let near: f64 = near.map(|own| own.variation).sum();
-            let sum = |part: &dyn Fn(&Eta) -> f64| own.iter().map(|&p| part(&etas[p])).sum::<f64>();
-            let (excess, open) = (sum(&|eta| eta.known), sum(&|eta| eta.open));
-            let unknown = sum(&|eta| eta.unknown) + near;
+            let [excess, open, unknown] = own.iter().fold([0.0, 0.0, near], |[a, b, c], &p| {
+                let eta = etas[p];
+                [a + eta.known, b + eta.open, c + eta.unknown]
+            });
             let is_balanced = samples[own[0]].nodes[0].ring > 0
                 && own.iter().all(|&p| samples[p].nodes[0].state != State::Held);
             let mut added = 0.0;
@@ -217,7 +224,8 @@ impl Balance {
             let share = if is_balanced { 0.0 } else { -excess / open };
             balance.moved += added * if is_balanced { 0.0 } else { open } + near;
             balance.missed += near;
-            balance.range = balance.range.max(range(proof, samples, &own, &etas, share) + 2.0 * unknown);
+            balance.range =
+                balance.range.max(range(proof, samples, &own, &etas, share) + 2.0 * unknown);
             for &p in &own {
                 if etas[p].open > 0.0 {
                     slopes[p] += added;
@@ -230,18 +238,12 @@ impl Balance {
 }
 
 /// Range of H on a loop, but for what is unknown of eta.
-fn range(
-    proof: &Proof,
-    samples: &[Sampled],
-    own: &[usize],
-    etas: &[Eta],
-    share: f64,
-) -> f64 {
+fn range(proof: &Proof, samples: &[Sampled], own: &[usize], etas: &[Eta], share: f64) -> f64 {
     let mut order = own.to_vec();
-    let along = |p: usize| samples[p].own.along(&proof.fit.walk)[0];
     order.sort_by(|&p, &q| {
-        let [one, other] = [p, q].map(|p| samples[p].own.interval);
-        one.cmp(&other).then(along(p).total_cmp(&along(q)))
+        let [one, other] = [p, q].map(|p| samples[p].own);
+        let [from, start] = [one, other].map(|own| own.along(&proof.fit.walk)[0]);
+        one.interval.cmp(&other.interval).then(from.total_cmp(&start))
     });
     let (mut sum, mut least, mut most, mut within) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     for p in order {

@@ -1,6 +1,7 @@
 //! v and its slopes at the Gauss points of a cell, and bounds of them on all of it.
 
 use super::cells::{POINTS, legendre};
+use super::exact_energy::psi_errors;
 use super::field::PlaneNode;
 use super::moduli::Moduli;
 use super::proof::ProofCell;
@@ -25,6 +26,8 @@ pub(super) struct CellModuli {
     /// All but the functions of the split.
     pub rest: Moduli,
     pub psi: Moduli,
+    /// The same on the cell itself.
+    pub psi_here: Moduli,
 }
 
 /// Values on a cell.
@@ -74,6 +77,29 @@ impl Sampled {
         Self { own, nodes, slopes, rounding, moduli, distances }
     }
 
+    /// Adds the rounding errors of psi, and of coordinates that are off by two units in the last place, to those of g.
+    ///
+    /// On a cell in log r the functions of the split see no such error. On another one all functions see the same
+    /// point; there the slopes of v, as polynomials of degree n - 1, have derivatives of no more than `(n - 1)^2` times
+    /// their size over half of the length (Markov).
+    pub(super) fn add_rounding(&mut self) {
+        let (cell, psi) = (&self.own.cell, psi_errors(self.moduli.psi_here));
+        let [slope, curvature] = if cell.is_log {
+            let slope = self.moduli.rest.slope;
+            [slope, slope / cell.disc.radius]
+        } else {
+            let sizes = self.nodes.iter().zip(&self.slopes);
+            let slope =
+                sizes.fold(0.0f64, |most, (node, slope)| most.max(node.flux.abs() + slope.abs()));
+            let order = (POINTS - 1) as f64;
+            [2.0 * slope, 4.0 * slope * order * order / cell.length()]
+        };
+        for [value, derivative] in &mut self.rounding {
+            *value += psi[0] + 2.0 * f64::EPSILON * slope;
+            *derivative += psi[1] + 2.0 * f64::EPSILON * curvature;
+        }
+    }
+
     fn tested(&self, test: Test, i: usize) -> f64 {
         let raw = match test.quantity {
             Quantity::Value => self.nodes[i].value,
@@ -102,7 +128,8 @@ impl Sampled {
         let constant = [[which as f64, test.constant.abs()]];
         let mut modulus = 0.0;
         for &[own, factor] in terms.iter().chain(&constant) {
-            let sizes = cell.distances.map(|r| libm::pow(r, own - which as f64) * libm::pow(r / to, power));
+            let sizes =
+                cell.distances.map(|r| libm::pow(r, own - which as f64) * libm::pow(r / to, power));
             modulus += factor * sizes[0].max(sizes[1]);
         }
         let slack = cell.tail(modulus) + POINTS as f64 * error;
@@ -124,6 +151,17 @@ impl Sampled {
         }
     }
 
+    /// What a deficit cannot be less than, because of rounding: as its integral.
+    pub(super) fn noise(&self, quantity: Quantity) -> f64 {
+        let cell = &self.own.cell;
+        let which = usize::from(quantity != Quantity::Value);
+        let mut most = 0.0f64;
+        for (r, error) in self.distances.iter().zip(&self.rounding) {
+            most = most.max(error[which] * if cell.is_log && which == 1 { *r } else { 1.0 });
+        }
+        POINTS as f64 * most * if which == 1 { cell.length() } else { 1.0 }
+    }
+
     /// How far a function is below zero.
     pub(super) fn deficit(&self, test: Test, weights: &[f64]) -> Deficit {
         let cell = &self.own.cell;
@@ -138,8 +176,7 @@ impl Sampled {
             powers.push(if (power - 1.0).abs() < 0.01 { 0.99 } else { power.clamp(-4.0, 2.0) });
         }
         let infinite = f64::INFINITY;
-        let mut best =
-            Deficit { most: infinite, integral: infinite, scaled: infinite, room: 0.0 };
+        let mut best = Deficit { most: infinite, integral: infinite, scaled: infinite, room: 0.0 };
         for power in powers {
             let [least, _] = self.bounds(test, power, weights);
             if !least.is_finite() {

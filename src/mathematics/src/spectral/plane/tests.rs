@@ -65,9 +65,13 @@ fn pieces(f: &str) -> PlaneSource {
 /// Solves a problem with one loop under the paper's law; checks the bracket and the ends.
 fn solved(domain: PlaneDomain, source: PlaneSource, ends: &[[f64; 2]]) -> PlaneSolution {
     let start = start(&domain, &[(ends, 0.0)]);
-    let found = solve(&PlaneProblem { domain, law: Law::SIGNORINI, source }, &start).unwrap();
-    let PlaneBracket { lower, upper, .. } = found.bracket;
-    assert!(lower <= found.energy && found.energy <= upper, "{lower} {} {upper}", found.energy);
+    let problem = PlaneProblem { domain, law: Law::SIGNORINI, source };
+    let found = solve(&problem, &start).unwrap();
+    let PlaneBracket { lower, upper, reserve } = &found.bracket;
+    assert!(*lower <= found.energy && found.energy <= *upper, "{lower} {} {upper}", found.energy);
+    assert!(upper - lower < 1e-7 * found.energy.abs(), "{lower} {upper}");
+    let formula = matches!(problem.source, PlaneSource::Polynomial(_));
+    assert_eq!(reserve.is_empty(), !formula, "{reserve:?}");
     for arc in &found.arcs {
         let [from, to] = arc.points;
         let is_known = |end: [f64; 2]| {
@@ -195,4 +199,35 @@ fn regions_are_as_pieces_and_v_solves_the_equation_in_any_coordinates() {
     let [value, _] = small.on_boundary(0, SidePlace { side: 0, s: 0.9 });
     let [_, flux] = small.on_boundary(0, SidePlace { side: 0, s: 0.2 });
     assert!(value.abs() < 1e-12 && flux.abs() < 1e-9, "{value} {flux}");
+}
+
+#[test]
+fn brackets_of_spoilt_solutions_hold_or_are_not_guaranteed() {
+    /// Energy of the L-shape with f = -1, to a unit in the last place.
+    const KNOWN: f64 = -0.1070379013;
+    let domain = lshape();
+    let start = start(&domain, &[(&[], 0.0)]);
+    let (law, source) = (Law::SIGNORINI, pieces("else=-1"));
+    let problem = Frame::of(&domain).problem(&PlaneProblem { domain, law, source });
+    let setup = Setup::new(&problem).unwrap();
+    let mut found = search::search(&setup, &start).unwrap();
+    let width = |bracket: &PlaneBracket| bracket.upper - bracket.lower;
+    let whole = bounds::bracket(&setup, &found);
+    assert!(whole.reserve.is_empty() && width(&whole) < 1e-9 * KNOWN.abs(), "{whole:?}");
+    assert!(whole.lower < KNOWN + 1e-10 && whole.upper > KNOWN - 1e-10, "{whole:?}");
+    let spoilt: Vec<_> = (0..found.fit.coefficients.len()).step_by(17).collect();
+    for (by, least) in [(1e-6, 3e-10), (1e-4, 3e-7)] {
+        let kept = found.fit.coefficients.clone();
+        spoilt.iter().for_each(|&k| found.fit.coefficients[k].re += by);
+        let bracket = bounds::bracket(&setup, &found);
+        let holds = bracket.lower < KNOWN && KNOWN < bracket.upper;
+        assert!(
+            !bracket.reserve.is_empty() || holds && width(&bracket) > least * KNOWN.abs(),
+            "{bracket:?}"
+        );
+        found.fit.coefficients = kept;
+    }
+    let family = &mut found.fit.functions.families[0];
+    family.inwards = -family.inwards;
+    assert!(!bounds::bracket(&setup, &found).reserve.is_empty());
 }

@@ -1,0 +1,178 @@
+//! v, its slopes, their rounding errors, and bounds of their moduli on cells.
+
+use super::cells::POINTS;
+use super::field::node;
+use super::functions::{Power, Values};
+use super::moduli::{Disc, Moduli, TURNS, of_functions, of_polynomial, of_psi};
+use super::panels::Spot;
+use super::proof::{Proof, ProofCell};
+use super::samples::{CellModuli, Sampled};
+use crate::problem::complex::Complex;
+use crate::spectral::rule::gauss;
+
+impl Proof<'_> {
+    /// Bounds of moduli on the ellipses of cells.
+    fn moduli(&self, cells: &[ProofCell]) -> Vec<CellModuli> {
+        let mut discs: Vec<Disc> = Vec::new();
+        let mut numbers = Vec::with_capacity(cells.len());
+        for own in cells {
+            let disc = Disc { inner: 0.0, ..own.cell.disc };
+            let known = discs.iter().rposition(|other| *other == disc);
+            numbers.push(known.unwrap_or(discs.len()));
+            if known.is_none() {
+                discs.push(disc);
+            }
+        }
+        let polynomials = of_polynomial(self.fit, &discs);
+        let both = cells.iter().zip(numbers);
+        both.map(|(own, number)| self.moduli_on(own, polynomials[number])).collect()
+    }
+
+    /// Bounds of moduli on the ellipse of a cell, from those of the polynomial.
+    fn moduli_on(&self, own: &ProofCell, polynomial: Moduli) -> CellModuli {
+        let interval = &self.fit.walk.intervals[own.interval];
+        let split = own.cell.is_log.then_some(interval.splits[own.side]);
+        let mut rest = of_functions(self.fit, own.cell.disc, split);
+        rest.add(polynomial);
+        let psi = of_psi(&self.setup.jumps.psi, own.cell.disc);
+        rest.add(psi);
+        let psi_here = of_psi(&self.setup.jumps.psi, own.cell.hull);
+        // The normal of an arc, continued, is longer than 1.
+        rest.slope *= if interval.curvature == 0.0 { 1.0 } else { 1.8 };
+        let (value, slope) = (vec![[0.0, rest.value]], vec![[1.0, rest.slope]]);
+        let mut moduli = CellModuli { value, slope, rest, psi, psi_here };
+        if split.is_some() {
+            self.add_own(own, split, &mut moduli);
+        }
+        moduli
+    }
+
+    /// Adds the bounds of the functions of a split on a cell in log r.
+    fn add_own(&self, own: &ProofCell, split: Option<usize>, moduli: &mut CellModuli) {
+        let mut next = 0;
+        let Disc { radius, .. } = own.cell.disc;
+        for family in &self.fit.functions.families {
+            let many = family.powers.len() * family.lengths.len();
+            let coefficients = &self.fit.coefficients[next..next + many];
+            next += many;
+            if family.split != split {
+                continue;
+            }
+            for (k, &Power { power, log: is_log }) in family.powers.iter().enumerate() {
+                let (mut value, mut slope) = (0.0, 0.0);
+                for (&d, c) in family
+                    .lengths
+                    .iter()
+                    .zip(coefficients.chunks_exact(many / family.lengths.len()))
+                {
+                    let least = d - radius;
+                    let sizes = own.cell.distances.map(|r| (libm::log(r).abs(), r));
+                    let log = sizes[0].0.max(sizes[1].0) + libm::log(least).abs() + TURNS[1] + 1.0;
+                    let [own_log, factor] =
+                        if is_log { [log, power * log + 1.0] } else { [1.0, power] };
+                    let size = c[k].norm() * libm::pow(1.2 / least, power);
+                    value += size * own_log;
+                    // The distance along an arc over that in the plane, and the length of the normal.
+                    slope += size * factor * d / least * 1.25 * 1.5;
+                }
+                moduli.value.push([power, value]);
+                moduli.slope.push([power, slope]);
+            }
+        }
+    }
+
+    /// v on cells.
+    pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
+        let rule = gauss(POINTS);
+        let mut samples = Vec::with_capacity(cells.len());
+        let mut moduli = self.moduli(cells).into_iter();
+        for block in cells.chunks(64) {
+            let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
+            for own in block {
+                for [r, weight] in own.cell.nodes(&rule) {
+                    let mut spot = self.fit.walk.spot(own.interval, own.side, r, weight);
+                    if !own.cell.is_log {
+                        // All functions see the same point.
+                        spot.split = usize::MAX;
+                    }
+                    spots.push(spot);
+                }
+            }
+            let values = self.fit.functions.at(&spots, true);
+            let [g, slopes] = self.fit.sums(&values);
+            let sizes = self.sizes(&values);
+            let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
+            let gradients = self.setup.jumps.psi.gradients(&points);
+            for (k, own) in block.iter().enumerate() {
+                let mut sampled = Sampled::new(*own, moduli.next().expect("one for each cell"));
+                for i in k * POINTS..(k + 1) * POINTS {
+                    let (spot, gradient) = (spots[i], gradients[i]);
+                    let node = node(self.setup, self.fit, spot, [g[i], slopes[i]], gradient);
+                    let slope = (slopes[i] * spot.tangent).re + gradient.dot(spot.tangent);
+                    sampled.nodes.push(node);
+                    sampled.slopes.push(slope);
+                    sampled.rounding.push([sizes[0][i], sizes[1][i]]);
+                }
+                sampled.add_rounding();
+                self.add_logs(&mut sampled);
+                samples.push(sampled);
+            }
+        }
+        samples
+    }
+
+    /// Rounding errors of the functions, in units in the last place. A power is an exponential of its logarithm, whose
+    /// errors count as often as the power says.
+    fn units(&self) -> Vec<f64> {
+        let (functions, mut units) = (&self.fit.functions, Vec::new());
+        for family in &functions.families {
+            for _ in &family.lengths {
+                units.extend(family.powers.iter().map(|power| 6.0 + 8.0 * power.power));
+            }
+        }
+        units.extend(
+            functions.holes.iter().flat_map(|hole| (0..hole.powers).map(|k| 6.0 + k as f64)),
+        );
+        units.extend((0..=functions.arnoldi.len()).map(|k| 6.0 + k as f64));
+        units.resize(self.fit.coefficients.len() + self.fit.logs.len(), 6.0);
+        units
+    }
+
+    /// Rounding errors of g and of its derivative, point by point: those of its terms, and of each partial sum.
+    fn sizes(&self, values: &Values) -> [Vec<f64>; 2] {
+        let units = self.units();
+        let mut errors = [vec![0.0; values.points], vec![0.0; values.points]];
+        let zeros = vec![Complex::default(); values.points];
+        let mut sums = [zeros.clone(), zeros];
+        let logs = self.fit.logs.iter().map(|&c| Complex::new(c, 0.0));
+        for (k, c) in self.fit.coefficients.iter().copied().chain(logs).enumerate() {
+            let range = k * values.points..(k + 1) * values.points;
+            for which in [0, 1] {
+                let own = &[&values.all, &values.slopes][which][range.clone()];
+                let both = sums[which].iter_mut().zip(&mut errors[which]);
+                for ((sum, error), value) in both.zip(own) {
+                    let term = c * *value;
+                    *sum = *sum + term;
+                    *error += f64::EPSILON * (units[k] * term.norm() + sum.norm());
+                }
+            }
+        }
+        errors
+    }
+
+    /// Adds the logarithms of holes that are added to v.
+    pub(super) fn add_logs(&self, sampled: &mut Sampled) {
+        for (hole, &c) in self.fit.functions.holes.iter().zip(&self.logs) {
+            let Moduli { value, slope } = hole.moduli(sampled.own.cell.disc, &[], c);
+            sampled.moduli.value.push([0.0, value]);
+            sampled.moduli.slope.push([1.0, 1.8 * slope]);
+            for (node, slope) in sampled.nodes.iter_mut().zip(&mut sampled.slopes) {
+                let away = node.spot.z - hole.middle;
+                let size = 1.0 / away.norm2();
+                node.value += 0.5 * c * libm::log(away.norm2());
+                node.flux += c * size * away.dot(node.normal());
+                *slope += c * size * away.dot(node.spot.tangent);
+            }
+        }
+    }
+}
