@@ -33,7 +33,7 @@ mod table;
 mod text;
 mod title;
 
-pub(crate) use chart::charts;
+pub(crate) use chart::{axes_alone, charts};
 pub(crate) use contact::{ContactPanel, contact};
 pub(crate) use cuts::{CutsPanel, cuts};
 pub(crate) use drawn::DrawnSolution;

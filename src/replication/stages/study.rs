@@ -1,7 +1,7 @@
 //! Tasks of a study: one for each member, the table of all, and its chart.
 
 use super::{from_json, solve, tabulate, to_json};
-use crate::figures::{Chart, Curve, Picture, Scale, Stroke, charts};
+use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
 use crate::pipeline::error::Error;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
 use crate::replication::mesh_files::path_of;
@@ -192,7 +192,8 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
     let names = axes.columns.each_ref().map(|column| column.replace('_', " "));
     let scales = axes.log.map(|log| if log { Scale::Logarithmic } else { Scale::Linear });
     let chart = Chart::new(title, names.each_ref().map(String::as_str), curves.collect());
-    Ok(charts(false, &[chart.scaled(scales)]))
+    let chart = chart.scaled(scales);
+    Ok(if chart.curves.is_empty() { axes_alone(&chart) } else { charts(false, &[chart]) })
 }
 
 impl Axes {
