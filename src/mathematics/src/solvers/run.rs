@@ -240,6 +240,16 @@ fn on_mesh(problem: &Problem) -> Result<TrueSolution, Refusal> {
     on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, problem.law()))
 }
 
+/// Refusal of both methods on the square.
+fn neither(square: SpectralError, plane: Refusal) -> Refusal {
+    match plane {
+        Refusal::Spectral(plane) => {
+            SpectralError::Neither { square: square.into(), plane: plane.into() }.into()
+        }
+        other => other,
+    }
+}
+
 /// Finds the true solution on a domain in the plane, without a level: on the square for constant pieces by its closed
 /// form if that finds it.
 pub(super) fn truth(
@@ -255,7 +265,7 @@ pub(super) fn truth(
         Some(f) if !f.is_smooth() => match true_solution(law, f) {
             // What its closed form does not find on the square, the method for any domain may.
             Err(error) if !error.is_of_input() => {
-                let mut found = on_mesh(problem).map_err(|_| error)?;
+                let mut found = on_mesh(problem).map_err(|plane| neither(error, plane))?;
                 found.note.get_or_insert_with(|| SECOND.into());
                 found
             }

@@ -2,7 +2,6 @@
 
 use super::complex::distance;
 use super::curve::{Arc, Curve, SAME, SIDES};
-use super::plane::PlaneError;
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 
@@ -283,4 +282,25 @@ pub(super) fn nearest_side(sides: &[PlaneSide], z: Complex) -> (usize, f64) {
     let distances = sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
     let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
     nearest.expect("a loop has sides")
+}
+
+/// Reason for which there is no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlaneError {
+    /// The domain is not as said.
+    #[error("{0}")]
+    Domain(String),
+    /// f is not one that is served.
+    #[error("{0}")]
+    Source(String),
+    /// The contact set was not found, or a check failed.
+    #[error("{0}")]
+    NotFound(String),
+}
+
+impl PlaneError {
+    /// True if the input is the reason, and not that no solution was found.
+    pub(crate) fn is_of_input(&self) -> bool {
+        !matches!(self, Self::NotFound(_))
+    }
 }

@@ -1,13 +1,13 @@
 //! Curves inside a domain across which f jumps, cut where they meet, and continued beyond the boundary for psi.
 //!
 //! Inside, pieces of curves carry the difference of f on their two sides, whose sum at each vertex is zero. Outside, a
-//! piece goes on along its curve: a line beyond the last side to infinity; else to the middle of its way outside, or for
-//! a length of two, and from there away from the domain. Where the next piece has the same jump, so does all between.
+//! piece goes on along its curve: a line beyond the last side to infinity; else to the middle of its way outside, or
+//! for a length of two, and from there away from the domain. Where the next piece has the same jump, so does all
+//! between.
 
 use super::curve::{Arc, Curve, ROUNDING, SAME, borders};
-use super::domain::PlaneDomain;
+use super::domain::{PlaneDomain, PlaneError};
 use super::parts::{CurvePart, append, close};
-use super::plane::{PlaneError, RegionBorder};
 use super::potential::Potential;
 use super::way_out::WayOut;
 use crate::problem::complex::Complex;
@@ -92,13 +92,12 @@ impl Jumps {
     /// [`PlaneError::NotFound`] if there is no way out of a bay.
     pub(super) fn of_regions(
         domain: &PlaneDomain,
-        borders: &[RegionBorder],
+        borders: impl Iterator<Item = JumpEdge>,
     ) -> Result<Self, PlaneError> {
         /// Distance of an end from the boundary below which it is there.
         const ON: f64 = 1e-9;
         let mut jumps = Self::default();
-        for &RegionBorder { side, mut values } in borders {
-            let mut arc = side.arc;
+        for JumpEdge { mut arc, mut values } in borders {
             if arc.span[0] > arc.span[1] {
                 arc = arc.reversed();
                 values.reverse();

@@ -195,9 +195,17 @@ pub enum SpectralError {
     /// No contact set was found for which all signs are right.
     #[error("no contact set with all signs right was found{}", .0.as_ref().map(Touch::to_string).unwrap_or_default())]
     NoContactSet(Option<Touch>),
-    /// On another domain than the square.
+    /// By the method for any domain in the plane.
     #[error(transparent)]
     Plane(#[from] PlaneError),
+    /// On the square, neither by its closed form nor by the method for any domain.
+    #[error("{square}; without the closed form: {plane}")]
+    Neither {
+        /// Reason of the closed form.
+        square: Box<Self>,
+        /// Reason of the other method.
+        plane: Box<Self>,
+    },
     /// A solution was found that fails a check.
     #[error("a check of the solution failed: {checks}{}", near.as_ref().map(Touch::to_string).unwrap_or_default())]
     Unchecked {
@@ -220,7 +228,12 @@ impl SpectralError {
 
     /// True if borders of f that nearly touch may be the reason.
     pub fn is_of_touch(&self) -> bool {
-        matches!(self, Self::Unchecked { near: Some(_), .. } | Self::NoContactSet(Some(_)))
+        match self {
+            Self::Neither { square, .. } => square.is_of_touch(),
+            _ => {
+                matches!(self, Self::Unchecked { near: Some(_), .. } | Self::NoContactSet(Some(_)))
+            }
+        }
     }
 }
 

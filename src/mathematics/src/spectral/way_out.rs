@@ -2,7 +2,6 @@
 
 use super::domain::{PlaneDomain, PlaneSide};
 use crate::problem::complex::Complex;
-use std::f64::consts::TAU;
 
 /// Way outside of a domain.
 pub(super) struct WayOut {
@@ -13,45 +12,56 @@ pub(super) struct WayOut {
 }
 
 impl PlaneDomain {
-    /// Way from a point outside of the domain to infinity, or in a hole to its middle; none if it has too many bends.
+    /// Way from a point outside of the domain to infinity, or in a hole to its middle, with the fewest bends: in posts
+    /// before corners and sides. None if there is none by those.
     pub(super) fn way_out(&self, z: Complex) -> Option<WayOut> {
-        /// Most bends, ways that are followed at once, and directions in which they are.
-        const BENDS: usize = 4;
-        const WAYS: usize = 40;
-        const DIRECTIONS: u32 = 24;
         let [x, y] = self.extent().map(|[low, high]| 0.5 * (low + high));
-        let centre = Complex::new(x, y);
-        let mut ways: Vec<Vec<Complex>> = vec![vec![z]];
-        for _ in 0..BENDS {
-            for way in &ways {
-                let last = way[way.len() - 1];
-                let bends = way[1..].to_vec();
-                if let ray @ Some(_) = self.free_ray(last, last - centre) {
-                    return Some(WayOut { bends, ray });
-                }
-                let mut middles = self.loops[1..].iter().map(|hole| middle(hole));
-                if let Some(middle) = middles.find(|&middle| self.sees(last, middle)) {
-                    let to_middle = (middle != last).then_some(middle);
-                    return Some(WayOut {
-                        bends: bends.into_iter().chain(to_middle).collect(),
-                        ray: None,
-                    });
-                }
+        let middles: Vec<Complex> = self.loops[1..].iter().map(|hole| middle(hole)).collect();
+        let (mut ways, mut posts): (Vec<Vec<Complex>>, _) = (vec![vec![]], None);
+        let mut next = 0;
+        while next < ways.len() {
+            let bends = ways[next].clone();
+            let last = bends.last().copied().unwrap_or(z);
+            if let ray @ Some(_) = self.free_ray(last, last - Complex::new(x, y)) {
+                return Some(WayOut { bends, ray });
             }
-            // On by half of the way to the boundary, first to where there is most room.
-            let mut longer = Vec::new();
-            for way in &ways {
-                let last = way[way.len() - 1];
-                for k in 0..DIRECTIONS {
-                    let direction = Complex::unit(TAU / f64::from(DIRECTIONS) * f64::from(k));
-                    let next = last + direction.scaled(0.5 * self.exit(last, direction));
-                    longer.push((self.depth(next), [&way[..], &[next]].concat()));
-                }
+            if let Some(&middle) = middles.iter().find(|&&middle| self.sees(last, middle)) {
+                let to_middle = (middle != last).then_some(middle);
+                return Some(WayOut {
+                    bends: bends.into_iter().chain(to_middle).collect(),
+                    ray: None,
+                });
             }
-            longer.sort_by(|one, other| one.0.total_cmp(&other.0));
-            ways = longer.into_iter().take(WAYS).map(|(_, way)| way).collect();
+            let unseen: &mut Vec<Complex> = posts.get_or_insert_with(|| self.posts());
+            unseen.retain(|&post| {
+                let sees = self.sees(last, post);
+                if sees {
+                    ways.push([&bends[..], &[post]].concat());
+                }
+                !sees
+            });
+            next += 1;
         }
         None
+    }
+
+    /// Points outside, on half of the way from each corner and the middle of each side to the boundary.
+    fn posts(&self) -> Vec<Complex> {
+        let (mut posts, size) = (Vec::new(), self.diameter());
+        for sides in &self.loops {
+            for (k, side) in sides.iter().enumerate() {
+                let before = &sides[(k + sides.len() - 1) % sides.len()];
+                let along = before.tangent(before.length()) + side.tangent(0.0);
+                let middle = 0.5 * side.length();
+                for (from, along) in
+                    [(side.point(0.0), along), (side.point(middle), side.tangent(middle))]
+                {
+                    let outwards = -along.turned().scaled(1.0 / along.norm().max(1e-9));
+                    posts.push(from + outwards.scaled(0.5 * self.exit(from, outwards).min(size)));
+                }
+            }
+        }
+        posts
     }
 
     /// Direction of a ray from a point outside of the domain that does not meet it: the nearest to a wanted one.

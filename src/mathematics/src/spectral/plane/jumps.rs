@@ -27,7 +27,10 @@ impl PlaneJumps {
                 (jumps, psi)
             }
             PlaneSource::Regions(regions) => {
-                let jumps = Jumps::of_regions(domain, &regions.borders)?;
+                let borders = regions.borders.iter();
+                let borders =
+                    borders.map(|border| JumpEdge { arc: border.side.arc, values: border.values });
+                let jumps = Jumps::of_regions(domain, borders)?;
                 let ([x, y], f) = regions.known;
                 let psi = Psi::of_jumps(jumps.psi.clone(), &[Complex::new(x, y)], |_| f);
                 (jumps, psi)

@@ -62,6 +62,7 @@ mod start;
 
 use super::domain;
 use crate::problem::text::plain;
+pub use domain::PlaneError;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
 use field::PlaneNode;
 use frame::Frame;
@@ -136,27 +137,6 @@ pub(crate) struct PlaneSolution {
     frame: Frame,
     setup: Setup,
     found: PlaneFound,
-}
-
-/// Reason for which there is no solution.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PlaneError {
-    /// The domain is not as said.
-    #[error("{0}")]
-    Domain(String),
-    /// f is not one that is served.
-    #[error("{0}")]
-    Source(String),
-    /// The contact set was not found, or a check failed.
-    #[error("{0}")]
-    NotFound(String),
-}
-
-impl PlaneError {
-    /// True if the input is the reason, and not that no solution was found.
-    pub(crate) fn is_of_input(&self) -> bool {
-        !matches!(self, Self::NotFound(_))
-    }
 }
 
 impl PlaneChecks {
