@@ -142,10 +142,10 @@ impl Effort {
         self.operations += own;
     }
 
-    /// True if a search is to be given up, after some five times the work of one that is solved.
+    /// True if a search is to be given up: a level with more arcs may take fifty times the work of the first fit.
     pub(super) fn is_spent(&self) -> bool {
         /// Most operations, half a minute's at most, and over those of the first fit.
-        const MOST: [f64; 2] = [4e11, 50.0];
+        const MOST: [f64; 2] = [4e11, 1000.0];
         self.operations > MOST[0].min(MOST[1] * self.first)
     }
 }
