@@ -206,7 +206,7 @@ impl Fit {
     }
 }
 
-/// Panels for functions, `fineness` times shorter than needed for the fit, none much shorter than a part of an interval.
+/// Panels for functions, `fineness` times shorter than needed for the fit, but no shorter than a part of an interval.
 pub(super) fn panels(
     setup: &Setup,
     walk: &Walk,
