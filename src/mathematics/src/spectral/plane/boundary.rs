@@ -1,7 +1,5 @@
 //! The boundary as a walk: corners, ends of contact and crossings split it into intervals with one condition each;
 //! intervals into panels that get short towards these points.
-//!
-//! [`panels`](super::panels) has the points of intervals.
 
 use super::domain::{PlaneSide, SidePlace};
 use crate::mesh::Condition;

@@ -142,10 +142,10 @@ impl Effort {
         self.operations += own;
     }
 
-    /// True if a search is to be given up, after some ten times the work of one that is solved.
+    /// True if a search is to be given up: a level with more arcs may take fifty times the work of the first fit.
     pub(super) fn is_spent(&self) -> bool {
         /// Most operations, half a minute's at most, and over those of the first fit.
-        const MOST: [f64; 2] = [4e11, 100.0];
+        const MOST: [f64; 2] = [4e11, 1000.0];
         self.operations > MOST[0].min(MOST[1] * self.first)
     }
 }
@@ -211,7 +211,7 @@ impl Fit {
     }
 }
 
-/// Panels for functions, `fineness` times shorter than needed for the fit, none much shorter than a part of an interval.
+/// Panels for functions, `fineness` times shorter than needed for the fit, but no shorter than a part of an interval.
 pub(super) fn panels(
     setup: &Setup,
     walk: &Walk,

@@ -120,7 +120,7 @@ fn reflect(entries: &mut [f64], height: usize, [from, to]: [usize; 2], limit: us
     all.apply([0, to - from], &mut entries[to * height..], [height, top]);
 }
 
-/// Finds the reflection `I - tau v v'` that takes a column to a multiple of a unit vector from a row on, and applies it.
+/// Finds and applies the reflection that takes a column, from a row on, to a multiple of a unit vector.
 #[inline(always)]
 fn reflection(column: &mut [f64], first: usize, v: &mut [f64]) -> f64 {
     v[..first].fill(0.0);

@@ -20,14 +20,16 @@
 //! ([`proof`]).
 //!
 //! # Limits
-//! Work grows with the cube of the number of corners: about a second for twenty. A contact set whose signs are not all
-//! right, a residual above 2e-8 of v, or an integral of dv/dn that does not balance that of f, is refused.
+//! Work grows with the cube of the number of corners: half a second for twenty, five for forty. A contact set whose
+//! signs are not all right, a residual above 2e-8 of v, or an integral of dv/dn that does not balance that of f, is
+//! refused.
 //!
 //! # Literature
 //! - A. Gopal, L. N. Trefethen, Solving Laplace problems with corner singularities via rational functions, SIAM J.
 //!   Numer. Anal. 57 (2019).
 //! - P. D. Brubeck, Y. Nakatsukasa, L. N. Trefethen, Vandermonde with Arnoldi, SIAM Rev. 63 (2021).
 
+mod arcs;
 mod boundary;
 mod bounds;
 mod cells;
@@ -62,9 +64,9 @@ mod start;
 
 use super::domain;
 use crate::problem::text::plain;
+pub(crate) use arcs::PlaneArc;
 pub use domain::PlaneError;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
-use field::PlaneNode;
 use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 use panels::Spot;
@@ -84,21 +86,6 @@ pub(crate) struct PlaneBracket {
     /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are
     /// guaranteed, but for the model of rounding errors in [`proof`].
     pub reserve: Vec<String>,
-}
-
-/// Arc of the boundary that sticks.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PlaneArc {
-    /// Number of its loop.
-    pub ring: usize,
-    /// Beginning and end in walking order.
-    pub ends: [SidePlace; 2],
-    /// These places as points.
-    pub points: [[f64; 2]; 2],
-    /// True if it is all of the loop.
-    pub closed: bool,
-    /// Integral of dv/dn.
-    pub force: f64,
 }
 
 /// Conditions that must hold of a solution and were not used to find it.
@@ -195,7 +182,7 @@ pub(crate) fn solve(
     Ok(PlaneSolution {
         energy: square * square * integrals.energy,
         bracket,
-        arcs: arcs(&problem.domain, frame, &setup, &found),
+        arcs: arcs::arcs(&problem.domain, frame, &setup, &found),
         force: square * force,
         integral: square * integrals.source,
         checks,
@@ -205,34 +192,6 @@ pub(crate) fn solve(
         setup,
         found,
     })
-}
-
-/// Arcs that stick, with forces.
-fn arcs(domain: &PlaneDomain, frame: Frame, setup: &Setup, found: &PlaneFound) -> Vec<PlaneArc> {
-    let mut arcs = Vec::new();
-    for (r, ring) in setup.rings.iter().enumerate() {
-        let (turn, own) = (ring.length(), &found.contact[r]);
-        let lawful: Vec<&PlaneNode> =
-            found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
-        let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
-        let all = [0.0, turn];
-        for &[from, to] in own.arcs.iter().chain(closed.then_some(&all)) {
-            let inside = lawful.iter().filter(|node| (node.t - from).rem_euclid(turn) <= to - from);
-            let force: f64 = inside.map(|node| node.spot.weight * node.flux).sum();
-            let ends = [from, to].map(|t| {
-                let SidePlace { side, s } = ring.place(t);
-                SidePlace { side, s: frame.unit * s }
-            });
-            arcs.push(PlaneArc {
-                ring: r,
-                ends,
-                points: ends.map(|place| domain.loops[r][place.side].at(place.s)),
-                closed,
-                force: frame.unit * frame.unit * force,
-            });
-        }
-    }
-    arcs
 }
 
 impl PlaneSolution {

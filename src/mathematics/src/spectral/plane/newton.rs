@@ -8,6 +8,7 @@ use super::boundary::{RingContact, State};
 use super::fit::{Effort, Fit};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
+use std::collections::HashMap;
 
 /// Step of an end: along the loop, and that of Newton's method before it was cut.
 #[derive(Clone, Copy, Debug)]
@@ -40,13 +41,14 @@ pub(super) fn settle(
 ) -> Option<Fit> {
     let mut last = f64::INFINITY;
     let mut shrinking = 0;
+    let mut passed = HashMap::new();
     for _ in 0..MOST {
         if effort.is_spent() {
             return None;
         }
         let fit = Fit::new(setup, contact, level);
         effort.add(&fit);
-        let moves = end_steps(setup, contact, &fit);
+        let mut moves = end_steps(setup, contact, &fit);
         let largest = moves.iter().fold(0.0f64, |most, m| most.max(m.step.abs())) / setup.perimeter;
         let cut = moves.iter().any(|m| m.cut);
         let is_still =
@@ -62,17 +64,54 @@ pub(super) fn settle(
             return None;
         }
         last = largest;
+        moves.iter_mut().for_each(|m| m.keep_between(contact, &mut passed));
         shrinking = if cut { shrinking + 1 } else { 0 };
         for m in &moves {
             contact[m.ring].arcs[m.arc][m.which] += m.step;
         }
         if shrinking >= 3 {
             drop_short(setup, contact, &moves);
-            shrinking = 0;
+            (shrinking, passed) = (0, HashMap::new());
         }
         keep_off_corners(setup, contact);
     }
     None
+}
+
+/// Places that an end passed.
+struct Passed {
+    /// The last from which it moved on, and from which it moved back.
+    between: [f64; 2],
+    /// True if its last step was halved between them, and if that step was one back.
+    is_halved: bool,
+    is_back: bool,
+}
+
+impl EndStep {
+    /// Halves the way between places from which the end moved on and back where Newton's step leads out of them: next
+    /// to a corner the derivative is not that of the method.
+    fn keep_between(&mut self, contact: &[RingContact], passed: &mut HashMap<[usize; 3], Passed>) {
+        const NONE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+        let t = contact[self.ring].arcs[self.arc][self.which];
+        let own = passed.entry([self.ring, self.arc, self.which]).or_insert(Passed {
+            between: NONE,
+            is_halved: false,
+            is_back: false,
+        });
+        let is_back = self.step < 0.0;
+        let [from, to] = own.between;
+        // Other ends have moved: what was passed says nothing any more.
+        if !(from..=to).contains(&t) || own.is_halved && own.is_back == is_back {
+            own.between = NONE;
+        }
+        own.between[usize::from(is_back)] = t;
+        let [from, to] = own.between;
+        own.is_halved = !(from..=to).contains(&(t + self.step));
+        own.is_back = is_back;
+        if own.is_halved {
+            self.step = 0.5 * (from + to) - t;
+        }
+    }
 }
 
 /// Coefficient `K` and `K1` of all ends that may move, and their steps.

@@ -1,0 +1,55 @@
+//! The arcs of a solution that stick.
+
+use super::field::PlaneNode;
+use super::frame::Frame;
+use super::search::PlaneFound;
+use super::setup::Setup;
+use super::{PlaneDomain, SidePlace};
+
+/// Arc of the boundary that sticks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PlaneArc {
+    /// Number of its loop.
+    pub ring: usize,
+    /// Beginning and end in walking order.
+    pub ends: [SidePlace; 2],
+    /// These places as points.
+    pub points: [[f64; 2]; 2],
+    /// True if it is all of the loop.
+    pub closed: bool,
+    /// Integral of dv/dn.
+    pub force: f64,
+}
+
+/// Arcs that stick, with forces.
+pub(super) fn arcs(
+    domain: &PlaneDomain,
+    frame: Frame,
+    setup: &Setup,
+    found: &PlaneFound,
+) -> Vec<PlaneArc> {
+    let mut arcs = Vec::new();
+    for (r, ring) in setup.rings.iter().enumerate() {
+        let (turn, own) = (ring.length(), &found.contact[r]);
+        let lawful: Vec<&PlaneNode> =
+            found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
+        let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
+        let all = [0.0, turn];
+        for &[from, to] in own.arcs.iter().chain(closed.then_some(&all)) {
+            let inside = lawful.iter().filter(|node| (node.t - from).rem_euclid(turn) <= to - from);
+            let force: f64 = inside.map(|node| node.spot.weight * node.flux).sum();
+            let ends = [from, to].map(|t| {
+                let SidePlace { side, s } = ring.place(t);
+                SidePlace { side, s: frame.unit * s }
+            });
+            arcs.push(PlaneArc {
+                ring: r,
+                ends,
+                points: ends.map(|place| domain.loops[r][place.side].at(place.s)),
+                closed,
+                force: frame.unit * frame.unit * force,
+            });
+        }
+    }
+    arcs
+}
