@@ -22,7 +22,7 @@ const MOST_TIMES: usize = 4;
 /// Part of psi that counts as all of it.
 const WHOLE: f64 = 0.95;
 /// Most steps of multigrid.
-const MOST_STEPS: usize = 10;
+const MOST_STEPS: usize = 20;
 /// Residual over the largest load that is small enough.
 const TOLERANCE: f64 = 1e-3;
 /// Distance of the flux through a facet in contact from the ends of the interval, over its part of the whole flux, up
