@@ -13,7 +13,7 @@ use std::fmt;
 pub struct TrueSolution {
     /// J(v).
     pub energy: f64,
-    /// Bounds of the energy; none on the square, where two resolutions and identities stand for it.
+    /// Bounds of the energy; none of the closed form of the square, where two resolutions and identities stand for it.
     pub bracket: Option<[f64; 2]>,
     /// True if the bounds rest on samples of what is small on the boundary.
     pub is_sampled: bool,
@@ -23,13 +23,13 @@ pub struct TrueSolution {
     pub force: f64,
     /// Integral of f over the domain.
     pub integral: f64,
-    /// Number of real unknowns of the sum of functions; none on the square.
+    /// Number of real unknowns of the sum of functions; none of the closed form of the square.
     pub unknowns: Option<usize>,
     /// Number of Newton steps; on the square of those at the usual resolution.
     pub steps: usize,
     /// Checks.
     pub checks: TrueChecks,
-    /// Remark on f, if another one was solved in its place.
+    /// Remark on f, if another one was solved in its place, or on the method, if another one found nothing.
     pub note: Option<String>,
     form: TrueForm,
 }
@@ -46,9 +46,9 @@ enum TrueForm {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum TrueChecks {
-    /// On the square, for constant pieces.
+    /// Of the closed form of the square.
     Square(Checks),
-    /// On other domains.
+    /// Of a sum of functions.
     Plane(PlaneChecks),
 }
 
