@@ -25,6 +25,18 @@ for (const head of document.querySelectorAll("th")) {
   }
 }
 
+// No line ends between the hyphens of an option.
+for (const code of document.querySelectorAll("main :not(pre) > code")) {
+  const parts = code.textContent.split(/(?<![^\s])(-\S{1,20})(?!\S)/);
+  if (parts.length === 1) continue;
+  code.replaceChildren(...parts.map((part, k) => {
+    const word = document.createElement("span");
+    word.className = k % 2 ? "option" : "";
+    word.textContent = part;
+    return word;
+  }));
+}
+
 // The table of contents comes before the text: a link past it, for readers with a keyboard.
 const text = document.querySelector("main");
 if (text) {

@@ -17,9 +17,9 @@ use signorini_mathematics::solvers::SOLVERS;
 
 #[derive(Args)]
 pub(super) struct ListArgs {
-    /// A scene, whose command of `solve` is shown
+    /// A scene, whose command of `solve` is shown, or one of: scenes, solvers, domains, known
     #[arg(value_parser = name_parser)]
-    scene: Option<String>,
+    name: Option<String>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -39,6 +39,9 @@ struct Listed {
     cube: Vec<&'static str>,
 }
 
+/// Parts of the list, in their order.
+pub(super) const PARTS: [&str; 4] = ["scenes", "solvers", "domains", "known"];
+
 /// Name, and the thing that bears it in words.
 #[derive(Serialize)]
 struct Named {
@@ -57,7 +60,8 @@ struct SceneCommand {
 }
 
 pub(super) fn list(args: &ListArgs) -> Result<u8> {
-    if let Some(name) = &args.scene {
+    let part = args.name.as_deref().filter(|name| PARTS.contains(name));
+    if let (Some(name), None) = (&args.name, part) {
         return list_scene(name, args.json);
     }
     let SceneFolder { scenes, broken, .. } = scenes()?;
@@ -70,7 +74,7 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
         square: known(2),
         cube: known(3),
     };
-    if args.json { say_json(&listed) } else { tell(&listed.text()) }?;
+    if args.json { say_json(&listed) } else { tell(&listed.text(part)) }?;
     for Named { description, .. } in &listed.broken {
         talk(&format!("error: {description}"));
     }
@@ -78,7 +82,11 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
 }
 
 fn list_scene(name: &str, json: bool) -> Result<u8> {
-    let Scene { name, title, statement, study, .. } = scene(name)?;
+    let found = scene(name).map_err(|error| match error {
+        Error::Unknown(text) => Error::Unknown(format!("{text}; or list {}", PARTS.join(", "))),
+        other => other,
+    });
+    let Scene { name, title, statement, study, .. } = found?;
     // The members of a study are those of its file.
     let of_study = study.map(|_| format!("signorini solve {name}"));
     let command = of_study.unwrap_or_else(|| command(&statement).join(" "));
@@ -130,26 +138,38 @@ impl Named {
 }
 
 impl Listed {
-    fn text(&self) -> String {
-        let mut text = String::new();
-        if !self.scenes.is_empty() {
-            text += &format!("Scenes, for `run` and `solve`:\n{}\n", table(&self.scenes));
+    /// Text of one part, or of all, with an empty line between them.
+    fn text(&self, part: Option<&str>) -> String {
+        let (square, cube) = (self.square.join(", "), self.cube.join(", "));
+        let texts = [
+            format!("Scenes, for `run` and `solve`:\n{}", table(&self.scenes, str::trim)),
+            format!("Solvers, for `solve --solver`:\n{}", table(&self.solvers, short)),
+            format!("Domains, for `solve --domain`:\n{}", table(&self.domains, short)),
+            format!(
+                "Problems with known solutions, for `solve --f 'exact(NAME)'`:\n  square: {square}\n  cube:   {cube}\n"
+            ),
+        ];
+        let mut shown = Vec::new();
+        for (name, text) in PARTS.into_iter().zip(texts) {
+            let is_empty = name == "scenes" && self.scenes.is_empty();
+            if part.map_or(!is_empty, |part| part == name) {
+                shown.push(text);
+            }
         }
-        text += &format!("Solvers, for `solve --solver`:\n{}\n", table(&self.solvers));
-        text += &format!("Domains, for `solve --domain`:\n{}\n", table(&self.domains));
-        text += "Problems with known solutions, for `solve --f 'exact(NAME)'`:\n";
-        text +=
-            &format!("  square: {}\n  cube:   {}\n", self.square.join(", "), self.cube.join(", "));
-        text
+        shown.join("\n")
     }
 }
 
-/// Returns a line per name, with the part of its description before the first colon or semicolon.
-fn table(named: &[Named]) -> String {
+/// Returns a line per name, with its description as `shown`.
+fn table(named: &[Named], shown: fn(&str) -> &str) -> String {
     let mut rows = Vec::new();
     for Named { name, description } in named {
-        let short = description.split([':', ';']).next().unwrap_or_default();
-        rows.push(vec![format!("  {name}"), short.to_owned()]);
+        rows.push(vec![format!("  {name}"), shown(description).to_owned()]);
     }
     Table::without_head(rows, &[0, 1]).text()
+}
+
+/// Returns the part of a description before the first colon or semicolon.
+fn short(description: &str) -> &str {
+    description.split([':', ';']).next().unwrap_or_default()
 }

@@ -107,7 +107,7 @@ enum Command {
         signorini diff --tex > tables.tex"
     )]
     Diff(diff::DiffArgs),
-    /// Solve one problem once
+    /// Solve one problem once, or with each of several values by --vary
     #[command(
         after_help = "Examples:\n  signorini solve problem2\n  \
         signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --accuracy 1e-3\n  \
@@ -153,9 +153,8 @@ enum Command {
     )]
     Certificate(certificate::CertificateArgs),
     /// List the scenes, solvers, domains, and problems with known solutions
-    #[command(
-        after_help = "Examples:\n  signorini list\n  signorini list plate              the command that solves a scene"
-    )]
+    #[command(after_help = "Examples:\n  signorini list\n  signorini list domains\n  \
+        signorini list plate              the command that solves a scene")]
     List(list::ListArgs),
     /// Begin a study of your own: two scenes, one page, and a run that works
     #[command(after_help = "Example:\n  signorini init study && cd study && signorini run")]
@@ -327,7 +326,9 @@ fn dispatch(cli: Cli) -> Result<u8> {
 
 /// Returns advice on a word that is no scene, in case that a command was meant.
 fn advice(word: &str) -> String {
-    similar(word).map_or(String::new(), |name| format!("; did you mean `signorini {name}`?"))
+    let part = list::PARTS.contains(&word).then(|| format!("list {word}"));
+    part.or_else(|| similar(word))
+        .map_or(String::new(), |name| format!("; did you mean `signorini {name}`?"))
 }
 
 /// Returns a script for completions that suggests files, too, for the domain of `solve`: zsh and fish leave them out

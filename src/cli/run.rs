@@ -11,7 +11,7 @@ use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
-use crate::replication::stages::{Stage, report, solve, study};
+use crate::replication::stages::{Stage, report, scene_of, solve, study};
 use clap::{Args, ValueEnum};
 use std::time::{Duration, Instant};
 
@@ -101,8 +101,8 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     }
     tell(
         &(left_out(&workplace.project, &plan)
-            + &what_ran(&summary)
-            + args.hint_of_results(&summary)
+            + &what_ran(&summary, !args.scenes.is_empty())
+            + args.hint_of_results(&workplace.project, &summary)
             + &agreement(&workplace.project, &tables).map_or(String::new(), |line| line + "\n")
             + &book(&summary)),
     )?;
@@ -119,7 +119,7 @@ fn single_tasks(args: &RunArgs) -> Result<u8> {
     let summary = Workplace::work(&args.cache, &args.task, &args.progress())?;
     match summary.ran.is_empty() {
         true => say(&format!("{NOTHING_TO_DO}\n")),
-        false => tell(&what_ran(&summary)),
+        false => tell(&what_ran(&summary, false)),
     }
 }
 
@@ -249,9 +249,12 @@ impl RunArgs {
     }
 
     /// Hint that a run of some scenes leaves the table of all results as it is.
-    fn hint_of_results(&self, summary: &Summary) -> &'static str {
-        let tabulated = summary.ran.iter().any(|ran| Stage::of(&ran.task) == Some(Stage::Tabulate));
-        if tabulated && !self.scenes.is_empty() {
+    fn hint_of_results(&self, project: &Project, summary: &Summary) -> &'static str {
+        let tabulated =
+            summary.ran.iter().filter(|ran| Stage::of(&ran.task) == Some(Stage::Tabulate));
+        let scenes = tabulated.filter_map(|ran| project.scene(scene_of(&ran.task)?).ok());
+        // A study is not among all results.
+        if !self.scenes.is_empty() && scenes.into_iter().any(|scene| scene.study.is_none()) {
             "a run that names no scene writes all counts to report/results.csv\n"
         } else {
             ""
@@ -285,8 +288,9 @@ fn left_out(project: &Project, plan: &Plan) -> String {
 /// Columns of the table of a run.
 const WIDTH: usize = 80;
 
-/// One line per stage that ran: number of tasks, time, reason; then the files that changed.
-fn what_ran(summary: &Summary) -> String {
+/// One line per stage that ran: number of tasks, time, reason; then the files that changed, by their names if these are
+/// asked for and few.
+fn what_ran(summary: &Summary, by_name: bool) -> String {
     let mut text = String::new();
     for stage in Stage::value_variants() {
         let is_of_stage = |task: &str| Stage::of(task) == Some(*stage);
@@ -307,8 +311,10 @@ fn what_ran(summary: &Summary) -> String {
         let head = format!("{:<9} {:>12}  {:>9}  reason", "stage", "tasks run", "task time");
         text = format!("{head}\n{text}");
     }
-    match summary.exports.to_write() {
+    let written = summary.exports.to_write();
+    match written.len() {
         0 => {}
+        1..=MOST_NAMED if by_name => text += &format!("wrote {}\n", named(written.keys())),
         1 => text += "1 file written to figures/ and report/\n",
         count => text += &format!("{count} files written to figures/ and report/\n"),
     }
@@ -319,6 +325,21 @@ fn what_ran(summary: &Summary) -> String {
         text +=
             if summary.lock_file_changed { "pipeline/lock.toml brought up to date\n" } else { "" };
         text += if text.is_empty() && summary.reverted { OLDER } else { "" };
+    }
+    text
+}
+
+/// Most files that are named.
+const MOST_NAMED: usize = 12;
+
+/// Names files; of those that differ in their ending alone, the name once.
+fn named<'a>(paths: impl Iterator<Item = &'a String>) -> String {
+    let (mut text, mut last) = (String::new(), "");
+    for path in paths {
+        let at = path.rfind('.').unwrap_or(path.len());
+        let shown = if path[..at] == *last { &path[at..] } else { path };
+        text += &format!("{}{shown}", if text.is_empty() { "" } else { ", " });
+        last = &path[..at];
     }
     text
 }
@@ -359,7 +380,7 @@ pub(super) fn exports(summary: &Summary) -> String {
     if summary.lock_file_changed {
         text += "pipeline/lock.toml is missing or old\n";
     }
-    if summary.exports.to_write() > 0 {
+    if !summary.exports.to_write().is_empty() {
         text += "files in figures/ or report/ are missing or old\n";
     }
     if let Some(files) = to_remove(summary) {

@@ -21,7 +21,7 @@ use super::output::{OutputFile, say_json, talk, tell};
 use crate::figures::Width;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
-use crate::replication::fields::vary::{Varied, varied};
+use crate::replication::fields::lists::{Varied, varied};
 use adapting::ShownMeshes;
 use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -60,7 +60,7 @@ pub(super) struct SolveArgs {
     ///
     /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. Values with commas are divided
     /// by |. --json prints a line for each member. One without a solution is a row that says why. With --save NAME,
-    /// `run NAME` keeps the results, and makes the table, also in LaTeX, and a chart.
+    /// `run NAME` keeps the results, and makes the table, report/tables/NAME.csv, also in LaTeX, and a chart.
     #[arg(long, value_name = "NAME=A,B,..", value_parser = varied)]
     vary: Vec<Varied>,
     /// With --vary, write the table with all digits
@@ -194,13 +194,14 @@ impl SolveArgs {
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
-    if let Some(asked) = study::Asked::read(args)? {
+    let scene = args.scene.as_deref().map(super::scene).transpose()?;
+    if let Some(asked) = study::Asked::read(args, scene.as_ref())? {
         return study::solve(args, &asked);
     }
-    let (request, problem) = Request::read(args)?;
+    let (request, problem) = Request::read(args, scene.as_ref())?;
     let file = args.file(&request, &problem)?;
     if let Some(name) = &args.save {
-        save::save(name, &request, problem.levels().facts().dimension)?;
+        save::scene(name, &request, problem.levels().facts().dimension)?.write()?;
     }
     adapting::note(&request.statement, request.voice, &problem).iter().for_each(|note| talk(note));
     let mut shown = ShownMeshes::new(&request.statement, args.verbose);

@@ -49,10 +49,13 @@ pub(super) const LEGEND: f64 = WIDTH - 90.0;
 
 /// Draws panels, two in a row, one legend above them all; with `alike`, all vertical axes have the same range.
 ///
-/// Panels without points are left out.
+/// Panels without points are left out, unless none has points.
 pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let mut shown: Vec<&Chart> = panels.iter().collect();
     shown.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
+    if shown.is_empty() {
+        shown.extend(panels);
+    }
     let mut picture = in_panels(&shown, alike, MEASURED);
     picture.table = Some(of_charts(&shown));
     picture

@@ -7,6 +7,7 @@
 
 pub(crate) mod described;
 pub(crate) mod keys;
+pub(crate) mod lists;
 mod names;
 pub(crate) mod read;
 pub(crate) mod table;

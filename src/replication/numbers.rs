@@ -8,11 +8,14 @@ use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::Statement;
 
 /// Columns of the numbers, in their order.
-pub(crate) const COLUMNS: [&str; 12] = [
+pub(crate) const COLUMNS: [&str; 15] = [
     "energy",
     "energy_lower",
     "energy_upper",
     "error_relative",
+    "error_l2",
+    "error_h1",
+    "error_max",
     "v_least",
     "v_greatest",
     "contact_length",
@@ -33,6 +36,10 @@ pub(crate) struct Numbers {
     energy_upper: Option<f64>,
     /// Guaranteed bound of the error in the energy norm, over the solution; none where it is not below the solution.
     error_relative: Option<f64>,
+    /// Errors of v in L2, in the H1 seminorm and at a node; none where the solution has no formula.
+    error_l2: Option<f64>,
+    error_h1: Option<f64>,
+    error_max: Option<f64>,
     /// Least and greatest nodal value.
     v_least: Option<f64>,
     v_greatest: Option<f64>,
@@ -69,13 +76,16 @@ impl Numbers {
             _ => of_v,
         };
         let relative = bounds.map(Bounds::relative).filter(|relative| relative.is_finite());
-        let run = solved.run();
+        let (run, errors) = (solved.run(), solved.errors());
         let (last, truth) = (run.map(Run::last), solved.truth());
         Self {
             energy: Some(energy),
             energy_lower: bounds.map(|bounds| bounds.energy[0]),
             energy_upper: bounds.map(|bounds| bounds.energy[1]),
             error_relative: relative,
+            error_l2: errors.map(|errors| errors.l2),
+            error_h1: errors.map(|errors| errors.h1),
+            error_max: errors.map(|errors| errors.max),
             v_least: last.map(|last| last.range[0]),
             v_greatest: last.map(|last| last.range[1]),
             contact_length: contact_length(solved),

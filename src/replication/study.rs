@@ -5,6 +5,7 @@ use crate::replication::fields::table::{Reading, Refused};
 use crate::replication::numbers::{COLUMNS, Numbers};
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use signorini_mathematics::statement::Statement;
 
 /// Members of a study, and the axes of its chart.
@@ -17,7 +18,7 @@ pub(crate) struct Study {
     /// Axes of the chart; none if there is no chart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) chart: Option<Axes>,
-    /// Columns of the table in Markdown and LaTeX; empty for all.
+    /// Columns of the table in Markdown and LaTeX; empty for what is varied and the [`USUAL`] ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) columns: Vec<String>,
 }
@@ -33,11 +34,14 @@ pub(crate) struct Member {
 /// Axes of a chart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Axes {
-    /// Columns across and up.
+    /// Columns across and up; `1/` before a column is for one over its numbers.
     pub(crate) columns: [String; 2],
     /// True for a logarithmic axis.
     pub(crate) log: [bool; 2],
 }
+
+/// Columns of a table in Markdown and LaTeX behind those of what is varied: as many as a page has room for.
+const USUAL: [&str; 4] = ["energy", "error_relative", "contact_length", "force"];
 
 /// Columns of texts, which no axis shows.
 const TEXTS: [&str; 2] = ["solver", "reason"];
@@ -62,7 +66,7 @@ impl Study {
         let columns: Vec<&str> = self.columns_of_numbers();
         let first = columns.first().copied().unwrap_or_default();
         let chosen = [x.unwrap_or_else(|| first.into()), y.unwrap_or_else(|| "energy".into())];
-        if let Some(unknown) = chosen.iter().find(|one| !columns.contains(&one.as_str())) {
+        if let Some(unknown) = chosen.iter().find(|one| !columns.contains(&of_axis(one).0)) {
             let known = columns.join(", ");
             let text = format!("`chart`: no column of numbers `{unknown}`; choose from {known}");
             return Err(Refused::new("chart", text));
@@ -87,6 +91,14 @@ impl Study {
         }
     }
 
+    /// True if the table in Markdown and LaTeX has this column.
+    pub(crate) fn shows(&self, column: &str) -> bool {
+        match &self.columns[..] {
+            [] => self.names.iter().any(|name| name == column) || USUAL.contains(&column),
+            columns => columns.iter().any(|wanted| wanted == column),
+        }
+    }
+
     /// Columns of what was found, without those that are varied.
     pub(crate) fn found(&self) -> Vec<&'static str> {
         let mut columns = COLUMNS.to_vec();
@@ -106,6 +118,23 @@ impl Study {
             table.rows.push([member.values.clone(), numbers.cells(&found)].concat());
         }
         table
+    }
+
+    /// Returns the members with their numbers as rows of JSON.
+    pub(crate) fn rows(&self, all: &[Numbers]) -> Vec<Map<String, Value>> {
+        let mut rows = Vec::new();
+        for (member, numbers) in self.members.iter().zip(all) {
+            let mut row = Map::new();
+            for (name, value) in self.names.iter().zip(&member.values) {
+                let number = serde_json::from_str(value).ok().filter(Value::is_number);
+                row.insert(name.clone(), number.unwrap_or_else(|| value.clone().into()));
+            }
+            for column in self.found() {
+                row.insert(column.into(), numbers.value(column));
+            }
+            rows.push(row);
+        }
+        rows
     }
 
     /// Returns a line for each reason for which members have no solution, for the first `most` of them.
@@ -148,6 +177,11 @@ impl Study {
         let pairs = self.names.iter().zip(values);
         pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// Returns the column of an axis, and true if the axis has one over its numbers.
+pub(crate) fn of_axis(chosen: &str) -> (&str, bool) {
+    chosen.strip_prefix("1/").map_or((chosen, false), |column| (column, true))
 }
 
 /// Returns the number that a value is, also of a fraction such as `1/64`.

@@ -14,6 +14,9 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("order", |rows: Vec<Value>, kwargs: Kwargs, _: &State| {
         order(&rows, [kwargs.must_get::<&str>("x")?, kwargs.must_get::<&str>("y")?])
     });
+    tera.register_filter("rate", |rows: Vec<Value>, kwargs: Kwargs, _: &State| {
+        rate(&rows, [kwargs.must_get::<&str>("x")?, kwargs.must_get::<&str>("y")?])
+    });
     tera.register_filter("least", |x: Vec<f64>, _: Kwargs, _: &State| extreme(x, f64::min));
     tera.register_filter("greatest", |x: Vec<f64>, _: Kwargs, _: &State| extreme(x, f64::max));
     tera.register_filter("median", |x: Vec<f64>, _: Kwargs, _: &State| median(x));
@@ -70,12 +73,23 @@ fn number(row: &Value, key: &str) -> Option<f64> {
 }
 
 /// Returns the exponent of the power law of y over x, of the rows with both; nothing if there is none.
-fn order(rows: &[Value], [x, y]: [&str; 2]) -> TeraResult<Value> {
-    refuse_unknown(rows, x)?;
-    refuse_unknown(rows, y)?;
-    let points = rows.iter().filter_map(|row| Some((number(row, x)?, number(row, y)?)));
+fn order(rows: &[Value], names: [&str; 2]) -> TeraResult<Value> {
+    let exponent = exponent(&points(rows, names)?);
+    Ok(exponent.map_or_else(Value::none, Value::from))
+}
+
+/// Returns the constant k of the law `y = C exp(-k / x)` that fits best: least squares in logarithms.
+fn rate(rows: &[Value], names: [&str; 2]) -> TeraResult<Value> {
+    let points = points(rows, names)?.into_iter().map(|(x, y)| (libm::exp(-1.0 / x), y));
     let exponent = exponent(&points.collect::<Vec<_>>());
     Ok(exponent.map_or_else(Value::none, Value::from))
+}
+
+/// Returns the numbers under two keys, of the rows with both.
+fn points(rows: &[Value], [x, y]: [&str; 2]) -> TeraResult<Vec<(f64, f64)>> {
+    refuse_unknown(rows, x)?;
+    refuse_unknown(rows, y)?;
+    Ok(rows.iter().filter_map(|row| Some((number(row, x)?, number(row, y)?))).collect())
 }
 
 /// Returns the median of some numbers, of an even number of them the mean of the two in the middle.
@@ -105,7 +119,10 @@ mod tests {
             { "of": "a", "x": 1.0, "y": 3.0 }, { "of": "b", "x": 2.0, "y": null },
             { "of": "a", "x": 2.0, "y": 12.0 }, { "of": "a", "x": 3, "y": 27.0 },
         ]);
-        let context = tera::Context::from_serialize(&serde_json::json!({ "rows": rows })).unwrap();
+        let powers =
+            [1.0, 0.5, 0.25].map(|x| serde_json::json!({ "x": x, "y": libm::exp(-3.0 / x) }));
+        let context = serde_json::json!({ "rows": rows, "powers": powers });
+        let context = tera::Context::from_serialize(&context).unwrap();
         tera.render_str(template, &context, false)
     }
 
@@ -116,6 +133,7 @@ mod tests {
             ("{{ rows | where(key=\"x\", least=2) | column(key=\"y\") | median }}", "19.5"),
             ("{{ rows | where(key=\"x\", most=2) | length }}", "3"),
             ("{{ rows | order(x=\"x\", y=\"y\") | round(precision=9) }}", "2.0"),
+            ("{{ powers | rate(x=\"x\", y=\"y\") | round(precision=9) }}", "3.0"),
             (
                 "{{ rows | where(key=\"of\", value=\"b\") | order(x=\"x\", y=\"y\") is none }}",
                 "true",

@@ -454,6 +454,13 @@ fn list_names_scenes_solvers_and_known_problems() {
     for name in ["  a ", "multigrid", "spectral", "free-corner", "free-disc"] {
         assert!(said.contains(name), "{name}: {said}");
     }
+    let domains = project.run(&["list", "domains"]).lines().join("\n");
+    assert!(domains.starts_with("Domains,") && !domains.contains("multigrid"), "{domains}");
+    assert!(project.run(&["list", "disc"]).refusal().contains("or list scenes, solvers, domains"));
+    assert!(project.run(&["domains"]).refusal().contains("did you mean `signorini list domains`?"));
+    project.scene("b", &TABLE.replace("title = \"", "title = \"One; two: three, "));
+    assert!(project.run(&["list", "scenes"]).lines().join("\n").contains("  b  One; two: three, "));
+    project.scene("b", TABLE);
     let listed = project.run(&["list", "--json"]).json();
     assert_eq!(listed["scenes"][0]["name"], "a");
     for solver in listed["solvers"].as_array().unwrap() {

@@ -9,10 +9,24 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, and of the times of
-/// both fast solvers.
-const OTHERS: [&str; 7] =
-    ["name", "found.exact", "found.delta_a_exact", "candidates", "chosen", "milliseconds", "ratio"];
+/// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, of the times of
+/// both fast solvers, and of studies.
+const OTHERS: [&str; 14] = [
+    "name",
+    "found.exact",
+    "found.delta_a_exact",
+    "candidates",
+    "chosen",
+    "milliseconds",
+    "ratio",
+    "friction",
+    "contact_length",
+    "solution",
+    "h",
+    "error_l2",
+    "error_h1",
+    "error_max",
+];
 
 /// Fields of the plan of an experiment with which it takes next to no time.
 fn coarse(experiment: &str) -> Value {
@@ -32,7 +46,7 @@ fn coarse(experiment: &str) -> Value {
         "adapted" => json!({ "refinements": 2, "finest": 400, "fitted": 10, "most_nodes": 200 }),
         "claims" => json!({ "per_decade": 1, "problems": problems(), "targets": targets }),
         "friction" => json!({ "problems": problems(), "targets": targets }),
-        "domains" => json!({ "levels": 2, "disc": 2, "cube": 1 }),
+        "domains" => json!({ "levels": 2, "disc": 2 }),
         "radius" => json!({ "cells": [8], "r": [10.0, 1.0] }),
         "stress" => json!({
             "coarse": 8, "fine": 16, "cap": 200, "random": 10, "problems": problems(),
@@ -64,7 +78,8 @@ fn every_table_and_column_that_a_template_names_is_there() {
     }
     let table = Regex::new(r"\bbench\.(\w+\.\w+)").unwrap();
     let column =
-        Regex::new(r#"\b(?:where|column|order)\((?:key|x)="([^"]+)"(?:, y="([^"]+)")?"#).unwrap();
+        Regex::new(r#"\b(?:where|column|order|rate)\((?:key|x)="([^"]+)"(?:, y="([^"]+)")?"#)
+            .unwrap();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates");
     let mut seen = 0;
     for template in fs::read_dir(folder).unwrap() {

@@ -8,7 +8,7 @@ use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Mesh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
-use signorini_mathematics::problem::law::{BoundaryState, Law};
+use signorini_mathematics::problem::law::{BoundaryState, Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
@@ -231,7 +231,10 @@ fn what_the_law_cannot_balance_has_no_bound() {
     let zero = vec![0.0; grid.nodes()];
     let found = bounds(grid, &Source::constant(4.0), law, &zero);
     let [least, most] = [-4.0 * 0.99, 4.0 * 0.99];
-    let refused = Unsolvable::Unbalanced { integral: 4.0, component: None, least, most };
+    let (enough, has_parts) = (Some(LawParameter::Friction(1.1)), false);
+    let integral = 4.0;
+    let refused =
+        Unsolvable::Unbalanced { integral, component: None, least, most, enough, has_parts };
     assert_eq!(found, Err(refused.into()));
     let mut nan = zero.clone();
     for node in [0, 4, 40] {

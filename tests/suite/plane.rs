@@ -214,6 +214,25 @@ fn regions_of_a_file_are_as_shapes_with_their_borders() {
 }
 
 #[test]
+fn components_of_a_file_are_problems_of_their_own() {
+    let one = [[0.0, 0.0], [1.3, 0.1], [0.4, 1.1]];
+    let two = one.map(|[x, y]| [x + 2.0, y]);
+    let both = file(&[one, two].concat(), &[[1, 2, 3], [4, 5, 6]], &[[1, 2]]);
+    let alone = file(&one, &[[1, 2, 3]], &[[1, 2]]);
+    let moved = file(&two, &[[1, 2, 3]], &[[1, 2]]);
+    let f = "halfplane(1,.3,.4)=4; disc(2.5,.4,.2)=7; else=-3";
+    let [both, alone, moved] = [both, alone, moved]
+        .map(|file| statement(Domain::named("f.msh"), f).solved(Some(&file)).unwrap());
+    let sum = alone.energy() + moved.energy();
+    assert!((both.energy() / sum - 1.0).abs() < 1e-12, "{} {sum}", both.energy());
+    assert_eq!(both.contact().unwrap().len(), 2);
+    let [truth, part] = [&both, &moved].map(|solved| solved.truth().unwrap());
+    let point = [2.5, 0.4];
+    assert!((truth.values(&[point])[0] - part.values(&[point])[0]).abs() < 1e-12);
+    assert_eq!(truth.at(&[1.7, 0.5]), None);
+}
+
+#[test]
 fn values_at_nodes_and_files_are_those_of_the_true_solution() {
     let project = Project::with(TABLE);
     let f = "rect(0,9,0,9)=5; else=-3";

@@ -2,6 +2,7 @@
 //! shown are the true ones.
 
 use crate::common::Project;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -129,6 +130,7 @@ fn commands_run_and_outputs_are_true() {
     }
     assert!(project.join("figures/round-map.svg").is_file());
     fs::remove_file(project.join("pipeline/scenes/round.toml")).unwrap();
+    commands_of_captions_run(project);
     changes_are_explained(project);
 }
 
@@ -152,6 +154,32 @@ fn the_citation_and_the_changes_are_of_this_version() {
     let archive: serde_json::Value = serde_json::from_str(&read(".zenodo.json")).unwrap();
     let title = archive["title"].as_str().unwrap();
     assert!(citation.contains(&format!("title: \"{title}\"")), "{title}");
+}
+
+/// The commands in captions of figures and tables make what is there already, but for one that takes minutes.
+fn commands_of_captions_run(project: &Path) {
+    let mut commands = BTreeSet::new();
+    for page in fs::read_dir(project.join("report/src")).unwrap() {
+        let path = page.unwrap().path();
+        let text = if path.is_file() {
+            fs::read_to_string(&path).unwrap_or_default()
+        } else {
+            String::new()
+        };
+        for rest in text.split("<span class=\"command\">Command `").skip(1) {
+            commands.insert(rest.split('`').next().unwrap().to_owned());
+        }
+    }
+    assert!(commands.len() > 8 && commands.remove("signorini bench --record"), "{commands:?}");
+    run("cargo run --release -- run", project);
+    for command in commands {
+        let line = command.replace("signorini", "cargo run --release --");
+        let said = String::from_utf8(run(&line, project).stdout).unwrap();
+        assert!(
+            said.starts_with("nothing to do") || command == "signorini diff",
+            "{command}: {said}"
+        );
+    }
 }
 
 /// Does what a page says in its fenced blocks; returns how many commands that were.

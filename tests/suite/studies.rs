@@ -27,7 +27,7 @@ fn four() -> Project {
 /// Rows of the table of a study in CSV, each with its cells by column.
 fn rows(project: &Project, file: &str) -> Vec<Value> {
     let text = fs::read_to_string(project.path(file)).unwrap();
-    let mut lines = text.lines().map(|line| line.splitn(14, ',').map(str::to_owned));
+    let mut lines = text.lines().map(|line| line.splitn(17, ',').map(str::to_owned));
     let head: Vec<String> = lines.next().unwrap().collect();
     let rows = lines.map(|cells| head.iter().cloned().zip(cells.map(Value::from)).collect());
     rows.collect()
@@ -39,6 +39,8 @@ fn members_are_single_solves_to_the_last_bit() {
     let said = project.run(&["run", "s"]);
     assert!(said.err.contains("s: 2 of 4 members without a solution"), "{said:?}");
     assert_eq!(said.code, Some(0), "{said:?}");
+    let files = "wrote figures/s-chart.csv, .svg, report/tables/s.csv, .md, .tex\n";
+    assert!(said.out.ends_with(files), "{said:?}");
     let mut solved = 0;
     for row in rows(&project, "report/tables/s.csv") {
         let [g, h] = ["friction", "h"].map(|name| row[name].as_str().unwrap());
@@ -80,7 +82,10 @@ fn tables_are_there_for_pages_and_papers_of_every_scene() {
     assert!(
         read("s.md").contains("\nno solution with friction = 0.1, h = 1/8: the integral of f is")
     );
-    assert!(read("s.tex").contains("\\toprule\nfriction & h & energy & energy lower &"));
+    assert!(read("s.tex").contains(
+        "\\toprule\nfriction & h & energy & error relative & contact length & force \\\\"
+    ));
+    assert!(read("s.tex").contains("% s.csv has all columns"));
     assert!(read("s.tex").contains("\n$1$ & 1/8 & $-0."));
     assert!(read("a.tex").contains("\\toprule\nrule & r & 1/4 & 1/8 & delta a"));
     assert!(read("a.csv").starts_with("rule,r,1/4,1/8,delta_a"));
@@ -195,6 +200,76 @@ fn a_study_without_any_solution_fails_in_solve() {
     assert_eq!(said.code, Some(3), "{said:?}");
     assert!(said.out.contains("no solution with friction = 0.02"), "{said:?}");
     assert!(said.err.starts_with("error: no member has a solution: the integral"), "{said:?}");
+    let vary = ["solve", "--f", F, "--vary", "friction=0.01,0.02", "--save", "none"];
+    let said = project.run(&vary);
+    assert!(said.code == Some(3) && said.err.contains("no scene is written"), "{said:?}");
+    assert!(!project.path("pipeline/scenes/none.toml").exists());
+}
+
+#[test]
+fn a_study_without_any_solution_is_a_table_and_a_chart_that_say_why() {
+    let project = with(F, "vary = { friction = [0.01, 0.02] }\noutputs = [\"table\", \"chart\"]");
+    let said = project.run(&["run", "s"]);
+    assert!(
+        said.err.contains("s: 2 of 2 members without a solution; report/tables/s.csv says why")
+    );
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let read = |path: &str| fs::read_to_string(project.path(path)).unwrap();
+    assert!(read("report/tables/s.csv").contains("the integral of f is"));
+    assert!(read("figures/s-chart.svg").contains("no solution: the integral of f"));
+    // What does suffice is named.
+    let reason = read("report/tables/s.md");
+    let (_, rest) = reason.split_once("raise friction to ").unwrap();
+    let enough = rest.split(',').next().unwrap();
+    project.run(&["solve", "--f", F, "--friction", enough]).lines();
+}
+
+#[test]
+fn axes_are_columns_or_one_over_them() {
+    let lines = "vary = { h = [8, 16] }\nlaw = { friction = 1 }\noutputs = [\"chart\"]\nchart = { x = \"1/h\" }";
+    let project = with(F, lines);
+    project.run(&["run", "s"]).lines();
+    let chart = fs::read_to_string(project.path("figures/s-chart.csv")).unwrap();
+    let across: Vec<&str> = chart.lines().skip(1).filter_map(|row| row.split(',').nth(4)).collect();
+    assert_eq!(across, ["0.0625", "0.125"]);
+}
+
+/// Rows of a study of this project.
+fn rows_of_own(study: &str) -> Vec<Value> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
+    command.args(["solve", study, "--json"]).current_dir(ROOT);
+    let said = Said::from(command.output().unwrap());
+    said.lines().iter().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn errors_on_the_cube_fall_at_the_optimal_rate() {
+    let rows = rows_of_own("cube-errors");
+    assert_eq!(rows.len(), 6);
+    for meshes in rows.chunks(2) {
+        for (column, order, reach) in
+            [("error_l2", 2.0, 0.1), ("error_h1", 1.0, 0.05), ("error_max", 2.0, 0.2)]
+        {
+            let [coarse, fine] = [0, 1].map(|k| meshes[k][column].as_f64().unwrap());
+            let found = (coarse / fine).log2();
+            assert!((found - order).abs() < reach, "{column} {found}: {}", meshes[1]);
+        }
+    }
+}
+
+#[test]
+fn arcs_that_stick_shrink_exponentially_as_friction_gets_weaker() {
+    let rows = rows_of_own("arcs");
+    let number = |row: &Value, name: &str| row[name].as_f64().unwrap();
+    // Two arcs of equal length.
+    let lengths: Vec<f64> = rows.iter().map(|row| number(row, "contact_length") / 2.0).collect();
+    assert!(lengths.len() == 7 && lengths[0] > 1e-2 && lengths[6] < 1e-4, "{lengths:?}");
+    for pair in rows.windows(2) {
+        let [one, next] = [&pair[0], &pair[1]];
+        let fall = number(one, "contact_length") / number(next, "contact_length");
+        let rate = fall.ln() / (1.0 / number(next, "friction") - 1.0 / number(one, "friction"));
+        assert!((5.5..7.5).contains(&rate), "{rate}: {one} {next}");
+    }
 }
 
 #[test]
@@ -258,6 +333,8 @@ fn mistakes_in_options_of_studies_are_refused() {
     let project = four();
     for (args, words) in [
         (&["--f", F, "--vary", "friction=x"][..], "--vary friction=x: invalid float"),
+        (&["--f", F, "--vary", "friction=1:2:0.5"], "list values with commas between them"),
+        (&["--f", F, "--vary", "friction=1", "--csv", "t.tex"], "add --save NAME for a scene"),
         (&["--f", F, "--vary", "solver=multigrid,foo"], "--vary solver=foo: choose one of"),
         (&["--f", F, "--friction", "1", "--vary", "friction=1"], "--friction is given as well"),
         (&["--f", F, "--vary", "h=8", "--out", "v.npz"], "--out is about one solution"),

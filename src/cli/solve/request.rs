@@ -97,11 +97,11 @@ impl Remedies {
 }
 
 impl Request {
-    /// Reads and checks the arguments; returns the problem as well, for an accuracy the one with which it begins.
-    pub(super) fn read(args: &SolveArgs) -> Result<(Self, Problem)> {
+    /// Reads and checks the arguments and the scene that they name; returns the problem as well, for an accuracy the
+    /// one with which it begins.
+    pub(super) fn read(args: &SolveArgs, scene: Option<&Scene>) -> Result<(Self, Problem)> {
         let clock = Clock::start();
-        let scene = args.scene.as_deref().map(scene).transpose()?;
-        let scene = scene.as_ref();
+        scene.map(Scene::check).transpose()?;
         let (statement, overridden) = stated(&args.fields, scene)?;
         args.check_file_options(&statement)?;
         args.check_most_nodes(&statement)?;
@@ -413,10 +413,4 @@ fn check_size(mesh: &AnyMesh, statement: &Statement, memory: Memory) -> Result<(
     // A mesh that is not refined is the file's own.
     let asked = if times == 0 { statement.domain.name.clone() } else { option(times) };
     Err(Error::input(format!("{asked} {too_large}; {remedy}")))
-}
-
-fn scene(name: &str) -> Result<Scene> {
-    let scene = crate::cli::scene(name)?;
-    scene.check()?;
-    Ok(scene)
 }

@@ -6,7 +6,7 @@ use crate::cli::project_root;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::write_atomically;
 use crate::pipeline::names::refuse_forbidden_name;
-use crate::replication::fields::vary::Varied;
+use crate::replication::fields::lists::Varied;
 use crate::replication::fields::{Fields, write};
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::scene::{Output, Scene};
@@ -15,43 +15,44 @@ use signorini_mathematics::statement::Statement;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Writes the scene with this name, if there is none yet.
-pub(super) fn save(name: &str, request: &Request, dimension: u8) -> Result<()> {
-    let place = Place::new(name)?;
+/// Returns the scene with this name of a request in so many dimensions, if there is none yet.
+pub(super) fn scene<'a>(name: &'a str, request: &Request, dimension: u8) -> Result<NewScene<'a>> {
+    let place = NewScene::new(name)?;
     let statement = place.stated(&request.statement, request.scene.is_some())?;
     let outputs: &[_] =
         if dimension == 2 { &[Output::Table, Output::Map] } else { &[Output::Table] };
-    place.write(&write::scene(&request.title, &statement, outputs))
+    place.with(write::scene(&request.title, &statement, outputs))
 }
 
-/// Writes the study that fields and lists of values make, `first` the statement of its first member.
-pub(super) fn save_study(
-    name: &str,
+/// Returns the study that fields and lists of values make, `first` the statement of its first member.
+pub(super) fn study<'a>(
+    name: &'a str,
     (fields, varied): (&Fields, &[Varied]),
     first: &Statement,
-) -> Result<()> {
-    let place = Place::new(name)?;
+) -> Result<NewScene<'a>> {
+    let place = NewScene::new(name)?;
     let Some(f) = &fields.f else {
         return Err(
             place.refused("a study of a scene is not saved; add `vary` to a copy of the scene")
         );
     };
     let statement = Statement { f: f.clone(), ..place.stated(first, false)? };
-    place.write(&write::study(f, &statement, varied))
+    place.with(write::study(f, &statement, varied))
 }
 
-/// Place of a new scene.
-struct Place<'a> {
-    /// Name of the scene.
+/// Scene that is to be written.
+pub(super) struct NewScene<'a> {
     name: &'a str,
+    /// Folder of the project.
     root: PathBuf,
+    text: String,
 }
 
-impl<'a> Place<'a> {
+impl<'a> NewScene<'a> {
     /// Place of the scene with this name, if there is none yet.
     fn new(name: &'a str) -> Result<Self> {
         refuse_forbidden_name("scene", name)?;
-        let mut place = Self { name, root: PathBuf::new() };
+        let mut place = Self { name, root: PathBuf::new(), text: String::new() };
         if name.contains(['/', '\\']) || name.starts_with('.') {
             return Err(place.refused("give a name without folders, such as plate"));
         }
@@ -81,11 +82,16 @@ impl<'a> Place<'a> {
         Ok(statement)
     }
 
-    /// Checks and writes the text of the scene.
-    fn write(&self, text: &str) -> Result<()> {
-        Scene::parse(self.name, text).map_err(|e| self.refused(&e.to_string()))?;
+    /// Returns the scene with its text, which is checked.
+    fn with(self, text: String) -> Result<Self> {
+        Scene::parse(self.name, &text).map_err(|e| self.refused(&e.to_string()))?;
+        Ok(Self { text, ..self })
+    }
+
+    /// Writes the scene.
+    pub(super) fn write(&self) -> Result<()> {
         let path = self.path();
-        write_atomically(&self.root.join(&path), text.as_bytes())?;
+        write_atomically(&self.root.join(&path), self.text.as_bytes())?;
         talk(&format!("wrote {path}; `signorini run {}` solves and draws it", self.name));
         Ok(())
     }

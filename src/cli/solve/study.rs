@@ -4,7 +4,7 @@
 
 use super::SolveArgs;
 use super::request::{check_fineness, coarsest, stated};
-use super::save;
+use super::save::{self, NewScene};
 use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
@@ -20,10 +20,11 @@ use crate::table::Table;
 use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Memory;
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -31,20 +32,21 @@ use std::sync::atomic::AtomicBool;
 const MOST_REASONS: usize = 5;
 
 /// Members to be solved.
-pub(super) struct Asked {
+pub(super) struct Asked<'a> {
     /// Name of the scene or the domain, and f, in the first line of the answer.
     title: String,
     study: Study,
     /// Files of the meshes.
     files: InputFiles,
+    /// Scene to be written if some member has a solution.
+    saved: Option<NewScene<'a>>,
 }
 
-impl Asked {
-    /// Returns the study for which the arguments ask, checked but for whether its members have solutions; none if they
-    /// ask for one solution.
-    pub(super) fn read(args: &SolveArgs) -> Result<Option<Self>> {
-        let scene = args.scene.as_deref().map(crate::cli::scene).transpose()?;
-        let of_scene = scene.as_ref().and_then(|scene| scene.study.as_ref());
+impl<'a> Asked<'a> {
+    /// Returns the study for which the arguments and the scene that they name ask, checked but for whether its members
+    /// have solutions; none if they ask for one solution.
+    pub(super) fn read(args: &'a SolveArgs, scene: Option<&Scene>) -> Result<Option<Self>> {
+        let of_scene = scene.and_then(|scene| scene.study.as_ref());
         let study = match (of_scene, args.vary.is_empty()) {
             (None, true) if args.csv.is_some() => {
                 return Err(Error::input(
@@ -58,19 +60,19 @@ impl Asked {
                 ));
             }
             (Some(study), true) => over(study, args)?,
-            (None, false) => varied(args, scene.as_ref())?,
+            (None, false) => varied(args, scene)?,
         };
         args.refuse_files_of_one()?;
-        let mut asked = Self { title: String::new(), study, files: InputFiles::new() };
-        asked.check(args, scene.as_ref())?;
+        let mut asked = Self { title: String::new(), study, files: InputFiles::new(), saved: None };
+        asked.check(args, scene)?;
         let first = &asked.study.members[0].statement;
         let f = args.fields.f.as_deref().unwrap_or(&first.f);
-        asked.title = match &scene {
+        asked.title = match scene {
             Some(scene) => format!("{}: {}", scene.name, scene.title),
             None => format!("{}: f = {f}", first.domain.name),
         };
         if let Some(name) = &args.save {
-            save::save_study(name, (&args.fields, &args.vary), first)?;
+            asked.saved = Some(save::study(name, (&args.fields, &args.vary), first)?);
         }
         Ok(Some(asked))
     }
@@ -147,7 +149,7 @@ fn varied(args: &SolveArgs, scene: Option<&Scene>) -> Result<Study> {
 /// # Errors
 /// [`Error::Stage`] if no member has a solution.
 pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
-    let file = args.csv.as_deref().map(OutputFile::check).transpose()?;
+    let file = args.csv.as_deref().map(checked_csv).transpose()?;
     let (study, solved) = (&asked.study, asked.solve()?);
     let csv = file.as_ref().map(|file| file.write(study.table(&solved).csv().as_bytes()));
     // The answer is not lost with the file.
@@ -164,26 +166,32 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     }
     match solved.iter().map(Numbers::reason).collect::<Option<Vec<_>>>() {
         Some(reasons) => {
-            Err(Error::Stage(vec![format!("no member has a solution: {}", reasons[0])]))
+            let not_saved = if asked.saved.is_some() { "; no scene is written" } else { "" };
+            let reason = format!("no member has a solution{not_saved}: {}", reasons[0]);
+            Err(Error::Stage(vec![reason]))
         }
-        None => Ok(0),
+        None => asked.saved.as_ref().map_or(Ok(()), NewScene::write).map(|()| 0),
+    }
+}
+
+/// Returns the file of a table in CSV.
+fn checked_csv(path: &Path) -> Result<OutputFile> {
+    match path.extension().and_then(OsStr::to_str) {
+        Some("tex" | "md") => Err(Error::input(format!(
+            "--csv {}: the table is in CSV; add --save NAME for a scene, of which `run NAME` writes the table in \
+             LaTeX and Markdown",
+            path.display()
+        ))),
+        _ => OutputFile::check(path),
     }
 }
 
 /// Returns a line of JSON for each member: its values, and all columns.
 fn lines(study: &Study, solved: &[Numbers]) -> String {
     let mut text = String::new();
-    for (member, numbers) in study.members.iter().zip(solved) {
-        let mut line = Map::new();
-        line.insert("schema".into(), json!(1));
-        for (name, value) in study.names.iter().zip(&member.values) {
-            let number = serde_json::from_str(value).ok().filter(Value::is_number);
-            line.insert(name.clone(), number.unwrap_or_else(|| json!(value)));
-        }
-        for column in study.found() {
-            line.insert(column.into(), numbers.value(column));
-        }
-        text += &(Value::Object(line).to_string() + "\n");
+    for mut row in study.rows(solved) {
+        row.insert("schema".into(), json!(1));
+        text += &(json!(row).to_string() + "\n");
     }
     text
 }

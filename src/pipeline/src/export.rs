@@ -216,9 +216,9 @@ impl Exports {
         leftovers(folders.into_iter().map(|folder| project.join(folder)))
     }
 
-    /// Number of files to write.
-    pub fn to_write(&self) -> usize {
-        self.write.len()
+    /// Files to write, by path.
+    pub fn to_write(&self) -> &Hashes {
+        &self.write
     }
 
     /// Paths of the files to remove.

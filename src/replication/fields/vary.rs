@@ -4,26 +4,19 @@
 //! is read as the option of its field reads it.
 
 use super::Fields;
+use super::lists::{EXAMPLE, Varied, product_of, products};
 use super::names::{Piece, is_name, pieces, without_values};
 use super::table::{FIELDS, Field, Reading, Refused, Voice};
 use crate::replication::numbers::COLUMNS;
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Args, Command, FromArgMatches};
-use serde::de::{self, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
-use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::problem::text::Written;
+use serde::{Deserialize, Deserializer, de};
 use std::collections::BTreeSet;
 use std::error::Error as _;
-use std::fmt;
-use toml::{Spanned, Value};
 
 /// Most members of a study.
 const MOST_MEMBERS: usize = 10_000;
-/// Example of the key, for errors.
-const EXAMPLE: &str = "vary = { friction = [0.2, 0.4], refine = [2, 3] }";
-
 /// Values that are varied.
 #[derive(Clone, Debug)]
 pub(crate) struct Vary {
@@ -31,13 +24,6 @@ pub(crate) struct Vary {
     pub(crate) names: Vec<String>,
     /// Values of each member, in the order of the names, as options have them.
     pub(crate) members: Vec<Vec<String>>,
-}
-
-/// List of values of a field or a name in f.
-#[derive(Clone, Debug)]
-pub(crate) struct Varied {
-    pub(crate) name: String,
-    pub(crate) values: Vec<String>,
 }
 
 impl Vary {
@@ -162,7 +148,7 @@ impl Vary {
         let of_option = |name: &String| field(name).is_some_and(|field| field.option() == option);
         let place = self.names.iter().position(of_option).unwrap_or_default();
         let reason = match (error.source(), error.get(ContextKind::ValidValue)) {
-            (Some(source), _) => source.to_string(),
+            (Some(source), _) => format!("{source}; list values with commas between them"),
             (None, Some(ContextValue::Strings(valid))) if !valid.is_empty() => {
                 format!("choose one of {}", valid.join(", "))
             }
@@ -187,24 +173,16 @@ impl Vary {
     }
 }
 
-/// Returns the members of a product of lists, the last list varied first.
-fn product_of(lists: &[&Varied]) -> Vec<Vec<String>> {
-    let mut members = vec![Vec::new()];
-    for list in lists {
-        let mut longer = Vec::with_capacity(members.len() * list.values.len());
-        for member in &members {
-            for value in &list.values {
-                longer.push([&member[..], std::slice::from_ref(value)].concat());
-            }
-        }
-        members = longer;
-    }
-    members
-}
-
 /// True if a row has a key of this name besides what is varied.
 fn is_taken(name: &str) -> bool {
     name == "schema" || COLUMNS.contains(&name)
+}
+
+impl<'de> Deserialize<'de> for Vary {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let products = products(deserializer)?;
+        Self::of(&products).map_err(|reason| de::Error::custom(format!("`vary`: {reason}")))
+    }
 }
 
 /// Returns the field with this name.
@@ -217,85 +195,6 @@ fn parser() -> Command {
     // What the options of `solve` ask of each other is asked of the member as a whole.
     let command = Fields::augment_args(Command::new("solve"));
     command.mut_args(|arg: Arg| arg.conflicts_with(Resettable::Reset).requires(Resettable::Reset))
-}
-
-/// Reads `NAME=A,B,...`; values that have commas are divided by strokes.
-///
-/// # Errors
-/// Sentence, with the remedy.
-pub(crate) fn varied(text: &str) -> Result<Varied, String> {
-    let (name, values) =
-        text.split_once('=').ok_or("write NAME=VALUE,VALUE, such as friction=0.2,0.4,0.8")?;
-    let divider = if values.contains('|') { '|' } else { ',' };
-    let values = values.split(divider).map(|value| value.trim().to_owned());
-    let values: Vec<String> = values.filter(|value| !value.is_empty()).collect();
-    if values.is_empty() {
-        return Err(format!("no values; write {name}=VALUE,VALUE"));
-    }
-    Ok(Varied { name: name.trim().replace('-', "_"), values })
-}
-
-impl<'de> Deserialize<'de> for Vary {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Products(products) = deserializer.deserialize_any(ProductsVisitor)?;
-        Self::of(&products).map_err(|reason| de::Error::custom(format!("`vary`: {reason}")))
-    }
-}
-
-/// Products as a scene has them: a table of lists, or several such tables.
-struct Products(Vec<Vec<Varied>>);
-
-struct ProductsVisitor;
-
-impl<'de> Visitor<'de> for ProductsVisitor {
-    type Value = Products;
-
-    fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "a table of lists, as {EXAMPLE}, or a list of such tables")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Products, A::Error> {
-        let mut lists = Vec::new();
-        // In the order in which they are written, which a table does not keep.
-        while let Some((name, value)) = map.next_entry::<Spanned<String>, Value>()? {
-            let place = name.span().start;
-            let values = match value {
-                Value::Array(values) => values.iter().map(text).collect(),
-                one => vec![text(&one)],
-            };
-            lists.push((place, Varied { name: name.into_inner(), values }));
-        }
-        lists.sort_by_key(|(place, _)| *place);
-        Ok(Products(vec![lists.into_iter().map(|(_, list)| list).collect()]))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut tables: A) -> Result<Products, A::Error> {
-        let mut products = Vec::new();
-        while let Some(Products(more)) = tables.next_element()? {
-            products.extend(more);
-        }
-        Ok(Products(products))
-    }
-}
-
-impl<'de> Deserialize<'de> for Products {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(ProductsVisitor)
-    }
-}
-
-/// Returns a value of a scene as options have it.
-fn text(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Float(number) => Written(*number).to_string(),
-        Value::Array(values) => values.iter().map(text).collect::<Vec<_>>().join(","),
-        Value::Table(_) => {
-            let rule = LoadRule::deserialize(value.clone());
-            rule.map_or_else(|_| value.to_string(), |rule| rule.to_string())
-        }
-        other => other.to_string(),
-    }
 }
 
 #[cfg(test)]
@@ -321,17 +220,5 @@ mod tests {
         );
         assert!(with("else=-$S", "vary = { R = [1] }").unwrap_err().contains("f has $S"));
         assert!(super::super::names::check_names("region(\"a$b\")=1; else=-$").is_ok());
-    }
-
-    fn values(text: &str) -> Result<Vec<String>, String> {
-        varied(text).map(|list| list.values)
-    }
-
-    #[test]
-    fn options_are_divided_by_commas_or_strokes() {
-        assert_eq!(values("h=1/8, 1/16").unwrap(), ["1/8", "1/16"]);
-        assert_eq!(values("grids=4,8|8,16").unwrap(), ["4,8", "8,16"]);
-        assert_eq!(varied("max-iterations=1").unwrap().name, "max_iterations");
-        assert!(values("friction").is_err() && values("friction=,").is_err());
     }
 }

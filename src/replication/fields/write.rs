@@ -1,7 +1,7 @@
 //! A statement as options of `solve`, and as the keys of a scene.
 
+use super::lists::Varied;
 use super::table::FIELDS;
-use super::vary::Varied;
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::output::Output;
 use signorini_mathematics::statement::Statement;

@@ -49,8 +49,7 @@ impl Asked {
         let mut found = json!((experiment.run)(&self.plan)?);
         // Pages have the plan beside the tables.
         found["plan"] = self.plan.clone();
-        let json = serde_json::to_string_pretty(&found).map_err(|e| e.to_string())? + "\n";
-        Ok(Artifacts::from([(RESULT.into(), json.into_bytes())]))
+        Ok(Artifacts::from([(RESULT.into(), super::to_json(&found))]))
     }
 }
 
@@ -74,6 +73,11 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             |it, inputs| it.made(inputs, cost::ends(&table(inputs, "truth", "elements")?)?),
         ),
         picture(
+            ["truth", "ways"],
+            "Error of the energy against the number of unknowns: powers at corners, adaptive and uniform elements",
+            |it, inputs| it.made(inputs, cost::ways(&table(inputs, "truth", "plane_ways")?)?),
+        ),
+        picture(
             ["claims", "sweep"],
             "Iterations of both problems against the duality parameter, three ways of stopping",
             |it, inputs| it.made(inputs, claims::sweep(&table(inputs, "claims", "runs")?)?),
@@ -91,11 +95,6 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
                     ["radii", "measured"].map(|name| table(inputs, "radius", name));
                 it.made(inputs, claims::radius(&radii?, &measured?)?)
             },
-        ),
-        picture(
-            ["sticking", "sticking"],
-            "Length of the arcs that stick against one over the bound of the friction",
-            |it, inputs| it.made(inputs, claims::sticking(&table(inputs, "sticking", "arcs")?)?),
         ),
         picture(
             ["stress", "duality"],

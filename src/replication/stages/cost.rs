@@ -159,6 +159,25 @@ pub(super) fn ends(rows: &Rows) -> Result<Picture, String> {
     Ok(charts(false, &panels))
 }
 
+/// Error of the energy against the number of unknowns, one panel per domain, a curve per way.
+pub(super) fn ways(rows: &Rows) -> Result<Picture, String> {
+    let mut panels = Vec::new();
+    for domain in rows.texts("domain")? {
+        let of_domain = rows.wherever("domain", domain)?;
+        // The last f of a domain has ends of contact.
+        let Some(f) = of_domain.texts("f")?.last().copied().map(String::from) else { continue };
+        let of_domain = of_domain.wherever("f", f)?;
+        let mut curves = Vec::new();
+        for way in of_domain.texts("way")? {
+            let mut own = of_domain.wherever("way", way)?.points("unknowns", "error")?;
+            own.retain(|(_, error)| *error > 0.0);
+            curves.push(Curve::new(Marked, way, own));
+        }
+        panels.push(Chart::new(domain, ["unknowns", "error of the energy, relative"], curves));
+    }
+    Ok(charts(false, &panels))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,18 +2,21 @@
 
 mod chapters;
 mod digits;
+mod notebook;
 mod times;
 
 use super::solutions::Solutions;
-use super::{artifact, figures, files_of, results};
+use super::{artifact, figures, files_of, results, study};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::names::composed;
 use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
+use crate::replication::study::Study;
 use crate::report;
 pub(crate) use crate::report::TEMPLATE;
 use crate::timing::recorded;
+use notebook::NotebookCell;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::machine::memory::give_back;
 use std::collections::{BTreeMap, BTreeSet};
@@ -80,6 +83,10 @@ struct BookParts {
     problems: Vec<Scene>,
     /// The other scenes with a table.
     others: Vec<Scene>,
+    /// Studies, by the names of their scenes.
+    studies: BTreeMap<String, Study>,
+    /// Cells of the notebook, if its page is among the templates.
+    notebook: Vec<NotebookCell>,
     /// Reason for which pages made from templates are left out, if there is one.
     left_out: Option<String>,
     /// Graph of all tasks.
@@ -109,9 +116,14 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let mut graph = Graph::of(earlier);
     graph.0.push(GraphNode::new(ID, &needs));
+    let has_notebook = project.templates.contains_key("templates/notebook.md.tera");
+    let studies = project.scenes.iter();
+    let studies = studies.filter_map(|scene| Some((&scene.name, scene.study.as_ref()?)));
     let pages = BookParts {
         problems: project.problems().into_iter().cloned().collect(),
         others,
+        studies: studies.map(|(name, study)| (name.clone(), study.clone())).collect(),
+        notebook: if has_notebook { notebook::cells() } else { Vec::new() },
         left_out: left_out(project),
         graph,
         origins: earlier.iter().filter_map(FigureOrigin::of).collect(),
@@ -123,13 +135,22 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     // The book takes the most memory of all tasks: what those before have left would add to it.
     give_back();
-    let BookParts { problems, others, left_out, graph, origins } = pages;
+    let BookParts { problems, others, studies, notebook, left_out, graph, origins } = pages;
     if let Some(reason) = left_out {
         return book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)?));
     }
-    let Solutions { listed, files } = Solutions::of(inputs, problems, others)?;
+    let Solutions { listed, mut files } = Solutions::of(inputs, problems, others)?;
+    for picture in notebook.iter().filter_map(|cell| cell.picture.as_ref()) {
+        files.insert("notebook.svg".into(), picture.clone().into_bytes());
+    }
     book(inputs, files, |templates| {
         let mut context = chapters::context(inputs, problems, others)?;
+        let mut rows = BTreeMap::new();
+        for (name, of_scene) in studies {
+            rows.insert(name, study::rows(inputs, name, of_scene)?);
+        }
+        context.insert("studies", &rows);
+        context.insert("notebook", notebook);
         context.insert("solutions", &listed);
         context.insert("commands", &(inputs.program.commands)());
         context.insert("mermaid", &graph.mermaid());
@@ -188,8 +209,8 @@ fn book(
         }
     }
     for (_, tables) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("tabulate/")) {
-        for (name, bytes) in tables {
-            // Pages link to all digits, and include the table with fewer.
+        // Pages link to all digits, and include the table with fewer.
+        for (name, bytes) in tables.iter().filter(|(name, _)| !name.ends_with(".tex")) {
             made.insert(format!("src/tables/{name}"), bytes.clone());
         }
     }

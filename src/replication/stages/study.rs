@@ -2,13 +2,14 @@
 
 use super::{from_json, solve, tabulate, to_json};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, charts};
-use crate::pipeline::error::{Error, Result};
+use crate::pipeline::error::Error;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::{Output, Scene};
-use crate::replication::study::{Axes, Member, Study, number};
+use crate::replication::study::{Axes, Member, Study, number, of_axis};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use signorini_mathematics::statement::Statement;
 use std::sync::atomic::AtomicBool;
 
@@ -78,7 +79,7 @@ pub(crate) fn numbers(
     statement: &Statement,
     files: &InputFiles,
     interrupted: &AtomicBool,
-) -> Result<Numbers> {
+) -> Result<Numbers, Error> {
     match solve::solved(statement, files, interrupted) {
         Ok(solved) => Ok(Numbers::of(statement, &solved)),
         Err(Error::Interrupted) => Err(Error::Interrupted),
@@ -107,20 +108,26 @@ impl Tabulated {
     }
 
     fn made(&self, inputs: &Inputs) -> Made {
-        let (study, mut all) = (&self.study, Vec::<Numbers>::new());
-        for member in &study.members {
-            all.push(from_json(inputs, &id(&self.name, study, &member.values), NUMBERS)?);
-        }
+        let study = &self.study;
+        let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
         let shown = tabulate::with_few_digits(&table, study.names.len());
+        let shown = shown.with_columns(|column| study.shows(column));
         // Reasons are sentences, and stand below.
-        let shown = shown.with_columns(|column| match &study.columns[..] {
-            [] => column != "reason",
-            columns => columns.iter().any(|wanted| wanted == column),
-        });
         let note = study.reasons(&all, MOST_REASONS);
         Ok(tabulate::files(&self.name, &table, &shown, &note))
     }
+}
+
+/// Returns the numbers of all members of the study of a scene.
+fn all_numbers(inputs: &Inputs, scene: &str, study: &Study) -> Result<Vec<Numbers>, String> {
+    let members = study.members.iter();
+    members.map(|member| from_json(inputs, &id(scene, study, &member.values), NUMBERS)).collect()
+}
+
+/// Returns the rows of the study of a scene, as [`Study::rows`].
+pub(super) fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Value, String> {
+    Ok(json!(study.rows(&all_numbers(inputs, scene, study)?)))
 }
 
 /// Returns a line on the members of a study that have no solution, if there are any; `outcome` reads the artifact of
@@ -146,7 +153,7 @@ pub(crate) fn without_solution(
 }
 
 /// Draws the chart of a study: a curve for each of the other values that are varied.
-pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> std::result::Result<Picture, String> {
+pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
     let study = scene.study.as_ref().ok_or("a chart is of a study")?;
     let axes = study.chart.as_ref().ok_or("the study has no chart")?;
     let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
@@ -169,16 +176,22 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> std::result::Result<Pictu
     }
     curves.retain(|(_, points)| !points.is_empty());
     let [across, up] = axes.columns.each_ref();
-    if curves.is_empty() {
-        let reason =
-            reason.unwrap_or_else(|| "on a logarithmic axis only what is positive is".into());
-        return Err(format!("no member has {across} and {up} to be drawn; {reason}"));
+    let mut title = scene.title.clone();
+    match reason {
+        // The table has the same row by row, and no error either.
+        Some(reason) if curves.is_empty() => title += &format!("\nno solution: {reason}"),
+        None if curves.is_empty() => {
+            return Err(format!(
+                "no member has {across} and {up} to be drawn; on a logarithmic axis only what is positive is"
+            ));
+        }
+        _ => {}
     }
     let curves =
         curves.into_iter().map(|(label, points)| Curve::new(Stroke::Marked, label, points));
     let names = axes.columns.each_ref().map(|column| column.replace('_', " "));
     let scales = axes.log.map(|log| if log { Scale::Logarithmic } else { Scale::Linear });
-    let chart = Chart::new(&scene.title, names.each_ref().map(String::as_str), curves.collect());
+    let chart = Chart::new(title, names.each_ref().map(String::as_str), curves.collect());
     Ok(charts(false, &[chart.scaled(scales)]))
 }
 
@@ -187,7 +200,7 @@ impl Axes {
     fn label(&self, study: &Study, member: &Member) -> String {
         let mut others = Vec::new();
         for (name, value) in study.names.iter().zip(&member.values) {
-            if !self.columns.contains(name) {
+            if !self.columns.iter().any(|column| of_axis(column).0 == name) {
                 others.push(format!("{name} = {value}"));
             }
         }
@@ -204,11 +217,12 @@ impl Axes {
         study: &Study,
         (member, numbers): (&Member, &Numbers),
     ) -> Option<f64> {
-        let column = &self.columns[axis];
+        let (column, is_reciprocal) = of_axis(&self.columns[axis]);
         let value = match study.names.iter().position(|name| name == column) {
             Some(place) => number(&member.values[place]),
             None => numbers.number(column),
         };
-        value.filter(|value| *value > 0.0 || !self.log[axis])
+        let value = value.map(|value| if is_reciprocal { 1.0 / value } else { value });
+        value.filter(|value| value.is_finite() && (*value > 0.0 || !self.log[axis]))
     }
 }

@@ -17,6 +17,11 @@ use signorini_mathematics::saddle::StopRule;
 pub(crate) const FOLDER: &str = "report/tables";
 /// First column of the table of a saddle-point method.
 const RULE: &str = "rule";
+/// Columns of the table of a solver without r that a page has room for.
+const USUAL: [&str; 6] = ["grid", "iterations", "stop", "energy", "error_relative", "kkt_relative"];
+/// First words of the columns on the ends of runs of a saddle-point method, each in words.
+const ENDS: [(&str, &str); 2] =
+    [("capped ", "the limit on iterations"), ("stop ", "no solution of the discrete problem")];
 /// Columns of the guaranteed bracket of the energy.
 const BRACKET: [&str; 2] = ["energy_lower", "energy_upper"];
 
@@ -47,6 +52,11 @@ pub(crate) fn under(table: &str, rule: StopRule) -> String {
 /// Returns the files of a table: in CSV, and as it is `shown` in Markdown and LaTeX, each with a `note` below.
 pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Artifacts {
     let (mut markdown, mut tex) = (shown.markdown(), shown.tex());
+    if shown.head.len() < table.head.len() {
+        tex += &format!(
+            "% {name}.csv has all columns; the key `columns` of a study says which are here.\n"
+        );
+    }
     for line in note.lines() {
         markdown += &format!("\n{line}\n");
         tex += &format!("% {line}\n");
@@ -121,7 +131,11 @@ impl Tabulated {
             }
             None => table_of_levels(&first),
         };
-        Ok(files(&self.name, &table, &with_few_digits(&table, 0), ""))
+        let (shown, note) = match first.r {
+            None => (table.with_columns(|column| USUAL.contains(&column)), String::new()),
+            Some(_) => without_ends(&table),
+        };
+        Ok(files(&self.name, &table, &with_few_digits(&shown, 0), &note))
     }
 }
 
@@ -146,6 +160,20 @@ fn table_of_levels(outcomes: &Outcomes) -> Table {
         table.rows.push(row);
     }
     table
+}
+
+/// Returns a table without the columns on the ends of runs, and a line for each kind of them.
+fn without_ends(table: &Table) -> (Table, String) {
+    let mut note = String::new();
+    for (word, end) in ENDS {
+        let grids = table.head.iter().filter_map(|column| column.strip_prefix(word));
+        let grids: Vec<&str> = grids.collect();
+        if !grids.is_empty() {
+            note += &format!("{end} in some runs on {}\n", grids.join(", "));
+        }
+    }
+    let is_of_end = |column: &str| ENDS.iter().any(|(word, _)| column.starts_with(word));
+    (table.with_columns(|column| !is_of_end(column)), note)
 }
 
 /// Bounds in the columns of a table, empty without.

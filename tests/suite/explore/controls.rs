@@ -157,10 +157,10 @@ await note("opened");
 choose("problem", "own");
 choose("f", "disc(1/8, -0.1,0.25)=+2 ;; else=-3/2"); choose("r", "2.5");
 choose("load", "exact"); choose("rule", "signed-dual"); choose("finest", "32"); choose("truth", false);
-await note("chosen");
+await settle(); await note("chosen");
 choose("f", "100% & more = ?#"); await note("nonsense");
 document.querySelector('[data-r="5"]').click(); choose("problem", "1"); choose("truth", true);
-await note("problem 1");
+await settle(); await note("problem 1");
 "#;
     let Some(browser) = browser() else {
         skip("no chromium; nobody has read the address of explore.html");
@@ -175,7 +175,7 @@ await note("problem 1");
             address.starts_with("?search=f&"),
             "what others say in the address stays: {address}"
         );
-        let back = notes_of(address, r#"await note("back");"#).remove(0);
+        let back = notes_of(address, r#"await settle(); await note("back");"#).remove(0);
         for what in ["status", "command", "marked", "address"] {
             assert_eq!(back[what], note[what], "{what}: {back:#}");
         }

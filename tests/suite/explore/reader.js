@@ -21,6 +21,14 @@ const status = () => document.getElementById(form.f.getAttribute("aria-described
 const controls = () => Object.fromEntries(["problem", "f", "r", "load", "rule", "finest"]
   .map((name) => [name, form[name].value]).concat([["truth", String(form.truth.checked)]]));
 
+// Waits until the page says nothing new: an iteration takes as long as the machine needs.
+async function settle() {
+  for (let said = null; said !== status();) {
+    said = status();
+    await sleep(500);
+  }
+}
+
 async function note(what, milliseconds = 500) {
   await sleep(milliseconds);
   const row = document.querySelector(".explore-counts tbody tr");

@@ -103,6 +103,12 @@ impl PartLaw {
         (flux - self.least).min(self.most - flux)
     }
 
+    /// Part of a step of a flux in the interval after which the flux is still there, at most 1.
+    pub(super) fn part_of_step(self, flux: f64, step: f64) -> f64 {
+        let room = if step > 0.0 { self.most - flux } else { flux - self.least };
+        if step.abs() > room { (room / step.abs()).max(0.0) } else { 1.0 }
+    }
+
     /// Point of the interval next to a flux. A NaN stays one.
     pub(super) fn clamp(self, flux: f64) -> f64 {
         if flux < self.least {
@@ -142,11 +148,12 @@ impl PartLaw {
         }
     }
 
-    /// Integral of `j(w) + sigma.n w` over a facet through which the flux is constant.
-    pub(super) fn work_of_facet<const N: usize>(self, values: [f64; N], flux: f64) -> f64 {
+    /// Integral of `j(w) + sigma.n w` over a facet, both linear functions there: `fluxes` has what would leave if the
+    /// density were that at the vertex everywhere.
+    pub(super) fn work_of_facet<const N: usize>(self, values: [f64; N], fluxes: [f64; N]) -> f64 {
         match Signs::find(&values) {
-            Signs::Both => flux * mean(values) + self.potential(values, 0.0),
-            signs => (flux - self.end(signs)) * values.iter().sum::<f64>() / N as f64,
+            Signs::Both => mean_product(values, fluxes) + self.potential(values, 0.0),
+            signs => mean_product(values, fluxes.map(|flux| flux - self.end(signs))),
         }
     }
 }
@@ -155,6 +162,13 @@ impl PartLaw {
 fn flux_work(v: [f64; 2], a: [f64; 2], bubble: f64) -> f64 {
     let linear = a[0] * (2.0 * v[0] + v[1]) + a[1] * (v[0] + 2.0 * v[1]);
     linear / 6.0 - bubble * (a[0] + a[1]) / 12.0
+}
+
+/// Mean of the product of two linear functions on an edge or a triangle.
+pub(super) fn mean_product<const N: usize>(one: [f64; N], two: [f64; N]) -> f64 {
+    let products: f64 = one.iter().zip(two).map(|(a, b)| a * b).sum();
+    let sums = one.iter().sum::<f64>() * two.iter().sum::<f64>();
+    (products + sums) / (N * (N + 1)) as f64
 }
 
 fn mean<const N: usize>(values: [f64; N]) -> f64 {
@@ -241,8 +255,8 @@ mod tests {
             prop_assert!((part.work(ends, fluxes, bubble) - work).abs() < 1e-5);
             let least = fluxes.map(|flux| law.project(flux));
             prop_assert!(part.work(ends, least, bubble) >= -1e-15);
-            let [_, work] = by_points(law, ends, [fluxes[0]; 2], 0.0);
-            prop_assert!((part.work_of_facet(ends, fluxes[0]) - work).abs() < 1e-5);
+            let [_, work] = by_points(law, ends, fluxes, 0.0);
+            prop_assert!((part.work_of_facet(ends, fluxes) - work).abs() < 1e-5);
         }
 
         #[test]

@@ -16,7 +16,6 @@ pub mod problems;
 mod radius;
 mod rows;
 mod saddle;
-mod sticking;
 mod stress;
 pub mod timed;
 mod trial;
@@ -45,7 +44,7 @@ pub struct Experiment {
 }
 
 /// All experiments of the book.
-pub const EXPERIMENTS: [Experiment; 9] = [
+pub const EXPERIMENTS: [Experiment; 8] = [
     Experiment {
         name: "accuracy",
         plan: |problems| json(accuracy::AccuracyPlan::new(named(problems))),
@@ -75,11 +74,6 @@ pub const EXPERIMENTS: [Experiment; 9] = [
         name: "radius",
         plan: |problems| json(radius::RadiusPlan::new(named(problems))),
         run: |plan| found(plan, radius::radius),
-    },
-    Experiment {
-        name: "sticking",
-        plan: |_| json(sticking::StickingPlan::default()),
-        run: |plan| found(plan, sticking::sticking),
     },
     Experiment {
         name: "truth",

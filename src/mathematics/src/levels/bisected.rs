@@ -36,7 +36,7 @@ impl Problem {
             meshes.push(made.mesh);
             sides = made.sides;
         }
-        let load = mesh_load(&meshes[meshes.len() - 1], &f)?;
+        let load = mesh_load(&meshes[meshes.len() - 1], &f[..])?;
         let is_curved = coarsest.parts().iter().any(|part| part.curve.is_some());
         let levels = Triangulations::of(NestedMeshes { meshes, networks }, (f, text), load);
         Ok(Self::checked(levels, law, is_curved))

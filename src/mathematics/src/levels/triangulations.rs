@@ -50,7 +50,7 @@ where
         let (f, text) = (read(coarsest, f)?, f);
         let nested = nested_meshes(coarsest, times)?;
         watch(Step::Mesh);
-        let load = mesh_load(&nested.meshes[times], &f)?;
+        let load = mesh_load(&nested.meshes[times], &f[..])?;
         load.check_scale(&f)?;
         Ok(Self::of(nested, (f, text), load))
     }
@@ -159,7 +159,7 @@ where
         if drawn + 1 == self.meshes.len() {
             return Ok((&self.load.cells.mean[..]).into());
         }
-        Ok(mesh_load(self.on(drawn), &self.f)?.cells.mean.into())
+        Ok(mesh_load(self.on(drawn), &self.f[..])?.cells.mean.into())
     }
 
     fn missed(&self) -> Option<f64> {
@@ -174,7 +174,7 @@ where
         if level + 1 == self.meshes.len() {
             return Ok(self.finest_load().into());
         }
-        Ok(mesh_load(self.on(level), &self.f)?.load.into())
+        Ok(mesh_load(self.on(level), &self.f[..])?.load.into())
     }
 
     fn components(&self) -> Vec<Component> {
@@ -184,7 +184,7 @@ where
     fn components_on_curves(&self) -> Vec<Component> {
         let mut components = self.components();
         let of_nodes = self.network().components();
-        for CurveGain { facet, measure, integral } in curve_gains(self.finest(), &self.f) {
+        for CurveGain { facet, measure, integral } in curve_gains(self.finest(), &self.f[..]) {
             let facet = &self.finest().facets()[facet];
             let component = &mut components[of_nodes[facet.nodes[0] as usize] as usize];
             component.integral += integral;

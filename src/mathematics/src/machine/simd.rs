@@ -12,7 +12,10 @@ pub(crate) fn vectorised<R>(work: impl FnOnce() -> R) -> R {
             // SAFETY: the processor has the features that the function is compiled for.
             return unsafe { avx512(work) };
         }
-        if std::arch::is_x86_feature_detected!("avx2") && allowed(Vectors::Avx2) {
+        if std::arch::is_x86_feature_detected!("avx2")
+            && std::arch::is_x86_feature_detected!("fma")
+            && allowed(Vectors::Avx2)
+        {
             // SAFETY: as above.
             return unsafe { avx2(work) };
         }
@@ -27,7 +30,7 @@ fn avx512<R>(work: impl FnOnce() -> R) -> R {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn avx2<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
@@ -115,7 +118,8 @@ pub(crate) fn with_each<R: Send>(work: impl Fn() -> R + Sync) -> Vec<R> {
     let mut results = vec![with(Vectors::None, &work)];
     #[cfg(target_arch = "x86_64")]
     {
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+        {
             // SAFETY: the processor has the features that the function is compiled for.
             results.push(with(Vectors::Avx2, &|| unsafe { avx2(&work) }));
         }

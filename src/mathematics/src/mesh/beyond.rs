@@ -19,7 +19,7 @@ pub(crate) struct CurveGain {
 }
 
 /// Returns the gains at all facets on curves. f is taken at one point of each piece between facet and curve.
-pub(crate) fn curve_gains<const D: usize, const V: usize, F: OnCells<D>>(
+pub(crate) fn curve_gains<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     mesh: &Mesh<D, V>,
     f: &F,
 ) -> Vec<CurveGain> {

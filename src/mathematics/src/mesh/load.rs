@@ -26,6 +26,9 @@ pub struct CellData {
     pub mean: Vec<f64>,
     /// L2 norm over each cell of the function less the mean; none if the function is constant on each cell.
     pub deviation: Option<Vec<f64>>,
+    /// Integrals over each cell of the function times the hat function of each vertex, one cell after the other; none
+    /// if the function is constant on each cell, or if they are not known.
+    pub shares: Option<Vec<f64>>,
 }
 
 /// f on a mesh.
@@ -88,7 +91,7 @@ impl CellsBefore<'_> {
 ///
 /// # Errors
 /// [`SourceError::NoValue`] with a point where f is not finite.
-pub fn mesh_load<const D: usize, const V: usize, F: OnCells<D>>(
+pub fn mesh_load<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     mesh: &Mesh<D, V>,
     f: &F,
 ) -> Result<MeshLoad, SourceError>
@@ -103,7 +106,7 @@ where
 ///
 /// # Errors
 /// As [`mesh_load`].
-pub(crate) fn mesh_load_after<const D: usize, const V: usize, F: OnCells<D>>(
+pub(crate) fn mesh_load_after<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     before: CellsBefore<'_>,
     mesh: &Mesh<D, V>,
     f: &F,
@@ -114,7 +117,7 @@ where
     integrated(mesh, f, Some(before))
 }
 
-fn integrated<const D: usize, const V: usize, F: OnCells<D>>(
+fn integrated<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     mesh: &Mesh<D, V>,
     f: &F,
     before: Option<CellsBefore<'_>>,
@@ -179,7 +182,7 @@ struct WeighedPart<const V: usize> {
 }
 
 /// Mesh and function to be integrated.
-struct CellWork<'a, F, const D: usize, const V: usize> {
+struct CellWork<'a, F: ?Sized, const D: usize, const V: usize> {
     mesh: &'a Mesh<D, V>,
     f: &'a F,
     before: Option<CellsBefore<'a>>,
@@ -188,7 +191,7 @@ struct CellWork<'a, F, const D: usize, const V: usize> {
     volume: f64,
 }
 
-impl<F: OnCells<D>, const D: usize, const V: usize> CellWork<'_, F, D, V>
+impl<F: OnCells<D> + ?Sized, const D: usize, const V: usize> CellWork<'_, F, D, V>
 where
     Shape<D>: CutShape<D, V>,
 {
@@ -231,6 +234,7 @@ struct LoadSums<'a, const D: usize, const V: usize> {
     load: Vec<f64>,
     mean: Vec<f64>,
     deviation: Vec<f64>,
+    shares: Vec<[f64; V]>,
     size: f64,
     unsettled: Option<f64>,
 }
@@ -243,6 +247,7 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
             load: vec![0.0; mesh.points().len()],
             mean: vec![0.0; cells],
             deviation: vec![0.0; cells],
+            shares: vec![[0.0; V]; cells],
             size: 0.0,
             unsettled: None,
         }
@@ -255,17 +260,20 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
         }
         self.mean[cell] = part.mean;
         self.deviation[cell] = part.deviation;
+        self.shares[cell] = part.shares;
         if let Some(difference) = difference {
             *self.unsettled.get_or_insert(0.0) += difference;
         }
     }
 
     fn finished(self) -> MeshLoad {
-        let Self { mesh, load, mean, deviation, size, unsettled } = self;
+        let Self { mesh, load, mean, deviation, shares, size, unsettled } = self;
         let masses = mesh.cells().iter().zip(&mean);
         let integral = masses.map(|(cell, mean)| volume(mesh.vertices(cell)) * mean).sum();
         let is_constant = deviation.iter().all(|deviation| *deviation == 0.0);
-        let cells = CellData { mean, deviation: (!is_constant).then_some(deviation) };
+        let deviation = (!is_constant).then_some(deviation);
+        let shares = (!is_constant).then(|| shares.into_flattened());
+        let cells = CellData { mean, deviation, shares };
         MeshLoad { load, cells, integral, size, unsettled }
     }
 }

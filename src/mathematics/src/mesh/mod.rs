@@ -34,6 +34,7 @@ mod refine;
 mod same_place;
 mod sides;
 mod source;
+mod split;
 mod uniform;
 
 pub use any::AnyMesh;

@@ -73,7 +73,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     pub(super) fn touching(&self, boundary: &BoundaryFacets<D>) -> Option<Touching> {
         let places = self.places(boundary);
         let first_pair = places.doubled.first().map(|&node| [places.first[node as usize], node])?;
-        let components = self.components();
+        let components = components(self.points.len(), &self.cells);
         let are_apart = |nodes: &[u32; 2]| {
             let [one, two] = nodes.map(|node| components[node as usize]);
             one != two
@@ -158,19 +158,19 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         let reach = |edge: f64| (SAME * size).min(APART * edge);
         shortest.into_iter().map(|edge| if edge.is_finite() { reach(edge) } else { 0.0 }).collect()
     }
+}
 
-    /// Connected component of each node, as one of its nodes.
-    fn components(&self) -> Vec<u32> {
-        let mut above: Vec<u32> = (0..).take(self.points.len()).collect();
-        for cell in &self.cells {
-            let first = root(&mut above, cell[0]);
-            for &node in &cell[1..] {
-                let other = root(&mut above, node);
-                above[other as usize] = first;
-            }
+/// Connected component of each of so many nodes by the cells, as one of its nodes.
+pub(super) fn components<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Vec<u32> {
+    let mut above: Vec<u32> = (0..).take(nodes).collect();
+    for cell in cells {
+        let first = root(&mut above, cell[0]);
+        for &node in &cell[1..] {
+            let other = root(&mut above, node);
+            above[other as usize] = first;
         }
-        (0..).take(self.points.len()).map(|node| root(&mut above, node)).collect()
     }
+    (0..).take(nodes).map(|node| root(&mut above, node)).collect()
 }
 
 /// Root of the tree of a node; halves the way to it.

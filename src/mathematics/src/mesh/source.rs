@@ -130,7 +130,7 @@ impl<const D: usize> OnCells<D> for Source<D> {
 }
 
 /// f on each region.
-impl<const D: usize> OnCells<D> for Vec<Source<D>> {
+impl<const D: usize> OnCells<D> for [Source<D>] {
     fn pieces(&self, region: u16) -> Option<ConstantPieces<'_, D>> {
         OnCells::pieces(&self[usize::from(region)], region)
     }
@@ -198,10 +198,10 @@ mod tests {
     fn loads_sum_to_the_integral_and_constants_are_exact() {
         let mesh = BuiltIn::LShape.plane().unwrap();
         let f = |text: &str| on_regions::<2>(text, mesh.region_names(), 1.0).unwrap();
-        let made = mesh_load(&mesh, &f("rect(-1,0,-1,0)=3; else=-2")).unwrap();
+        let made = mesh_load(&mesh, &f("rect(-1,0,-1,0)=3; else=-2")[..]).unwrap();
         assert_eq!((made.integral, made.size, made.cells.deviation), (-1.0, 7.0, None));
         assert!((made.load.iter().sum::<f64>() + 1.0).abs() < 1e-15);
-        let cut = mesh_load(&mesh, &f("disc(0,0,0.5)=3; else=-2")).unwrap();
+        let cut = mesh_load(&mesh, &f("disc(0,0,0.5)=3; else=-2")[..]).unwrap();
         assert!(cut.cells.deviation.is_some());
     }
 }

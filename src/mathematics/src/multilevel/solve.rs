@@ -22,13 +22,13 @@ use crate::problem::law::Law;
 /// is the goal. Each step lowers the distance to the least energy by ten and more, so that a hundredth of the
 /// discretisation error, a tenth in the energy norm, is left.
 const LAST_STEP: f64 = 0.1;
-/// Steps in which the residual has to halve; if it does not, no further step may raise the energy.
-const PATIENCE: usize = 10;
 /// Number of steps over which their speed is measured.
 const MEASURED_STEPS: usize = 8;
 /// Part of the residual that is left after these steps from which on they are slow: 15 to 21 steps are usual to
 /// rounding errors, and each leaves a third.
 const SLOW: f64 = 0.03;
+/// Such part from which on no further step may raise the energy.
+const STALLED: f64 = 0.5;
 /// Most steps on the coarsest level of aggregates.
 const COARSEST_STEPS: usize = 30;
 
@@ -207,10 +207,6 @@ struct NetworkRun<'a> {
     coarse_energy: f64,
     /// Energy by which the last step has lowered that on the finest level.
     lowered: f64,
-    /// Residual on the finest level when it had last halved.
-    halved: f64,
-    /// Steps since then.
-    since: usize,
     /// Residual on the finest level before the last steps, by which their speed is measured.
     before: f64,
     /// Number of these steps.
@@ -234,8 +230,6 @@ impl<'a> NetworkRun<'a> {
             iterate: None,
             coarse_energy: 0.0,
             lowered: 0.0,
-            halved: f64::INFINITY,
-            since: 0,
             before: f64::INFINITY,
             measured: 0,
             residual: f64::INFINITY,
@@ -261,9 +255,9 @@ impl<'a> NetworkRun<'a> {
             needed: self.needed.clone(),
         };
         let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));
-        (self.halved, self.since) = (iterate.natural_residual(), 0);
-        (self.before, self.measured, self.residual) = (self.halved, 0, self.halved);
-        Ok(self.halved)
+        let residual = iterate.natural_residual();
+        (self.before, self.measured, self.residual) = (residual, 0, residual);
+        Ok(residual)
     }
 
     /// Solves on the coarsest level of aggregates, where the cycle is the inverse but for the contact set.
@@ -343,15 +337,11 @@ impl Hierarchy for NetworkRun<'_> {
         }
         let iterate = self.iterate.as_mut().expect("a level finer than the coarsest");
         self.lowered = iterate.step(&mut self.cycle, finest);
-        let residual = iterate.natural_residual();
-        self.since += 1;
-        if residual <= 0.5 * self.halved {
-            (self.halved, self.since) = (residual, 0);
-        }
+        (self.residual, self.measured) = (iterate.natural_residual(), self.measured + 1);
         // Sets of held nodes may follow each other in a circle; where the energy falls, none returns.
-        iterate.is_guarded |= self.since >= PATIENCE;
-        (self.residual, self.measured) = (residual, self.measured + 1);
-        residual
+        iterate.is_guarded |=
+            self.measured == MEASURED_STEPS && self.residual > STALLED * self.before;
+        self.residual
     }
 
     fn is_slow(&self) -> bool {

@@ -291,6 +291,17 @@ impl Law {
         // By subtraction, since the negative of zero is another zero.
         [0.0 - self.hi * perimeter, 0.0 - self.lo * perimeter]
     }
+
+    /// Friction or limit, in two digits and with something to spare, under which the flux can be this one on average;
+    /// none if the law is neither, or no limit lets such a flux through.
+    pub(super) fn balancing(self, flux: f64) -> Option<LawParameter> {
+        let parameter = match () {
+            () if self.lo == -self.hi => LawParameter::Friction(above(flux.abs())),
+            () if self.lo == 0.0 && flux > 0.0 => LawParameter::Limit(above(flux)),
+            () => return None,
+        };
+        parameter.law().is_ok().then_some(parameter)
+    }
 }
 
 /// The interval, as it stands in messages.
@@ -325,6 +336,15 @@ impl LawParameter {
     pub fn law_or_papers(parameter: Option<Self>) -> Result<Law, LawError> {
         parameter.map_or(Ok(Law::SIGNORINI), Self::law)
     }
+}
+
+/// A number of two digits above a positive one.
+fn above(value: f64) -> f64 {
+    let scientific = format!("{value:e}");
+    let exponent =
+        scientific.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
+    let unit = exponent.map_or(f64::NAN, |exponent| libm::exp10(f64::from(exponent - 1)));
+    format!("{:.1e}", value + unit).parse().unwrap_or(f64::NAN)
 }
 
 fn positive(name: &'static str, value: f64) -> Result<f64, LawError> {

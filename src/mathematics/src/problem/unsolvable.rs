@@ -1,7 +1,7 @@
 //! The condition (2) of the paper: whether a problem has a unique solution, asked of numbers in one place.
 
-use super::law::Law;
-use super::text::plain;
+use super::law::{Law, LawParameter};
+use super::text::{Written, plain};
 
 /// Reason for which a problem has no unique solution: a connected component of the domain violates the condition (2).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -23,12 +23,12 @@ pub enum Unsolvable {
     },
     /// The integral of f is one that the flux under another law cannot balance.
     #[error(
-        "the integral of f{} is {}, but the flux through the boundary can only balance one between {} and {}; change \
-         f, or widen the law",
+        "the integral of f{} is {}, but the flux through the boundary can only balance one between {} and {}; {}",
         over(*component),
         plain(*integral, 4),
         plain(*least, 4),
-        plain(*most, 4)
+        plain(*most, 4),
+        remedy(*enough, *has_parts)
     )]
     Unbalanced {
         /// Integral of f.
@@ -39,6 +39,10 @@ pub enum Unsolvable {
         least: f64,
         /// Upper end; not reached.
         most: f64,
+        /// Law of the same kind that balances it; none if none does.
+        enough: Option<LawParameter>,
+        /// True if the boundary has parts that can be fixed.
+        has_parts: bool,
     },
     /// The whole boundary is free.
     #[error(
@@ -66,6 +70,20 @@ impl Unsolvable {
 /// Words for the component of the domain.
 fn over(component: Option<usize>) -> String {
     component.map_or_else(String::new, |number| format!(" over component {number} of the domain"))
+}
+
+/// Advice where the law cannot balance f; the boundary may have parts.
+fn remedy(enough: Option<LawParameter>, has_parts: bool) -> String {
+    let raised = enough.map(|parameter| match parameter {
+        LawParameter::Friction(g) => format!("raise friction to {}", Written(g)),
+        LawParameter::Limit(limit) => format!("raise limit to {}", Written(limit)),
+    });
+    match (raised, has_parts) {
+        (Some(raised), true) => format!("{raised}, change f, or fix a part of the boundary"),
+        (Some(raised), false) => format!("{raised}, or change f"),
+        (None, true) => "change f, or fix a part of the boundary".into(),
+        (None, false) => "change f".into(),
+    }
 }
 
 /// Connected component of a domain, with f or with a load vector.
@@ -111,7 +129,8 @@ impl Component {
         Err(if law.is_signorini() {
             Unsolvable::NotCoercive { integral, component, has_parts }
         } else {
-            Unsolvable::Unbalanced { integral, component, least, most }
+            let enough = law.balancing(-integral / measure);
+            Unsolvable::Unbalanced { integral, component, least, most, enough, has_parts }
         })
     }
 }
@@ -127,6 +146,17 @@ mod tests {
         assert!(check(friction, -1.19).is_ok() && check(friction, 1.19).is_ok());
         let message = check(friction, 1.2).unwrap_err().to_string();
         assert!(message.contains("between -1.2") && !message.contains('\n'), "{message}");
+        assert!(message.ends_with("; raise friction to 0.31, or change f"), "{message}");
+        for integral in [1.2f64, -1.2, 17.3, -4e-9, 1e30] {
+            let narrow = check(Law::friction(integral.abs() / 5.0).unwrap(), integral);
+            let Err(Unsolvable::Unbalanced { enough: Some(enough), .. }) = narrow else { panic!() };
+            assert_eq!(check(enough.law().unwrap(), integral), Ok(()));
+        }
+        let limited = Law::limited(0.1).unwrap();
+        let message = check(limited, -1.0).unwrap_err().to_string();
+        assert!(message.ends_with("; raise limit to 0.26, or change f"), "{message}");
+        let message = check(limited, 1.0).unwrap_err().to_string();
+        assert!(message.ends_with("and 0; change f"), "{message}");
         assert!(check(Law::SIGNORINI, -1e-9).is_ok());
         let error = check(Law::SIGNORINI, 0.0).unwrap_err();
         assert!(matches!(error, Unsolvable::NotCoercive { integral: 0.0, .. }), "{error}");

@@ -235,17 +235,33 @@ pub fn takes_spectral(problem: &Problem) -> bool {
     }
 }
 
+/// Finds the true solution by the method for any domain in the plane.
+fn on_mesh(problem: &Problem) -> Result<TrueSolution, Refusal> {
+    on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, problem.law()))
+}
+
 /// Finds the true solution on a domain in the plane, without a level: on the square for constant pieces by its closed
-/// form.
+/// form if that finds it.
 pub(super) fn truth(
     problem: &Problem,
     _: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
+    /// Note on a solution on the square without its closed form.
+    const SECOND: &str = "the closed form of the square found no solution; this one is a sum of functions with the \
+                          digits that its bounds have in common";
     let law = problem.law();
     let found = match problem.lattices().map(Lattices::source) {
-        Some(f) if !f.is_smooth() => true_solution(law, f)?,
-        _ => on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, law))?,
+        Some(f) if !f.is_smooth() => match true_solution(law, f) {
+            // What its closed form does not find on the square, the method for any domain may.
+            Err(error) if !error.is_of_input() => {
+                let mut found = on_mesh(problem).map_err(|_| error)?;
+                found.note.get_or_insert_with(|| SECOND.into());
+                found
+            }
+            found => found?,
+        },
+        _ => on_mesh(problem)?,
     };
     Ok(FoundSolution::Truth(found.into()))
 }

@@ -3,7 +3,7 @@
 use super::complex::distance;
 use super::jumps::Jumps;
 use super::panels::LANES;
-use super::place::{BoundaryPlace, tangent};
+use super::place::{BoundaryPlace, on_side, tangent};
 use super::potential::Potential;
 use super::rule::halved;
 use crate::problem::complex::Complex;
@@ -115,7 +115,7 @@ fn point(side: i32, t: f64) -> Complex {
 
 /// Ends of the pieces of a side, as distances from the corner at which it begins.
 fn spans(jumps: &Jumps, side: i32) -> Vec<[f64; 2]> {
-    let mut breaks: Vec<f64> = jumps.crossings_on(side).chain([0.0, 1.0]).collect();
+    let mut breaks: Vec<f64> = on_side(&jumps.crossings, side).chain([0.0, 1.0]).collect();
     breaks.sort_by(f64::total_cmp);
     let mut spans = Vec::new();
     for ends in breaks.windows(2) {

@@ -3,19 +3,14 @@
 use super::Solution;
 use super::place::{BoundaryPlace, tangent};
 use crate::problem::complex::Complex;
-use std::f64::consts::TAU;
 
 /// Distance from the boundary below which a point is taken for one of the boundary.
 const ON_BOUNDARY: f64 = 1e-6;
-/// Step of the difference along the boundary.
-const STEP: f64 = 1e-4;
-/// Points of the circle around a point inside, a quarter as wide as its distance from the boundary: 4^-23 is rounding.
-const AROUND: u32 = 24;
 
 impl Solution {
-    /// v and its gradient at a point; none outside of the square. Inside, the gradient of the harmonic part is a mean
-    /// over a circle, which loses as many digits as the distance from the boundary has zeros. On the boundary its
-    /// normal part is the multiplier, and the part along it a difference, of about seven digits but where contact ends.
+    /// v and its gradient at a point; none outside of the square. Inside, the gradient of the harmonic part is an
+    /// integral over the boundary, which loses as many digits as the distance from there has zeros. On the boundary
+    /// the normal part of the gradient is the multiplier.
     pub fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
         let &[x, y] = point else { return None };
         let distance = 0.5 - x.abs().max(y.abs());
@@ -26,33 +21,14 @@ impl Solution {
         if distance < ON_BOUNDARY {
             let place = BoundaryPlace::nearest(z);
             let [v, multiplier] = self.under_law(place.point().coordinates());
-            return Some((v, self.gradient_on(place, multiplier).coordinates()));
+            let along = tangent(place.corner, place.t);
+            // The side is on the left of its outer normal.
+            let slope = along.scaled(self.trace.at(place).along);
+            return Some((v, (slope - along.turned().scaled(multiplier)).coordinates()));
         }
         let [psi] = self.problem.jumps.psi.gradients(&[z])[..] else { return None };
-        let gradient = psi + self.harmonic_gradient(z, 0.25 * distance);
+        let gradient = psi + self.trace.harmonic_gradient(z);
         Some((self.value(x, y), gradient.coordinates()))
-    }
-
-    /// Gradient at a place on the boundary with this multiplier.
-    fn gradient_on(&self, place: BoundaryPlace, multiplier: f64) -> Complex {
-        let along = tangent(place.corner, place.t);
-        let (side, t) = place.on_side();
-        let ends = [t - STEP, t + STEP].map(|t| t.clamp(0.0, 1.0));
-        let [before, after] =
-            ends.map(|t| self.under_law(BoundaryPlace::new(side, t).point().coordinates())[0]);
-        // The side is on the left of its outer normal.
-        let slope = (after - before) / (ends[1] - ends[0]);
-        along.scaled(slope) + (-along.turned()).scaled(multiplier)
-    }
-
-    /// Gradient of v - psi, which is harmonic, from its values on a circle around a point.
-    fn harmonic_gradient(&self, z: Complex, radius: f64) -> Complex {
-        let mut sum = Complex::default();
-        for k in 0..AROUND {
-            let way = Complex::unit(TAU * f64::from(k) / f64::from(AROUND));
-            sum = sum + way.scaled(self.trace.harmonic(z + way.scaled(radius)));
-        }
-        sum.scaled(2.0 / (radius * f64::from(AROUND)))
     }
 }
 

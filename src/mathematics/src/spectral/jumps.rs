@@ -1,15 +1,20 @@
-//! Curves inside the square across which f jumps.
+//! Curves inside a domain across which f jumps, cut where they meet, and continued beyond the boundary for psi.
+//!
+//! Inside, pieces of curves carry the difference of f on their two sides, whose sum at each vertex is zero. Outside, a
+//! piece goes on along its curve: a line beyond the last side to infinity; else to the middle of its way outside, or for
+//! a length of two, and from there away from the domain. Where the next piece has the same jump, so does all between.
 
-use super::curve::{Arc, Curve, ROUNDING, SAME, SIDES, borders};
+use super::curve::{Arc, Curve, ROUNDING, SAME, borders};
+use super::domain::PlaneDomain;
 use super::parts::{CurvePart, append, close};
-use super::place::BoundaryPlace;
+use super::plane::{PlaneError, RegionBorder};
 use super::potential::Potential;
+use super::way_out::WayOut;
 use crate::problem::complex::Complex;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;
-use std::fmt;
 
-/// Piece of a jump inside the square, between vertices or points of the boundary.
+/// Piece of a jump inside the domain, between vertices or points of the boundary.
 #[derive(Clone, Debug)]
 pub(super) struct JumpEdge {
     pub arc: Arc,
@@ -17,41 +22,29 @@ pub(super) struct JumpEdge {
     pub values: [f64; 2],
 }
 
-/// Two borders that nearly touch, by the shapes that they bound.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Touch(pub [String; 2]);
-
-impl fmt::Display for Touch {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "; the borders of {} and {} nearly touch", self.0[0], self.0[1])
-    }
-}
-
-/// All jumps of f inside the square.
-///
-/// For psi, f is continued beyond the boundary: a line to infinity, an arc to the middle of its way outside, or for a
-/// length of two, and straight to infinity from there.
-#[derive(Clone)]
+/// All jumps of f inside a domain.
+#[derive(Clone, Default)]
 pub(super) struct Jumps {
-    f: Source,
-    /// Borders of all shapes, in full.
+    /// Borders of all shapes, in full; none of regions.
     pub curves: Vec<Curve>,
     /// First shape that each of the curves bounds.
-    shapes: Vec<Shape<2>>,
+    pub shapes: Vec<Shape<2>>,
     pub edges: Vec<JumpEdge>,
     /// Points at which edges meet the boundary.
-    pub crossings: Vec<BoundaryPlace>,
+    pub crossings: Vec<Complex>,
     /// Vertices that stand for all others within [`NEAR`].
     hubs: Vec<usize>,
-    /// Potential of the jumps. Its vertices are the points at which edges meet inside the square, and the ends of arcs
-    /// outside.
+    /// Potential of the jumps, without the background. Its vertices are the points at which edges meet inside the
+    /// domain, and ends and bends outside.
     pub psi: Potential,
 }
 
 /// Distance of vertices below which they count as one.
 const NEAR: f64 = 10.0 * SAME;
-/// Distance of crossings below which they are one, and of a point from a side below which it is on the side.
+/// Distance of crossings below which they are one, and of a point from the boundary below which it is there.
 pub(super) const APART: f64 = 1e-13;
+/// Longest way along a curve outside of the domain: psi would grow with the square of the radius.
+const FARTHEST: f64 = 2.0;
 
 /// Point at which a curve meets another one, or a side.
 #[derive(Clone, Copy)]
@@ -62,68 +55,71 @@ struct CurveCut {
     side: bool,
 }
 
-/// Piece of a curve with f on its left and right, none outside of the square.
+/// Piece of a curve with f on its left and right, none outside of the domain.
 type CurvePiece = CurvePart<Option<[f64; 2]>>;
 
 impl Jumps {
-    pub(super) fn new(f: &Source) -> Self {
-        let (mut curves, mut shapes): (Vec<Curve>, Vec<Shape<2>>) = (Vec::new(), Vec::new());
+    /// Jumps of constant pieces.
+    ///
+    /// # Errors
+    /// [`PlaneError::NotFound`] if there is no way out of a bay.
+    pub(super) fn of_pieces(domain: &PlaneDomain, f: &Source) -> Result<Self, PlaneError> {
+        assert!(!f.is_smooth(), "f consists of constant pieces");
+        let mut jumps = Self::default();
         if let Source::Pieces { pieces, .. } = f {
             for &(shape, _) in pieces {
                 for curve in borders(&shape) {
                     // Common borders of two shapes are one curve.
-                    if !curves.iter().any(|&other| other.same(curve)) {
-                        curves.push(curve);
-                        shapes.push(shape);
+                    if !jumps.curves.iter().any(|&other| other.same(curve)) {
+                        jumps.curves.push(curve);
+                        jumps.shapes.push(shape);
                     }
                 }
             }
         }
-        let (edges, crossings, hubs) = (Vec::new(), Vec::new(), Vec::new());
-        let psi = Potential::default();
-        let mut jumps = Self { f: f.clone(), curves, shapes, edges, crossings, hubs, psi };
-        for k in 0..jumps.curves.len() {
-            jumps.add(k);
+        for (k, curve) in jumps.curves.clone().into_iter().enumerate() {
+            let pieces = pieces(domain, curve, jumps.cuts(domain, k), |span| {
+                jumps.beside(k, span).map(|z| f.at(z.coordinates()))
+            });
+            jumps.add(domain, curve, &pieces)?;
         }
-        jumps.psi.complete(|z| f.at([z.re, z.im]));
-        jumps
+        Ok(jumps)
     }
 
-    /// f at a point.
-    pub(super) fn value(&self, z: Complex) -> f64 {
-        self.f.at([z.re, z.im])
-    }
-
-    /// The two borders that come nearest to touching or coinciding without doing so, if any nearly do.
-    pub(super) fn nearly_touching(&self) -> Option<Touch> {
-        /// Angle, or distance, below which borders nearly touch.
-        const NEARLY: f64 = 0.03;
-        let many = self.curves.len();
-        let curves = [&self.curves[..], &SIDES[..]].concat();
-        let (mut nearest, mut touch) = (NEARLY, None);
-        for k in 0..many {
-            for j in k + 1..curves.len() {
-                let apart = curves[k].apartness(curves[j]);
-                if apart < nearest && !curves[k].touches(curves[j]) {
-                    nearest = apart;
-                    touch = Some(Touch([k, j].map(|k| self.border_name(k))));
-                }
+    /// Jumps between regions, whose borders meet one another and the boundary at their ends only.
+    ///
+    /// # Errors
+    /// [`PlaneError::NotFound`] if there is no way out of a bay.
+    pub(super) fn of_regions(
+        domain: &PlaneDomain,
+        borders: &[RegionBorder],
+    ) -> Result<Self, PlaneError> {
+        /// Distance of an end from the boundary below which it is there.
+        const ON: f64 = 1e-9;
+        let mut jumps = Self::default();
+        for &RegionBorder { side, mut values } in borders {
+            let mut arc = side.arc;
+            if arc.span[0] > arc.span[1] {
+                arc = arc.reversed();
+                values.reverse();
             }
-        }
-        touch
-    }
-
-    /// Name of a shape by the number of a curve that bounds it; curves after the last are the sides.
-    fn border_name(&self, curve: usize) -> String {
-        match self.shapes.get(curve) {
-            Some(shape) => shape.to_string(),
-            None => {
-                let side = ["left", "right", "lower", "upper"][curve - self.curves.len()];
-                format!("the {side} side")
+            let Arc { curve, span: [from, to], .. } = arc;
+            let period = curve.period().unwrap_or(f64::INFINITY);
+            let mut cuts = on_sides(domain, curve);
+            if to - from < period - SAME {
+                let inside = [from, to].into_iter().filter(|&s| domain.distance(curve.at(s)) > ON);
+                let ends = inside.map(|s| curve.place(curve.at(s)));
+                cuts.extend(ends.map(|s| CurveCut { s, side: false }));
             }
+            let pieces = pieces(domain, curve, cuts, |[a, b]| {
+                let after = 0.5 * (a + b) - from;
+                let after = if period.is_finite() { after.rem_euclid(period) } else { after };
+                if (0.0..=to - from).contains(&after) { values } else { [0.0; 2] }
+            });
+            jumps.add(domain, curve, &pieces)?;
         }
+        Ok(jumps)
     }
-
     /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
     /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
     /// within `on` of the piece coincide with it.
@@ -135,140 +131,102 @@ impl Jumps {
         room
     }
 
-    /// Points at which edges meet a side, as distances from the corner at which it begins.
-    pub(super) fn crossings_on(&self, side: i32) -> impl Iterator<Item = f64> {
-        let places = self.crossings.iter().map(|place| place.on_side());
-        places.filter(move |&(met, _)| met == side).map(|(_, t)| t)
+    /// Points on both sides of the middle of a piece of the `k`-th curve; the same one if a curve before has its jump.
+    fn beside(&self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
+        let (curve, s) = (self.curves[k], 0.5 * (from + to));
+        let along = [from, s, to].map(|s| curve.at(s));
+        let (z, normal) = (along[1], curve.direction(s).turned());
+        let step = normal.scaled(self.room(along, curve.rounding().max(SAME), ROUNDING));
+        // Where two curves touch, the jump is that of the first.
+        let known = self.curves[..k].iter().any(|other| other.holds(along, ROUNDING));
+        if known { [z; 2] } else { [z + step, z - step] }
     }
 
-    /// Adds the jumps along the `k`-th curve.
-    fn add(&mut self, k: usize) {
-        let (curve, pieces) = (self.curves[k], self.pieces(k));
-        let closed = pieces.len() == 1 && curve.period().is_some();
-        for &CurvePart { span, value } in &pieces {
-            let Some(values @ [left, right]) = value else { continue };
-            if left == right {
-                continue;
-            }
-            let ends = if closed { [None; 2] } else { span.map(|s| self.meet(curve, s)) };
-            let arc = Arc { curve, span, ends };
-            let stitches = self.stitches(arc);
-            if curve.period().is_none() {
-                for arc in stitches.iter().copied().chain([arc]) {
-                    self.psi.add(arc, left - right);
-                }
-            }
-            self.edges.push(JumpEdge { arc, values });
-            self.edges.extend(stitches.into_iter().map(|arc| JumpEdge { arc, values }));
-        }
-        if let Some(period) = curve.period() {
-            self.continue_circle(curve, period, &pieces);
-        }
-    }
-
-    /// Adds the jumps of a circle to psi, each with half of the way outside the square to the next, but no more than
-    /// `FARTHEST`: psi would grow with the square of the radius.
-    fn continue_circle(&mut self, circle: Curve, period: f64, pieces: &[CurvePiece]) {
-        const FARTHEST: f64 = 2.0;
-        let many = pieces.len();
-        // Lengths by which the neighbours of a piece go on along it.
-        let mut beyond = vec![0.0; many];
-        for (length, piece) in beyond.iter_mut().zip(pieces) {
-            if piece.value.is_none() {
-                *length = FARTHEST.min(0.5 * (piece.span[1] - piece.span[0]));
-            }
-        }
-        let mut arcs: Vec<CurvePart<f64>> = Vec::new();
-        for (k, &CurvePart { span: [from, to], value }) in pieces.iter().enumerate() {
-            let Some([left, right]) = value else { continue };
-            let span = [from - beyond[(k + many - 1) % many], to + beyond[(k + 1) % many]];
-            append(&mut arcs, CurvePart { span, value: left - right });
-        }
-        close(&mut arcs, period);
-        for CurvePart { span, value: jump } in arcs {
-            if jump == 0.0 {
-                continue;
-            }
-            if span[1] - span[0] > period - SAME {
-                self.psi.add(Arc { curve: circle, span, ends: [None; 2] }, jump);
-                continue;
-            }
-            let ends = span.map(|s| self.vertex(circle.at(s)));
-            let arc = Arc { curve: circle, span, ends: ends.map(Some) };
-            for arc in self.stitches(arc).into_iter().chain([arc]) {
-                self.psi.add(arc, jump);
-            }
-            for (tip, jump) in ends.into_iter().zip([-jump, jump]) {
-                let z = self.psi.vertices[tip];
-                if depth(z) <= APART {
-                    let curve = Curve::line(z, z.scaled(1.0 / z.norm()));
-                    self.psi.add(Arc { curve, span: [0.0, 1.0], ends: [Some(tip), None] }, jump);
-                }
-            }
-        }
-    }
-
-    /// Pieces of a curve between the others and the sides, once around a circle; neighbours with the same values
-    /// on both sides are one.
-    fn pieces(&self, k: usize) -> Vec<CurvePiece> {
+    /// Points at which a curve meets the others inside the domain, and the sides.
+    fn cuts(&self, domain: &PlaneDomain, k: usize) -> Vec<CurveCut> {
         let curve = self.curves[k];
-        let mut cuts = self.cuts(k);
-        if let Some(period) = curve.period() {
-            let first = cuts.first().copied().unwrap_or(CurveCut { s: 0.0, side: true });
-            cuts.resize(cuts.len().max(1), first);
-            cuts.push(CurveCut { s: first.s + period, ..first });
-        }
-        cuts.dedup_by(|b, a| b.s - a.s < if a.side == b.side { SAME } else { ROUNDING });
-        let (mut pieces, rounding) = (Vec::new(), curve.rounding());
-        for cut in cuts.windows(2) {
-            let [from, to] = [cut[0].s, cut[1].s];
-            let s = 0.5 * (from + to);
-            let along = [from, s, to].map(|s| curve.at(s));
-            let (z, normal) = (along[1], curve.direction(s).turned());
-            let step = normal.scaled(self.room(along, rounding.max(SAME), ROUNDING));
-            // Curves meet one another inside only.
-            let inside = depth(z) > rounding.max(APART) || cut.iter().any(|cut| !cut.side);
-            // Where two curves touch, the jump is that of the first.
-            let known = self.curves[..k].iter().any(|other| other.holds(along, ROUNDING));
-            let sides = if known { [z; 2] } else { [z + step, z - step] };
-            let value = inside.then(|| sides.map(|z| self.value(z)));
-            append(&mut pieces, CurvePart { span: [from, to], value });
-        }
-        if let Some(period) = curve.period() {
-            close(&mut pieces, period);
-        }
-        pieces
-    }
-
-    /// Points at which a curve meets the others and the sides, in order.
-    fn cuts(&self, k: usize) -> Vec<CurveCut> {
-        let (curve, many) = (self.curves[k], self.curves.len());
-        let mut cuts = Vec::new();
-        for (j, other) in self.curves.iter().copied().chain(SIDES).enumerate() {
+        let mut cuts = on_sides(domain, curve);
+        for (j, other) in self.curves.iter().copied().enumerate() {
             // Where curves meet at a small angle their common points are known to few digits: both are cut at the same.
             let places = match j < k {
                 true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
                 false => curve.meets(other),
             };
-            for s in places {
-                // A meeting so near to a side happens on the side.
-                if j >= many || depth(curve.at(s)) > APART {
-                    cuts.push(CurveCut { s, side: j >= many });
-                }
-            }
+            // A meeting so near to a side happens on the side.
+            let inside = places.into_iter().filter(|&s| domain.depth(curve.at(s)) > APART);
+            cuts.extend(inside.map(|s| CurveCut { s, side: false }));
         }
-        cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
         cuts
     }
 
+    /// Adds the jumps along a curve, cut into pieces, with their continuation beyond the boundary.
+    fn add(
+        &mut self,
+        domain: &PlaneDomain,
+        curve: Curve,
+        pieces: &[CurvePiece],
+    ) -> Result<(), PlaneError> {
+        let whole = pieces.len() == 1 && curve.period().is_some();
+        for &CurvePart { span, value } in pieces {
+            let Some(values) = value.filter(|[left, right]| left != right) else { continue };
+            let ends = if whole { [None; 2] } else { span.map(|s| self.meet(domain, curve.at(s))) };
+            let arc = Arc { curve, span, ends };
+            self.edges.push(JumpEdge { arc, values });
+            let stitches = self.stitches(arc);
+            self.edges.extend(stitches.into_iter().map(|arc| JumpEdge { arc, values }));
+        }
+        let open = tails(curve, pieces);
+        for CurvePart { span, value: jump } in continued(curve, pieces) {
+            if jump == 0.0 {
+                continue;
+            }
+            if curve.period().is_some_and(|period| span[1] - span[0] > period - SAME) {
+                self.psi.add(Arc { curve, span, ends: [None; 2] }, jump);
+                continue;
+            }
+            let is_open = [0, 1].map(|k| open.is_some_and(|open| open[k] == span[k]));
+            let ends = [0, 1].map(|k| (!is_open[k]).then(|| self.vertex(curve.at(span[k]))));
+            let arc = Arc { curve, span, ends };
+            for arc in self.stitches(arc).into_iter().chain([arc]) {
+                self.psi.add(arc, jump);
+            }
+            for (end, jump) in ends.into_iter().zip([-jump, jump]) {
+                if let Some(tip) = end
+                    && domain.depth(self.psi.vertices[tip]) <= APART
+                {
+                    self.lead_away(domain, tip, jump)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Leads a jump from a vertex outside of the domain to infinity, or to the middle of a hole.
+    fn lead_away(&mut self, domain: &PlaneDomain, tip: usize, jump: f64) -> Result<(), PlaneError> {
+        let text = "f jumps into a bay from which no way out was found";
+        let WayOut { bends, ray } = domain
+            .way_out(self.psi.vertices[tip])
+            .ok_or_else(|| PlaneError::NotFound(text.into()))?;
+        let mut last = tip;
+        for bend in bends {
+            let next = self.vertex(bend);
+            self.psi.add(self.straight(last, next), jump);
+            last = next;
+        }
+        if let Some(direction) = ray {
+            let curve = Curve::line(self.psi.vertices[last], direction);
+            self.psi.add(Arc { curve, span: [0.0, 1.0], ends: [Some(last), None] }, jump);
+        }
+        Ok(())
+    }
+
     /// Records the point at which an edge ends. Returns the vertex there, or none on the boundary.
-    fn meet(&mut self, curve: Curve, s: f64) -> Option<usize> {
-        let z = curve.at(s);
-        if depth(z) > APART {
+    fn meet(&mut self, domain: &PlaneDomain, z: Complex) -> Option<usize> {
+        if domain.depth(z) > APART {
             return Some(self.vertex(z));
         }
-        if !self.crossings.iter().any(|place| (place.point() - z).norm() < APART) {
-            self.crossings.push(BoundaryPlace::nearest(z));
+        if !self.crossings.iter().any(|&other| (other - z).norm() < APART) {
+            self.crossings.push(z);
         }
         None
     }
@@ -298,16 +256,86 @@ impl Jumps {
             let hub = hubs.find(|&hub| (vertices[hub] - vertices[v]).norm() <= NEAR);
             let Some(hub) = hub.filter(|&hub| hub != v) else { continue };
             let [from, to] = if k == 0 { [hub, v] } else { [v, hub] };
-            let way = vertices[to] - vertices[from];
-            let length = way.norm();
-            let curve = Curve::line(vertices[from], way.scaled(1.0 / length));
-            stitches.push(Arc { curve, span: [0.0, length], ends: [Some(from), Some(to)] });
+            stitches.push(self.straight(from, to));
         }
         stitches
     }
+
+    /// Segment between two vertices.
+    fn straight(&self, from: usize, to: usize) -> Arc {
+        let [start, end] = [from, to].map(|v| self.psi.vertices[v]);
+        let way = end - start;
+        let length = way.norm();
+        let curve = Curve::line(start, way.scaled(1.0 / length));
+        Arc { curve, span: [0.0, length], ends: [Some(from), Some(to)] }
+    }
 }
 
-/// Distance of a point from the nearest side, negative beyond it.
-fn depth(z: Complex) -> f64 {
-    0.5 - z.re.abs().max(z.im.abs())
+/// Points at which a curve meets those of the sides.
+fn on_sides(domain: &PlaneDomain, curve: Curve) -> Vec<CurveCut> {
+    let met = domain.sides().flat_map(|side| curve.meets(side.arc.curve));
+    met.map(|s| CurveCut { s, side: true }).collect()
+}
+
+/// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start and
+/// end; neighbours with the same values on both sides are one.
+fn pieces(
+    domain: &PlaneDomain,
+    curve: Curve,
+    mut cuts: Vec<CurveCut>,
+    beside: impl Fn([f64; 2]) -> [f64; 2],
+) -> Vec<CurvePiece> {
+    cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
+    if let Some(period) = curve.period() {
+        let first = cuts.first().copied().unwrap_or(CurveCut { s: 0.0, side: true });
+        cuts.resize(cuts.len().max(1), first);
+        cuts.push(CurveCut { s: first.s + period, ..first });
+    }
+    cuts.dedup_by(|b, a| b.s - a.s < if a.side == b.side { SAME } else { ROUNDING });
+    let mut pieces = Vec::new();
+    for cut in cuts.windows(2) {
+        let span = [cut[0].s, cut[1].s];
+        let z = curve.at(0.5 * (span[0] + span[1]));
+        // Curves meet one another inside only.
+        let inside =
+            cut.iter().any(|cut| !cut.side) || domain.depth(z) > curve.rounding().max(APART);
+        append(&mut pieces, CurvePart { span, value: inside.then(|| beside(span)) });
+    }
+    if let Some(period) = curve.period() {
+        close(&mut pieces, period);
+    }
+    pieces
+}
+
+/// Ends from which a line goes on to infinity, beyond the last sides; none of a circle.
+fn tails(curve: Curve, pieces: &[CurvePiece]) -> Option<[f64; 2]> {
+    let mut inside = pieces.iter().filter(|piece| piece.value.is_some());
+    let first = inside.next()?;
+    let last = inside.next_back().unwrap_or(first);
+    curve.period().is_none().then_some([first.span[0], last.span[1]])
+}
+
+/// Parts of a curve with their jumps, continued outside of the domain.
+fn continued(curve: Curve, pieces: &[CurvePiece]) -> Vec<CurvePart<f64>> {
+    let many = pieces.len();
+    // Lengths by which the neighbours of a piece go on along it; lines that end there do so to infinity.
+    let mut beyond = vec![0.0; many];
+    for (k, (length, CurvePart { span, value })) in beyond.iter_mut().zip(pieces).enumerate() {
+        let is_between = curve.period().is_some() || k > 0 && k + 1 < many;
+        if value.is_none() && is_between {
+            *length = FARTHEST.min(0.5 * (span[1] - span[0]));
+        }
+    }
+    let mut parts = Vec::new();
+    for (k, &CurvePart { span: [from, to], value }) in pieces.iter().enumerate() {
+        let Some([left, right]) = value else { continue };
+        // Of a line, the pieces at both ends have no neighbours inside that go on.
+        let [before, after] = [(k + many - 1) % many, (k + 1) % many].map(|beside| beyond[beside]);
+        let span = [from - before, to + after];
+        append(&mut parts, CurvePart { span, value: left - right });
+    }
+    if let Some(period) = curve.period() {
+        close(&mut parts, period);
+    }
+    parts
 }

@@ -241,7 +241,7 @@ struct Break {
 }
 
 /// Ends of contact, and corners and crossings that are not at one of them, in order.
-fn breaks(ends: &Ends, crossings: &[BoundaryPlace]) -> Vec<Break> {
+fn breaks(ends: &Ends, crossings: &[Complex]) -> Vec<Break> {
     let start = ends.start();
     let mut breaks = Vec::new();
     for (j, &place) in ends.places.iter().enumerate() {
@@ -249,7 +249,8 @@ fn breaks(ends: &Ends, crossings: &[BoundaryPlace]) -> Vec<Break> {
     }
     let corners = [0, 1, 2, 3].map(|corner| BoundaryPlace { corner, t: 0.0 });
     let corners = corners.map(|place| Break { place, special: Special::Corner });
-    let crossings = crossings.iter().map(|&place| Break { place, special: Special::Crossing });
+    let crossings = crossings.iter().map(|&z| BoundaryPlace::nearest(z));
+    let crossings = crossings.map(|place| Break { place, special: Special::Crossing });
     for Break { place, special } in corners.into_iter().chain(crossings) {
         let place = place.following(start);
         let z = place.point();

@@ -64,6 +64,12 @@ impl BoundaryPlace {
     }
 }
 
+/// Distances from the corner at which a side begins, of those of some points of the boundary that lie on the side.
+pub(super) fn on_side(points: &[Complex], side: i32) -> impl Iterator<Item = f64> {
+    let places = points.iter().map(|&z| BoundaryPlace::nearest(z).on_side());
+    places.filter(move |&(met, _)| met == side).map(|(_, t)| t)
+}
+
 /// Direction of the boundary, anticlockwise, after a corner (`t` positive) or before it.
 pub(super) fn tangent(corner: i32, t: f64) -> Complex {
     const TANGENTS: [Complex; 4] = [

@@ -2,9 +2,10 @@
 
 use super::boundary::BoundaryPotential;
 use super::curve::SAME;
+use super::domain::PlaneDomain;
 use super::jumps::{APART, Jumps};
 use super::panels::Panel;
-use super::place::{BoundaryPlace, tangent};
+use super::place::{BoundaryPlace, on_side, tangent};
 use crate::discrete::cells::SweepCut;
 use crate::discrete::load::integral;
 use crate::problem::law::Law;
@@ -15,6 +16,7 @@ use std::f64::consts::FRAC_1_PI;
 #[derive(Clone)]
 pub(super) struct SpectralProblem {
     pub law: Law,
+    pub f: Source,
     pub jumps: Jumps,
     pub boundary_psi: BoundaryPotential,
     /// Integral of f over the square.
@@ -28,12 +30,15 @@ pub(super) struct SpectralProblem {
 impl SpectralProblem {
     /// Data for the paper's law.
     pub(super) fn new(f: &Source) -> Self {
-        let jumps = Jumps::new(f);
+        let jumps = Jumps::of_pieces(&PlaneDomain::square(), f);
+        let mut jumps = jumps.expect("a square has no bays");
+        jumps.psi.complete(|z| f.at(z.coordinates()));
         let [one, x, y, xy, xx, yy, ..] = moments(f);
         let [mass, ..] = moments(&f.absolute());
         let moments = [one, x, y, xy, xx - yy];
         Self {
             law: Law::SIGNORINI,
+            f: f.clone(),
             boundary_psi: BoundaryPotential::new(&jumps),
             integral: integral(f),
             mass,
@@ -47,7 +52,7 @@ impl SpectralProblem {
     pub(super) fn beside(&self, panel: &Panel) -> f64 {
         let (side, middle) = panel.place(0.5 * (panel.from + panel.to)).on_side();
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
-        for t in self.jumps.crossings_on(side) {
+        for t in on_side(&self.jumps.crossings, side) {
             if t <= middle {
                 low = low.max(t);
             } else {
@@ -57,7 +62,8 @@ impl SpectralProblem {
         let along = [low, low + FRAC_1_PI * (high - low), high]
             .map(|t| BoundaryPlace { corner: side, t }.point());
         let step = self.jumps.room(along, SAME, APART);
-        self.jumps.value(along[1] + tangent(side, 1.0).turned().scaled(step))
+        let beside = along[1] + tangent(side, 1.0).turned().scaled(step);
+        self.f.at(beside.coordinates())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Solution on the boundary.
 
 use super::complex::distance;
-use super::map::{Angle, corner_angle, to_disc};
+use super::map::{Angle, K, corner_angle, to_disc};
 use super::panels::{Ends, GradedRule, LANES, Panel, Special};
 use super::place::BoundaryPlace;
 use super::problem::SpectralProblem;
@@ -99,14 +99,32 @@ impl Trace {
         signs
     }
 
-    /// Harmonic function v - psi inside, by Poisson's integral on the disc: its values on each panel
-    /// are interpolated to parts that are no longer than their distance from `z`.
+    /// Harmonic function v - psi inside, by Poisson's integral on the disc.
     pub(super) fn harmonic(&self, z: Complex) -> f64 {
-        let (image, targets) = (to_disc(z), &self.rules.targets);
+        let (image, mut sum) = (to_disc(z), 0.0);
+        let mean = self.around(z, |point, share| sum += share / (point - image).norm2());
+        mean + sum * (1.0 - image.norm2()) / TAU
+    }
+
+    /// Gradient of that function: from the derivative of Schwarz's integral, and `Phi' = K (1 + Phi^4)^(1/2)`.
+    pub(super) fn harmonic_gradient(&self, z: Complex) -> Complex {
+        let (image, mut sum) = (to_disc(z), Complex::default());
+        self.around(z, |point, share| {
+            let to = point - image;
+            sum = sum + (point / (to * to)).scaled(share);
+        });
+        let square = image * image;
+        let slope = (square * square).shifted(1.0).sqrt();
+        (sum * slope).scaled(2.0 * K / TAU).conj()
+    }
+
+    /// Passes points of the circle to `take`, each with the harmonic function there, less a constant, times a weight
+    /// of the quadrature: the values on each panel are interpolated to parts that are no longer than their distance
+    /// from `z`. Returns the constant, so that errors of the quadrature are relative to what is left.
+    fn around(&self, z: Complex, mut take: impl FnMut(Complex, f64)) -> f64 {
+        let targets = &self.rules.targets;
         let n = targets.len();
-        // Less a constant, so that errors of the quadrature are relative to what is left.
         let mean = self.points.iter().map(Point::harmonic).sum::<f64>() / self.points.len() as f64;
-        let mut sum = 0.0;
         for (panel, points) in self.panels.iter().zip(self.points.chunks_exact(n)) {
             let mut values: Vec<f64> = points.iter().map(|p| p.harmonic() - mean).collect();
             if panel.reversed {
@@ -126,8 +144,7 @@ impl Trace {
                 for (k, h) in values.iter().enumerate() {
                     let point = &points[if panel.reversed { n - 1 - k } else { k }];
                     let half = Complex::new(point.angle.cos, point.angle.sin);
-                    let to = corner * half * half - image;
-                    sum += point.weight * point.angle.slope * h / to.norm2();
+                    take(corner * half * half, point.weight * point.angle.slope * h);
                 }
                 continue;
             }
@@ -141,16 +158,15 @@ impl Trace {
                         let h: f64 = row.iter().zip(&values).map(|(m, h)| m * h).sum();
                         let Angle { sin, cos, slope } = nodes.angle(k);
                         let half = Complex::new(cos, sin);
-                        let to = corner * half * half - image;
-                        sum += nodes.weight[k] * slope * h / to.norm2();
+                        take(corner * half * half, nodes.weight[k] * slope * h);
                     }
                 }
             }
         }
-        mean + sum * (1.0 - image.norm2()) / TAU
+        mean
     }
 
-    /// v and dv/dn at a place on the boundary, interpolated between the points of its panel.
+    /// v and its gradient at a place on the boundary, interpolated between the points of its panel.
     pub(super) fn at(&self, place: BoundaryPlace) -> BoundaryValues {
         let panels = self.panels.iter().enumerate();
         let nearest = panels.min_by(|a, b| a.1.distance(place).total_cmp(&b.1.distance(place)));
@@ -175,7 +191,8 @@ impl Trace {
             false => row.iter().zip(&points).map(|(m, point)| m * point.value).sum(),
         };
         let multiplier = row.iter().zip(&points).map(|(m, point)| m * point.multiplier).sum();
-        BoundaryValues { value, multiplier }
+        let along = row.iter().zip(&points).map(|(m, point)| m * point.along).sum();
+        BoundaryValues { value, multiplier, along }
     }
 
     /// Contact arcs with their forces; `total` is the force on the whole boundary.
@@ -212,10 +229,11 @@ impl Trace {
     }
 }
 
-/// v and dv/dn at a point of the boundary.
+/// v, dv/dn and the derivative of v along the boundary, anticlockwise, at a point of the boundary.
 pub(super) struct BoundaryValues {
     pub value: f64,
     pub multiplier: f64,
+    pub along: f64,
 }
 
 /// Sign condition at a point of the boundary: in contact the distance of the multiplier from the nearer end of the law,

@@ -1,7 +1,7 @@
 //! Answer of the spectral solver, whatever the domain.
 
 use super::plane::{PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh};
-use super::{Checks, Solution, SpectralError, SpectralParams, spectral_under};
+use super::{Checks, QUICK, STARTS, Solution, SpectralError, SpectralParams, solved_from};
 use crate::discrete::contact::ContactArc;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
@@ -38,8 +38,8 @@ pub struct TrueSolution {
 enum TrueForm {
     /// Conformal map and Riemann-Hilbert problem, at the finer of two resolutions.
     Square(Box<Solution>),
-    /// Powers at corners and ends.
-    Plane(Box<PlaneTruth>),
+    /// Powers at corners and ends, on each connected component.
+    Plane(Vec<PlaneTruth>),
 }
 
 /// Checks of a true solution.
@@ -65,9 +65,10 @@ impl fmt::Display for TrueChecks {
 /// digits of the energy or more.
 ///
 /// # Errors
-/// As [`spectral_under`], or if the finer solution fails a check.
+/// As [`spectral_under`](super::spectral_under), or if the finer solution fails a check.
 pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError> {
-    let usual = spectral_under(law, f, SpectralParams::default())?;
+    let starts = if law.is_bounded() { QUICK } else { &STARTS };
+    let usual = solved_from(starts, law, f, SpectralParams::default())?;
     let solution = usual.at_resolution(SpectralParams::FINER)?;
     Ok(TrueSolution {
         energy: solution.energy,
@@ -94,19 +95,23 @@ pub(crate) fn true_solution_on(
     f: &[Source],
     law: Law,
 ) -> Result<TrueSolution, SpectralError> {
-    let truth = solve_on_mesh(mesh, f, law)?;
+    let mut truths = Vec::new();
+    for component in mesh.split() {
+        truths.push(solve_on_mesh(&component, f, law)?);
+    }
+    let checks = truths.iter().map(PlaneTruth::checks).reduce(PlaneChecks::worst);
     Ok(TrueSolution {
-        energy: truth.energy(),
-        bracket: Some(truth.bracket()),
-        is_sampled: truth.is_sampled(),
-        contact: truth.contact(mesh),
-        force: truth.force(),
-        integral: truth.integral(),
-        unknowns: Some(truth.unknowns()),
-        steps: truth.steps(),
-        checks: TrueChecks::Plane(truth.checks()),
-        note: truth.note(),
-        form: TrueForm::Plane(truth.into()),
+        energy: truths.iter().map(PlaneTruth::energy).sum(),
+        bracket: Some([0, 1].map(|end| truths.iter().map(|truth| truth.bracket()[end]).sum())),
+        is_sampled: truths.iter().any(PlaneTruth::is_sampled),
+        contact: truths.iter().flat_map(|truth| truth.contact(mesh)).collect(),
+        force: truths.iter().map(PlaneTruth::force).sum(),
+        integral: truths.iter().map(PlaneTruth::integral).sum(),
+        unknowns: Some(truths.iter().map(PlaneTruth::unknowns).sum()),
+        steps: truths.iter().map(PlaneTruth::steps).sum(),
+        checks: TrueChecks::Plane(checks.expect("a mesh has a component")),
+        note: truths.iter().find_map(PlaneTruth::note),
+        form: TrueForm::Plane(truths),
     })
 }
 
@@ -115,7 +120,13 @@ pub(crate) fn true_solution_on(
 /// # Errors
 /// [`SpectralError::Plane`].
 pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), SpectralError> {
-    Ok(check_on_mesh(mesh, f, law)?)
+    mesh.split().iter().try_for_each(|component| Ok(check_on_mesh(component, f, law)?))
+}
+
+/// Solution on the component that holds a point, or is nearest to it.
+fn nearest(truths: &[PlaneTruth], point: [f64; 2]) -> &PlaneTruth {
+    let one = truths.iter().min_by(|a, b| a.distance(point).total_cmp(&b.distance(point)));
+    one.expect("a mesh has a component")
 }
 
 impl TrueSolution {
@@ -132,7 +143,19 @@ impl TrueSolution {
     pub fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
         match &self.form {
             TrueForm::Square(_) => Vec::new(),
-            TrueForm::Plane(truth) => truth.cuts(),
+            TrueForm::Plane(truths) => truths.iter().flat_map(PlaneTruth::cuts).collect(),
+        }
+    }
+
+    /// Numbers of unknowns, and energies, of levels from coarse to fine; none on the square in its closed form, and on
+    /// several components.
+    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
+        match &self.form {
+            TrueForm::Square(_) => Vec::new(),
+            TrueForm::Plane(truths) => match &truths[..] {
+                [truth] => truth.by_level(),
+                _ => Vec::new(),
+            },
         }
     }
 
@@ -142,7 +165,10 @@ impl TrueSolution {
             TrueForm::Square(solution) => {
                 points.iter().map(|&[x, y]| solution.value(x, y)).collect()
             }
-            TrueForm::Plane(truth) => truth.values(points),
+            TrueForm::Plane(truths) => match &truths[..] {
+                [truth] => truth.values(points),
+                _ => points.iter().map(|&z| nearest(truths, z).values(&[z])[0]).collect(),
+            },
         }
     }
 
@@ -150,7 +176,7 @@ impl TrueSolution {
     pub fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
         match &self.form {
             TrueForm::Square(solution) => solution.at(point),
-            TrueForm::Plane(truth) => truth.at(point),
+            TrueForm::Plane(truths) => truths.iter().find_map(|truth| truth.at(point)),
         }
     }
 
@@ -158,7 +184,7 @@ impl TrueSolution {
     pub fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
         match &self.form {
             TrueForm::Square(solution) => solution.on_boundary(point),
-            TrueForm::Plane(truth) => truth.on_boundary(point),
+            TrueForm::Plane(truths) => nearest(truths, point).on_boundary(point),
         }
     }
 }

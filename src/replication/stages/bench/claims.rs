@@ -1,7 +1,7 @@
 //! Pictures of the experiments on the paper's claims and on friction.
 
-use crate::figures::Stroke::{Line, Marked, Reference};
-use crate::figures::{Chart, Curve, Picture, Scale, charts};
+use crate::figures::Stroke::{Line, Marked};
+use crate::figures::{Chart, Curve, Picture, charts};
 use crate::replication::paper::Paper;
 use signorini_mathematics::experiments::Rows;
 
@@ -117,21 +117,4 @@ pub(super) fn radius(radii: &Rows, measured: &Rows) -> Result<Picture, String> {
         panels.push(Chart::new(title, ["duality parameter r", "1 - spectral radius"], curves));
     }
     Ok(charts(true, &panels))
-}
-
-/// Draws the lengths of the arcs that stick against one over the bound of the friction, beside the width of a fine
-/// grid.
-pub(super) fn sticking(arcs: &Rows) -> Result<Picture, String> {
-    /// Cells per side of the grid.
-    const FINE: f64 = 1024.0;
-    let points = arcs.points("g", "length")?.into_iter().map(|(g, length)| (1.0 / g, length));
-    let points: Vec<_> = points.collect();
-    let ends = [points.first(), points.last()].into_iter().flatten().map(|&(x, _)| (x, 1.0 / FINE));
-    let ends = Curve::new(Reference, format!("h = 1/{FINE}"), ends);
-    let title = format!("f = {}", arcs.texts("f")?.join(", "));
-    let curves = vec![Curve::new(Marked, "arc that sticks, true solution", points), ends];
-    Ok(charts(
-        false,
-        &[Chart::new(title, ["1/g", "length"], curves).scaled([Scale::Linear, Scale::Logarithmic])],
-    ))
 }

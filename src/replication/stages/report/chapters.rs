@@ -14,7 +14,7 @@ use crate::replication::stages::diff::{self, DIFF};
 use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
 use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
-use crate::replication::stages::{artifact, bench, from_json};
+use crate::replication::stages::{artifact, bench, figures, from_json, scene_of};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::experiments::Rows;
@@ -73,7 +73,7 @@ pub(super) fn context(
     let mut values = bench::table(inputs, "truth", "values")?;
     context.insert("digits", &compared(&references, &mut values, text)?);
     context.insert("values", &values);
-    context.insert("figures", &figures(inputs));
+    context.insert("figures", &shown_figures(inputs));
     context.insert("provenance", &provenance(inputs)?);
     context.insert("timings", &times(&bench::times(inputs)?)?);
     context.insert("fields", &described());
@@ -275,7 +275,7 @@ fn picture_command(scene: &Scene) -> Vec<String> {
 
 /// Returns all figures by their names: the file in the book's folder `figures`, and the path in the book of its data,
 /// a table beside it or the page of data with the solution; and its size in pixels.
-fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
+fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     let mut figures = BTreeMap::new();
     for (_, made) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
         for (file, bytes) in made {
@@ -288,11 +288,21 @@ fn figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
             let [width, height] = ["width", "height"].map(|key| attribute(bytes, key));
             figures.insert(
                 name,
-                json!({ "name": name, "file": file, "data": data, "width": width, "height": height }),
+                json!({
+                    "name": name, "file": file, "data": data, "width": width, "height": height,
+                    "command": command(inputs, name),
+                }),
             );
         }
     }
     figures
+}
+
+/// Returns the command that draws a figure: a run of its scene, if it is of one.
+fn command(inputs: &Inputs, figure: &str) -> String {
+    let mut scenes = inputs.artifacts.keys().filter_map(|task| scene_of(task));
+    let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own));
+    own.map_or("signorini run --only figures".into(), |scene| format!("signorini run {scene}"))
 }
 
 /// Returns an attribute of the root of an SVG file that is a number.

@@ -2,7 +2,7 @@
 //! given fluxes through the sides.
 
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{Element, Mesh, centroid, dot, volume};
+use crate::mesh::{CellData, Element, Mesh, centroid, dot, volume};
 use crate::problem::law::Law;
 
 /// Numbers whose work takes as long as that on a cell.
@@ -15,8 +15,8 @@ pub(super) struct Cell<const V: usize> {
     pub volume: f64,
     /// True if the vertices are numbered in the negative sense.
     pub is_mirrored: bool,
-    /// Integral of f over the number of vertices.
-    pub load: f64,
+    /// Integrals of f times the hat functions of the vertices.
+    pub load: [f64; V],
     /// Integrals of `grad w . grad phi` for the hat functions phi of the vertices. The flux of `grad w` out of the cell
     /// through the side opposite to a vertex is minus D times the integral of the vertex.
     pub work: [f64; V],
@@ -28,8 +28,8 @@ pub(super) struct Cells<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
     /// Nodal vector of the linear function.
     pub w: &'a [f64],
-    /// Means of f.
-    pub f: &'a [f64],
+    /// f on the cells.
+    pub f: &'a CellData,
     /// Law on the boundary in contact.
     pub law: Law,
 }
@@ -43,14 +43,14 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
         Cell {
             volume: element.volume,
             is_mirrored: element.is_mirrored,
-            load: self.load_on(number, element.volume),
+            load: std::array::from_fn(|k| self.load(number, k, element.volume)),
             work: element.gradients.map(|slopes| element.volume * dot(gradient, slopes)),
         }
     }
 
     /// Integrals of f over all cells.
     pub(super) fn masses(&self) -> Vec<f64> {
-        let (nodes, mut masses) = (self.mesh.cells(), self.f.to_vec());
+        let (nodes, mut masses) = (self.mesh.cells(), self.f.mean.clone());
         let run = items_per_task(masses.len(), COST);
         for_runs(&mut masses, run, &|number, masses| {
             for (nodes, mass) in nodes[number * run..].iter().zip(masses) {
@@ -60,8 +60,13 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
         masses
     }
 
-    fn load_on(&self, number: u32, volume: f64) -> f64 {
-        self.f[number as usize] * volume / V as f64
+    /// Integral of f times the hat function of a vertex over a cell with this volume.
+    #[inline(always)]
+    pub(super) fn load(&self, number: u32, vertex: usize, volume: f64) -> f64 {
+        match &self.f.shares {
+            Some(shares) => shares[V * number as usize + vertex],
+            None => self.f.mean[number as usize] * volume / V as f64,
+        }
     }
 }
 
@@ -80,8 +85,6 @@ pub(super) fn gradient<const D: usize, const V: usize>(
 pub(super) struct RaviartThomas<const D: usize, const V: usize> {
     /// Centroid less each vertex.
     to_centre: [[f64; D]; V],
-    /// Volume.
-    volume: f64,
     /// One over D times the volume.
     inverse: f64,
 }
@@ -91,7 +94,7 @@ impl<const D: usize, const V: usize> RaviartThomas<D, V> {
     pub(super) fn new(vertices: [[f64; D]; V], volume: f64) -> Self {
         let centre = centroid(vertices);
         let to_centre = vertices.map(|vertex| difference(centre, vertex));
-        Self { to_centre, volume, inverse: 1.0 / (D as f64 * volume) }
+        Self { to_centre, inverse: 1.0 / (D as f64 * volume) }
     }
 
     /// Mean of the field with these outflows through the sides.
@@ -102,60 +105,9 @@ impl<const D: usize, const V: usize> RaviartThomas<D, V> {
         }
         mean.map(|sum| sum * self.inverse)
     }
-
-    /// Square of the L2 norm of the field with these outflows through the sides.
-    pub(super) fn square(&self, outflows: [f64; V]) -> f64 {
-        let mean = self.mean(outflows);
-        let density = outflows.iter().sum::<f64>() * self.inverse;
-        self.volume * (dot(mean, mean) + density * density * self.spread())
-    }
-
-    /// Upper bound of [`RaviartThomas::square`] for any signs of the outflows, the size of its rounding errors.
-    pub(super) fn largest_square(&self, outflows: [f64; V]) -> f64 {
-        // The square of a sum is at most the sum of the squares times their number.
-        let squares = outflows.iter().zip(self.to_centre).map(|(q, x)| {
-            let density = q * self.inverse;
-            density * density * (dot(x, x) + self.spread())
-        });
-        V as f64 * self.volume * squares.sum::<f64>()
-    }
-
-    /// Mean square of the distance from the centroid.
-    fn spread(&self) -> f64 {
-        let squares: f64 = self.to_centre.iter().map(|&x| dot(x, x)).sum();
-        squares / (V * (V + 1)) as f64
-    }
 }
 
 /// Difference of two points.
 pub(super) fn difference<const D: usize>(to: [f64; D], from: [f64; D]) -> [f64; D] {
     std::array::from_fn(|d| to[d] - from[d])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TETRAHEDRON: [[f64; 3]; 4] =
-        [[0.0, 0.1, 0.0], [1.0, 0.0, 0.2], [0.1, 1.0, 0.0], [0.0, 0.3, 1.0]];
-
-    #[test]
-    fn fields_of_constant_gradients_have_their_norm() {
-        let element = Element::<3, 4>::new(TETRAHEDRON);
-        let fields = RaviartThomas::new(TETRAHEDRON, element.volume);
-        let slope = gradient(&element, [1.0, 3.0, -2.0, 0.5]);
-        let outflows = element.gradients.map(|g| -3.0 * element.volume * dot(g, slope));
-        let expected = element.volume * dot(slope, slope);
-        assert!((fields.square(outflows) - expected).abs() < 1e-14 * expected);
-        assert!(difference(fields.mean(outflows), slope).iter().all(|d| d.abs() < 1e-13));
-        assert!(fields.largest_square(outflows) >= expected);
-    }
-
-    #[test]
-    fn the_field_that_grows_from_the_centre_has_its_norm() {
-        // x on the triangle with corners 0, (1, 0), (0, 1): no flux through the sides at 0, 1 through the third one.
-        let fields = RaviartThomas::<2, 3>::new([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.5);
-        // The integral of x^2 + y^2.
-        assert!((fields.square([1.0, 0.0, 0.0]) - 1.0 / 6.0).abs() < 1e-15);
-    }
 }

@@ -107,7 +107,7 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         let vertex = nodes.iter().position(|&node| node == self.node);
         let vertex = vertex.expect("sides of a fan have the node");
         let data = self.cells.cell(cell);
-        let wanted = data.work[vertex] - data.load;
+        let wanted = data.work[vertex] - data.load[vertex];
         self.members.push(Member {
             cell,
             data,

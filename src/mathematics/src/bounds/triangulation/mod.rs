@@ -19,17 +19,25 @@
 //! forbids and of all values on the fixed boundary. Nothing else is assumed of the vector.
 //!
 //! # The flux
-//! sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the flux
-//! for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the integral
-//! of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be to its
-//! share of `grad w . n` (`ring.rs`, in space `fan.rs`). The distance that is made least is the one between the part of
-//! sigma and that share as fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides
-//! stays, and on fine meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through
-//! the facets at the node as far as the law allows and w is zero there, or the node belongs to the contact
-//! (`reaction.rs`); else, and for the residual at other nodes, all outflows around the node are changed alike, so that
-//! a vector after few steps of an iteration has nearly the bounds of the last one. In the plane, a sweep over
-//! circulations around all nodes then lowers the norm of sigma (`stream.rs`). Step 2 restores the balance of each cell
-//! (`balance.rs`): sigma is a flux, to rounding, for every vector.
+//! First, sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the
+//! flux for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the
+//! integral of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be
+//! to its share of `grad w . n` (`ring.rs`, in space `fan.rs`). Both integrals are exact where f is constant on shapes:
+//! their sums around a node without a reaction vanish, so that the part depends on the mesh alone, not on the numbers
+//! of cells and nodes. The distance that is made least is the one between the part of sigma and that share as fields on
+//! the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on fine meshes the
+//! bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at the node as far
+//! as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for the
+//! residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
+//! iteration has nearly the bounds of the last one. In the plane, a sweep over circulations around all nodes then
+//! lowers the norm of sigma (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to
+//! rounding, for every vector.
+//!
+//! Step 3, in the plane, lets the flux through a side vary along it, by which the norm of sigma becomes least
+//! (`vary.rs`): where v is smooth, the bounds are then within a few per cent of the error.
+//! Where the sweeps over all sides are slow, as on stretched cells with contact everywhere, quadratic circulations of
+//! all nodes and sides at once take their place, by multigrid (`quadratic.rs`): without them bounds there grow with the
+//! aspect.
 //!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose
@@ -46,13 +54,16 @@ mod circulation;
 mod curve;
 mod fan;
 mod forest;
+mod linear;
 mod lower;
+mod quadratic;
 mod reaction;
 mod ring;
 mod stream;
 mod sums;
 #[cfg(test)]
 mod tests;
+mod vary;
 
 use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
@@ -67,12 +78,15 @@ use circulation::Circulations;
 pub(crate) use curve::curve_shares;
 use fan::Fan;
 use forest::CellForest;
+use linear::SideFlux;
 use lower::lower;
+use quadratic::circulate_quadratic;
 use ring::Ring;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 use stream::circulate;
-use sums::Summands;
+use sums::{Summands, Totals};
+use vary::vary;
 
 /// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a
 /// law on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present
@@ -120,6 +134,12 @@ pub(crate) struct LocalBounds {
     pub squares: Vec<f64>,
 }
 
+/// Part of the square of the distance between the gradient and the flux by which the last sweep lowers it, from which
+/// on more sweeps are slow.
+const SLOW: f64 = 0.1;
+/// Most nodes of a mesh on which psi is found by multigrid, which takes some 1700 bytes a node.
+const MOST_NODES: usize = 1 << 18;
+
 impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     /// Returns bounds for the nodal vector `y`, one value for each node, without a lower bound of the error.
     ///
@@ -158,10 +178,18 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         forest: &OnceLock<CellForest>,
     ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
         let &Self { mesh, sides, network, f, law } = self;
-        let cells = Cells { mesh, w, f: &f.cells.mean, law };
-        let flux = equilibrated(&cells, sides, network, forest)?;
+        let cells = Cells { mesh, w, f: &f.cells, law };
+        let (mut flux, gain) = equilibrated(&cells, sides, network, forest)?;
         let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
-        Ok((combined(&summands), summands.slips()))
+        let totals = summands.totals();
+        let is_slow = gain > SLOW * totals.0.distance && w.len() <= MOST_NODES;
+        if D != 2 || !is_slow {
+            return Ok((combined(&summands, totals), summands.slips()));
+        }
+        let forest = forest.get().expect("found for the flux");
+        circulate_quadratic(&cells, sides, forest, &mut flux);
+        let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
+        Ok((combined(&summands, summands.totals()), summands.slips()))
     }
 
     /// Adds the lower bound of the error to bounds for a nodal vector.
@@ -198,8 +226,8 @@ impl LocalBounds {
 /// Combines the sums for a nodal vector in K and a flux to bounds.
 fn combined<const D: usize, const V: usize>(
     summands: &Summands<'_, D, V>,
+    (totals, squares): (Totals, Vec<f64>),
 ) -> Result<LocalBounds, NoBound> {
-    let (totals, squares) = summands.totals();
     let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = totals.rounding(largest);
     let of_exact_load = summands.exact_load();
@@ -261,7 +289,7 @@ fn equilibrated<const D: usize, const V: usize>(
     sides: &Sides<V>,
     network: &Network,
     forest: &OnceLock<CellForest>,
-) -> Result<Vec<f64>, NoBound> {
+) -> Result<(Vec<SideFlux<D>>, f64), NoBound> {
     let (mut flux, forest) = join(
         || {
             let mut flux = of_patches(cells, sides);
@@ -270,10 +298,12 @@ fn equilibrated<const D: usize, const V: usize>(
             }
             flux
         },
-        || forest.get_or_init(|| CellForest::new(sides, cells.f.len())),
+        || forest.get_or_init(|| CellForest::new(sides, cells.mesh.cells().len())),
     );
     balance(cells, sides, forest, &mut flux)?;
-    Ok(flux)
+    let mut flux: Vec<_> = flux.into_iter().map(|flux| [flux; D]).collect();
+    let gain = vary(cells, sides, &mut flux);
+    Ok((flux, gain))
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.

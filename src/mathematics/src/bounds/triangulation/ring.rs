@@ -136,7 +136,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
             area,
             edges: [to_a, to_b],
             work: [of_a, of_b],
-            wanted: of_z - self.cells.f[cell as usize] * area / 6.0,
+            wanted: of_z - self.cells.load(cell, vertex, 0.5 * area),
             outflow: 0.0,
         });
     }

@@ -1,9 +1,12 @@
 //! Sums over cells and facets: energies of w and of the flux, and the distance between them.
 
-use super::cells::{RaviartThomas, gradient};
-use crate::bounds::boundary::{PartLaw, Slips};
+use super::cells::gradient;
+use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
+use crate::bounds::boundary::{PartLaw, Slips, mean_product};
 use crate::machine::threads::in_tasks;
-use crate::mesh::{BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size};
+use crate::mesh::{
+    BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size, sorted,
+};
 use crate::problem::law::Law;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -93,7 +96,7 @@ pub(super) struct Summands<'a, const D: usize, const V: usize> {
     /// Law on the boundary in contact.
     pub law: Law,
     /// Fluxes through all sides.
-    pub flux: &'a [f64],
+    pub flux: &'a [SideFlux<D>],
 }
 
 impl<const D: usize, const V: usize> Summands<'_, D, V> {
@@ -138,8 +141,8 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             if self.mesh.condition(facet) == Condition::Contact {
                 let law = PartLaw::new(self.law, measure(self.mesh.corners(facet)));
                 let flux = self.flux[side as usize];
-                slips.up |= flux <= law.least;
-                slips.down |= flux >= law.most;
+                slips.up |= flux.iter().all(|flux| *flux <= law.least);
+                slips.down |= flux.iter().all(|flux| *flux >= law.most);
             }
         }
         slips
@@ -150,13 +153,16 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         let vertices = self.mesh.vertices(nodes);
         let element = Element::new(vertices);
         let volume = element.volume;
-        let fields = RaviartThomas::new(vertices, volume);
         let w = nodes.map(|node| self.w[node as usize]);
         let slope = gradient(&element, w);
-        let outflows = self.sides.outflows(cell as u32, self.flux);
-        let differences = std::array::from_fn(|k| {
-            outflows[k] + D as f64 * volume * dot(slope, element.gradients[k])
-        });
+        let outflows = outflows(self.sides, cell as u32, nodes, self.flux);
+        let mut differences = outflows;
+        for (of_side, gradient) in differences.iter_mut().zip(element.gradients) {
+            let of_slope = D as f64 * volume * dot(slope, gradient);
+            of_side.iter_mut().for_each(|outflow| *outflow += of_slope);
+        }
+        let [sigma, difference] =
+            [outflows, differences].map(|outflows| at_vertices(&vertices, volume, &outflows));
         let mean = self.f.cells.mean[cell];
         let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
         // Poincaré's constant on a convex cell is the diameter over pi.
@@ -168,8 +174,8 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g) * (v - w[0]) * (v - w[0]));
         let steepest = V as f64 * slopes.sum::<f64>();
         Totals {
-            distance: longer_square(fields.square(differences), field),
-            flux: longer_square(fields.square(outflows), field),
+            distance: longer_square(product(volume, &difference, &difference), field),
+            flux: longer_square(product(volume, &sigma, &sigma), field),
             gradient: gradient_square,
             load: mean * volume * (w.iter().sum::<f64>() / V as f64),
             deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
@@ -181,8 +187,8 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             boundary_magnitude: 0.0,
             magnitude: volume * (steepest + mean.abs() * highest)
                 + deviation * volume.sqrt() * highest
-                + longer_square(fields.largest_square(outflows), field),
-            flow: outflows.iter().map(|q| q.abs()).sum(),
+                + longer_square(largest_square(&vertices, volume, &outflows), field),
+            flow: outflows.as_flattened().iter().map(|q| q.abs()).sum::<f64>() / D as f64,
         }
     }
 
@@ -204,12 +210,12 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             if self.mesh.condition(facet) == Condition::Contact {
                 let measure = measure(self.mesh.corners(facet));
                 let law = PartLaw::new(self.law, measure);
-                let w = facet.nodes.map(|node| self.w[node as usize]);
+                let w = sorted(facet.nodes).map(|node| self.w[node as usize]);
                 let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
                 let flux = self.flux[side as usize];
                 let totals = Totals {
                     work: law.work_of_facet(w, flux),
-                    through: flux * (w.iter().sum::<f64>() / D as f64),
+                    through: mean_product(w, flux),
                     potential: law.potential(w, 0.0),
                     boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
                     ..Totals::default()

@@ -2,8 +2,9 @@
 
 mod cube;
 mod random;
+mod stretched;
 
-use super::cells::RaviartThomas;
+use super::linear::{at_vertices, outflows, product};
 use super::*;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule, load};
@@ -30,7 +31,13 @@ fn constant_on_cells<const D: usize, const V: usize>(
 ) -> MeshLoad {
     let load = load_of_cells(mesh, &mean);
     let (integral, size) = (load.iter().sum(), f64::NAN);
-    MeshLoad { load, cells: CellData { mean, deviation: None }, integral, size, unsettled: None }
+    MeshLoad {
+        load,
+        cells: CellData { mean, deviation: None, shares: None },
+        integral,
+        size,
+        unsettled: None,
+    }
 }
 
 /// Discrete problem on a mesh with straight sides, and a nodal vector.
@@ -219,18 +226,19 @@ fn sigma_is_a_flux_for_every_vector() {
     problem.y = noise(problem.y.len(), 12.9898);
     let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
     let sides = Sides::new(&problem.mesh);
-    let (mesh, f) = (&problem.mesh, &problem.f.cells.mean);
+    let (mesh, f) = (&problem.mesh, &problem.f.cells);
     let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
-    let flux = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
+    let (flux, _) = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
     for (cell, mass) in (0..).zip(cells.masses()) {
-        let outflow: f64 = sides.outflows(cell, &flux).iter().sum();
+        let outflows = outflows(&sides, cell, &mesh.cells()[cell as usize], &flux);
+        let outflow = 0.5 * outflows.as_flattened().iter().sum::<f64>();
         assert!((outflow + mass).abs() < 1e-13);
     }
     let facets = problem.mesh.facets();
     for (facet, &BoundarySide { side, .. }) in facets.iter().zip(sides.of_facets()) {
         let flux = flux[side as usize];
         let is_free = problem.mesh.condition(facet) == Condition::Free;
-        assert!(if is_free { flux == 0.0 } else { flux >= 0.0 });
+        assert!(flux.iter().all(|flux| if is_free { *flux == 0.0 } else { *flux >= 0.0 }));
     }
 }
 
@@ -239,8 +247,10 @@ fn square_of(problem: &TestProblem<2, 3>, sides: &Sides<3>, flux: &[f64]) -> f64
     let cells = problem.mesh.cells().iter().enumerate();
     let squares = cells.map(|(number, cell)| {
         let vertices = problem.mesh.vertices(cell);
-        let fields = RaviartThomas::new(vertices, Element::new(vertices).volume);
-        fields.square(sides.outflows(number as u32, flux))
+        let volume = Element::new(vertices).volume;
+        let outflows = sides.outflows(number as u32, flux).map(|outflow| [outflow; 3]);
+        let values = at_vertices(&vertices, volume, &outflows);
+        product(volume, &values, &values)
     });
     squares.sum()
 }
@@ -252,7 +262,7 @@ fn circulations_around_all_nodes_lower_the_norm_and_keep_the_balance() {
         problem.y = noise(problem.y.len(), 12.9898);
         let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
         let sides = Sides::new(&problem.mesh);
-        let (mesh, f) = (&problem.mesh, &problem.f.cells.mean);
+        let (mesh, f) = (&problem.mesh, &problem.f.cells);
         let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
         let before = of_patches(&cells, &sides);
         let mut after = before.clone();

@@ -1,8 +1,7 @@
-//! The paper's method and multigrid on other domains than the square: convergence on the disc and the cube, counts of
-//! iterations on nested meshes and for other numberings of the nodes, cost.
+//! The paper's method and multigrid on other domains than the square: convergence on the disc, counts of iterations on
+//! nested meshes and for other numberings of the nodes, cost.
 
 mod counts;
-mod cube;
 mod disc;
 
 use super::{Findings, Rows};
@@ -31,8 +30,6 @@ pub(super) struct DomainsPlan {
     max_iterations: usize,
     /// Number of refinements of the disc.
     disc: usize,
-    /// Number of refinements of the cube.
-    cube: usize,
 }
 
 /// Domain of the experiment.
@@ -70,7 +67,6 @@ impl Default for DomainsPlan {
             levels: 5,
             max_iterations: 200_000,
             disc: 7,
-            cube: 5,
         }
     }
 }
@@ -102,7 +98,7 @@ struct DomainCost {
     effectivity: Option<f64>,
 }
 
-/// Runs the experiment: tables `disc` and `cube` of errors, `counts` and `numberings` of iterations, and `cost` of
+/// Runs the experiment: tables `disc` of errors, `counts` and `numberings` of iterations, and `cost` of
 /// multigrid.
 ///
 /// # Errors
@@ -114,7 +110,6 @@ pub(super) fn domains(plan: &DomainsPlan) -> Result<Findings, String> {
         map(&plan.domains, 1, |domain| counts::counted(domain, plan)).into_iter().collect();
     Ok(Findings::from([
         ("disc".into(), Rows::of(disc::convergence(plan.disc)?)),
-        ("cube".into(), Rows::of(cube::convergence(plan.cube)?)),
         ("counts".into(), Rows::of(counts?.concat())),
         ("numberings".into(), Rows::of(counts::numberings(plan)?)),
         ("cost".into(), Rows::of(cost)),

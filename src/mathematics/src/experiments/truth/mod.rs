@@ -118,11 +118,12 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
     for rows in map(&known, 1, |known| against(known, &plan.cells)) {
         elements.extend(rows?);
     }
-    let (mut plane_truths, mut plane) = (Vec::new(), Vec::new());
+    let (mut plane_truths, mut plane, mut plane_ways) = (Vec::new(), Vec::new(), Vec::new());
     for of_plan in map(&plan.plane, 1, against_plane) {
-        let (truth, rows) = of_plan?;
-        plane_truths.push(truth);
-        plane.extend(rows);
+        let found = of_plan?;
+        plane_truths.push(found.truth);
+        plane.extend(found.rows);
+        plane_ways.extend(found.ways);
     }
     Ok(Findings::from([
         ("references".into(), Rows::of(references)),
@@ -130,6 +131,7 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
         ("elements".into(), Rows::of(elements)),
         ("plane_truths".into(), Rows::of(plane_truths)),
         ("plane".into(), Rows::of(plane)),
+        ("plane_ways".into(), Rows::of(plane_ways)),
         ("samples".into(), Rows::of(samples)),
         ("multipliers".into(), Rows::of(multipliers)),
     ]))

@@ -1,10 +1,11 @@
 //! True solutions on other domains than the square, and finite elements measured against them.
 
+use crate::bounds::Accuracy;
 use crate::discrete::contact::ContactArc;
 use crate::levels::{Problem, Reserve};
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
-use crate::solvers::{Settings, Solved, Solver, find, solve};
+use crate::solvers::{Adaption, Settings, Solved, Solver, find, solve};
 use crate::spectral::{TrueChecks, TrueSolution};
 use serde::{Deserialize, Serialize};
 
@@ -78,11 +79,31 @@ pub(super) struct PlaneRow {
     ends: Option<f64>,
 }
 
-/// Solves a problem by the spectral solver, then on all meshes.
+/// Table `plane_ways`: error of the energy, over it, of one way to solve a problem, by the number of unknowns.
+#[derive(Serialize)]
+pub(super) struct PlaneWayRow {
+    domain: String,
+    f: String,
+    way: &'static str,
+    unknowns: usize,
+    error: f64,
+}
+
+/// What is found of a problem, for the tables `plane_truths`, `plane` and `plane_ways`.
+pub(super) struct PlaneFindings {
+    pub truth: PlaneTruthRow,
+    pub rows: Vec<PlaneRow>,
+    pub ways: Vec<PlaneWayRow>,
+}
+
+/// Most nodes of adapted meshes.
+const ADAPTED: usize = 20_000;
+
+/// Solves a problem by the spectral solver, then on all meshes; on a domain that is no polygon not on adapted ones.
 ///
 /// # Errors
 /// A sentence if it is not solved.
-pub(super) fn against_plane(plan: &PlanePlan) -> Result<(PlaneTruthRow, Vec<PlaneRow>), String> {
+pub(super) fn against_plane(plan: &PlanePlan) -> Result<PlaneFindings, String> {
     let PlanePlan { domain, f, refinements: [from, to] } = plan;
     let in_words = |e: String| format!("{domain}, {f}: {e}");
     let coarsest = AnyMesh::built_in(domain).ok_or_else(|| format!("no domain `{domain}`"))?;
@@ -96,7 +117,31 @@ pub(super) fn against_plane(plan: &PlanePlan) -> Result<(PlaneTruthRow, Vec<Plan
         let problem = on(times).map_err(|e| in_words(e.to_string()))?;
         rows.push(PlaneRow::of(plan, &problem, truth).map_err(in_words)?);
     }
-    Ok((PlaneTruthRow::of(plan, truth), rows))
+    let mut by_way: Vec<(&'static str, usize, f64)> = Vec::new();
+    by_way.extend(truth.by_level().into_iter().map(|(n, energy)| ("powers", n, energy)));
+    // The finest level is what the others are measured by.
+    let (_, _, energy) = by_way.pop().ok_or("a true solution has levels")?;
+    by_way
+        .extend(rows.iter().map(|row| ("uniform", row.nodes, energy + row.energy * energy.abs())));
+    if rows.iter().all(|row| row.holds.is_some())
+        && let Some(mesh) = coarsest.plane()
+    {
+        // No mesh so coarse is so accurate: the number of nodes is what ends the run.
+        let goal = Accuracy::Error(f64::EPSILON);
+        let law = Law::SIGNORINI;
+        let adaption =
+            Adaption { coarsest: mesh, f, law, goal, most_nodes: ADAPTED, bisections: 1 };
+        let solved = adaption.run(&mut (), &|_| ()).map_err(|e| in_words(e.to_string()))?;
+        by_way.extend(solved.ends().iter().map(|end| ("adaptive", end.nodes, end.energy)));
+    }
+    let ways = by_way.into_iter().map(|(way, unknowns, found)| PlaneWayRow {
+        domain: domain.clone(),
+        f: f.clone(),
+        way,
+        unknowns,
+        error: ((found - energy) / energy).abs(),
+    });
+    Ok(PlaneFindings { truth: PlaneTruthRow::of(plan, truth), rows, ways: ways.collect() })
 }
 
 impl PlaneTruthRow {

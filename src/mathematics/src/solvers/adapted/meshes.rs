@@ -105,7 +105,7 @@ impl<'a> Meshes<'a> {
         let sides = Sides::new(&mesh);
         let network = assemble_sides(&mesh, &sides);
         ended(Step::Mesh);
-        let load = mesh_load(&mesh, &f)?;
+        let load = mesh_load(&mesh, &f[..])?;
         ended(Step::Load);
         load.check_scale(&f)?;
         Ok(Self {
@@ -252,7 +252,7 @@ impl<'a> Meshes<'a> {
                 networks
             };
             let load = || {
-                let load = mesh_load_after(before, mesh, f);
+                let load = mesh_load_after(before, mesh, &f[..]);
                 ended(Step::Load);
                 load
             };

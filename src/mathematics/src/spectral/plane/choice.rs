@@ -1,11 +1,11 @@
 //! Which functions are fitted: at corners, ends of contact and crossings, at mirror images, in holes, behind sides.
 
 use super::boundary::{Split, State, Walk};
-use super::continuation::middle;
 use super::domain::PlaneDomain;
 use super::functions::{Family, Functions, Hole, Power};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
+use crate::spectral::way_out::middle;
 use std::f64::consts::PI;
 
 /// Power below which a singular function counts.
@@ -57,10 +57,10 @@ impl Functions {
             };
             let lengths = ladder.lengths(&setup.domain, image.point, image.inwards);
             let powers = vec![
-                Power::plain(1.0),
-                Power::plain(2.0),
                 Power::with_log(0.0),
+                Power::plain(1.0),
                 Power::with_log(1.0),
+                Power::plain(2.0),
                 Power::with_log(2.0),
             ];
             families.push(Family {

@@ -2,13 +2,13 @@
 
 use super::boundary::State;
 use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
-use super::continuation::PlaneJump;
 use super::energy::Integrals;
 use super::moduli::{Moduli, of_psi};
 use super::proof::Proof;
 use super::psi::Psi;
 use super::samples::Sampled;
 use super::setup::Setup;
+use crate::spectral::jumps::JumpEdge;
 use crate::spectral::rule::gauss;
 
 /// Energy with a bound of its error.
@@ -144,7 +144,7 @@ pub(super) fn psi_errors(psi: Moduli) -> [f64; 2] {
 }
 
 /// Adds the integrals along a jump of f; returns a bound of their error.
-fn add_edge(setup: &Setup, edge: &PlaneJump, sums: &mut Integrals) -> Result<f64, &'static str> {
+fn add_edge(setup: &Setup, edge: &JumpEdge, sums: &mut Integrals) -> Result<f64, &'static str> {
     let singular = Singular { psi: &setup.jumps.psi, points: Vec::new() };
     let (curve, rule) = (edge.arc.curve, gauss(POINTS));
     let [start, end] = edge.arc.span;

@@ -5,6 +5,7 @@ use super::fit::{Fit, conditions, continue_logs, panels, spots_on};
 use super::panels::Spot;
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
+use crate::spectral::complex::ln;
 use crate::spectral::rule::gauss;
 
 /// Values at a point of the boundary.
@@ -55,7 +56,7 @@ pub(super) fn boundary_nodes(
     level: &Level,
     points: usize,
 ) -> Vec<PlaneNode> {
-    let panels = panels(setup, &fit.walk, &fit.functions, level, 1.0);
+    let panels = panels(setup, &fit.walk, &fit.functions, level, [1.0, 0.0]);
     let spots = spots_on(&fit.walk, &panels, &gauss(points));
     let mut nodes = nodes_at(setup, fit, &spots);
     for (node, condition) in nodes.iter_mut().zip(conditions(setup, &fit.walk, &spots)) {
@@ -78,13 +79,16 @@ pub(super) fn boundary_nodes(
 
 /// Nodes at spots.
 pub(super) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<PlaneNode> {
-    let mut values = fit.functions.at(spots, true);
-    let many = fit.functions.complex() * values.points;
-    for logs in values.all[many..].chunks_mut(values.points) {
-        continue_logs(&fit.walk, spots, logs);
-    }
-    let [g, slopes] = fit.sums(&values);
+    let [mut g, slopes] = fit.at(spots, true);
     let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
+    for (hole, &c) in fit.functions.holes.iter().zip(&fit.logs) {
+        let principal: Vec<Complex> = points.iter().map(|&z| ln(z - hole.middle)).collect();
+        let mut continued = principal.clone();
+        continue_logs(&fit.walk, spots, &mut continued);
+        for (g, (log, own)) in g.iter_mut().zip(continued.iter().zip(&principal)) {
+            g.im += c * (log.im - own.im);
+        }
+    }
     let gradients = setup.jumps.psi.gradients(&points);
     let mut nodes = Vec::with_capacity(spots.len());
     for (k, &spot) in spots.iter().enumerate() {

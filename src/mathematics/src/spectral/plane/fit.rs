@@ -127,20 +127,26 @@ pub(super) struct Effort {
     pub steps: usize,
     /// Number of operations of their least squares, `2 M N^2` each with M rows and N unknowns.
     operations: f64,
+    /// Number of those of the first fit.
+    first: f64,
 }
 
 impl Effort {
     /// Adds a fit.
     pub(super) fn add(&mut self, fit: &Fit) {
         self.steps += 1;
-        self.operations += 2.0 * fit.rows as f64 * (fit.unknowns as f64).powi(2);
+        let own = 2.0 * fit.rows as f64 * (fit.unknowns as f64).powi(2);
+        if self.steps == 1 {
+            self.first = own;
+        }
+        self.operations += own;
     }
 
-    /// True if a search is to be given up: some twenty fits with a thousand unknowns, many hundred with a few hundred.
+    /// True if a search is to be given up, after some ten times the work of one that is solved.
     pub(super) fn is_spent(&self) -> bool {
-        /// Most operations, half a minute's at most.
-        const MOST: f64 = 2e11;
-        self.operations > MOST
+        /// Most operations, half a minute's at most, and over those of the first fit.
+        const MOST: [f64; 2] = [4e11, 100.0];
+        self.operations > MOST[0].min(MOST[1] * self.first)
     }
 }
 
@@ -153,10 +159,10 @@ impl Fit {
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
         let (rule, mut fineness) = (gauss(level.nodes), 1.0);
-        let mut panels = panels(setup, &walk, &functions, level, fineness);
+        let mut panels = panels(setup, &walk, &functions, level, [fineness, level.shortest]);
         while ((panels.len() * rule.len()) as f64) < ROWS * functions.unknowns() as f64 {
             fineness *= 1.4;
-            panels = self::panels(setup, &walk, &functions, level, fineness);
+            panels = self::panels(setup, &walk, &functions, level, [fineness, level.shortest]);
         }
         let spots = spots_on(&walk, &panels, &rule);
         functions.orthogonalise(&spots, level.degree);
@@ -178,32 +184,40 @@ impl Fit {
         Self { walk, functions, coefficients, logs, unknowns, rows }
     }
 
-    /// g at the points of values.
-    pub(super) fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
-        let mut sums = [
-            vec![Complex::default(); values.points],
-            vec![Complex::default(); if values.slopes.is_empty() { 0 } else { values.points }],
-        ];
-        let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
-        for (k, c) in self.coefficients.iter().copied().chain(logs).enumerate() {
-            let range = k * values.points..(k + 1) * values.points;
-            for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
-                if let Some(values) = values.get(range.clone()) {
-                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = *sum + c * *value);
-                }
-            }
+    /// g and, if wanted, its derivative at spots, with the principal logarithms of holes.
+    pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
+        /// Spots whose values are kept in the cache.
+        const TOGETHER: usize = 64;
+        let mut all = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+        for block in spots.chunks(TOGETHER) {
+            let sums = self.sums(&self.functions.at(block, slopes));
+            all.iter_mut().zip(sums).for_each(|(all, own)| all.extend(own));
         }
-        sums
+        all
+    }
+
+    /// g and, if they are there, its derivatives at the points of values.
+    pub(super) fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
+        [&values.all, &values.slopes].map(|values_of| {
+            let points = if values_of.is_empty() { 0 } else { values.points };
+            let mut sums = vec![Complex::default(); points];
+            let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
+            let coefficients = self.coefficients.iter().copied().chain(logs);
+            for (c, own) in coefficients.zip(values_of.chunks_exact(values.points)) {
+                sums.iter_mut().zip(own).for_each(|(sum, value)| *sum = *sum + c * *value);
+            }
+            sums
+        })
     }
 }
 
-/// Panels for functions, `fineness` times shorter than needed for the fit.
+/// Panels for functions, `fineness` times shorter than needed for the fit, none much shorter than a part of an interval.
 pub(super) fn panels(
     setup: &Setup,
     walk: &Walk,
     functions: &Functions,
     level: &Level,
-    fineness: f64,
+    [fineness, shortest]: [f64; 2],
 ) -> Vec<PlanePanel> {
     let longest = 4.0 * setup.diameter / level.degree as f64;
     // Points with the length of panels, in distances from them.
@@ -219,7 +233,7 @@ pub(super) fn panels(
             near.push((family.point, 1.0));
         }
     }
-    walk.panels(0.0, |middle, length| {
+    walk.panels(shortest, |middle, length| {
         fineness * length > longest
             || near.iter().any(|&(z, part)| length > part * (z - middle).norm())
     })

@@ -219,42 +219,65 @@ impl Family {
         derivatives: &mut Vec<Complex>,
     ) {
         let seen: Vec<Complex> = spots.iter().map(|spot| self.seen(spot)).collect();
+        let needs_logs = self.powers.iter().any(|power| power.log || power.power != 1.0);
         for &d in &self.lengths {
             let u: Vec<Complex> = seen.iter().map(|&w| w / w.shifted(d)).collect();
-            let logs: Vec<Complex> = u.iter().map(|&u| ln(u)).collect();
+            let logs: Vec<Complex> =
+                if needs_logs { u.iter().map(|&u| ln(u)).collect() } else { Vec::new() };
             // The derivative of log u.
             let mut rates = Vec::new();
             if slopes {
                 let turn = self.inwards.conj().scaled(d);
                 rates.extend(seen.iter().map(|&w| turn / (w * w.shifted(d))));
             }
+            // Each power by a product from that before it, and the factor again where they are as far apart.
+            let mut powers = vec![Complex::new(1.0, 0.0); spots.len()];
+            let (mut reached, mut apart, mut factors) = (0.0, 0.0, powers.clone());
             for &Power { power, log } in &self.powers {
-                let from = values.len();
-                values.resize(from + spots.len(), Complex::default());
-                for (value, l) in values[from..].iter_mut().zip(&logs) {
-                    let size = exp(power * l.re);
-                    let [sin, cos] = sincos_pi(power / PI * l.im);
-                    *value = Complex::new(size * cos, size * sin);
+                let step = power - reached;
+                if (step - apart).abs() > SAME_STEP && step != 0.0 {
+                    if step == 1.0 {
+                        factors.copy_from_slice(&u);
+                    } else {
+                        raise(&logs, step, &mut factors);
+                    }
+                    apart = step;
                 }
-                if slopes {
-                    let own = &values[from..];
-                    let logs = logs.iter().zip(own).zip(&rates);
-                    derivatives.extend(logs.map(|((l, value), rate)| {
-                        let factor = if log {
-                            l.scaled(power).shifted(1.0)
-                        } else {
-                            Complex::new(power, 0.0)
-                        };
-                        *value * factor * *rate
-                    }));
+                if step != 0.0 {
+                    powers.iter_mut().zip(&factors).for_each(|(x, factor)| *x = *x * *factor);
+                    reached = power;
+                }
+                if slopes && log {
+                    let logs = logs.iter().zip(&powers).zip(&rates);
+                    derivatives.extend(
+                        logs.map(|((l, value), rate)| {
+                            *value * l.scaled(power).shifted(1.0) * *rate
+                        }),
+                    );
+                } else if slopes {
+                    let both = powers.iter().zip(&rates);
+                    derivatives.extend(both.map(|(value, rate)| (*value * *rate).scaled(power)));
                 }
                 if log {
-                    for (value, l) in values[from..].iter_mut().zip(&logs) {
-                        *value = *value * *l;
-                    }
+                    values.extend(powers.iter().zip(&logs).map(|(value, l)| *value * *l));
+                } else {
+                    values.extend_from_slice(&powers);
                 }
             }
         }
+    }
+}
+
+/// Largest difference of steps between powers that are the same but for rounding.
+const SAME_STEP: f64 = 1e-14;
+
+/// Exponentials of a multiple of logarithms.
+#[inline(always)]
+fn raise(logs: &[Complex], power: f64, into: &mut [Complex]) {
+    for (value, l) in into.iter_mut().zip(logs) {
+        let size = exp(power * l.re);
+        let [sin, cos] = sincos_pi(power / PI * l.im);
+        *value = Complex::new(size * cos, size * sin);
     }
 }
 

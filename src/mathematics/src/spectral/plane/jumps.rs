@@ -1,24 +1,15 @@
-//! Curves across which f jumps, cut at the boundary and continued beyond it.
-//!
-//! Inside, pieces of curves between the others carry the difference of f on their two sides, whose sum at each vertex
-//! is zero. Outside, a piece is continued along its curve: to the next piece if that has the same jump; else to half
-//! the way, and from there straight to infinity where a ray is free, or in a hole to its middle, where all that enter
-//! it add to zero.
+//! f with psi, its jumps, and the points at which psi is singular.
 
-use super::continuation::{BorderBuilder, ON, Piece, PlaneJump};
 use super::domain::{PlaneDomain, SidePlace};
 use super::psi::Psi;
 use super::{PlaneError, PlaneSource};
 use crate::problem::complex::Complex;
-use crate::problem::source::Source;
-use crate::spectral::curve::{Curve, ROUNDING, SAME, borders};
-use crate::spectral::parts::{append, close};
-use crate::spectral::potential::Potential;
+use crate::spectral::jumps::{JumpEdge, Jumps};
 
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
 pub(super) struct PlaneJumps {
     pub psi: Psi,
-    pub edges: Vec<PlaneJump>,
+    pub edges: Vec<JumpEdge>,
     /// Points of the boundary at which jumps end, by loop.
     pub crossings: Vec<(usize, SidePlace)>,
     /// Points at which psi, continued beyond the boundary, may be singular: vertices, and centres of circles.
@@ -27,130 +18,95 @@ pub(super) struct PlaneJumps {
 
 impl PlaneJumps {
     pub(super) fn new(domain: &PlaneDomain, source: &PlaneSource) -> Result<Self, PlaneError> {
-        let mut builder = BorderBuilder {
-            domain,
-            potential: Potential::default(),
-            edges: Vec::new(),
-            crossings: Vec::new(),
-        };
-        let inner = inner_points(domain);
-        let psi = match source {
-            PlaneSource::Polynomial(f) => Psi::Polynomial(f.clone()),
-            PlaneSource::Pieces(f) if f.is_smooth() => {
-                return Err(PlaneError::NotFound(
-                    "f must consist of constant pieces, or be a polynomial".into(),
-                ));
-            }
+        let (jumps, psi) = match source {
+            PlaneSource::Polynomial(f) => (Jumps::default(), Psi::Polynomial(f.clone())),
             PlaneSource::Pieces(f) => {
-                let curves = curves(f);
-                for k in 0..curves.len() {
-                    let pieces = builder.pieces(&curves, k, f);
-                    builder.add(curves[k], &pieces)?;
-                }
-                Psi::of_jumps(builder.potential, &inner, |z| f.at(z.coordinates()))
+                let jumps = Jumps::of_pieces(domain, f)?;
+                let points = domain.inner_points(25);
+                let psi = Psi::of_jumps(jumps.psi.clone(), &points, |z| f.at(z.coordinates()));
+                (jumps, psi)
             }
             PlaneSource::Regions(regions) => {
-                for border in &regions.borders {
-                    builder.add_border(border)?;
-                }
-                let (point, f) = regions.known;
-                Psi::of_jumps(builder.potential, &[Complex::new(point[0], point[1])], |_| f)
+                let jumps = Jumps::of_regions(domain, &regions.borders)?;
+                let ([x, y], f) = regions.known;
+                let psi = Psi::of_jumps(jumps.psi.clone(), &[Complex::new(x, y)], |_| f);
+                (jumps, psi)
             }
         };
-        let mut singular = Vec::new();
-        if let Psi::Jumps(potential) = &psi {
-            singular.extend(&potential.vertices);
-            singular.extend(potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre()));
-        }
-        Ok(Self { psi, edges: builder.edges, crossings: builder.crossings, singular })
+        let Jumps { edges, crossings, psi: potential, .. } = jumps;
+        let centres = potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre());
+        Ok(Self {
+            psi,
+            edges,
+            crossings: crossings.into_iter().map(|z| domain.nearest(z)).collect(),
+            singular: potential.vertices.iter().copied().chain(centres).collect(),
+        })
     }
 }
 
-/// Curves that bound the pieces, each once.
-fn curves(f: &Source) -> Vec<Curve> {
-    let mut curves: Vec<Curve> = Vec::new();
-    if let Source::Pieces { pieces, .. } = f {
-        for curve in pieces.iter().flat_map(|(shape, _)| borders(shape)) {
-            if !curves.iter().any(|&other| other.same(curve)) {
-                curves.push(curve);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Condition;
+    use crate::spectral::plane::PlaneSide;
+
+    fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
+        let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
+        let sides =
+            (0..points.len()).map(|k| PlaneSide::segment(ends(k), Condition::Contact, 0)).collect();
+        PlaneDomain::new(vec![sides]).unwrap()
+    }
+
+    #[test]
+    fn psi_belongs_to_f_where_jumps_end_in_bays() {
+        let u = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [1.0, 1.0],
+            [0.5, 1.0],
+            [0.5, -0.5],
+            [-0.5, -0.5],
+            [-0.5, 1.0],
+            [-1.0, 1.0],
+        ];
+        // A bay behind a way with two bends.
+        let hook = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [1.0, 1.0],
+            [-0.7, 1.0],
+            [-0.7, 0.6],
+            [0.2, 0.6],
+            [0.2, -0.2],
+            [-0.2, -0.2],
+            [-0.2, 0.2],
+            [0.1, 0.2],
+            [0.1, 0.5],
+            [-0.8, 0.5],
+            [-0.8, 1.0],
+            [-1.0, 1.0],
+        ];
+        for points in [&u[..], &hook[..]] {
+            let domain = polygon(points);
+            for text in [
+                "rect(-2,0,-2,0.1)=3; else=-1",
+                "halfplane(1,0.3,0.02)=4; rect(-0.3,0.8,-0.7,0.3)=2; disc(-0.4,0,0.5)=1; else=-2",
+                "disc(0,-0.9,0.75)=1; rect(-2,-0.1,-2,2)=-3; else=2",
+            ] {
+                let f = PlaneSource::Pieces(text.parse().unwrap());
+                let PlaneSource::Pieces(pieces) = &f else { panic!("pieces") };
+                let psi = PlaneJumps::new(&domain, &f).unwrap().psi;
+                for z in domain.inner_points(25) {
+                    let value = pieces.at(z.coordinates());
+                    assert!((psi.source(z) - value).abs() < 1e-10, "{text}: {z:?} {value}");
+                    let (step, slope) = (1e-5, psi.gradients(&[z])[0]);
+                    for way in [Complex::new(step, 0.0), Complex::new(0.0, step)] {
+                        let change = psi.value(z + way) - psi.value(z - way);
+                        let off = 0.5 * change / step - slope.dot(way.scaled(1.0 / step));
+                        assert!(off.abs() < 1e-4, "{text}: {z:?} {off}");
+                    }
+                }
             }
         }
-    }
-    curves
-}
-
-/// Points of the domain away from its boundary.
-fn inner_points(domain: &PlaneDomain) -> Vec<Complex> {
-    let [[left, right], [low, high]] = domain.extent();
-    let mut points = Vec::new();
-    for k in 0..2000 {
-        let [x, y] = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17];
-        let z = Complex::new(
-            left + (right - left) * (x - x.floor()),
-            low + (high - low) * (y - y.floor()),
-        );
-        if domain.holds(z) {
-            points.push(z);
-        }
-        if points.len() == 25 {
-            break;
-        }
-    }
-    points
-}
-
-impl BorderBuilder<'_> {
-    /// Pieces of the `k`-th curve between the others and the sides, once around a circle.
-    fn pieces(&self, curves: &[Curve], k: usize, f: &Source) -> Vec<Piece> {
-        let curve = curves[k];
-        let mut cuts = Vec::new();
-        for (j, other) in curves.iter().enumerate() {
-            // Both of two curves are cut at the same points.
-            cuts.extend(match j < k {
-                true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
-                false => curve.meets(*other),
-            });
-        }
-        for side in self.domain.sides() {
-            let met = curve.meets(side.arc.curve).into_iter();
-            cuts.extend(met.filter(|&s| side.place(curve.at(s), 10.0 * SAME).is_some()));
-            // Where a curve runs along a side it is cut at the ends of the side.
-            let ends = [0.0, side.length()].map(|s| side.point(s));
-            cuts.extend(
-                ends.into_iter()
-                    .filter(|&z| curve.distance(z).abs() < SAME)
-                    .map(|z| curve.place(z)),
-            );
-        }
-        cuts.sort_by(f64::total_cmp);
-        cuts.dedup_by(|b, a| *b - *a < SAME);
-        if let Some(period) = curve.period() {
-            if cuts.len() > 1 && cuts[0] + period - cuts[cuts.len() - 1] < SAME {
-                cuts.pop();
-            }
-            let first = cuts.first().copied().unwrap_or(0.0);
-            cuts.resize(cuts.len().max(1), first);
-            cuts.push(first + period);
-        }
-        let mut pieces: Vec<Piece> = Vec::new();
-        for cut in cuts.windows(2) {
-            let span = [cut[0], cut[1]];
-            let middle = 0.5 * (span[0] + span[1]);
-            let (z, normal) = (curve.at(middle), curve.direction(middle).turned());
-            let inside = self.domain.distance(z) > ON && self.domain.holds(z);
-            let along = [span[0], middle, span[1]].map(|s| curve.at(s));
-            let values = inside.then(|| {
-                let known = curves[..k].iter().any(|other| other.holds(along, ROUNDING));
-                let apart = curves.iter().filter(|other| !other.holds(along, ROUNDING));
-                let room = apart.map(|other| 0.5 * other.distance(z).abs()).fold(1e-9, f64::min);
-                let step = normal.scaled(room.max(curve.rounding()));
-                if known { [0.0; 2] } else { [z + step, z - step].map(|z| f.at(z.coordinates())) }
-            });
-            append(&mut pieces, Piece { span, value: values });
-        }
-        if let Some(period) = curve.period() {
-            close(&mut pieces, period);
-        }
-        pieces
     }
 }

@@ -3,12 +3,17 @@
 
 use crate::machine::simd::vectorised;
 
-/// Reflections that are applied together.
+/// Reflections that are applied together to all columns that follow.
 const BLOCK: usize = 32;
+/// Reflections that are applied together to the other columns of their block.
+const PART: usize = 8;
 /// Numbers side by side in a loop.
 const LANES: usize = 8;
-/// Columns that are taken together.
+/// Rows and columns of a product whose entries are kept in registers.
+const TALL: usize = 2 * LANES;
 const WIDE: usize = 4;
+/// Groups of [`WIDE`] columns that are taken together, so that the reflections stay in the cache.
+const GROUPS: usize = 4;
 /// Size of the multiple of the identity below the columns, which have norm 1: it keeps the coefficients small where
 /// columns depend on each other.
 const RIDGE: f64 = 1e-15;
@@ -19,7 +24,7 @@ pub(super) struct Columns {
     pub rows: usize,
     /// Unknowns.
     pub unknowns: usize,
-    /// Rows of storage: a multiple of [`LANES`].
+    /// Rows of storage: a multiple of [`TALL`].
     height: usize,
     entries: Vec<f64>,
 }
@@ -27,7 +32,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Zeros.
     pub(super) fn new(rows: usize, unknowns: usize) -> Self {
-        let height = (rows + unknowns).next_multiple_of(LANES);
+        let height = (rows + unknowns).next_multiple_of(TALL);
         Self { rows, unknowns, height, entries: vec![0.0; height * (unknowns + 1)] }
     }
 
@@ -49,16 +54,14 @@ impl Columns {
             scales.push(scale);
             self.entries[k * height + rows + k] = RIDGE;
         }
-        let mut from = 0;
-        while from < many {
+        for from in (0..many).step_by(BLOCK) {
             let to = (from + BLOCK).min(many);
             // Below, the identity is not yet touched.
-            let limit = (rows + to).next_multiple_of(LANES);
+            let limit = (rows + to).next_multiple_of(TALL);
             vectorised(
                 #[inline(always)]
                 || reflect(&mut self.entries, height, [from, to], limit),
             );
-            from = to;
         }
         let mut x = self.entries[many * height..many * height + many].to_vec();
         for k in (0..many).rev() {
@@ -71,151 +74,208 @@ impl Columns {
     }
 }
 
+/// Numbers beside each other.
+type Lanes = [f64; LANES];
+
+/// Reflections whose product is `I - V T V'`. The columns they are applied to have a height, and their first rows are
+/// left alone.
+struct Reflections {
+    /// V, [`LANES`] rows of all columns after each other.
+    by_columns: Vec<[Lanes; BLOCK]>,
+    /// V, all rows of [`LANES`] columns after each other.
+    by_rows: [Vec<Lanes>; BLOCK / LANES],
+    /// T by columns.
+    t: [[f64; BLOCK]; BLOCK],
+}
+
 /// Reflects a block of columns to triangular form, and all that follow with it. Rows from `limit` on are zero in the
 /// block.
 #[inline(always)]
 fn reflect(entries: &mut [f64], height: usize, [from, to]: [usize; 2], limit: usize) {
-    let many = to - from;
-    // Rows above the block are left alone, but for those that fill the first lanes.
-    let top = from / LANES * LANES;
+    // Rows above the block are left alone, but for those beside its first.
+    let top = from / TALL * TALL;
     let tall = limit - top;
-    let mut v = vec![0.0; tall * many.next_multiple_of(WIDE)];
-    let mut t = [[0.0; BLOCK]; BLOCK];
-    for j in 0..many {
-        let (pivot, after) = entries[(from + j) * height + top..].split_at_mut(height);
-        let column = &mut pivot[..tall];
-        let own = &mut v[j * tall..(j + 1) * tall];
-        let first = from + j - top;
-        own[first..].copy_from_slice(&column[first..]);
-        let norm = dot(own, own).sqrt();
-        let size = if own[first] > 0.0 { -norm } else { norm };
-        let head = own[first] - size;
-        // A column of zeros cannot be: the identity is below.
-        let scale = 1.0 / head;
-        own.iter_mut().for_each(|x| *x *= scale);
-        own[first] = 1.0;
-        let tau = -head / size;
-        column[first..].fill(0.0);
-        column[first] = size;
-        for k in 0..many - 1 - j {
-            let other = &mut after[k * height..k * height + tall];
-            let factor = tau * dot(own, other);
-            other.iter_mut().zip(own.iter()).for_each(|(x, v)| *x -= factor * v);
+    let mut all = Reflections {
+        by_columns: vec![[[0.0; LANES]; BLOCK]; tall / LANES],
+        by_rows: std::array::from_fn(|_| vec![[0.0; LANES]; tall]),
+        t: [[0.0; BLOCK]; BLOCK],
+    };
+    let mut part = vec![0.0; PART * tall];
+    for start in (from..to).step_by(PART) {
+        let end = (start + PART).min(to);
+        for j in start..end {
+            let (pivot, after) = entries[j * height + top..].split_at_mut(height);
+            let own = &mut part[(j - start) * tall..(j - start + 1) * tall];
+            let tau = reflection(&mut pivot[..tall], j - top, own);
+            for other in after.chunks_mut(height).take(end - 1 - j) {
+                let factor = tau * dot(own, &other[..tall]);
+                other.iter_mut().zip(own.iter()).for_each(|(x, v)| *x -= factor * v);
+            }
+            all.set(j - from, own, tau);
         }
-        // The product of the reflections is I - V T V'.
-        let mut products = [0.0; BLOCK];
-        for k in 0..j {
-            products[k] = dot(&v[k * tall..(k + 1) * tall], &v[j * tall..(j + 1) * tall]);
-        }
-        for (i, row) in t[..j].iter_mut().enumerate() {
-            let sum: f64 =
-                row[i..j].iter().zip(&products[i..j]).map(|(t, product)| t * product).sum();
-            row[j] = -tau * sum;
-        }
-        t[j][j] = tau;
+        let span = [start - from, end - from];
+        all.join(span, &part);
+        all.apply(span, &mut entries[end * height..to * height], [height, top]);
     }
-    for columns in entries[to * height..].chunks_mut(WIDE * height) {
-        apply(&v, &t, tall, many, Trailing { columns, height, top });
-    }
+    all.apply([0, to - from], &mut entries[to * height..], [height, top]);
 }
 
-/// Columns to which reflections are applied.
-struct Trailing<'a> {
-    columns: &'a mut [f64],
-    height: usize,
-    top: usize,
-}
-
-/// Applies the transposed product of reflections `I - V T' V'` to up to [`WIDE`] columns.
+/// Finds the reflection `I - tau v v'` that takes a column to a multiple of a unit vector from a row on, and applies it.
 #[inline(always)]
-fn apply(v: &[f64], t: &[[f64; BLOCK]; BLOCK], tall: usize, many: usize, trailing: Trailing) {
-    let Trailing { columns, height, top } = trailing;
-    let mut w = [[0.0; WIDE]; BLOCK];
-    let wide = columns.len() / height;
-    let others = [0, 1, 2, 3].map(|c: usize| &columns[c.min(wide - 1) * height + top..][..tall]);
-    for (k, w) in w[..many].iter_mut().enumerate() {
-        *w = products(&v[k * tall..(k + 1) * tall], others);
+fn reflection(column: &mut [f64], first: usize, v: &mut [f64]) -> f64 {
+    v[..first].fill(0.0);
+    v[first..].copy_from_slice(&column[first..]);
+    let norm = dot(v, v).sqrt();
+    let size = if v[first] > 0.0 { -norm } else { norm };
+    let head = v[first] - size;
+    // A column of zeros cannot be: the identity is below.
+    let scale = 1.0 / head;
+    v.iter_mut().for_each(|x| *x *= scale);
+    v[first] = 1.0;
+    column[first..].fill(0.0);
+    column[first] = size;
+    -head / size
+}
+
+impl Reflections {
+    /// Sets a column of V.
+    #[inline(always)]
+    fn set(&mut self, number: usize, v: &[f64], tau: f64) {
+        for (rows, x) in self.by_columns.iter_mut().zip(v.chunks_exact(LANES)) {
+            rows[number].copy_from_slice(x);
+        }
+        for (row, x) in self.by_rows[number / LANES].iter_mut().zip(v) {
+            row[number % LANES] = *x;
+        }
+        self.t[number][number] = tau;
     }
-    let mut tw = [[0.0; WIDE]; BLOCK];
-    for i in 0..many {
-        for k in 0..=i {
-            for c in 0..WIDE {
-                tw[i][c] += t[k][i] * w[k][c];
+
+    /// Completes columns of T, for the reflections of a part.
+    #[inline(always)]
+    fn join(&mut self, [from, to]: [usize; 2], part: &[f64]) {
+        let tall = part.len() / PART;
+        for first in (from..to).step_by(WIDE) {
+            let own = &part[(first - from) * tall..];
+            for (j, products) in (first..to).zip(self.products([0, to], own, [tall, 0])) {
+                let tau = self.t[j][j];
+                for i in 0..j {
+                    let sum: f64 = (i..j).map(|k| self.t[k][i] * products[k]).sum();
+                    self.t[j][i] = -tau * sum;
+                }
             }
         }
     }
-    for group in (0..many).step_by(WIDE) {
-        let own = [0, 1, 2, 3].map(|k| &v[(group + k) * tall..(group + k + 1) * tall]);
-        for c in 0..wide {
-            let factors = [0, 1, 2, 3].map(|k| tw[group + k][c]);
-            subtract(&mut columns[c * height + top..c * height + top + tall], own, factors);
+
+    /// Applies the transposed product of some reflections, `I - V T' V'`, to columns.
+    #[inline(always)]
+    fn apply(&self, [from, to]: [usize; 2], columns: &mut [f64], [height, top]: [usize; 2]) {
+        for columns in columns.chunks_mut(GROUPS * WIDE * height) {
+            let mut factors = [[[0.0; BLOCK]; WIDE]; GROUPS];
+            for (factors, columns) in factors.iter_mut().zip(columns.chunks(WIDE * height)) {
+                let products = self.products([from, to], columns, [height, top]);
+                for (factors, products) in factors.iter_mut().zip(products) {
+                    for i in from..to {
+                        for k in from..=i {
+                            factors[i] -= self.t[i][k] * products[k];
+                        }
+                    }
+                }
+            }
+            for (factors, columns) in factors.iter().zip(columns.chunks_mut(WIDE * height)) {
+                self.add(
+                    factors.each_ref().map(|own| &own[from..to]),
+                    from,
+                    columns,
+                    [height, top],
+                );
+            }
+        }
+    }
+
+    /// Products of reflections with up to [`WIDE`] columns.
+    #[inline(always)]
+    fn products(
+        &self,
+        [from, to]: [usize; 2],
+        columns: &[f64],
+        [height, top]: [usize; 2],
+    ) -> [[f64; BLOCK]; WIDE] {
+        const MANY: usize = BLOCK / LANES;
+        let (tall, last) = (self.by_rows[0].len(), columns.len() / height - 1);
+        let others = [0, 1, 2, 3].map(|c: usize| &columns[c.min(last) * height + top..][..tall]);
+        let mut found = [[0.0; BLOCK]; WIDE];
+        for k in (from / LANES..to.div_ceil(LANES)).step_by(2) {
+            let both = [k, (k + 1) % MANY];
+            let mut sums = [[[0.0; LANES]; WIDE]; 2];
+            add_products(&mut sums, both.map(|k| &self.by_rows[k][..]), others);
+            for (k, sums) in both.into_iter().zip(&sums) {
+                for (found, sums) in found.iter_mut().zip(sums) {
+                    found[k * LANES..(k + 1) * LANES].copy_from_slice(sums);
+                }
+            }
+        }
+        found
+    }
+
+    /// Adds multiples of the columns of V from one on to up to [`WIDE`] columns.
+    #[inline(always)]
+    fn add(
+        &self,
+        factors: [&[f64]; WIDE],
+        from: usize,
+        columns: &mut [f64],
+        [height, top]: [usize; 2],
+    ) {
+        let to = from + factors[0].len();
+        for (at, rows) in self.by_columns.chunks_exact(2).enumerate() {
+            let row = top + at * TALL;
+            let mut sums = [[[0.0; LANES]; WIDE]; 2];
+            for (c, column) in columns.chunks(height).enumerate() {
+                for (i, sums) in sums.iter_mut().enumerate() {
+                    sums[c].copy_from_slice(&column[row + i * LANES..][..LANES]);
+                }
+            }
+            add_products(&mut sums, [0, 1].map(|i: usize| &rows[i][from..to]), factors);
+            for (c, column) in columns.chunks_mut(height).enumerate() {
+                for (i, sums) in sums.iter().enumerate() {
+                    column[row + i * LANES..][..LANES].copy_from_slice(&sums[c]);
+                }
+            }
         }
     }
 }
 
-/// Sum of products.
+/// Adds the product of a matrix with [`TALL`] rows, and one with [`WIDE`] columns.
+#[inline(always)]
+fn add_products(sums: &mut [[Lanes; WIDE]; 2], a: [&[Lanes]; 2], b: [&[f64]; WIDE]) {
+    let many = a[0].len();
+    let [p, q] = a.map(|a| &a[..many]);
+    let [e, f, g, h] = b.map(|b| &b[..many]);
+    // A copy is kept in registers.
+    let mut own = *sums;
+    for k in 0..many {
+        let (rows, factors) = ([&p[k], &q[k]], [e[k], f[k], g[k], h[k]]);
+        for i in 0..2 {
+            for c in 0..WIDE {
+                for l in 0..LANES {
+                    own[i][c][l] = rows[i][l].mul_add(factors[c], own[i][c][l]);
+                }
+            }
+        }
+    }
+    *sums = own;
+}
+
+/// Sum of products, in an order that no instruction set changes.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 2 * LANES];
-    for (x, y) in a.chunks_exact(2 * LANES).zip(b.chunks_exact(2 * LANES)) {
-        for l in 0..2 * LANES {
+    let mut sums = [0.0; TALL];
+    for (x, y) in a.chunks_exact(TALL).zip(b.chunks_exact(TALL)) {
+        for l in 0..TALL {
             sums[l] += x[l] * y[l];
         }
     }
-    let rest = a.len() / (2 * LANES) * (2 * LANES);
-    for (l, (x, y)) in a[rest..].iter().zip(&b[rest..]).enumerate() {
-        sums[l] += x * y;
-    }
-    total(&sums)
-}
-
-/// Sum of numbers, in an order that no instruction set changes.
-#[inline(always)]
-fn total(sums: &[f64]) -> f64 {
-    let mut total = 0.0;
-    for sum in sums {
-        total += sum;
-    }
-    total
-}
-
-/// Products of a column with others.
-#[inline(always)]
-fn products(a: &[f64], [p, q, r, s]: [&[f64]; WIDE]) -> [f64; WIDE] {
-    const BOTH: usize = 2 * LANES;
-    // Each in a variable of its own, so that it is kept in registers.
-    let (mut s0, mut s1, mut s2, mut s3) = ([0.0; BOTH], [0.0; BOTH], [0.0; BOTH], [0.0; BOTH]);
-    let whole = a.len() / BOTH * BOTH;
-    let mut at = 0;
-    while at < whole {
-        add_products(&mut s0, &a[at..at + BOTH], &p[at..at + BOTH]);
-        add_products(&mut s1, &a[at..at + BOTH], &q[at..at + BOTH]);
-        add_products(&mut s2, &a[at..at + BOTH], &r[at..at + BOTH]);
-        add_products(&mut s3, &a[at..at + BOTH], &s[at..at + BOTH]);
-        at += BOTH;
-    }
-    for (sums, b) in [(&mut s0, p), (&mut s1, q), (&mut s2, r), (&mut s3, s)] {
-        add_products(sums, &a[at..], &b[at..]);
-    }
-    [total(&s0), total(&s1), total(&s2), total(&s3)]
-}
-
-/// Adds products, side by side.
-#[inline(always)]
-fn add_products(sums: &mut [f64], a: &[f64], b: &[f64]) {
-    for ((sum, x), y) in sums.iter_mut().zip(a).zip(b) {
-        *sum += x * y;
-    }
-}
-
-/// Subtracts multiples of columns.
-#[inline(always)]
-fn subtract(from: &mut [f64], [a, b, c, d]: [&[f64]; WIDE], [e, f, g, h]: [f64; WIDE]) {
-    let many = from.len();
-    let (a, b, c, d) = (&a[..many], &b[..many], &c[..many], &d[..many]);
-    for i in 0..many {
-        from[i] -= (a[i] * e + b[i] * f) + (c[i] * g + d[i] * h);
-    }
+    sums.iter().sum()
 }
 
 #[cfg(test)]

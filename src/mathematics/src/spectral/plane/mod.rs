@@ -32,8 +32,6 @@ mod boundary;
 mod bounds;
 mod cells;
 mod choice;
-mod continuation;
-mod domain;
 mod energy;
 mod exact_energy;
 mod extension;
@@ -51,6 +49,7 @@ mod on_mesh;
 mod outline;
 mod panels;
 mod polynomial;
+mod problem;
 mod proof;
 mod psi;
 mod regions;
@@ -61,8 +60,7 @@ mod setup;
 mod signs;
 mod start;
 
-use crate::problem::law::Law;
-use crate::problem::source::Source;
+use super::domain;
 use crate::problem::text::plain;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
 use field::PlaneNode;
@@ -70,68 +68,10 @@ use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 use panels::Spot;
 pub(crate) use polynomial::Polynomial;
+pub(crate) use problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, RegionBorder, Regions};
 use search::PlaneFound;
 use setup::Setup;
 use std::fmt;
-
-/// Right-hand side of a domain in the plane.
-#[derive(Clone, Debug)]
-pub(crate) enum PlaneSource {
-    /// Constant pieces.
-    Pieces(Source),
-    /// A polynomial.
-    Polynomial(Polynomial),
-    /// Constant values on regions.
-    Regions(Regions),
-}
-
-/// Constant values on regions with straight or circular borders.
-#[derive(Clone, Debug)]
-pub(crate) struct Regions {
-    /// Borders between regions inside of the domain, each once: the condition and part of the side are not used.
-    pub borders: Vec<RegionBorder>,
-    /// A point inside of the domain, and f there.
-    pub known: ([f64; 2], f64),
-}
-
-/// Border between two regions.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RegionBorder {
-    /// The border: its condition and part are not read.
-    pub side: PlaneSide,
-    /// f on the left and on the right.
-    pub values: [f64; 2],
-}
-
-/// Problem on a domain of the plane.
-#[derive(Clone, Debug)]
-pub(crate) struct PlaneProblem {
-    /// The domain.
-    pub domain: PlaneDomain,
-    /// The law on sides in contact.
-    pub law: Law,
-    /// f.
-    pub source: PlaneSource,
-}
-
-/// Contact set with which Newton's method begins, loop by loop.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PlaneStart {
-    /// Arcs that stick, loop by loop.
-    pub loops: Vec<LoopStart>,
-    /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
-    pub spacing: f64,
-}
-
-/// Arcs of a loop that stick. What it says of fixed and free sides is not read.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct LoopStart {
-    /// Beginning and end of each arc in walking order.
-    pub arcs: Vec<[SidePlace; 2]>,
-    /// Flux dv/dn on the gap after each arc, an end of the law. Without arcs: none if all of the loop sticks, one if
-    /// nothing does.
-    pub gaps: Vec<f64>,
-}
 
 /// Two bounds of the energy.
 #[derive(Clone, Debug, PartialEq)]
@@ -216,6 +156,20 @@ impl PlaneError {
     /// True if the input is the reason, and not that no solution was found.
     pub(crate) fn is_of_input(&self) -> bool {
         !matches!(self, Self::NotFound(_))
+    }
+}
+
+impl PlaneChecks {
+    /// The worse of each of two checks.
+    pub(super) fn worst(self, other: Self) -> Self {
+        let is_less = self.balance.abs() < other.balance.abs();
+        Self {
+            residual: self.residual.max(other.residual),
+            balance: if is_less { other.balance } else { self.balance },
+            flux: self.flux.min(other.flux),
+            sign: self.sign.min(other.sign),
+            bracket: self.bracket.max(other.bracket),
+        }
     }
 }
 
@@ -319,27 +273,27 @@ impl PlaneSolution {
         cuts
     }
 
+    /// Numbers of unknowns, and energies, of levels from coarse to fine.
+    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
+        let square = self.frame.unit * self.frame.unit;
+        let levels = self.found.by_level(&self.setup).into_iter();
+        levels.map(|(unknowns, energy)| (unknowns, square * square * energy)).collect()
+    }
+
     /// v at many points.
     pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        let mut values = Vec::with_capacity(points.len());
-        for block in points.chunks(64) {
-            let spots: Vec<Spot> =
-                block.iter().map(|&point| Spot::inside(self.frame.seen(point))).collect();
-            let fit = &self.found.fit;
-            let [g, _] = fit.sums(&fit.functions.at(&spots, false));
-            let square = self.frame.unit * self.frame.unit;
-            for (spot, g) in spots.iter().zip(g) {
-                values.push(square * (self.setup.jumps.psi.value(spot.z) + g.re));
-            }
-        }
-        values
+        let spots: Vec<Spot> =
+            points.iter().map(|&point| Spot::inside(self.frame.seen(point))).collect();
+        let [g, _] = self.found.fit.at(&spots, false);
+        let square = self.frame.unit * self.frame.unit;
+        let psi = &self.setup.jumps.psi;
+        spots.iter().zip(g).map(|(spot, g)| square * (psi.value(spot.z) + g.re)).collect()
     }
 
     /// Gradient of v at a point of the domain.
     pub(crate) fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         let spots = [Spot::inside(self.frame.seen(point))];
-        let fit = &self.found.fit;
-        let [_, slopes] = fit.sums(&fit.functions.at(&spots, true));
+        let [_, slopes] = self.found.fit.at(&spots, true);
         let psi = self.setup.jumps.psi.gradients(&[spots[0].z])[0];
         (psi + slopes[0].conj()).scaled(self.frame.unit).coordinates()
     }

@@ -18,12 +18,18 @@ struct EndStep {
     which: usize,
     step: f64,
     cut: bool,
+    /// Distance to the next split.
+    near: f64,
 }
 
 /// Most steps on a level.
 const MOST: usize = 25;
 /// Largest part of an arc or a gap by which an end moves.
 const PART: f64 = 0.4;
+/// Largest part of the distance to the next split by which an end at rest moves.
+const AT_REST: f64 = 0.1;
+/// Step of an end, in perimeters, that leaves it where it is.
+const NOWHERE: f64 = 1e-7;
 
 /// Moves the ends of a contact set until none moves any more; returns the fit, or none if that does not happen.
 pub(super) fn settle(
@@ -43,7 +49,10 @@ pub(super) fn settle(
         let moves = end_steps(setup, contact, &fit);
         let largest = moves.iter().fold(0.0f64, |most, m| most.max(m.step.abs())) / setup.perimeter;
         let cut = moves.iter().any(|m| m.cut);
-        if !cut && (largest < level.found || largest < level.noise && largest > last / 3.0) {
+        let is_still =
+            moves.iter().all(|m| m.step.abs() < (AT_REST * m.near).max(NOWHERE * setup.perimeter));
+        let is_noise = largest < level.noise && largest > last / 3.0;
+        if !cut && is_still && (largest < level.found || is_noise) {
             if largest < level.noise {
                 moves.iter().for_each(|m| contact[m.ring].arcs[m.arc][m.which] += m.step);
             }
@@ -102,16 +111,24 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
             true => -k / (1.5 * k1),
             false => -(k * sign).signum() * f64::INFINITY,
         };
+        let near = split.lengths[0].min(split.lengths[1]);
         // What grows, grows no more than threefold.
         let room = match wanted > 0.0 {
             // The expansion holds up to the next split only.
-            _ if wanted.is_infinite() => PART * split.lengths[0].min(split.lengths[1]),
+            _ if wanted.is_infinite() => PART * near,
             true => (PART * gap).min(2.0 * arc_length),
             false => (PART * arc_length).min(2.0 * gap),
         };
         let step = wanted.clamp(-room, room);
         let along = if which == 0 { -step } else { step };
-        steps.push(EndStep { ring: split.ring, arc, which, step: along, cut: step != wanted });
+        steps.push(EndStep {
+            ring: split.ring,
+            arc,
+            which,
+            step: along,
+            cut: step != wanted,
+            near,
+        });
     }
     steps
 }
@@ -127,24 +144,46 @@ fn around(ring: &RingContact, arc: usize, which: usize, turn: f64) -> [f64; 2] {
     [to - from, gap]
 }
 
-/// Leaves out the shortest arc or gap that shrank at a cut step.
+/// Leaves out arcs and gaps that shrank at a cut step: the shortest, and those that are not much longer.
 fn drop_short(setup: &Setup, contact: &mut [RingContact], moves: &[EndStep]) {
-    let mut shortest: Option<(f64, usize, usize, usize)> = None;
+    /// Longest that is left out, in perimeters, and over the shortest.
+    const SHORT: [f64; 2] = [0.05, 10.0];
+    let mut shrinking: Vec<Shrinking> = Vec::new();
     for m in moves.iter().filter(|m| m.cut) {
-        let shrinks = (m.step < 0.0) == (m.which == 1);
+        let is_gap = (m.step < 0.0) != (m.which == 1);
         let lengths = around(&contact[m.ring], m.arc, m.which, setup.rings[m.ring].length());
-        let length = lengths[usize::from(!shrinks)];
-        // The gap before the first end is that after the arc before.
-        let many = contact[m.ring].arcs.len();
-        let gap = if m.which == 1 { m.arc } else { (m.arc + many - 1) % many };
-        let what = (length, m.ring, if shrinks { m.arc } else { gap }, usize::from(!shrinks));
-        if length < 0.05 * setup.perimeter && shortest.is_none_or(|s| length < s.0) {
-            shortest = Some(what);
+        let length = lengths[usize::from(is_gap)];
+        let end = contact[m.ring].arcs[m.arc][m.which];
+        // An arc lies behind its end, the gap before it.
+        let half = if is_gap == (m.which == 1) { 0.5 * length } else { -0.5 * length };
+        shrinking.push(Shrinking { ring: m.ring, middle: end + half, length, is_gap });
+    }
+    let shortest = shrinking.iter().fold(f64::INFINITY, |least, own| least.min(own.length));
+    let longest = (SHORT[0] * setup.perimeter).min(SHORT[1] * shortest);
+    for Shrinking { ring, middle, is_gap, .. } in
+        shrinking.into_iter().filter(|own| own.length < longest)
+    {
+        let (own, turn) = (&mut contact[ring], setup.rings[ring].length());
+        let many = own.arcs.len();
+        let number = (0..many).find(|&k| {
+            let [from, to] = own.arcs[k];
+            let [from, to] = if is_gap { [to, own.arcs[(k + 1) % many][0]] } else { [from, to] };
+            // Both ends of what is left out may have been cut.
+            (middle - from).rem_euclid(turn) < (to - from).rem_euclid(turn)
+        });
+        if let Some(number) = number {
+            remove(own, number, is_gap, turn);
         }
     }
-    if let Some((_, ring, number, is_gap)) = shortest {
-        remove(&mut contact[ring], number, is_gap == 1, setup.rings[ring].length());
-    }
+}
+
+/// Arc or gap that shrinks.
+struct Shrinking {
+    ring: usize,
+    /// Distance along the loop of its middle.
+    middle: f64,
+    length: f64,
+    is_gap: bool,
 }
 
 /// Removes an arc, or the gap after it.

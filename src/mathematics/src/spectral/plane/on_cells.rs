@@ -127,7 +127,7 @@ impl Proof<'_> {
         let (functions, mut units) = (&self.fit.functions, Vec::new());
         for family in &functions.families {
             for _ in &family.lengths {
-                units.extend(family.powers.iter().map(|power| 6.0 + 8.0 * power.power));
+                units.extend(family.powers.iter().map(|power| 16.0 + 8.0 * power.power));
             }
         }
         units.extend(

@@ -2,7 +2,7 @@
 
 use super::outline::outline;
 use super::regions::regions;
-use super::start::{MeshSolution, nearest_side};
+use super::start::MeshSolution;
 use super::{
     PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem, PlaneSide,
     PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
@@ -13,8 +13,9 @@ use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 
-/// Nodes, at most, of the meshes whose solutions are starts in turn.
+/// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
+const SIDES: f64 = 20.0;
 /// Largest error of a polynomial in place of f, over the largest value of f.
 const FITTED: f64 = 1e-10;
 /// Error of a polynomial that is rounding alone, over the largest value of f.
@@ -42,7 +43,10 @@ pub(crate) fn solve_on_mesh(
     let height = height(mesh, f);
     let problem = problem(mesh, f, law, height)?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
-    for most_nodes in STARTS {
+    let sides = problem.domain.loops().iter().map(Vec::len).sum::<usize>() as f64;
+    for nodes in STARTS {
+        // Short sides want short edges.
+        let most_nodes = nodes * (sides / SIDES).max(1.0).powi(2);
         let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
         match solve(&problem, &solution.start(&problem)) {
             Err(failed) => error = failed,
@@ -124,6 +128,12 @@ impl PlaneTruth {
         }
     }
 
+    /// Distance of a point from the domain.
+    pub(crate) fn distance(&self, [x, y]: [f64; 2]) -> f64 {
+        let (domain, z) = (&self.problem.domain, Complex::new(x, y));
+        if domain.holds(z) { 0.0 } else { domain.distance(z) }
+    }
+
     /// Arcs in contact, with the names of the parts of a mesh: those on sides where the law holds.
     pub(crate) fn contact(&self, mesh: &PlaneMesh) -> Vec<ContactArc> {
         let mut arcs = Vec::new();
@@ -149,6 +159,13 @@ impl PlaneTruth {
             arcs.push(ContactArc { closed: *closed, part, ..arc });
         }
         arcs
+    }
+
+    /// Numbers of unknowns, and energies, of levels from coarse to fine.
+    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
+        let square = self.height * self.height;
+        let levels = self.solution.by_level().into_iter();
+        levels.map(|(unknowns, energy)| (unknowns, square * energy)).collect()
     }
 
     /// Cuts of the functions, from and to.
@@ -179,10 +196,8 @@ impl PlaneTruth {
         const BESIDE: [f64; 2] = [1e-15, 1e-6];
         let [x, y] = point;
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
-        let nearest = loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
-        let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
-        let (ring, (side, _)) = nearest.expect("a domain has a boundary");
-        let (s, length) = (loops[ring][side].nearest(z), loops[ring][side].length());
+        let (ring, SidePlace { side, s }) = self.problem.domain.nearest(z);
+        let length = loops[ring][side].length();
         let [of_value, of_flux] = BESIDE.map(|part| {
             let place = SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) };
             self.solution.on_boundary(ring, place)

@@ -2,12 +2,12 @@
 
 use super::boundary::Walk;
 use super::cells::{CellStretch, EllipseCell, Singular, Surroundings, Track};
-use super::continuation::PlaneJump;
 use super::extension::{Chord, share};
 use super::fit::Fit;
 use super::functions::Family;
 use super::setup::Setup;
 use crate::problem::complex::Complex;
+use crate::spectral::jumps::JumpEdge;
 use std::f64::consts::PI;
 
 /// EllipseCell of an interval, seen from one of its ends.
@@ -163,7 +163,7 @@ impl<'a> Proof<'a> {
 }
 
 /// True if `-Lap psi` is f on both sides of a jump, next to its middle.
-fn has_values(setup: &Setup, edge: &PlaneJump) -> bool {
+fn has_values(setup: &Setup, edge: &JumpEdge) -> bool {
     let (curve, [from, to]) = (edge.arc.curve, edge.arc.span);
     let s = 0.5 * (from + to);
     let step = curve.direction(s).turned().scaled(1e-6 * (to - from).abs().min(1.0));

@@ -1,6 +1,6 @@
 //! The way from a start to a checked solution: Newton's method on the ends on a coarse level, signs, finer levels.
 
-use super::boundary::RingContact;
+use super::boundary::{PlaneRing, RingContact};
 use super::energy::Integrals;
 use super::field::{PlaneNode, Sizes, boundary_nodes};
 use super::fit::{Effort, Fit};
@@ -37,6 +37,7 @@ impl PlaneFound {
         points: usize,
     ) -> Result<Self, PlaneError> {
         let most = effort.steps + STEPS;
+        let mut tried: Vec<Vec<RingContact>> = Vec::new();
         for _ in 0..CORRECTIONS {
             if effort.steps > most {
                 break;
@@ -45,6 +46,10 @@ impl PlaneFound {
                 let text = "the ends of the arcs that stick were not found: Newton's method did not settle";
                 PlaneError::NotFound(text.into())
             })?;
+            if tried.iter().any(|before| is_near(before, contact, setup.perimeter)) {
+                break;
+            }
+            tried.push(contact.clone());
             let nodes = boundary_nodes(setup, &fit, &level, points);
             let sizes = Sizes::new(setup, &nodes);
             let signs = PlaneSigns::new(setup, contact, &nodes, sizes);
@@ -67,6 +72,24 @@ impl PlaneFound {
         Err(PlaneError::NotFound("no contact set with all signs right was found".into()))
     }
 
+    /// Numbers of unknowns, and energies, of levels from coarse to fine; levels on which the ends do not settle are
+    /// left out.
+    pub(super) fn by_level(&self, setup: &Setup) -> Vec<(usize, f64)> {
+        /// Degrees of polynomials, with ratios of the lengths of cuts.
+        const LEVELS: [(usize, f64); 7] =
+            [(4, 8.0), (8, 6.0), (12, 5.0), (16, 4.0), (24, 3.0), (32, 2.2), (44, 1.8)];
+        let mut found = Vec::new();
+        for (degree, ratio) in LEVELS {
+            let level = Level { degree, ratio, ..Level::with_few_cuts(degree / 8) };
+            let mut contact = self.contact.clone();
+            if let Some(fit) = settle(setup, &mut contact, &level, &mut Effort::default()) {
+                let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
+                found.push((fit.unknowns, Integrals::new(setup, &fit, &nodes).energy));
+            }
+        }
+        found
+    }
+
     /// Largest residual, over the size of v, and the flux that f does not balance, over all of it.
     fn errors(&self) -> f64 {
         let balance = (self.integrals.force + self.integrals.source).abs();
@@ -81,6 +104,18 @@ impl PlaneFound {
             self.sizes.residual, self.sizes.value, self.integrals.source, -self.integrals.force
         ))
     }
+}
+
+/// True if all ends of two contact sets are next to each other.
+fn is_near(one: &[RingContact], other: &[RingContact], perimeter: f64) -> bool {
+    /// Distance, in perimeters.
+    const NEAR: f64 = 1e-6;
+    one.iter().zip(other).all(|(one, other)| {
+        let ends = one.arcs.iter().flatten().zip(other.arcs.iter().flatten());
+        one.gaps == other.gaps
+            && one.arcs.len() == other.arcs.len()
+            && ends.into_iter().all(|(a, b)| (a - b).abs() < NEAR * perimeter)
+    })
 }
 
 /// Solves a problem from a contact set.
@@ -135,7 +170,7 @@ fn started(setup: &Setup, start: &PlaneStart) -> Vec<RingContact> {
             [from, if to <= from { to + turn } else { to }]
         });
         let mut found = RingContact { arcs: arcs.collect(), gaps: own.gaps.clone() };
-        while let Some((number, is_gap)) = short(&found, turn, 1.5 * start.spacing) {
+        while let Some((number, is_gap)) = short(&found, ring, 1.5 * start.spacing) {
             remove(&mut found, number, is_gap, turn);
         }
         contact.push(found);
@@ -143,16 +178,20 @@ fn started(setup: &Setup, start: &PlaneStart) -> Vec<RingContact> {
     contact
 }
 
-/// An arc that is too short and can be left out, or a gap.
-fn short(ring: &RingContact, turn: f64, least: f64) -> Option<(usize, bool)> {
-    let many = ring.arcs.len();
+/// An arc that is too short and can be left out, or a gap; where elements see the flux least well, at a corner, gaps up
+/// to three times as long.
+fn short(ring: &RingContact, sides: &PlaneRing, least: f64) -> Option<(usize, bool)> {
+    let (many, turn) = (ring.arcs.len(), sides.length());
     (0..many).find_map(|k| {
         let [from, to] = ring.arcs[k];
         let between = ring.gaps[(k + many - 1) % many] != ring.gaps[k];
         let gap = (ring.arcs[(k + 1) % many][0] - to).rem_euclid(turn);
+        let mut corners = sides.starts[1..].iter();
+        let has_corner = sides.sides.len() > 1 && corners.any(|t| (t - to).rem_euclid(turn) < gap);
+        let least_gap = if has_corner { 3.0 * least } else { least };
         match () {
             () if to - from < least && !between && many > 1 => Some((k, false)),
-            () if gap < least && gap < to - from => Some((k, true)),
+            () if gap < least_gap && gap < to - from => Some((k, true)),
             () => None,
         }
     })

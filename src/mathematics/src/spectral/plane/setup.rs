@@ -38,8 +38,9 @@ pub(super) struct Level {
     pub hole: usize,
     /// Poles per diameter behind the sides; zero for none.
     pub poles: f64,
-    /// Gauss points of a panel.
+    /// Gauss points of a panel, and length of the shortest, in halves of an interval.
     pub nodes: usize,
+    pub shortest: f64,
     /// Step of the ends, in perimeters, below which they are found.
     pub found: f64,
     /// Size below which steps that no longer fall are at rest.
@@ -56,7 +57,8 @@ impl Level {
         degree: 12,
         hole: 8,
         poles: 0.0,
-        nodes: 6,
+        nodes: 5,
+        shortest: 1e-4,
         found: 1e-5,
         noise: 1e-3,
     };
@@ -71,6 +73,7 @@ impl Level {
             hole: 16,
             poles: 0.0,
             nodes: 6,
+            shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
         },
@@ -83,10 +86,20 @@ impl Level {
             hole: 24,
             poles: 0.0,
             nodes: 6,
+            shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
         },
     ];
+}
+
+impl Level {
+    /// Level between the others, with one cut at least, and with `more`.
+    pub(super) fn with_few_cuts(more: usize) -> Self {
+        let fine = Self::FINE[1];
+        let cuts = fine.strong.min(more + 1);
+        Self { strong: cuts, weak: cuts, image: cuts, hole: fine.hole.min(4 * cuts), ..fine }
+    }
 }
 
 impl Setup {

@@ -1,5 +1,6 @@
 //! Contact set with which Newton's method begins, of a finite element solution.
 
+use super::domain::nearest_side;
 use super::{LoopStart, PlaneProblem, PlaneSide, PlaneStart, SidePlace};
 use crate::discrete::contact::reach;
 use crate::discrete::kkt::judge;
@@ -38,7 +39,7 @@ impl MeshSolution {
         let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
         let NestedMeshes { meshes, networks } = nested_meshes(coarsest, fits.count()).ok()?;
         let (finest, network) = (meshes.last()?, &networks.last()?.network);
-        let load = mesh_load(finest, &f.to_vec()).ok()?.load;
+        let load = mesh_load(finest, f).ok()?.load;
         let params = MultigridParams::default();
         let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
         let judgement = judge(network, law, &y, &load);
@@ -77,13 +78,6 @@ fn longest_edge(curve: &ClosedCurve) -> f64 {
 fn place_of(curve: &ClosedCurve, node: usize) -> Complex {
     let [x, y] = curve.points[node % curve.points.len()];
     Complex::new(x, y)
-}
-
-/// Number of the side that is nearest to a point, and its distance.
-pub(super) fn nearest_side(sides: &[PlaneSide], z: Complex) -> (usize, f64) {
-    let distances = sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
-    let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
-    nearest.expect("a loop has sides")
 }
 
 /// Boundary nodes on a loop, in walking order.

@@ -50,7 +50,7 @@ fn check_brackets<const D: usize, const V: usize>(mut mesh: Mesh<D, V>, case: &R
     let integral: f64 = f.iter().zip(&volumes).map(|(f, volume)| f * volume).sum();
     let shift = (integral + libm::fmod(offset, 1.0)) / volumes.iter().sum::<f64>();
     f.iter_mut().for_each(|f| *f -= shift);
-    let mut data = CellData { mean: Vec::new(), deviation: Some(Vec::new()) };
+    let mut data = CellData { mean: Vec::new(), deviation: Some(Vec::new()), shares: None };
     for (f, volumes) in f.chunks(1 << D).zip(volumes.chunks(1 << D)) {
         let mean = f.iter().sum::<f64>() / f.len() as f64;
         let square = f.iter().zip(volumes).map(|(f, volume)| volume * (f - mean) * (f - mean));

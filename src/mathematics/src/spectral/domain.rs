@@ -1,10 +1,10 @@
 //! Domains of the plane bounded by straight sides and circular arcs.
 
-use super::PlaneError;
+use super::complex::distance;
+use super::curve::{Arc, Curve, SAME, SIDES};
+use super::plane::PlaneError;
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
-use crate::spectral::complex::distance;
-use crate::spectral::curve::{Arc, Curve, SAME};
 
 /// Side of a domain: a segment, or an arc of a circle, with one condition.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub(crate) struct PlaneSide {
     pub part: usize,
 }
 
-/// PlaneCircle.
+/// Circle of a side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlaneCircle {
     /// Centre.
@@ -159,6 +159,18 @@ impl PlaneDomain {
         Ok(domain)
     }
 
+    /// Square of side 1 around the origin.
+    pub(super) fn square() -> Self {
+        let [left, right, lower, upper] = SIDES;
+        let sides = [(right, 0.5), (upper, -0.5), (left, -0.5), (lower, 0.5)];
+        let sides = sides.map(|(curve, end)| PlaneSide {
+            arc: Arc { curve, span: [-end, end], ends: [None; 2] },
+            condition: Condition::Contact,
+            part: 0,
+        });
+        Self { loops: vec![sides.to_vec()] }
+    }
+
     /// Loops of sides, the outer one first.
     pub(crate) fn loops(&self) -> &[Vec<PlaneSide>] {
         &self.loops
@@ -204,6 +216,20 @@ impl PlaneDomain {
         self.sides().map(|side| side.distance(z)).fold(f64::INFINITY, f64::min)
     }
 
+    /// Distance of a point from the boundary, negative outside of the domain.
+    pub(super) fn depth(&self, z: Complex) -> f64 {
+        let distance = self.distance(z);
+        if self.holds(z) { distance } else { -distance }
+    }
+
+    /// Loop, side and place of the boundary next to a point.
+    pub(super) fn nearest(&self, z: Complex) -> (usize, SidePlace) {
+        let nearest = self.loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
+        let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
+        let (ring, (side, _)) = nearest.expect("a domain has a boundary");
+        (ring, SidePlace { side, s: self.loops[ring][side].nearest(z) })
+    }
+
     /// Distances at which a ray from `z` meets the boundary, not in order; and whether it does so near to an end of a
     /// side, or nearly along one.
     fn hits(&self, z: Complex, direction: Complex) -> (Vec<f64>, bool) {
@@ -239,4 +265,22 @@ impl PlaneDomain {
         }
         inside
     }
+
+    /// Points of the domain, so many if it is not tiny in the box round it.
+    pub(super) fn inner_points(&self, many: usize) -> Vec<Complex> {
+        let [[left, right], [low, high]] = self.extent();
+        let scattered = (0..2000).map(|k| {
+            let [x, y] = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17];
+            let (x, y) = (x - x.floor(), y - y.floor());
+            Complex::new(left + (right - left) * x, low + (high - low) * y)
+        });
+        scattered.filter(|&z| self.holds(z)).take(many).collect()
+    }
+}
+
+/// Number of the side that is nearest to a point, and its distance.
+pub(super) fn nearest_side(sides: &[PlaneSide], z: Complex) -> (usize, f64) {
+    let distances = sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
+    let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
+    nearest.expect("a loop has sides")
 }

@@ -1,0 +1,210 @@
+//! Checks of a scene as a whole, of its outputs, and of its mesh.
+
+use super::{Runs, Scene, in_scene};
+use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::refuse_forbidden;
+use crate::replication::fields::Fields;
+use crate::replication::fields::table::{Reading, Refused, Voice};
+use crate::replication::mesh_files;
+use crate::replication::output::Output;
+use signorini_mathematics::identify::COARSEST;
+use signorini_mathematics::solvers::{MOST_CELLS, Solver};
+
+/// Outputs of a scene on the square that other domains do not have, each with the reason.
+const NOT_ON_DOMAINS: [(Output, &str); 2] = [
+    (Output::History, "the method keeps no residuals on meshes"),
+    (Output::Identify, "no table was published"),
+];
+
+impl Scene {
+    /// Checks that there is a problem to be solved, and reads the mesh of the domain, if the scene has one, and checks
+    /// that it fits the scene. Takes time in the size of the problem: only a run of the scene asks for it. Returns what
+    /// a user has to know, in a line each. A study has rows in place of such errors.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
+    pub fn check(&self) -> Result<Vec<String>> {
+        if self.study.is_some() {
+            return Ok(Vec::new());
+        }
+        self.checked().map_err(|e| in_scene(&self.name, e))
+    }
+
+    fn checked(&self) -> Result<Vec<String>> {
+        let mesh = mesh_files::mesh(&self.statement, &self.files)?;
+        let notes = mesh_files::check(&self.statement, mesh.as_ref())?;
+        let Some(mesh) = mesh else {
+            // The load of a published table is the paper's.
+            let own = notes.into_iter().filter(|_| self.paper_table.is_none());
+            return Ok(own
+                .map(|note| note + "; load = { rule = \"bilinear\" } does not")
+                .collect());
+        };
+        let (dimension, (_, nodes)) = (mesh.dimension(), mesh_files::size(&self.statement, &mesh)?);
+        if let Some(accuracy) = self.statement.accuracy().filter(|_| dimension == 3) {
+            let asked = Voice::Keys.accuracy(accuracy);
+            let text =
+                format!("{asked} is for domains in the plane; in space, `refine` says how fine");
+            return Err(Error::input(text));
+        }
+        self.statement.solver.check_nodes(dimension, nodes).map_err(|e| {
+            let remedy = "choose another `solver`, or fewer refinements";
+            Error::input(format!("{e}; {remedy}"))
+        })?;
+        let mut pictures = [Output::Source, Output::Surface, Output::Map, Output::Contact].iter();
+        match pictures.find(|output| dimension == 3 && self.outputs.contains(output)) {
+            None => Ok(notes),
+            Some(output) => Err(Error::input(format!(
+                "`{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
+                 at the solution with `signorini solve {name} --out {name}.vtu`",
+                name = self.name
+            ))),
+        }
+    }
+
+    /// Output that a study does not have, if there is one.
+    fn other_than_of_studies(&self) -> Option<&Output> {
+        self.outputs.iter().find(|output| ![Output::Table, Output::Chart].contains(*output))
+    }
+
+    /// Refuses outputs and keys that only a study has, or that a study does not have.
+    pub(super) fn check_outputs(self, fields: &Fields) -> Reading<Self> {
+        let has_axes = fields.chart.is_some();
+        if self.study.is_none() && fields.columns.is_some() {
+            let text = "`columns` are of a study; add `vary`, or leave them out";
+            return Err(Refused::new("columns", text));
+        }
+        let text = match (&self.study, self.wants(Output::Chart)) {
+            (None, true) => "`chart` shows a study; add `vary`, or drop it from `outputs`".into(),
+            (None, false) if has_axes => {
+                "`chart` is of a study; add `vary`, or leave it out".into()
+            }
+            (Some(_), false) if has_axes => {
+                "`chart` has axes; add \"chart\" to `outputs`, or leave it out".into()
+            }
+            (Some(_), _) => match self.other_than_of_studies() {
+                None => return Ok(self),
+                Some(output) => format!(
+                    "`{output}` shows one solution; a study has \"table\" and \"chart\": drop it from `outputs`"
+                ),
+            },
+            (None, false) => return Ok(self),
+        };
+        Err(Refused::new("outputs", text))
+    }
+
+    /// Makes the checks that concern the scene as a whole.
+    pub(super) fn complete(mut self) -> Reading<Self> {
+        if self.statement.law.is_some() && self.paper_table.is_some() {
+            let text =
+                "the published tables are for the paper's law; leave out `law`, or `paper_table`";
+            return Err(Refused::new("law", text));
+        }
+        // The members of a study are checked one by one.
+        if self.study.is_none() {
+            self.check_on_domain()?;
+        }
+        match &self.runs {
+            Some(runs) => runs.check(self.saddle().r)?,
+            None if self.wants(Output::History) => {
+                return Err(Refused::new(
+                    "outputs",
+                    format!(
+                        "`history` is of the saddle-point methods, not of {}; add solver = \"{}\", or drop it from \
+                     `outputs`",
+                        self.statement.solver,
+                        Solver::ArrowHurwicz
+                    ),
+                ));
+            }
+            None => (),
+        }
+        if let Some(output) = repeated(&self.outputs) {
+            let text = format!("`outputs` lists {output} twice; remove one");
+            return Err(Refused::new("outputs", text));
+        }
+        self.outputs.sort();
+        if self.wants(Output::Identify) && self.paper_table.is_none() {
+            let text = "`identify` explains a published table; add `paper_table`, or drop it from `outputs`";
+            return Err(Refused::new("outputs", text));
+        }
+        if self.title.contains(['\n', '\r']) {
+            return Err(Refused::new("title", "`title` must be a single line"));
+        }
+        refuse_forbidden("`title`", &self.title)
+            .map_err(|e| Refused::new("title", e.to_string()))?;
+        Ok(self)
+    }
+
+    /// Makes the checks that concern the square or, on another domain, do not need the mesh.
+    pub(super) fn check_on_domain(&self) -> Reading<()> {
+        let statement = &self.statement;
+        if !statement.domain.is_square() {
+            if self.paper_table.is_some() {
+                let text = "`paper_table` is for the square; leave it out beside `domain`";
+                return Err(Refused::new("paper_table", text));
+            }
+            let mut refused = NOT_ON_DOMAINS.iter();
+            return match refused.find(|(output, _)| self.outputs.contains(output)) {
+                None => Ok(()),
+                Some((output, reason)) => Err(Refused::new(
+                    "outputs",
+                    format!("`{output}` is for the square: {reason}; drop it from `outputs`"),
+                )),
+            };
+        }
+        let field = statement.fineness.field();
+        let grids = statement.grids().map_err(|e| Refused::new(field, e.to_string()))?;
+        // As many counts on other grids would be compared without an error.
+        if self.paper_table.is_some() && grids[0].cells() != COARSEST {
+            return Err(Refused::new(
+                "grids",
+                format!(
+                    "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or \
+                 leave out `paper_table`"
+                ),
+            ));
+        }
+        let finest = self.finest().cells();
+        if let Err(e) = statement.solver.check_cells(finest) {
+            return Err(Refused::new(field, format!("`{field}`: {e}")));
+        }
+        if finest > MOST_CELLS {
+            return Err(Refused::new(
+                field,
+                format!(
+                    "grid 1/{finest} needs more memory than is sensible; 1/{MOST_CELLS} is the finest"
+                ),
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Runs {
+    /// Makes the checks that a parser cannot; `drawn` is the r that is drawn.
+    fn check(&self, drawn: f64) -> Reading<()> {
+        let empty = [("r", self.r.is_empty()), ("stop", self.stop.is_empty())];
+        if let Some((field, _)) = empty.into_iter().find(|(_, is_empty)| *is_empty) {
+            let example = "r = [10], stop = [\"signed\"]";
+            let text = format!("`r` and `stop` must not be empty; e.g. {example}");
+            return Err(Refused::new(field, text));
+        }
+        if let Some(r) = repeated(&self.r) {
+            return Err(Refused::new("r", format!("`r` lists {r} twice; remove one")));
+        }
+        if let Some(rule) = repeated(&self.stop) {
+            return Err(Refused::new("stop", format!("`stop` lists {rule} twice; remove one")));
+        }
+        if !self.r.contains(&drawn) {
+            let text = format!("`draw_r` = {drawn} is not among `r`; add it there");
+            return Err(Refused::new("draw_r", text));
+        }
+        Ok(())
+    }
+}
+
+/// Returns the first item that equals an earlier one.
+pub(in crate::replication) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
+}
