@@ -1,11 +1,11 @@
 //! v, its slopes, their rounding errors, and bounds of their moduli on cells.
 
-use super::cells::POINTS;
+use super::cells::{POINTS, ProofCell};
 use super::field::node;
 use super::functions::{Power, Values};
 use super::moduli::{Disc, Moduli, TURNS, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
-use super::proof::{Proof, ProofCell};
+use super::proof::Proof;
 use super::samples::{CellModuli, Sampled};
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;

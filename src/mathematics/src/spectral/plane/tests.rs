@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::mesh::Condition;
+use crate::problem::law::Law;
 use std::f64::consts::PI;
 
 fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
