@@ -14,7 +14,7 @@
 //! ```
 //! which is at most `J + delta int |l - q| + 1/2 int |grad W|^2`, the integral over where dv/dn should be q.
 //!
-//! *Lower.* Let eta take the flux into the law: `eta = q - l` where dv/dn should be q, what is missing where v should be
+//! *Lower.* Let eta take the flux into the law: `eta = q - l` where dv/dn should be q, the violation where v should be
 //! zero, and there also a constant that makes `oint eta = 0` on each loop, on a part where there is room in the law.
 //! With an extension E of `H = int eta ds`, `p = grad v + rot E` has `-div p = f` and `p.n = l + eta`, so that
 //! ```text
@@ -31,10 +31,11 @@
 
 use super::PlaneBracket;
 use super::boundary::State;
+use super::cells::ProofCell;
 use super::exact_energy::{Leftover, bounded_energy};
 use super::extension::Room;
 use super::field::PlaneNode;
-use super::proof::{Proof, ProofCell};
+use super::proof::Proof;
 use super::psi::Psi;
 use super::residual::{Distances, FluxBalance, hole_logs, uncertain};
 use super::samples::{Sampled, weights};
@@ -65,7 +66,7 @@ pub(super) fn bracket(setup: &Setup, found: &PlaneFound) -> PlaneBracket {
 /// Bounds that are proved.
 ///
 /// # Errors
-/// What is not proved.
+/// Part that is not proved.
 fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     /// Halvings of cells where signs are not certain.
     const ROUNDS: usize = 8;
@@ -111,7 +112,7 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     }
 }
 
-/// What lies closer to splits than all cells.
+/// Boundary closer to splits than all cells.
 fn leftovers(proof: &Proof, samples: &[Sampled]) -> Vec<Leftover> {
     let mut left = Vec::new();
     for (interval, near) in proof.near.iter().enumerate() {

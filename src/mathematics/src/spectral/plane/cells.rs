@@ -84,7 +84,7 @@ pub(super) struct CellStretch<'a> {
     pub near: Option<Surroundings>,
 }
 
-/// EllipseCell of a curve.
+/// Cell of a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EllipseCell {
     /// Least and greatest distance from the end.
@@ -191,6 +191,30 @@ impl CellStretch<'_> {
             hull,
             distances,
         })
+    }
+}
+
+/// Cell of an interval, seen from one of its ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ProofCell {
+    pub interval: usize,
+    /// 0 if its points are seen from the start of the interval, 1 from the end.
+    pub side: usize,
+    pub cell: EllipseCell,
+}
+
+impl ProofCell {
+    /// Part of the interval, from its start.
+    pub(super) fn along(&self, walk: &Walk) -> [f64; 2] {
+        let [from, to] = self.cell.span;
+        let length = walk.intervals[self.interval].length;
+        if self.side == 0 { [from, to] } else { [length - to, length - from] }
+    }
+
+    /// Point in its middle.
+    pub(super) fn middle(&self, walk: &Walk) -> Complex {
+        let [from, to] = self.cell.span;
+        walk.spot(self.interval, self.side, 0.5 * (from + to), 0.0).z
     }
 }
 

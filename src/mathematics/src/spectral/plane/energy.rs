@@ -32,7 +32,7 @@ pub(super) struct Integrals {
     pub work: f64,
     /// Integral of v dv/dn over the boundary.
     pub flux_work: f64,
-    /// The same where v should be zero.
+    /// That where v should be zero.
     held: f64,
     /// Integral of q v where dv/dn should be q.
     slipping: f64,

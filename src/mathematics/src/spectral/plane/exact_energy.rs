@@ -3,7 +3,7 @@
 use super::boundary::State;
 use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
 use super::energy::Integrals;
-use super::moduli::{Moduli, of_psi};
+use super::moduli::{Moduli, of_psi, psi_errors};
 use super::proof::Proof;
 use super::psi::Psi;
 use super::samples::Sampled;
@@ -20,7 +20,7 @@ pub(super) struct BoundedEnergy {
 /// Energy of v on cells; `left` bounds the variation of v closer to splits than all cells, split by split.
 ///
 /// # Errors
-/// What is not proved.
+/// Part that is not proved.
 pub(super) fn bounded_energy(
     proof: &Proof,
     samples: &[Sampled],
@@ -45,7 +45,7 @@ pub(super) fn bounded_energy(
     Ok(BoundedEnergy { energy: sums.completed().energy, error })
 }
 
-/// What lies closer to a split than all cells, on one side.
+/// Boundary closer to a split than all cells, on one side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leftover {
     pub interval: usize,
@@ -63,7 +63,7 @@ impl Leftover {
         let terms =
             moduli.slope.iter().map(|[power, m]| 2.0 * m * libm::pow(least, *power) / power);
         let variation = terms.sum::<f64>();
-        let (node, size) = (&own.nodes[0], Factors::of(proof, own));
+        let (node, size) = (&own.nodes[0], EnergyFactors::of(proof, own));
         let value = node.value.abs() + node.psi.abs() + variation + size.rate * least;
         let integrals = 4.0 * value * (variation + size.rate * least) + size.constants * least;
         Self { interval: own.own.interval, variation, integrals }
@@ -71,13 +71,13 @@ impl Leftover {
 }
 
 /// Factors of the bound of the integrand of the energy.
-struct Factors {
+struct EnergyFactors {
     constants: f64,
     /// Bound of slopes but that of v.
     rate: f64,
 }
 
-impl Factors {
+impl EnergyFactors {
     fn of(proof: &Proof, own: &Sampled) -> Self {
         let interval = &proof.fit.walk.intervals[own.own.interval];
         let disc = own.own.cell.disc;
@@ -101,7 +101,7 @@ fn modulus(proof: &Proof, own: &Sampled) -> f64 {
     let r = if cell.is_log { cell.distances[1] } else { 1.0 };
     let [value, slope] = [&moduli.value, &moduli.slope]
         .map(|terms| terms.iter().map(|[g, m]| m * libm::pow(r, *g)).sum::<f64>());
-    let size = Factors::of(proof, own);
+    let size = EnergyFactors::of(proof, own);
     size.constants * (value + 1.0) * (slope + size.rate * r)
 }
 
@@ -136,11 +136,6 @@ fn rounding(proof: &Proof, own: &Sampled) -> [f64; 2] {
         sums[1] += weight * (node.psi_flux.abs() * by_psi_slope + f * f * far * square);
     }
     sums
-}
-
-/// Rounding errors of psi and of its gradient.
-pub(super) fn psi_errors(psi: Moduli) -> [f64; 2] {
-    [psi.value, psi.slope].map(|size| 16.0 * f64::EPSILON * size)
 }
 
 /// Adds the integrals along a jump of f; returns a bound of their error.

@@ -25,7 +25,7 @@
 //! `2 least` of the split.
 
 use super::boundary::Walk;
-use super::proof::ProofCell;
+use super::cells::ProofCell;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::distance;
 use crate::spectral::rule::halved;
@@ -86,7 +86,7 @@ pub(super) fn share(angle: f64) -> f64 {
     0.4 * libm::sin(angle.min(0.5 * PI))
 }
 
-/// Where a function on the boundary may change, cell by cell.
+/// Surroundings of the cells in which a function on the boundary may change.
 pub(super) struct Room {
     /// For a cell in log r its share; else the distance delta.
     deltas: Vec<f64>,

@@ -182,6 +182,11 @@ pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
     }
 }
 
+/// Rounding errors of psi and of its gradient.
+pub(super) fn psi_errors(psi: Moduli) -> [f64; 2] {
+    [psi.value, psi.slope].map(|size| 16.0 * f64::EPSILON * size)
+}
+
 impl Jump {
     /// Bound of the part of the gradient that is not constant, for a jump of 4 pi: with nu and the logarithm of
     /// [`Potential`](crate::spectral::potential::Potential), `(s + i power log) / nu`.

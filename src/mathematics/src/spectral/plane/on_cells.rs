@@ -1,11 +1,11 @@
 //! v, its slopes, their rounding errors, and bounds of their moduli on cells.
 
-use super::cells::POINTS;
+use super::cells::{POINTS, ProofCell};
 use super::field::node;
 use super::functions::{Power, Values};
 use super::moduli::{Disc, Moduli, TURNS, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
-use super::proof::{Proof, ProofCell};
+use super::proof::Proof;
 use super::samples::{CellModuli, Sampled};
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;
@@ -127,7 +127,7 @@ impl Proof<'_> {
         let (functions, mut units) = (&self.fit.functions, Vec::new());
         for family in &functions.families {
             for _ in &family.lengths {
-                units.extend(family.powers.iter().map(|power| 6.0 + 8.0 * power.power));
+                units.extend(family.powers.iter().map(|power| 16.0 + 8.0 * power.power));
             }
         }
         units.extend(

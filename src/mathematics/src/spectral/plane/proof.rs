@@ -1,7 +1,6 @@
 //! v, its slopes and bounds of their moduli on cells of all of the boundary.
 
-use super::boundary::Walk;
-use super::cells::{CellStretch, EllipseCell, Singular, Surroundings, Track};
+use super::cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
 use super::extension::{Chord, share};
 use super::fit::Fit;
 use super::functions::Family;
@@ -10,31 +9,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::jumps::JumpEdge;
 use std::f64::consts::PI;
 
-/// Cell of an interval, seen from one of its ends.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ProofCell {
-    pub interval: usize,
-    /// 0 if its points are seen from the start of the interval, 1 from the end.
-    pub side: usize,
-    pub cell: EllipseCell,
-}
-
-impl ProofCell {
-    /// Part of the interval, from its start.
-    pub(super) fn along(&self, walk: &Walk) -> [f64; 2] {
-        let [from, to] = self.cell.span;
-        let length = walk.intervals[self.interval].length;
-        if self.side == 0 { [from, to] } else { [length - to, length - from] }
-    }
-
-    /// Point in its middle.
-    pub(super) fn middle(&self, walk: &Walk) -> Complex {
-        let [from, to] = self.cell.span;
-        walk.spot(self.interval, self.side, 0.5 * (from + to), 0.0).z
-    }
-}
-
-/// What is needed to bound v on the boundary.
+/// All that is needed to bound v on the boundary.
 pub(super) struct Proof<'a> {
     pub setup: &'a Setup,
     pub fit: &'a Fit,
@@ -42,7 +17,7 @@ pub(super) struct Proof<'a> {
     /// Surroundings of the ends of intervals, if they are splits towards which cells get short.
     pub near: Vec<[Option<Surroundings>; 2]>,
     pub chords: Vec<Chord>,
-    /// What is added to the coefficients of the logarithms of holes.
+    /// Additions to the coefficients of the logarithms of holes.
     pub logs: Vec<f64>,
 }
 
@@ -57,7 +32,7 @@ impl<'a> Proof<'a> {
     /// Finds all that is singular, and proves that no cut meets the domain.
     ///
     /// # Errors
-    /// What is not proved.
+    /// Part that is not proved.
     pub(super) fn new(setup: &'a Setup, fit: &'a Fit) -> Result<Self, &'static str> {
         let mut points = Vec::new();
         for (k, split) in fit.walk.splits.iter().enumerate() {
@@ -142,7 +117,7 @@ impl<'a> Proof<'a> {
     /// Cells of all of the boundary.
     ///
     /// # Errors
-    /// What is not proved.
+    /// Part that is not proved.
     pub(super) fn cells(&self) -> Result<Vec<ProofCell>, &'static str> {
         let mut cells = Vec::new();
         for interval in 0..self.fit.walk.intervals.len() {

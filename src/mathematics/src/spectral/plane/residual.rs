@@ -18,7 +18,7 @@ fn signed(proof: &Proof, q: f64) -> Test {
     Test { quantity: Quantity::Value, sign: sign(proof, q), constant: 0.0 }
 }
 
-/// How far the flux is outside of the law on a cell, where v should be zero.
+/// Violation of the law by the flux on a cell, where v should be zero.
 fn violation(proof: &Proof, own: &Sampled, weights: &[f64]) -> Deficit {
     let law = proof.setup.law;
     let mut sum = Deficit { most: 0.0, integral: 0.0, scaled: 0.0, room: f64::INFINITY };
@@ -82,7 +82,7 @@ pub(super) fn hole_logs(proof: &Proof, samples: &[Sampled]) -> Vec<f64> {
     logs
 }
 
-/// How far v is from where it should be.
+/// Distance of v from what it should be.
 pub(super) struct Distances {
     /// Bound of |v| where it should be zero, and of that part of v that has the wrong sign.
     pub delta: f64,
@@ -126,7 +126,7 @@ impl Distances {
     }
 }
 
-/// How far the flux is from where it should be, with what balances it.
+/// Distance of the flux from what it should be, with what balances it.
 pub(super) struct FluxBalance {
     /// Range of H.
     pub range: f64,
@@ -138,10 +138,10 @@ pub(super) struct FluxBalance {
     pub missed: f64,
 }
 
-/// What eta is on a cell.
+/// Bounds of eta on a cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Eta {
-    /// Its integral, if known.
+    /// Integral, as far as it is known.
     known: f64,
     /// Bound of the rest of the integral.
     unknown: f64,
@@ -155,7 +155,7 @@ impl FluxBalance {
     /// With the size of the flux, by which room is measured.
     ///
     /// # Errors
-    /// What is not proved.
+    /// Part that is not proved.
     pub(super) fn new(
         proof: &Proof,
         samples: &[Sampled],

@@ -1,10 +1,8 @@
 //! v and its slopes at the Gauss points of a cell, and bounds of them on all of it.
 
-use super::cells::{POINTS, legendre};
-use super::exact_energy::psi_errors;
+use super::cells::{POINTS, ProofCell, legendre};
 use super::field::PlaneNode;
-use super::moduli::Moduli;
-use super::proof::ProofCell;
+use super::moduli::{Moduli, psi_errors};
 use crate::spectral::rule::gauss;
 
 /// Which function on the boundary is meant.
@@ -26,7 +24,7 @@ pub(super) struct CellModuli {
     /// All but the functions of the split.
     pub rest: Moduli,
     pub psi: Moduli,
-    /// The same on the cell itself.
+    /// Those of psi on the cell itself.
     pub psi_here: Moduli,
 }
 
@@ -57,7 +55,7 @@ impl Test {
     }
 }
 
-/// How far a function is below zero on a cell: bounds.
+/// Bounds of the part of a function below zero, on a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deficit {
     /// The largest.
@@ -151,7 +149,7 @@ impl Sampled {
         }
     }
 
-    /// What a deficit cannot be less than, because of rounding: as its integral.
+    /// Bound of the deficit by rounding alone: of its integral.
     pub(super) fn noise(&self, quantity: Quantity) -> f64 {
         let cell = &self.own.cell;
         let which = usize::from(quantity != Quantity::Value);
@@ -162,7 +160,7 @@ impl Sampled {
         POINTS as f64 * most * if which == 1 { cell.length() } else { 1.0 }
     }
 
-    /// How far a function is below zero.
+    /// Bounds of the part of a function below zero.
     pub(super) fn deficit(&self, test: Test, weights: &[f64]) -> Deficit {
         let cell = &self.own.cell;
         let [from, to] = cell.span;
