@@ -292,7 +292,9 @@ fn loads_that_the_flux_cannot_balance_are_refused() {
             .unwrap_err()
             .to_string();
         assert!(message.contains("the flux through the boundary can only balance"), "{message}");
-        assert_eq!(active_set(16, law, &load).unwrap_err().to_string(), message);
+        // On a network, parts of the boundary may be fixed.
+        let other = active_set(16, law, &load).unwrap_err().to_string();
+        assert_eq!(other.split(';').next(), message.split(';').next());
     }
     assert!(
         solve_square(

@@ -178,6 +178,17 @@ fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
 }
 
 #[test]
+fn borders_may_end_in_the_middle_of_a_hole() {
+    let project = Project::with(TABLE);
+    let [truth, near] = ["spectral", "multigrid"].map(|solver| {
+        let f = ["--f", "rect(0,2,0,2)=3; else=-2", "--solver", solver, "--json"];
+        let json = project.run(&[&["solve", "--domain", "annulus"], &f[..]].concat()).json();
+        json["energy"].as_f64().unwrap()
+    });
+    assert!((truth - near).abs() < 0.02 * near.abs(), "{truth} {near}");
+}
+
+#[test]
 fn regions_of_a_file_are_as_shapes_with_their_borders() {
     let points = [[-1.0, -0.5], [1.0, -0.5], [0.5, 0.6], [-0.7, 0.4]];
     let straight = file_of_regions(&points, &[&[[1, 2, 3]], &[[1, 3, 4]]], &[[1, 2]]);

@@ -209,7 +209,10 @@ impl Jumps {
         let mut last = tip;
         for bend in bends {
             let next = self.vertex(bend);
-            self.psi.add(self.straight(last, next), jump);
+            // A border may end in the middle of a hole.
+            if next != last {
+                self.psi.add(self.straight(last, next), jump);
+            }
             last = next;
         }
         if let Some(direction) = ray {

@@ -81,18 +81,20 @@ pub(super) fn largest_square<const D: usize, const V: usize>(
     volume: f64,
     outflows: &[[f64; V]; V],
 ) -> f64 {
+    // By the density, since the square of an outflow times a length may exceed the range of numbers.
+    let inverse = 1.0 / (D as f64 * volume);
     let (mut sum, mut squares) = (0.0, 0.0);
     for vertex in 0..V {
         let mut length = 0.0;
         for opposite in (0..V).filter(|opposite| *opposite != vertex) {
             let edge: [f64; D] =
                 std::array::from_fn(|d| vertices[vertex][d] - vertices[opposite][d]);
-            length += outflows[opposite][vertex].abs() * dot(edge, edge).sqrt();
+            length += inverse * outflows[opposite][vertex].abs() * dot(edge, edge).sqrt();
         }
         sum += length;
         squares += length * length;
     }
-    (squares + sum * sum) / ((V * (V + 1) * D * D) as f64 * volume)
+    volume * (squares + sum * sum) / (V * (V + 1)) as f64
 }
 
 #[cfg(test)]

@@ -34,10 +34,9 @@
 //! rounding, for every vector.
 //!
 //! Step 3, in the plane, lets the flux through a side vary along it, by which the norm of sigma becomes least
-//! (`vary.rs`): where v is smooth, the bounds are then within a few per cent of the error.
-//! Where the sweeps over all sides are slow, as on stretched cells with contact everywhere, quadratic circulations of
-//! all nodes and sides at once take their place, by multigrid (`quadratic.rs`): without them bounds there grow with the
-//! aspect.
+//! (`vary.rs`). Quadratic circulations of all nodes and sides at once, by multigrid (`quadratic.rs`), follow where the
+//! sweeps over all sides are slow, as on stretched cells with contact everywhere: without them bounds there grow with
+//! the aspect.
 //!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose

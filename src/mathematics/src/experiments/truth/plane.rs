@@ -89,7 +89,7 @@ pub(super) struct PlaneWayRow {
     error: f64,
 }
 
-/// What is found of a problem, for the tables `plane_truths`, `plane` and `plane_ways`.
+/// Findings of a problem, for the tables `plane_truths`, `plane` and `plane_ways`.
 pub(super) struct PlaneFindings {
     pub truth: PlaneTruthRow,
     pub rows: Vec<PlaneRow>,
