@@ -111,7 +111,7 @@ impl CellStretch<'_> {
                 let most = if to > 1e-9 * near.reach { 2.4 } else { 8.0 };
                 let half = room.min(most).min(0.5 * libm::log(to / near.least));
                 let from = to * libm::exp(-2.0 * half);
-                cells.push(self.log_cell(near, [from, to]));
+                cells.push(Self::log_cell(near, [from, to]));
                 to = from;
             }
         }
@@ -129,13 +129,13 @@ impl CellStretch<'_> {
         let near = self.near.filter(|_| cell.is_log);
         let middle = if near.is_some() { (from * to).sqrt() } else { 0.5 * (from + to) };
         let halves = [[from, middle], [middle, to]].map(|span| match near {
-            Some(near) => Some(self.log_cell(near, span)),
+            Some(near) => Some(Self::log_cell(near, span)),
             None => self.plain_cell(span),
         });
         Some([halves[0]?, halves[1]?])
     }
 
-    fn log_cell(&self, near: Surroundings, span: [f64; 2]) -> EllipseCell {
+    fn log_cell(near: Surroundings, span: [f64; 2]) -> EllipseCell {
         let half = 0.5 * libm::log(span[1] / span[0]);
         let axis = (1.0 + libm::log(near.reach / span[1]) / half).min(AXES[1]);
         let beyond = libm::exp(half * (axis - 1.0));

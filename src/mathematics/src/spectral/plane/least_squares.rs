@@ -174,9 +174,9 @@ impl Reflections {
             for (factors, columns) in factors.iter_mut().zip(columns.chunks(WIDE * height)) {
                 let products = self.products([from, to], columns, [height, top]);
                 for (factors, products) in factors.iter_mut().zip(products) {
-                    for i in from..to {
-                        for k in from..=i {
-                            factors[i] -= self.t[i][k] * products[k];
+                    for (i, factor) in factors.iter_mut().enumerate().take(to).skip(from) {
+                        for (t, product) in self.t[i][from..=i].iter().zip(&products[from..=i]) {
+                            *factor -= t * product;
                         }
                     }
                 }

@@ -202,7 +202,7 @@ impl FluxBalance {
             etas.push(eta);
             slopes.push(slope);
         }
-        for ring in 0..rings {
+        for (ring, &is_fixed) in fixed.iter().enumerate().take(rings) {
             let own: Vec<usize> =
                 (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
             let near =
@@ -217,7 +217,7 @@ impl FluxBalance {
             let mut added = 0.0;
             if !is_balanced {
                 added = (excess.abs() + unknown) / open;
-                if !(added <= ROOM * flux || fixed[ring] && added.is_finite()) {
+                if !(added <= ROOM * flux || is_fixed && added.is_finite()) {
                     return Err("room of the flux in the law");
                 }
             }

@@ -80,7 +80,7 @@ impl PlaneFound {
             [(4, 8.0), (8, 6.0), (12, 5.0), (16, 4.0), (24, 3.0), (32, 2.2), (44, 1.8)];
         let mut found = Vec::new();
         for (degree, ratio) in LEVELS {
-            let level = Level { degree, ratio, ..Level::with_few_cuts(degree / 8) };
+            let level = Level { ratio, degree, ..Level::with_few_cuts(degree / 8) };
             let mut contact = self.contact.clone();
             if let Some(fit) = settle(setup, &mut contact, &level, &mut Effort::default()) {
                 let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
