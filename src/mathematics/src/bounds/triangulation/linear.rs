@@ -1,6 +1,7 @@
 //! Fields that are linear on each cell, with fluxes that are linear along the sides: those of Brezzi, Douglas and
 //! Marini of lowest order (Numer. Math. 47, 1985).
 
+use super::cells::difference;
 use crate::mesh::{Sides, dot};
 
 /// Fluxes through a side, one for each of its nodes by increasing numbers: what would leave if the density were that at
@@ -87,8 +88,7 @@ pub(super) fn largest_square<const D: usize, const V: usize>(
     for vertex in 0..V {
         let mut length = 0.0;
         for opposite in (0..V).filter(|opposite| *opposite != vertex) {
-            let edge: [f64; D] =
-                std::array::from_fn(|d| vertices[vertex][d] - vertices[opposite][d]);
+            let edge = difference(vertices[vertex], vertices[opposite]);
             length += inverse * outflows[opposite][vertex].abs() * dot(edge, edge).sqrt();
         }
         sum += length;

@@ -197,7 +197,7 @@ impl Fit {
     }
 
     /// g and, if they are there, its derivatives at the points of values.
-    pub(super) fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
+    fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
         [&values.all, &values.slopes].map(|values_of| {
             let points = if values_of.is_empty() { 0 } else { values.points };
             let mut sums = vec![Complex::default(); points];

@@ -88,8 +88,10 @@ impl Proof<'_> {
         let mut moduli = self.moduli(cells).into_iter();
         for block in cells.chunks(64) {
             let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
+            let mut distances: Vec<f64> = Vec::with_capacity(block.len() * POINTS);
             for own in block {
                 for [r, weight] in own.cell.nodes(&rule) {
+                    distances.push(r);
                     let mut spot = self.fit.walk.spot(own.interval, own.side, r, weight);
                     if !own.cell.is_log {
                         // All functions see the same point.
@@ -99,19 +101,20 @@ impl Proof<'_> {
                 }
             }
             let values = self.fit.functions.at(&spots, true);
-            let [g, slopes] = self.fit.sums(&values);
-            let sizes = self.sizes(&values);
+            let ([g, slopes], errors) = self.sums(&values);
             let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
             let gradients = self.setup.jumps.psi.gradients(&points);
             for (k, own) in block.iter().enumerate() {
-                let mut sampled = Sampled::new(*own, moduli.next().expect("one for each cell"));
-                for i in k * POINTS..(k + 1) * POINTS {
+                let range = k * POINTS..(k + 1) * POINTS;
+                let moduli = moduli.next().expect("one for each cell");
+                let mut sampled = Sampled::new(*own, moduli, distances[range.clone()].to_vec());
+                for i in range {
                     let (spot, gradient) = (spots[i], gradients[i]);
                     let node = node(self.setup, self.fit, spot, [g[i], slopes[i]], gradient);
                     let slope = (slopes[i] * spot.tangent).re + gradient.dot(spot.tangent);
                     sampled.nodes.push(node);
                     sampled.slopes.push(slope);
-                    sampled.rounding.push([sizes[0][i], sizes[1][i]]);
+                    sampled.rounding.push([errors[0][i], errors[1][i]]);
                 }
                 sampled.add_rounding();
                 self.add_logs(&mut sampled);
@@ -138,8 +141,8 @@ impl Proof<'_> {
         units
     }
 
-    /// Rounding errors of g and of its derivative, point by point: those of its terms, and of each partial sum.
-    fn sizes(&self, values: &Values) -> [Vec<f64>; 2] {
+    /// g and its derivative, point by point, and their rounding errors: those of the terms, and of each partial sum.
+    fn sums(&self, values: &Values) -> ([Vec<Complex>; 2], [Vec<f64>; 2]) {
         let units = self.units();
         let mut errors = [vec![0.0; values.points], vec![0.0; values.points]];
         let zeros = vec![Complex::default(); values.points];
@@ -157,7 +160,7 @@ impl Proof<'_> {
                 }
             }
         }
-        errors
+        (sums, errors)
     }
 
     /// Adds the logarithms of holes that are added to v.

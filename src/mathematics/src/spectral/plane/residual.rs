@@ -202,7 +202,7 @@ impl FluxBalance {
             etas.push(eta);
             slopes.push(slope);
         }
-        for (ring, &is_fixed) in fixed.iter().enumerate().take(rings) {
+        for (ring, &is_fixed) in fixed.iter().enumerate() {
             let own: Vec<usize> =
                 (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
             let near =

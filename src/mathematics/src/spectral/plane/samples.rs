@@ -69,8 +69,8 @@ pub(super) struct Deficit {
 }
 
 impl Sampled {
-    pub(super) fn new(own: ProofCell, moduli: CellModuli) -> Self {
-        let distances = own.cell.nodes(&gauss(POINTS)).into_iter().map(|[r, _]| r).collect();
+    /// No values yet, at points with these distances from the end.
+    pub(super) fn new(own: ProofCell, moduli: CellModuli, distances: Vec<f64>) -> Self {
         let (nodes, slopes, rounding) = (Vec::new(), Vec::new(), Vec::new());
         Self { own, nodes, slopes, rounding, moduli, distances }
     }
