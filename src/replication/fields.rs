@@ -102,7 +102,7 @@ pub(crate) struct Fields {
     /// Axes of the chart of a study.
     #[arg(skip)]
     pub chart: Option<ChartFields>,
-    /// Columns of the table of a study in Markdown and LaTeX.
+    /// Columns of the table of a study.
     #[arg(skip)]
     pub columns: Option<Vec<String>>,
 }

@@ -7,6 +7,14 @@ use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::Statement;
 
+/// Columns that only bounds give.
+const OF_BOUNDS: [&str; 3] = ["energy_lower", "energy_upper", "error_relative"];
+
+/// True if a column needs bounds.
+pub(crate) fn is_of_bounds(column: &str) -> bool {
+    OF_BOUNDS.contains(&column)
+}
+
 /// Columns of the numbers, in their order.
 pub(crate) const COLUMNS: [&str; 15] = [
     "energy",
@@ -57,8 +65,9 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    /// Numbers of the answer to a statement; without a solution, the reason alone.
-    pub(crate) fn of(statement: &Statement, solved: &Solved) -> Self {
+    /// Numbers of the answer to a statement, with bounds if they are wanted or were made for an accuracy; without a
+    /// solution, the reason alone.
+    pub(crate) fn of(statement: &Statement, solved: &Solved, with_bounds: bool) -> Self {
         let accuracy = statement.accuracy();
         if let Some(last) = solved.ends().last()
             && last.judged(accuracy.is_some()).is_failure()
@@ -69,7 +78,10 @@ impl Numbers {
                 format!("{} on {level}", last.name().replace('-', " ")),
             );
         }
-        let bounds = solved.bounds().last().and_then(|bounds| bounds.as_ref().ok());
+        let bounds = match with_bounds || accuracy.is_some() {
+            true => solved.bounds().last().and_then(|bounds| bounds.as_ref().ok()),
+            false => None,
+        };
         let of_v = solved.energy();
         let energy = match (accuracy, bounds) {
             (Some(Accuracy::Energy(_)), Some(bounds)) => bounds.nearest_energy(of_v),

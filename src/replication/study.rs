@@ -2,7 +2,7 @@
 
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::table::{Reading, Refused};
-use crate::replication::numbers::{COLUMNS, Numbers};
+use crate::replication::numbers::{COLUMNS, Numbers, is_of_bounds};
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -18,7 +18,8 @@ pub(crate) struct Study {
     /// Axes of the chart; none if there is no chart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) chart: Option<Axes>,
-    /// Columns of the table in Markdown and LaTeX; empty for what is varied and the [`USUAL`] ones.
+    /// Columns of the table that are wanted; empty for all in CSV, and in Markdown and LaTeX for what is varied and the
+    /// [`USUAL`] ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) columns: Vec<String>,
 }
@@ -43,8 +44,11 @@ pub(crate) struct Axes {
 /// Columns of a table in Markdown and LaTeX behind those of what is varied: as many as a page has room for.
 const USUAL: [&str; 4] = ["energy", "error_relative", "contact_length", "force"];
 
+/// Column that every table in CSV has.
+const REASON: &str = "reason";
+
 /// Columns of texts, which no axis shows.
-const TEXTS: [&str; 2] = ["solver", "reason"];
+const TEXTS: [&str; 2] = ["solver", REASON];
 
 impl Study {
     /// Study without members, which varies these names.
@@ -99,6 +103,21 @@ impl Study {
         }
     }
 
+    /// True if a column of the table, or an axis of the chart, needs bounds.
+    pub(crate) fn needs_bounds(&self) -> bool {
+        let on_axis = self.chart.iter().flat_map(|axes| &axes.columns);
+        let shown = self.columns.iter().chain(on_axis);
+        self.columns.is_empty() || shown.into_iter().any(|column| is_of_bounds(of_axis(column).0))
+    }
+
+    /// Columns of what was found that the table in CSV has.
+    fn tabulated(&self) -> Vec<&'static str> {
+        let mut columns = self.found();
+        let is_wanted = |column: &str| self.columns.iter().any(|wanted| wanted == column);
+        columns.retain(|column| self.columns.is_empty() || *column == REASON || is_wanted(column));
+        columns
+    }
+
     /// Columns of what was found, without those that are varied.
     pub(crate) fn found(&self) -> Vec<&'static str> {
         let mut columns = COLUMNS.to_vec();
@@ -106,9 +125,10 @@ impl Study {
         columns
     }
 
-    /// Returns the table of the members with their numbers, with all digits: what was varied, then what was found.
+    /// Returns the table of the members with their numbers, with all digits: what was varied, then what was found, of
+    /// which the columns may be given.
     pub(crate) fn table(&self, all: &[Numbers]) -> Table {
-        let found = self.found();
+        let found = self.tabulated();
         let head: Vec<String> =
             self.names.iter().cloned().chain(found.iter().map(|&name| name.to_owned())).collect();
         let mut left: Vec<usize> = (0..head.len()).collect();

@@ -25,13 +25,18 @@ fn gear() -> String {
     fs::read_to_string(path).unwrap()
 }
 
+/// Writes the mesh of the gear into a project.
+fn with_gear(project: Project) -> Project {
+    fs::create_dir_all(project.path("pipeline/meshes")).unwrap();
+    project.write("pipeline/meshes/gear.msh", gear());
+    project
+}
+
 /// A project with the three scenes.
 fn project() -> Project {
-    let project = Project::with(DISC);
+    let project = with_gear(Project::with(DISC));
     project.scene("gear", GEAR);
     project.scene("ball", BALL);
-    fs::create_dir(project.path("pipeline/meshes")).unwrap();
-    project.write("pipeline/meshes/gear.msh", gear());
     fs::create_dir(project.path("report/templates")).unwrap();
     project.write("report/book.toml", "title = \"Domains\"\n");
     project.write("report/templates/SUMMARY.md", "- [Domains](domains.md)\n");
@@ -237,7 +242,8 @@ fn answer_to_options(project: &Project, solver: &str, stated: [&[&str]; 2]) -> V
 fn run_scene_and_options_have_one_answer() {
     // A project for each domain: every command reads all scenes of its project.
     for (of_domain, (domain, domain_keys)) in DOMAINS.into_iter().enumerate() {
-        let project = project();
+        let project = with_gear(Project::empty());
+        fs::create_dir(project.path("pipeline/scenes")).unwrap();
         let mut scenes = Vec::new();
         for (of_solver, (solver, keys)) in SOLVERS.into_iter().enumerate() {
             for law in laws_tried(of_solver, of_domain) {

@@ -70,7 +70,7 @@ pub(crate) const KEYS: [(&[Kind], &str, &[&str]); 19] = [
         &[Mesh],
         "domain",
         &[
-            "\"meshes/one.msh\"",
+            "{ name = \"meshes/one.msh\", refine = 2 }",
             "{ name = \"lshape\", refine = 1 }",
             "{ name = \"disc\", refine = 0 }",
             "{ name = \"disc\", refine = 1, fixed = [\"rim\"] }",
@@ -117,7 +117,8 @@ pub(crate) fn study() -> Files {
         r = [10, 1]\nstop = [\"signed\", \"printed\"]\noutputs = [\"table\", \"surface\", \"contact\", \"history\"]\n";
     let plain =
         "title = \"Two\"\nf = \"else=-1\"\ngrids = [4, 8]\noutputs = [\"table\", \"map\"]\n";
-    let on_mesh = "title = \"Two\"\nf = \"else=-1\"\ndomain = \"meshes/one.msh\"\noutputs = [\"table\", \"surface\"]\n";
+    let on_mesh = "title = \"Two\"\nf = \"else=-1\"\ndomain = { name = \"meshes/one.msh\", refine = 2 }\n\
+        outputs = [\"table\", \"surface\"]\n";
     let files = [
         ("pipeline/scenes/a.toml", method.into()),
         ("pipeline/scenes/b.toml", plain.into()),

@@ -10,6 +10,7 @@ use signorini_mathematics::mesh::{
     uniform_cube, uniform_square,
 };
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use signorini_mathematics::levels::Problem;
 
@@ -353,14 +354,31 @@ impl<const D: usize> OnCells<D> for Counted {
     }
 }
 
+/// Number of edges of a mesh.
+fn edges<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> usize {
+    let pairs = mesh.cells().iter().flat_map(|cell| {
+        let to_others =
+            |&one| cell.iter().filter(move |other| **other > one).map(move |&other| [one, other]);
+        cell.iter().flat_map(to_others)
+    });
+    pairs.collect::<BTreeSet<_>>().len()
+}
+
 #[test]
-fn f_is_taken_once_at_each_point_of_a_cell() {
-    // So many cells that none is divided at first, and f is settled then. Both formulas have the centroid.
+fn f_is_taken_once_at_each_point() {
+    // So many cells that none is divided at first, and f is settled then. One formula has the nodes and the midpoints
+    // of the edges, and both have the centroid.
     let (square, cube) = (uniform_square(Grid::new(128).unwrap()), uniform_cube(18));
     let counted = Counted(AtomicUsize::new(0));
     mesh_load(&square, &counted).unwrap();
-    assert_eq!(counted.0.into_inner(), square.cells().len() * (7 + 7 - 1));
+    assert_eq!(
+        counted.0.into_inner(),
+        7 * square.cells().len() + edges(&square) + square.points().len()
+    );
     let counted = Counted(AtomicUsize::new(0));
     mesh_load(&cube, &counted).unwrap();
-    assert_eq!(counted.0.into_inner(), cube.cells().len() * (15 + 11 - 1));
+    assert_eq!(
+        counted.0.into_inner(),
+        15 * cube.cells().len() + edges(&cube) + cube.points().len()
+    );
 }

@@ -14,7 +14,7 @@ use crate::replication::fields::vary::Vary;
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
-use crate::replication::stages::study::numbers;
+use crate::replication::stages::study::AskedNumbers;
 use crate::replication::study::{Member, Study};
 use crate::table::Table;
 use crate::timing::machine;
@@ -108,7 +108,8 @@ impl<'a> Asked<'a> {
         }
         let never = AtomicBool::new(false);
         let solved = self.study.members.par_iter().map(|member| {
-            let numbers = numbers(&member.statement, &self.files, &never);
+            let asked = AskedNumbers { statement: member.statement.clone(), with_bounds: true };
+            let numbers = asked.numbers(&self.files, &never);
             bar.iter().for_each(|bar| bar.inc(1));
             numbers
         });
@@ -118,9 +119,9 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// Returns the study of a scene with what the options have in place of its own.
+/// Returns the study of a scene with all columns, and with what the options have in place of its own.
 fn over(study: &Study, args: &SolveArgs) -> Result<Study> {
-    let mut study = study.clone();
+    let mut study = Study { columns: Vec::new(), ..study.clone() };
     for member in &mut study.members {
         member.statement = args.fields.over(member.statement.clone(), Voice::OverScene)?;
     }

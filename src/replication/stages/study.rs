@@ -19,12 +19,14 @@ const NUMBERS: &str = "numbers.json";
 /// Returns the tasks of a study.
 pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
     let mut tasks = Vec::new();
+    let with_bounds = scene.study.as_ref().is_some_and(Study::needs_bounds);
     for (member, task) in members(scene) {
         let Member { statement, .. } = member;
         let path = path_of(&statement.domain);
         let file = path.and_then(|path| scene.files.get_key_value(&path));
         let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
-        tasks.push(Task::new(task, statement, Vec::new(), made).with_files(files));
+        let asked = AskedNumbers { statement: statement.clone(), with_bounds };
+        tasks.push(Task::new(task, &asked, Vec::new(), AskedNumbers::made).with_files(files));
     }
     if scene.wants(Output::Table) {
         tasks.extend(Tabulated::task(scene));
@@ -65,25 +67,35 @@ fn digest(text: &str) -> String {
     hash(text.as_bytes())[..16].to_owned()
 }
 
-/// Solves the statement of a member.
-fn made(statement: &Statement, inputs: &Inputs) -> Made {
-    let numbers = numbers(statement, inputs.files, inputs.interrupted)?;
-    Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]))
+/// Statement of a member of which numbers are asked for.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct AskedNumbers {
+    pub(crate) statement: Statement,
+    /// True if bounds are among the numbers.
+    pub(crate) with_bounds: bool,
 }
 
-/// Returns the numbers of a member, or the reason for which it has no solution; a mesh is read from these files.
-///
-/// # Errors
-/// [`Error::Interrupted`].
-pub(crate) fn numbers(
-    statement: &Statement,
-    files: &InputFiles,
-    interrupted: &AtomicBool,
-) -> Result<Numbers, Error> {
-    match solve::solved(statement, files, interrupted) {
-        Ok(solved) => Ok(Numbers::of(statement, &solved)),
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
+impl AskedNumbers {
+    fn made(&self, inputs: &Inputs) -> Made {
+        let numbers = self.numbers(inputs.files, inputs.interrupted)?;
+        Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]))
+    }
+
+    /// Returns the numbers, or the reason for which there is no solution; a mesh is read from these files.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub(crate) fn numbers(
+        &self,
+        files: &InputFiles,
+        interrupted: &AtomicBool,
+    ) -> Result<Numbers, Error> {
+        let statement = &self.statement;
+        match solve::solved(statement, files, interrupted) {
+            Ok(solved) => Ok(Numbers::of(statement, &solved, self.with_bounds)),
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
+        }
     }
 }
 

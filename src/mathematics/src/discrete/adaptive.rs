@@ -111,21 +111,19 @@ impl<const V: usize> Default for Sampler<V> {
 }
 
 impl<const V: usize> Sampler<V> {
-    /// Integrates a function over the cell with these vertices.
+    /// Integrates a function over a cell.
     ///
     /// # Errors
     /// [`BadValue`] where the function is infinite at a point, or no number at a point and beside it.
     pub(crate) fn integrate<const D: usize>(
         &self,
-        vertices: [[f64; D]; V],
-        f: &impl Fn([f64; D]) -> f64,
+        cell: &CellValues<'_, D, V>,
         settling: Settling,
     ) -> Result<SampledCell<V>, BadValue<D>> {
-        let cell = CellValues { vertices, f };
         let whole = std::array::from_fn(unit);
         let mut open = Vec::new();
         if settling.least_parts < 2 {
-            let whole = self.part(&cell, whole, 1.0)?;
+            let whole = self.part(cell, whole, 1.0)?;
             if whole.weighted <= settling.tolerance {
                 return Ok(whole.cell());
             }
@@ -137,7 +135,7 @@ impl<const V: usize> Sampler<V> {
             }
             let fraction = 1.0 / pieces.len() as f64;
             for corners in pieces {
-                open.push(self.part(&cell, corners, fraction)?);
+                open.push(self.part(cell, corners, fraction)?);
             }
         }
         let (mut sum, mut parts) = (SampledPart::default(), open.len());
@@ -154,7 +152,7 @@ impl<const V: usize> Sampler<V> {
                 return Ok(sum.cell());
             }
             parts += open.len();
-            open = self.halved(&cell, &open)?;
+            open = self.halved(cell, &open)?;
         }
     }
 
@@ -199,10 +197,16 @@ impl<const V: usize> Sampler<V> {
             part.variance += point.weight * (value - part.mean) * (value - part.mean);
         }
         let (mut others, centroid) = ([0.0; V], self.outer.len() - 1);
+        // A part of the cell has other corners.
+        let shared = cell.shared.filter(|_| fraction == 1.0);
         for (number, point) in self.outer.iter().enumerate() {
             let at = within(corners, point.barycentric);
             // Both formulas have the value at the centroid.
-            let value = if number == centroid { values[0] } else { cell.value(at)? };
+            let value = match shared.and_then(|shared| shared.get(number).copied()) {
+                _ if number == centroid => values[0],
+                Some(value) if value.is_finite() => value,
+                _ => cell.value(at)?,
+            };
             add(&mut others, point.weight * value, at);
         }
         let apart = part.shares.iter().zip(others).map(|(p, q)| (p - q).abs());
@@ -218,10 +222,15 @@ impl<const V: usize> Sampler<V> {
     }
 }
 
+/// Points at most that cells share: vertices and midpoints of edges.
+pub(crate) const SHARED_POINTS: usize = 10;
+
 /// Function on a cell.
-struct CellValues<'a, const D: usize, const V: usize> {
-    vertices: [[f64; D]; V],
-    f: &'a dyn Fn([f64; D]) -> f64,
+pub(crate) struct CellValues<'a, const D: usize, const V: usize> {
+    pub(crate) vertices: [[f64; D]; V],
+    pub(crate) f: &'a dyn Fn([f64; D]) -> f64,
+    /// Values at the vertices, behind each those at the midpoints of its edges to the vertices before, if they are known.
+    pub(crate) shared: Option<[f64; SHARED_POINTS]>,
 }
 
 impl<const D: usize, const V: usize> CellValues<'_, D, V> {
@@ -344,8 +353,16 @@ mod tests {
     const TRIANGLE: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     const SETTLING: Settling = Settling { least_parts: 64, most_parts: 20_000, tolerance: 1e-6 };
 
+    fn integrated<const D: usize, const V: usize>(
+        vertices: [[f64; D]; V],
+        f: &impl Fn([f64; D]) -> f64,
+        settling: Settling,
+    ) -> Result<SampledCell<V>, BadValue<D>> {
+        Sampler::default().integrate(&CellValues { vertices, f, shared: None }, settling)
+    }
+
     fn sampled(f: impl Fn([f64; 2]) -> f64) -> Result<SampledCell<3>, BadValue<2>> {
-        Sampler::default().integrate(TRIANGLE, &f, SETTLING)
+        integrated(TRIANGLE, &f, SETTLING)
     }
 
     #[test]
@@ -355,10 +372,10 @@ mod tests {
         for (a, b, c) in [(0, 0, 0), (1, 0, 0), (0, 1, 1), (2, 0, 0), (0, 2, 0)] {
             let power = |x: f64, n: i32| x.powi(n);
             let of = |[x, y, z]: [f64; 3]| power(x, a) * power(y, b) * power(z, c);
-            let cell = Sampler::<4>::default().integrate(tetrahedron, &of, once).unwrap();
+            let cell = integrated(tetrahedron, &of, once).unwrap();
             assert!(cell.difference < 1e-15, "{a} {b} {c}: {}", cell.difference);
             let flat = |[x, y]: [f64; 2]| power(x, a) * power(y, b);
-            let cell = Sampler::<3>::default().integrate(TRIANGLE, &flat, once).unwrap();
+            let cell = integrated(TRIANGLE, &flat, once).unwrap();
             assert!(cell.difference < 1e-15, "{a} {b}: {}", cell.difference);
         }
     }
@@ -398,7 +415,7 @@ mod tests {
             let pole = |[x, y]: [f64; 2]| 1.0 / libm::hypot(x - a, y - b);
             for least_parts in [1, 2, 4, 64] {
                 let settling = Settling { least_parts, most_parts: 0, ..SETTLING };
-                let bad = Sampler::default().integrate(TRIANGLE, &pole, settling).unwrap_err();
+                let bad = integrated(TRIANGLE, &pole, settling).unwrap_err();
                 assert_eq!((bad.value.is_infinite(), bad.point), (true, [a, b]));
             }
         }

@@ -1,6 +1,8 @@
 //! Integrals over the square of an f that is known by its values only.
 
-use super::adaptive::{BadValue, COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
+use super::adaptive::{
+    BadValue, COST, CellValues, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling,
+};
 use crate::machine::threads::{items_per_task, map, map_range};
 use crate::problem::error::SourceError;
 
@@ -29,8 +31,9 @@ pub(crate) fn sampled<const D: usize, const V: usize>(
     f: &(impl Fn([f64; D]) -> f64 + Sync),
 ) -> Result<SampledIntegrals, SourceError> {
     let (sampler, count) = (Sampler::default(), cells.len() as f64);
-    let integrate =
-        |vertices: [[f64; D]; V], settling: Settling| sampler.integrate(vertices, f, settling);
+    let integrate = |vertices: [[f64; D]; V], settling: Settling| {
+        sampler.integrate(&CellValues { vertices, f, shared: None }, settling)
+    };
     let whole = Settling { least_parts: 1, most_parts: 0, tolerance: f64::INFINITY };
     let least_parts = LEAST_PARTS.div_ceil(cells.len()).next_power_of_two();
     let settling = Settling { least_parts, ..whole };

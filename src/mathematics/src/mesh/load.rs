@@ -4,8 +4,11 @@
 //! exactly. Any other f is sampled: the cells are divided until two formulas agree.
 
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
+use super::shared::SharedValues;
 use super::{Mesh, volume};
-use crate::discrete::adaptive::{COST, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling};
+use crate::discrete::adaptive::{
+    COST, CellValues, LEAST_PARTS, SETTLED, SampledCell, Sampler, Settling,
+};
 use crate::machine::threads::{items_per_task, map_with_room};
 use crate::problem::error::SourceError;
 use crate::problem::shape::Shape;
@@ -126,15 +129,15 @@ where
     Shape<D>: CutShape<D, V>,
 {
     let cells = mesh.cells().len();
-    let work = CellWork { mesh, f, before, sampler: Sampler::default(), volume: mesh.volume() };
+    let least_parts = LEAST_PARTS.div_ceil(cells).next_power_of_two();
+    // The parts of a cell that is divided have other points.
+    let shared = (least_parts == 1).then(|| SharedValues::of(mesh, f)).flatten();
+    let (sampler, volume) = (Sampler::default(), mesh.volume());
+    let work = CellWork { mesh, f, before, sampler, shared, volume };
     let mut made = LoadSums::new(mesh);
     // Cells that are not settled as far as f is known, with their parts.
     let mut open = Vec::new();
-    let once = Settling {
-        least_parts: LEAST_PARTS.div_ceil(cells).next_power_of_two(),
-        most_parts: 0,
-        tolerance: f64::INFINITY,
-    };
+    let once = Settling { least_parts, most_parts: 0, tolerance: f64::INFINITY };
     for start in (0..cells).step_by(RUN) {
         let run = start..cells.min(start + RUN);
         let each = items_per_task(run.len(), COST);
@@ -187,6 +190,7 @@ struct CellWork<'a, F: ?Sized, const D: usize, const V: usize> {
     f: &'a F,
     before: Option<CellsBefore<'a>>,
     sampler: Sampler<V>,
+    shared: Option<SharedValues>,
     /// Volume of the mesh.
     volume: f64,
 }
@@ -219,7 +223,9 @@ where
         let settling =
             Settling { tolerance: if tolerance.is_nan() { 0.0 } else { tolerance }, ..settling };
         let values = |point| self.f.at(region, point);
-        let found = self.sampler.integrate(vertices, &values, settling)?;
+        let shared = self.shared.as_ref().map(|shared| shared.on(mesh.cells()[cell]));
+        let values = CellValues { vertices, f: &values, shared };
+        let found = self.sampler.integrate(&values, settling)?;
         Ok(WeighedPart {
             part: CellPart::sampled(volume, &found),
             difference: Some(volume * found.difference),

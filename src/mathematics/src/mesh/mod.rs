@@ -32,6 +32,7 @@ mod overlap;
 mod pinched;
 mod refine;
 mod same_place;
+mod shared;
 mod sides;
 mod source;
 mod split;

@@ -1,6 +1,7 @@
 //! Saddle-point methods for the modified Lagrange functional (7): one loop, over three engines, and one run over nested
 //! grids and networks.
 
+mod band;
 pub mod batch;
 mod engine;
 pub mod jobs;
