@@ -1,7 +1,6 @@
 //! Saddle-point methods for the modified Lagrange functional (7): one loop, over three engines, and one run over nested
 //! grids and networks.
 
-mod band;
 pub mod batch;
 mod engine;
 pub mod jobs;

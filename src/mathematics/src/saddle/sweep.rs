@@ -1,9 +1,13 @@
 //! One lexicographic Gauss-Seidel sweep (9)-(11), `x` fastest, from the lower left corner.
+//!
+//! Each node needs the new value of its western neighbour, so a plain loop runs at the latency of one addition and
+//! one multiplication. A band of consecutive rows, each one column behind the row below, updates independent nodes at
+//! each step: this hides the latency and gives the same bits.
 
-use super::band::{InteriorRows, rows_of_band};
 use super::plain::Duality;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
+use std::array::from_fn;
 
 /// Sweep with given data: the discrete problem, the multiplier, and the diagonals of its rows.
 pub(super) struct GaussSeidel<'a> {
@@ -37,6 +41,14 @@ impl SweepDiagonal {
     }
 }
 
+/// Returns `1/A_ii` times the sum of the load and the neighbours: (9) for an interior node.
+///
+/// The order of summation is part of the definition: results are compared bit by bit.
+#[inline(always)]
+fn interior(inverse: f64, load: f64, [east, north, south, west]: [f64; 4]) -> f64 {
+    inverse * ((((load + east) + north) + south) + west)
+}
+
 impl<'a> GaussSeidel<'a> {
     /// Sweep for the load vector, the boundary vector `a` of multipliers, the law, and r > 0.
     ///
@@ -58,21 +70,18 @@ impl<'a> GaussSeidel<'a> {
 
     /// Replaces `y` by the result of one sweep.
     pub(super) fn sweep(&self, y: &mut [f64]) {
-        let (n, rows) = (self.grid.cells(), self.interior_rows());
+        let n = self.grid.cells();
         self.relax_side_row(y, 0);
         let mut j = 1;
         while j < n {
-            let count = rows_of_band(n, j);
-            self.relax_ends(y, 0, j, count);
-            rows.relax_band(y, j);
-            self.relax_ends(y, n, j, count);
-            j += count;
+            j += match n - j {
+                1 => self.relax_band::<1>(y, j),
+                2 => self.relax_band::<2>(y, j),
+                3 => self.relax_band::<3>(y, j),
+                _ => self.relax_band::<4>(y, j),
+            };
         }
         self.relax_side_row(y, n);
-    }
-
-    fn interior_rows(&self) -> InteriorRows<'_, f64> {
-        InteriorRows { n: self.grid.cells(), load: self.load, inverse: self.inside }
     }
 
     /// Relaxes the first row, `j = 0`, or the last one, `j = n`.
@@ -132,6 +141,59 @@ impl<'a> GaussSeidel<'a> {
         }
         (sum + h * a) / (diagonal.value + h * r)
     }
+
+    /// Relaxes the interior node in column `i` and row `j`.
+    #[inline(always)]
+    fn relax_inside(&self, y: &mut [f64], i: usize, j: usize) {
+        let side = self.grid.side();
+        let node = j * side + i;
+        let around = [y[node + 1], y[node + side], y[node - side], y[node - 1]];
+        y[node] = interior(self.inside, self.load[node], around);
+    }
+
+    /// Relaxes `K` interior rows from the `first` on, each one column behind the row below, and returns `K`.
+    ///
+    /// Nodes of the left side come first: they use no new value of this band but those of the row below in the same
+    /// column. Nodes of the right side come last: no node of the band uses their new values.
+    fn relax_band<const K: usize>(&self, y: &mut [f64], first: usize) -> usize {
+        let n = self.grid.cells();
+        self.relax_ends(y, 0, first, K);
+        // The first and last columns of a band have fewer than K rows at work: one node at a time.
+        for t in 1..K {
+            (0..t).for_each(|k| self.relax_inside(y, t - k, first + k));
+        }
+        self.relax_steadily::<K>(y, first, n - K);
+        for t in n..n + K - 1 {
+            (t + 1 - n..K).for_each(|k| self.relax_inside(y, t - k, first + k));
+        }
+        self.relax_ends(y, n, first, K);
+        K
+    }
+
+    /// Relaxes `steps` nodes of each row of a band, in row k from column `K - k` on.
+    fn relax_steadily<const K: usize>(&self, y: &mut [f64], first: usize, steps: usize) {
+        let side = self.grid.side();
+        let (below, rest) = y[(first - 1) * side..].split_at_mut(side);
+        let (rows, above) = rest.split_at_mut(K * side);
+        let (below, above) = (&below[K..][..steps], &above[1..][..steps]);
+        let mut rows = rows.chunks_exact_mut(side);
+        // The window of row k begins one column to the west.
+        let rows: [_; K] =
+            from_fn(|k| &mut rows.next().expect("a row for each k")[K - k - 1..][..steps + 2]);
+        let loads: [_; K] = from_fn(|k| &self.load[(first + k) * side + K - k..][..steps]);
+        let mut west: [f64; K] = from_fn(|k| rows[k][0]);
+        for t in 0..steps {
+            // The node north of row k is the one east of row k + 1, and the node south of row k + 1 is
+            // the one that row k has just left.
+            let (mut south, mut east) = (below[t], rows[0][t + 2]);
+            for k in 0..K {
+                let north = if k + 1 < K { rows[k + 1][t + 2] } else { above[t] };
+                let next = interior(self.inside, loads[k][t], [east, north, south, west[k]]);
+                (south, east, west[k]) = (west[k], north, next);
+                rows[k][t + 1] = next;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -174,9 +236,7 @@ mod tests {
             for _ in 0..3 {
                 data.relax_side_row(&mut plain, 0);
                 for j in 1..n {
-                    data.relax_ends(&mut plain, 0, j, 1);
-                    data.interior_rows().relax::<1>(&mut plain, j);
-                    data.relax_ends(&mut plain, n, j, 1);
+                    data.relax_band::<1>(&mut plain, j);
                 }
                 data.relax_side_row(&mut plain, n);
                 data.sweep(&mut banded);

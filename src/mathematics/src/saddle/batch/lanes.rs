@@ -7,9 +7,7 @@ use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::problem::law::Law;
 use crate::saddle::RunStart;
-use crate::saddle::band::{InteriorRows, rows_of_band};
 use std::array::from_fn;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Order in which a sweep visits the nodes.
@@ -78,6 +76,13 @@ pub(crate) struct Lanes {
 
 /// No boundary node.
 const INSIDE: u32 = u32::MAX;
+
+/// (9) at an interior node: `centre` times the sum of the terms.
+#[inline(always)]
+fn relaxed(centre: V, terms: [V; 5]) -> V {
+    let [load, east, north, south, west] = terms;
+    centre * ((((load + east) + north) + south) + west)
+}
 
 impl Lanes {
     /// All lanes at zero, under one law, swept in this order, with the multiplier's weight at corners in units of h.
@@ -189,52 +194,74 @@ impl Lanes {
         match self.order {
             Order::Lexicographic => {
                 self.relax_boundary(0, n + 1);
+                // Two boundary nodes in each row between the first and the last.
+                let ends = |j: usize| n + 1 + 2 * (j - 1);
                 let mut j = 1;
-                while j < n {
-                    let next = j + rows_of_band(n, j);
-                    self.relax_ends(0, j..next);
-                    self.relax_band(j);
-                    self.relax_ends(1, j..next);
-                    j = next;
+                while j + 1 < n {
+                    self.relax_boundary(ends(j), 1);
+                    self.relax_boundary(ends(j + 1), 1);
+                    self.relax_two_rows(j);
+                    self.relax_boundary(ends(j) + 1, 1);
+                    self.relax_boundary(ends(j + 1) + 1, 1);
+                    j += 2;
+                }
+                if j < n {
+                    self.relax_boundary(ends(j), 1);
+                    self.relax_row(j);
+                    self.relax_boundary(ends(j) + 1, 1);
                 }
                 self.relax_boundary(all - n - 1, n + 1);
             }
             Order::BoundaryFirst => {
                 self.relax_boundary(0, all);
-                self.relax_inside();
+                (1..n).for_each(|j| self.relax_row(j));
             }
             Order::InteriorFirst => {
-                self.relax_inside();
+                (1..n).for_each(|j| self.relax_row(j));
                 self.relax_boundary(0, all);
             }
         }
     }
 
-    /// (9) at the interior nodes of the band that begins at row `j`.
+    /// (9) at the interior nodes of row `j`.
     #[inline(always)]
-    fn relax_band(&mut self, j: usize) {
+    fn relax_row(&mut self, j: usize) {
+        let side = self.grid.side();
         let load = if self.regularised { &self.target } else { &self.load };
-        let rows = InteriorRows { n: self.grid.cells(), load, inverse: self.centre };
-        rows.relax_band(&mut self.y, j);
-    }
-
-    /// (9) at all interior nodes, row by row.
-    #[inline(always)]
-    fn relax_inside(&mut self) {
-        let (n, mut j) = (self.grid.cells(), 1);
-        while j < n {
-            self.relax_band(j);
-            j += rows_of_band(n, j);
+        let (below, rest) = self.y.split_at_mut(j * side);
+        let (row, above) = rest.split_at_mut(side);
+        let (south, north) = (&below[(j - 1) * side..][..side], &above[..side]);
+        let (row, load) = (&mut row[..side], &load[j * side..][..side]);
+        let mut west = row[0];
+        for i in 1..side - 1 {
+            west = relaxed(self.centre, [load[i], row[i + 1], north[i], south[i], west]);
+            row[i] = west;
         }
     }
 
-    /// (10) and (11) at one of the two ends of each of some rows between the first and the last.
+    /// (9) at the interior nodes of rows `j` and `j + 1`, the upper one column behind the lower: neither waits for
+    /// the other, and each node finds the values that it finds row by row.
     #[inline(always)]
-    fn relax_ends(&mut self, end: usize, rows: Range<usize>) {
-        let n = self.grid.cells();
-        for j in rows {
-            self.relax_boundary(n + 1 + 2 * (j - 1) + end, 1);
+    fn relax_two_rows(&mut self, j: usize) {
+        let side = self.grid.side();
+        let load = if self.regularised { &self.target } else { &self.load };
+        let (below, rest) = self.y.split_at_mut(j * side);
+        let (lower, rest) = rest.split_at_mut(side);
+        let (upper, above) = rest.split_at_mut(side);
+        let (south, north) = (&below[(j - 1) * side..][..side], &above[..side]);
+        let [lower_load, upper_load] = [j, j + 1].map(|j| &load[j * side..][..side]);
+        let centre = self.centre;
+        lower[1] = relaxed(centre, [lower_load[1], lower[2], upper[1], south[1], lower[0]]);
+        let [mut west, mut west_above] = [lower[1], upper[0]];
+        for i in 2..side - 1 {
+            let (before, beside) = (west, upper[i]);
+            west = relaxed(centre, [lower_load[i], lower[i + 1], beside, south[i], west]);
+            west_above =
+                relaxed(centre, [upper_load[i - 1], beside, north[i - 1], before, west_above]);
+            (lower[i], upper[i - 1]) = (west, west_above);
         }
+        let i = side - 2;
+        upper[i] = relaxed(centre, [upper_load[i], upper[i + 1], north[i], west, west_above]);
     }
 
     /// (10) and (11) at `count` boundary nodes from the `first` on in the order of rows.
