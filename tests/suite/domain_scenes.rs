@@ -32,6 +32,14 @@ fn with_gear(project: Project) -> Project {
     project
 }
 
+/// Writes a book of one page into a project.
+fn add_book(project: &Project) {
+    for (path, text) in book() {
+        fs::create_dir_all(project.path(&path).parent().unwrap()).unwrap();
+        project.write(&path, text);
+    }
+}
+
 /// A project with the three scenes.
 fn project() -> Project {
     let project = with_gear(Project::with(DISC));
@@ -244,6 +252,8 @@ fn run_scene_and_options_have_one_answer() {
     for (of_domain, (domain, domain_keys)) in DOMAINS.into_iter().enumerate() {
         let project = with_gear(Project::empty());
         fs::create_dir(project.path("pipeline/scenes")).unwrap();
+        // The table of all results is made for a book.
+        add_book(&project);
         let mut scenes = Vec::new();
         for (of_solver, (solver, keys)) in SOLVERS.into_iter().enumerate() {
             for law in laws_tried(of_solver, of_domain) {
@@ -491,10 +501,7 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
 #[test]
 fn scenes_without_a_boundary_in_contact_run_as_they_are_solved() {
     let project = Project::with(TABLE);
-    for (path, text) in book() {
-        fs::create_dir_all(project.path(&path).parent().unwrap()).unwrap();
-        project.write(&path, text);
-    }
+    add_book(&project);
     let pictures = "outputs = [\"table\", \"source\", \"surface\", \"map\", \"contact\"]\n";
     let disc = "domain = { name = \"disc\", refine = 1, fixed = [\"rim\"] }\n";
     let annulus =

@@ -54,7 +54,7 @@ pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Art
     let (mut markdown, mut tex) = (shown.markdown(), shown.tex());
     if shown.head.len() < table.head.len() {
         tex += &format!(
-            "% {name}.csv has more columns; the key `columns` of a study says which are here.\n"
+            "% {name}.csv has all columns; the key `columns` of a study says which are here.\n"
         );
     }
     for line in note.lines() {

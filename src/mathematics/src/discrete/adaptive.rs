@@ -229,7 +229,7 @@ pub(crate) const SHARED_POINTS: usize = 10;
 pub(crate) struct CellValues<'a, const D: usize, const V: usize> {
     pub(crate) vertices: [[f64; D]; V],
     pub(crate) f: &'a dyn Fn([f64; D]) -> f64,
-    /// Values at the vertices, behind each those at the midpoints of its edges to the vertices before, if they are known.
+    /// Values at the vertices, behind each those at the midpoints of its edges to the vertices before, if known.
     pub(crate) shared: Option<[f64; SHARED_POINTS]>,
 }
 

@@ -131,7 +131,7 @@ where
     let cells = mesh.cells().len();
     let least_parts = LEAST_PARTS.div_ceil(cells).next_power_of_two();
     // The parts of a cell that is divided have other points.
-    let shared = (least_parts == 1).then(|| SharedValues::of(mesh, f)).flatten();
+    let shared = (least_parts == 1).then(|| shared_values(mesh, f)).flatten();
     let (sampler, volume) = (Sampler::default(), mesh.volume());
     let work = CellWork { mesh, f, before, sampler, shared, volume };
     let mut made = LoadSums::new(mesh);
@@ -173,6 +173,16 @@ where
         made.add(*cell, &part);
     }
     Ok(made.finished())
+}
+
+/// Values at the points that cells share of an f that is known by its values alone; none where regions differ.
+fn shared_values<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
+    mesh: &Mesh<D, V>,
+    f: &F,
+) -> Option<SharedValues> {
+    let (&region, others) = mesh.regions().split_first()?;
+    let is_one = f.pieces(region).is_none() && others.iter().all(|other| *other == region);
+    is_one.then(|| SharedValues::of(mesh, |point| f.at(region, point)))
 }
 
 /// Integrals over one cell, and how far they are settled.

@@ -1,9 +1,8 @@
 //! Values of f at the points that cells share: the nodes of a mesh and the midpoints of its edges.
 
-use super::load::OnCells;
 use super::{Edges, Mesh};
 use crate::discrete::adaptive::{COST, SHARED_POINTS};
-use crate::machine::threads::map_range;
+use crate::machine::threads::map;
 
 /// Values of f at the nodes of a mesh, and at the midpoints of its edges.
 pub(super) struct SharedValues {
@@ -13,25 +12,21 @@ pub(super) struct SharedValues {
 }
 
 impl SharedValues {
-    /// Values of an f that is known by its values only; none if regions have their own.
-    pub(super) fn of<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
+    /// Values of a function of the point alone.
+    pub(super) fn of<const D: usize, const V: usize>(
         mesh: &Mesh<D, V>,
-        f: &F,
-    ) -> Option<Self> {
-        let &region = mesh.regions().first()?;
-        if mesh.regions().iter().any(|other| *other != region) || f.pieces(region).is_some() {
-            return None;
-        }
+        f: impl Fn([f64; D]) -> f64 + Sync,
+    ) -> Self {
         let points = mesh.points();
         let edges = Edges::new(points.len(), mesh.cells());
         let ends = edges.ends();
         // Zeros have one sign, whatever the order of the vertices.
-        let nodes = map_range(0..points.len(), COST, |k| f.at(region, points[k].map(|x| x + 0.0)));
-        let middles = map_range(0..ends.len(), COST, |k| {
-            let [p, q] = ends[k].map(|node| points[node as usize]);
-            f.at(region, std::array::from_fn(|d| 0.5 * p[d] + 0.5 * q[d] + 0.0))
+        let nodes = map(points, COST, |point| f(point.map(|x| x + 0.0)));
+        let middles = map(&ends, COST, |nodes| {
+            let [p, q] = nodes.map(|node| points[node as usize]);
+            f(std::array::from_fn(|d| 0.5 * p[d] + 0.5 * q[d] + 0.0))
         });
-        Some(Self { nodes, edges, middles })
+        Self { nodes, edges, middles }
     }
 
     /// Values at the vertices of a cell, behind each those at the midpoints of its edges to the vertices before.
