@@ -3,9 +3,10 @@
 use crate::error::{IoContext, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs::{self, File, Metadata, Permissions};
+use std::fs::{self, File, Metadata};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Component, Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// Beginning and end of the names of temporary files; the part between them is random.
 const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
@@ -19,7 +20,18 @@ const TEMPORARY: [&str; 2] = [".signorini-", ".tmp"];
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     let target = link_target(path).context("write", path)?;
     let kept = fs::metadata(&target).ok().map(|there| there.permissions());
-    write_as(folder_of(&target), &target, bytes, kept)
+    let folder = folder_of(&target);
+    fs::create_dir_all(folder).context("create", folder)?;
+    let write = || {
+        let file = temporary_file(folder, bytes, kept.is_some())?;
+        if let Some(permissions) = kept {
+            file.as_file().set_permissions(permissions)?;
+        }
+        file.as_file().sync_all()?;
+        file.persist(&target).map_err(io::Error::from)
+    };
+    write().context("write", &target)?;
+    Ok(())
 }
 
 /// Returns the end of a chain of links, which need not exist; the path itself if it is no link.
@@ -41,38 +53,28 @@ pub fn link_target(path: &Path) -> io::Result<PathBuf> {
 const MOST_LINKS: usize = 40;
 
 /// Writes a whole file or nothing, with the temporary name in a folder that exists, on the same file system.
+///
+/// After a loss of power the file may be damaged: whoever reads it must know its hash.
 pub(super) fn write_by_way_of(scratch: &Path, path: &Path, bytes: &[u8]) -> Result<()> {
-    write_as(scratch, path, bytes, None)
-}
-
-/// Writes a whole file or nothing, with these permissions, or those of any new file.
-fn write_as(scratch: &Path, path: &Path, bytes: &[u8], kept: Option<Permissions>) -> Result<()> {
     let folder = folder_of(path);
     fs::create_dir_all(folder).context("create", folder)?;
-    write_and_rename(scratch, path, bytes, kept).context("write", path)
+    let write = || temporary_file(scratch, bytes, false)?.persist(path).map_err(io::Error::from);
+    write().context("write", path)?;
+    Ok(())
 }
 
-fn write_and_rename(
-    scratch: &Path,
-    path: &Path,
-    bytes: &[u8],
-    kept: Option<Permissions>,
-) -> io::Result<()> {
+/// Writes a temporary file, private or with the permissions of any new file.
+fn temporary_file(folder: &Path, bytes: &[u8], is_private: bool) -> io::Result<NamedTempFile> {
     let mut temporary = tempfile::Builder::new();
     temporary.prefix(TEMPORARY[0]).suffix(TEMPORARY[1]);
     // By default a temporary file is private. One with permissions to keep stays so until it has them.
     #[cfg(unix)]
-    if kept.is_none() {
+    if !is_private {
         temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     }
-    let mut file = temporary.tempfile_in(scratch)?;
+    let mut file = temporary.tempfile_in(folder)?;
     file.write_all(bytes)?;
-    if let Some(permissions) = kept {
-        file.as_file().set_permissions(permissions)?;
-    }
-    file.as_file().sync_all()?;
-    file.persist(path)?;
-    Ok(())
+    Ok(file)
 }
 
 /// Returns the folder of a file, the current folder if the path names none.

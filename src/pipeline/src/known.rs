@@ -8,7 +8,7 @@ use super::files::{folder_of, hash_if_there, hash_of, read, write_atomically};
 use crate::error::Result;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::fs::{self, Metadata};
+use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -83,7 +83,8 @@ impl KnownHashes {
     ///
     /// Easily broken: a file that is changed twice within one tick of the file system's clock has one state before and
     /// after the second change. So a file is noted only if that clock has gone on since its last change before the file
-    /// is read, and if it is in the same state after.
+    /// is read, and if it is in the same state after. And files of the cache are written without waiting for the disk: a
+    /// file is noted only when the disk has it, so that one that a loss of power damages is read again.
     ///
     /// # Errors
     /// [`Error::Io`](crate::error::Error::Io) if the notes cannot be written.
@@ -109,6 +110,7 @@ impl KnownHashes {
         }
         let before = state(&there).filter(|_| device(&there) == on && changed(&there) < now)?;
         let hash = blake3::Hash::from_hex(hash_of(file).ok()?).ok()?;
+        File::open(file).and_then(|file| file.sync_all()).ok()?;
         let after = state(&fs::metadata(file).ok()?)?;
         let noted = [&before[..], hash.as_bytes()].concat();
         noted.try_into().ok().filter(|_| before == after)
@@ -170,7 +172,6 @@ fn device(there: &Metadata) -> u64 {
 mod tests {
     use super::*;
     use crate::hash;
-    use std::fs::File;
     use std::os::unix::fs::FileExt;
 
     /// A project with one file, and the file's path.
