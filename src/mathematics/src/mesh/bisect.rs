@@ -35,7 +35,7 @@ pub(crate) struct Bisected {
 }
 
 /// Height over the longest edge, as a part of that edge, below which a triangle is stretched.
-const FLAT: f64 = 0.25;
+pub(crate) const FLAT: f64 = 0.25;
 /// Length of an edge, as a part of the longest one, below which it is short.
 const SHORT: f64 = 0.5;
 
