@@ -2,7 +2,10 @@
 
 use super::Adaption;
 use super::marking::{expected_squares, largest_parts};
-use crate::bounds::triangulation::{BoundedProblem, LocalBounds, curve_shares};
+use super::uniform::UniformMeshes;
+use crate::bounds::triangulation::{
+    BoundedProblem, LocalBounds, curve_shares, is_in_stretched_cells,
+};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::components::components;
 use crate::discrete::end::{End, Outcome};
@@ -18,6 +21,7 @@ use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
     label_longest_edges, mesh_load, mesh_load_after,
 };
+use crate::multigrid::active_set::active_set_on;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::{Improved, Start, improve_on_nested_networks};
 use crate::problem::source::Source;
@@ -31,6 +35,10 @@ use std::borrow::Cow;
 
 /// Steps on each mesh but the first, at least.
 const STEPS: usize = 4;
+/// Number of nodes up to which factors take over soon where steps do not converge.
+const FACTORED: usize = 5000;
+/// Most steps before that.
+const STEPS_OF_FEW: usize = 100;
 /// KKT residual over the largest load up to which a vector has converged: on well-shaped cells the first steps leave a
 /// tenth of that.
 const TOLERANCE: f64 = 0.02;
@@ -60,21 +68,21 @@ const MOST_WITHOUT_BOUND: usize = 100_000;
 
 /// Meshes so far, with the solution on the finest.
 pub(super) struct Meshes<'a> {
-    adaption: &'a Adaption<'a>,
+    pub(super) adaption: &'a Adaption<'a>,
     /// Is told each step.
-    ended: Watch<'a>,
+    pub(super) ended: Watch<'a>,
     /// f on each region.
     f: Vec<Source>,
     all: Vec<PlaneMesh>,
     networks: Vec<NestedNetwork>,
     /// True if the networks before the last one are of little use, as on stretched cells.
     is_slow: bool,
-    /// Cells that were marked for each mesh but the first.
-    marks: Vec<Vec<u32>>,
+    /// Cells that were marked for each mesh but the first; none where all cells were divided into four.
+    pub(super) marks: Vec<Vec<u32>>,
     /// Number of the connected component of each node of the finest mesh.
     component_of: Vec<u32>,
     /// Sides of the cells of the finest mesh.
-    sides: Sides<3>,
+    pub(super) sides: Sides<3>,
     /// f on the finest mesh.
     load: MeshLoad,
     /// Nodal vector of the finest mesh, interpolated before it is improved; none before there is a solution.
@@ -86,10 +94,16 @@ pub(super) struct Meshes<'a> {
     bounds: Vec<Result<Bounds, NoBound>>,
     /// Guaranteed bounds on the finest mesh with the parts of the cells, or the reason for which there are none.
     pub(super) found: Result<LocalBounds, NoBound>,
+    /// True if they are found already when they are sought next.
+    pub(super) is_solved: bool,
     /// Number of nodes and guaranteed error of each mesh so far that has one.
     errors: Vec<[f64; 2]>,
     /// True if the last such error may be larger than the solution.
     is_vague: bool,
+    /// True if stretched cells have much of it.
+    is_stretched: bool,
+    /// Uniform refinements of the first mesh; none before they are of use.
+    pub(super) uniform: Option<Box<UniformMeshes<'a>>>,
     /// Part of the square of the error that the cells had that were marked last.
     marked: f64,
     /// Part of their square that their bisections are expected to take away.
@@ -124,19 +138,22 @@ impl<'a> Meshes<'a> {
             outcomes: Vec::new(),
             bounds: Vec::new(),
             found: Err(NoBound::NotFinite),
+            is_solved: false,
             errors: Vec::new(),
             is_vague: false,
+            is_stretched: false,
+            uniform: None,
             marked: MARKED,
             gain: GAIN,
         })
     }
 
-    fn finest(&self) -> &PlaneMesh {
+    pub(super) fn finest(&self) -> &PlaneMesh {
         &self.all[self.all.len() - 1]
     }
 
     /// Solves on the finest mesh; returns the bounds, or the reason for which there are none.
-    fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
+    pub(super) fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
         let network = &self.networks[self.networks.len() - 1].network;
         let found = components(network, &self.component_of, &self.load.load);
         let rounding = ROUNDING * self.load.size;
@@ -144,9 +161,11 @@ impl<'a> Meshes<'a> {
             return if self.is_coarse() { Ok(Err(reason.into())) } else { Err(reason.into()) };
         }
         let has_solution = self.check(&found, 0.0).is_ok();
-        let tolerance = if self.is_slow { SLOW_TOLERANCE } else { TOLERANCE };
+        let tolerance = if self.is_slow || self.is_stretched { SLOW_TOLERANCE } else { TOLERANCE };
         let goal = Goal::Kkt(tolerance * largest(&self.load.load));
-        let params = MultigridParams { goal, least_cycles: STEPS, ..MultigridParams::default() };
+        let usual = MultigridParams::default();
+        let max_cycles = if self.nodes() <= FACTORED { STEPS_OF_FEW } else { usual.max_cycles };
+        let params = MultigridParams { goal, least_cycles: STEPS, max_cycles };
         let bounds = self.improve(&params, has_solution)?;
         self.note(&bounds);
         if !self.has_stalled() {
@@ -184,13 +203,17 @@ impl<'a> Meshes<'a> {
         let start = Start { y, is_slow: self.is_slow };
         let solved = improve_on_nested_networks(&self.networks, problem, start, params);
         (self.ended)(Step::Solver);
-        let Improved { y, end, is_slow } = match solved {
+        let Improved { mut y, mut end, is_slow } = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
                 return Ok(Err(reason.into()));
             }
             solved => solved?,
         };
         self.is_slow = is_slow;
+        if end.stop == Stop::IterationLimit && y.len() <= FACTORED {
+            let network = &self.networks[self.networks.len() - 1].network;
+            (y, end) = active_set_on(network, law, &self.load.load)?;
+        }
         // The bound is the goal: rounding errors are small enough.
         let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };
         let end = End { stop, ..end };
@@ -211,9 +234,10 @@ impl<'a> Meshes<'a> {
 
     /// Notes the error of the finest mesh.
     fn note(&mut self, bounds: &Result<LocalBounds, NoBound>) {
-        if let Ok(LocalBounds { bounds, .. }) = bounds {
+        if let Ok(LocalBounds { bounds, squares }) = bounds {
             self.errors.push([self.nodes() as f64, bounds.error[1]]);
             self.is_vague = bounds.relative() > 1.0;
+            self.is_stretched = is_in_stretched_cells(self.finest(), squares);
         }
     }
 
@@ -235,6 +259,11 @@ impl<'a> Meshes<'a> {
     /// bounds all cells are bisected.
     fn add_meshes(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
         let bisected = self.bisected(bounds)?;
+        self.add(bisected)
+    }
+
+    /// Adds meshes, each made from the one before; false if there are none.
+    pub(super) fn add(&mut self, bisected: Vec<Bisected>) -> Result<bool, ProblemError> {
         (self.ended)(Step::Mesh);
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
         let mut origins = Cow::Borrowed(&origins[..]);
@@ -337,7 +366,9 @@ impl Refining for Meshes<'_> {
     }
 
     fn solve(&mut self, _: &mut dyn Monitor) -> Result<Result<Bounds, NoBound>, Refusal> {
-        self.found = self.solved()?;
+        if !std::mem::take(&mut self.is_solved) {
+            self.found = self.solved()?;
+        }
         Ok(without_parts(&self.found))
     }
 
@@ -354,15 +385,18 @@ impl Refining for Meshes<'_> {
         let found = std::mem::replace(&mut self.found, Err(NoBound::NotFinite));
         let reached = found.as_ref().map(|found| self.adaption.goal.reached(&found.bounds));
         let best = reached.unwrap_or(f64::INFINITY);
-        let end = if reached.is_ok() && self.has_stalled() {
-            Some(ReachEnd::Rounding { least: best })
-        } else if self.add_meshes(found.as_ref().ok())? {
-            None
-        } else {
-            Some(ReachEnd::Finest { needed: None, best })
-        };
+        let has_stalled = reached.is_ok() && self.has_stalled();
+        let is_finer = !has_stalled && self.add_meshes(found.as_ref().ok())?;
+        let allowed = if is_finer { self.nodes() - 1 } else { self.adaption.most_nodes };
+        if self.is_stretched && self.is_overtaken(allowed)? {
+            return Ok(None);
+        }
         self.found = found;
-        Ok(end)
+        Ok(match (is_finer, has_stalled) {
+            (true, _) => None,
+            (false, true) => Some(ReachEnd::Rounding { least: best }),
+            (false, false) => Some(ReachEnd::Finest { needed: None, best }),
+        })
     }
 
     fn finished(mut self, reached: Reached) -> Result<Solved, Refusal> {
