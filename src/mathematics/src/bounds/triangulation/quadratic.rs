@@ -11,7 +11,6 @@ use super::linear::{SideFlux, at_vertices, outflows, product};
 use super::vary::{of_bubble, turned};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
-use crate::discrete::norms::largest;
 use crate::mesh::{Element, Sides, volume};
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::{Start, improve_on_nested_networks};
@@ -20,9 +19,7 @@ use crate::problem::law::Law;
 /// Times that psi is found while the flux through some facets may change, at most.
 const MOST_TIMES: usize = 3;
 /// Most steps of multigrid.
-const MOST_STEPS: usize = 20;
-/// Residual over the largest load that is small enough.
-const TOLERANCE: f64 = 2e-3;
+const MOST_STEPS: usize = 60;
 /// Part of the square of the distance between the gradient and the flux that need not be gained.
 const NEAR: f64 = 0.01;
 
@@ -50,15 +47,14 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
 ) {
     let (first, before) = (flux.clone(), square(cells, sides, flux));
     let mut limits = FacetLimits::new(cells, sides, flux);
-    let (mut now, mut most) = (before, 0.0);
+    let mut now = before;
     for time in 0..=MOST_TIMES {
         if time == MOST_TIMES {
             limits.hold_all();
         }
         let stream = QuadraticStream::new(cells, sides, &limits);
-        let load = stream.load(flux);
-        most = largest(&load).max(most);
-        let Some(psi) = stream.best(forest, &load, TOLERANCE * most) else { break };
+        let left = distance - (before - now);
+        let Some(psi) = stream.best(forest, flux, left) else { break };
         stream.add(&psi, flux);
         let best = square(cells, sides, flux);
         let on_boundary = limits.exceeded_by(flux);
@@ -112,14 +108,15 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         Self { cells, sides, unknowns, count: count as usize }
     }
 
-    /// psi of least norm with the flux that has a load, to a residual, by its values; none if the numbers are not
-    /// finite.
-    fn best(&self, forest: &CellForest, load: &[f64], residual: f64) -> Option<Vec<f64>> {
-        let goal = Goal::Kkt(residual);
+    /// psi of least norm with a flux, of which the square of the distance from the gradient is this, by its values; none
+    /// if the numbers are not finite.
+    fn best(&self, forest: &CellForest, flux: &[SideFlux<D>], distance: f64) -> Option<Vec<f64>> {
+        let load = self.load(flux);
+        let goal = Goal::Gain(0.5 * distance);
         let params = MultigridParams { goal, max_cycles: MOST_STEPS, ..MultigridParams::default() };
         let networks = [NestedNetwork { network: self.network(forest), parents: Vec::new() }];
         let start = Start { y: None, is_slow: true };
-        let problem = Law::SIGNORINI.with_load(load);
+        let problem = Law::SIGNORINI.with_load(&load);
         let found = improve_on_nested_networks(&networks, problem, start, &params).ok()?;
         Some(self.unknowns.iter().map(|&unknown| found.y[unknown as usize]).collect())
     }

@@ -21,7 +21,7 @@ use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
     label_longest_edges, mesh_load, mesh_load_after,
 };
-use crate::multigrid::active_set::active_set_on;
+use crate::multigrid::active_set::{MOST_NODES_IN_PLANE, active_set_from};
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::{Improved, Start, improve_on_nested_networks};
 use crate::problem::source::Source;
@@ -35,10 +35,8 @@ use std::borrow::Cow;
 
 /// Steps on each mesh but the first, at least.
 const STEPS: usize = 4;
-/// Number of nodes up to which factors take over soon where steps do not converge.
-const FACTORED: usize = 5000;
-/// Most steps before that.
-const STEPS_OF_FEW: usize = 100;
+/// Most steps on a mesh whose factors are worth their time, which take over then.
+const MOST_STEPS: usize = 100;
 /// KKT residual over the largest load up to which a vector has converged: on well-shaped cells the first steps leave a
 /// tenth of that.
 const TOLERANCE: f64 = 0.02;
@@ -164,7 +162,8 @@ impl<'a> Meshes<'a> {
         let tolerance = if self.is_slow || self.is_stretched { SLOW_TOLERANCE } else { TOLERANCE };
         let goal = Goal::Kkt(tolerance * largest(&self.load.load));
         let usual = MultigridParams::default();
-        let max_cycles = if self.nodes() <= FACTORED { STEPS_OF_FEW } else { usual.max_cycles };
+        let is_factored = self.nodes() <= MOST_NODES_IN_PLANE;
+        let max_cycles = if is_factored { MOST_STEPS } else { usual.max_cycles };
         let params = MultigridParams { goal, least_cycles: STEPS, max_cycles };
         let bounds = self.improve(&params, has_solution)?;
         self.note(&bounds);
@@ -210,9 +209,9 @@ impl<'a> Meshes<'a> {
             solved => solved?,
         };
         self.is_slow = is_slow;
-        if end.stop == Stop::IterationLimit && y.len() <= FACTORED {
+        if end.stop == Stop::IterationLimit && y.len() <= MOST_NODES_IN_PLANE {
             let network = &self.networks[self.networks.len() - 1].network;
-            (y, end) = active_set_on(network, law, &self.load.load)?;
+            (y, end) = active_set_from(network, law, &self.load.load, Some(&y))?;
         }
         // The bound is the goal: rounding errors are small enough.
         let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };
