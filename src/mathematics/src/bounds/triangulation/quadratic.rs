@@ -65,8 +65,7 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
             break;
         }
     }
-    // A NaN is no gain.
-    if !(now < before) {
+    if now >= before || now.is_nan() {
         *flux = first;
     }
 }

@@ -17,7 +17,7 @@ pub(super) struct UniformMeshes<'a> {
     expected: f64,
 }
 
-impl<'a> Meshes<'a> {
+impl Meshes<'_> {
     /// Solves on the uniform refinements of the first mesh with at most so many nodes that may meet the goal; true if
     /// one does, which takes the place of the meshes so far.
     pub(super) fn is_overtaken(&mut self, most_nodes: usize) -> Result<bool, ProblemError> {
