@@ -85,8 +85,8 @@ pub(crate) trait Hierarchy {
     /// True if the algebraic error is at most a tenth of the discretisation error.
     fn is_within_discretisation_error(&mut self) -> bool;
 
-    /// True if the last step has lowered the energy by little, beside what is left of this distance, by as much of which
-    /// the zero vector is off.
+    /// True if the last step has lowered the energy by little beside what is left of a distance, which is this one at
+    /// the zero vector and falls as the energy does.
     fn gains_little(&mut self, _distance: f64) -> bool {
         false
     }

@@ -119,8 +119,8 @@ impl FacetLimits {
         psi
     }
 
-    /// Adds what is missing in a sum to the fluxes through the facets of a closed part of the boundary, in proportion to
-    /// their room, first to those that need not stay.
+    /// Adds what is missing in a sum to the fluxes through the facets of a closed part of the boundary, in proportion
+    /// to their room, first to those that need not stay.
     fn share(&self, along: &[u32], mut missing: f64, parts: &mut [f64]) {
         for with_held in [false, true] {
             let room = |(&k, part): (&u32, &f64)| {
@@ -147,7 +147,7 @@ impl FacetLimits {
         }
     }
 
-    /// Where a limit is met, rounding decides the side.
+    /// Puts a flux that exceeds limits by rounding within them.
     pub(super) fn clamp<const D: usize>(&self, flux: &mut [SideFlux<D>]) {
         for LimitedFacet { side, interval, .. } in &self.facets {
             let flux = &mut flux[*side as usize];

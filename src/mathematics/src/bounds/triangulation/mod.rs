@@ -222,7 +222,8 @@ impl LocalBounds {
     }
 }
 
-/// True if stretched cells have more than a tenth of the square of the error, given in each cell of a mesh in the plane.
+/// True if stretched cells have more than a tenth of the square of the error, given in each cell of a mesh in the
+/// plane.
 pub(crate) fn is_in_stretched_cells<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     squares: &[f64],

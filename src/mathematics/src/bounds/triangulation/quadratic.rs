@@ -107,8 +107,8 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         Self { cells, sides, unknowns, count: count as usize }
     }
 
-    /// psi of least norm with a flux, of which the square of the distance from the gradient is this, by its values; none
-    /// if the numbers are not finite.
+    /// psi of least norm with a flux, by its values, where this is the square of the distance of the flux from the
+    /// gradient; none if the numbers are not finite.
     fn best(&self, forest: &CellForest, flux: &[SideFlux<D>], distance: f64) -> Option<Vec<f64>> {
         let load = self.load(flux);
         let goal = Goal::Gain(0.5 * distance);

@@ -2,7 +2,6 @@
 
 use super::Adaption;
 use super::marking::{expected_squares, largest_parts};
-use super::uniform::UniformMeshes;
 use crate::bounds::triangulation::{
     BoundedProblem, LocalBounds, curve_shares, is_in_stretched_cells,
 };
@@ -66,9 +65,9 @@ const MOST_WITHOUT_BOUND: usize = 100_000;
 
 /// Meshes so far, with the solution on the finest.
 pub(super) struct Meshes<'a> {
-    pub(super) adaption: &'a Adaption<'a>,
+    adaption: &'a Adaption<'a>,
     /// Is told each step.
-    pub(super) ended: Watch<'a>,
+    ended: Watch<'a>,
     /// f on each region.
     f: Vec<Source>,
     all: Vec<PlaneMesh>,
@@ -92,16 +91,12 @@ pub(super) struct Meshes<'a> {
     bounds: Vec<Result<Bounds, NoBound>>,
     /// Guaranteed bounds on the finest mesh with the parts of the cells, or the reason for which there are none.
     pub(super) found: Result<LocalBounds, NoBound>,
-    /// True if they are found already when they are sought next.
-    pub(super) is_solved: bool,
     /// Number of nodes and guaranteed error of each mesh so far that has one.
     errors: Vec<[f64; 2]>,
     /// True if the last such error may be larger than the solution.
     is_vague: bool,
     /// True if stretched cells have much of it.
-    is_stretched: bool,
-    /// Uniform refinements of the first mesh; none before they are of use.
-    pub(super) uniform: Option<Box<UniformMeshes<'a>>>,
+    pub(super) is_stretched: bool,
     /// Part of the square of the error that the cells had that were marked last.
     marked: f64,
     /// Part of their square that their bisections are expected to take away.
@@ -136,11 +131,9 @@ impl<'a> Meshes<'a> {
             outcomes: Vec::new(),
             bounds: Vec::new(),
             found: Err(NoBound::NotFinite),
-            is_solved: false,
             errors: Vec::new(),
             is_vague: false,
             is_stretched: false,
-            uniform: None,
             marked: MARKED,
             gain: GAIN,
         })
@@ -151,7 +144,7 @@ impl<'a> Meshes<'a> {
     }
 
     /// Solves on the finest mesh; returns the bounds, or the reason for which there are none.
-    pub(super) fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
+    fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
         let network = &self.networks[self.networks.len() - 1].network;
         let found = components(network, &self.component_of, &self.load.load);
         let rounding = ROUNDING * self.load.size;
@@ -365,9 +358,7 @@ impl Refining for Meshes<'_> {
     }
 
     fn solve(&mut self, _: &mut dyn Monitor) -> Result<Result<Bounds, NoBound>, Refusal> {
-        if !std::mem::take(&mut self.is_solved) {
-            self.found = self.solved()?;
-        }
+        self.found = self.solved()?;
         Ok(without_parts(&self.found))
     }
 
@@ -384,18 +375,15 @@ impl Refining for Meshes<'_> {
         let found = std::mem::replace(&mut self.found, Err(NoBound::NotFinite));
         let reached = found.as_ref().map(|found| self.adaption.goal.reached(&found.bounds));
         let best = reached.unwrap_or(f64::INFINITY);
-        let has_stalled = reached.is_ok() && self.has_stalled();
-        let is_finer = !has_stalled && self.add_meshes(found.as_ref().ok())?;
-        let allowed = if is_finer { self.nodes() - 1 } else { self.adaption.most_nodes };
-        if self.is_stretched && self.is_overtaken(allowed)? {
-            return Ok(None);
-        }
+        let end = if reached.is_ok() && self.has_stalled() {
+            Some(ReachEnd::Rounding { least: best })
+        } else if self.add_meshes(found.as_ref().ok())? {
+            None
+        } else {
+            Some(ReachEnd::Finest { needed: None, best })
+        };
         self.found = found;
-        Ok(match (is_finer, has_stalled) {
-            (true, _) => None,
-            (false, true) => Some(ReachEnd::Rounding { least: best }),
-            (false, false) => Some(ReachEnd::Finest { needed: None, best }),
-        })
+        Ok(end)
     }
 
     fn finished(mut self, reached: Reached) -> Result<Solved, Refusal> {

@@ -258,7 +258,7 @@ fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
 fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
     let adaption = problem.adaption(Accuracy::Error(0.1));
-    let mut meshes = super::Meshes::new(&adaption, &|_| ()).unwrap();
+    let mut meshes = super::meshes::Meshes::new(&adaption, &|_| ()).unwrap();
     for _ in 0..6 {
         meshes.solve(&mut ()).unwrap().unwrap();
         let found = meshes.found.as_ref().unwrap();

@@ -66,8 +66,8 @@ fn bounds_of_a_boundary_layer_do_not_grow_with_its_refinements() {
     }
 }
 
-/// Mesh of the square with its nodes moved, pressed to a height, seen in a mirror or not, with its nodes and cells in one
-/// order or the other.
+/// Mesh of the square with its nodes moved, pressed to a height, seen in a mirror or not, with its nodes and cells in
+/// one order or the other.
 fn seen(mesh: &PlaneMesh, moves: &[f64], height: f64, is_mirrored: bool) -> PlaneMesh {
     let count = mesh.points().len();
     let is_inner = |node: usize| mesh.facets().iter().all(|at| !at.nodes.contains(&(node as u32)));
