@@ -214,11 +214,14 @@ fn named(
     ends: &[Outcome],
     property: impl Fn(&Outcome) -> bool,
 ) -> Option<String> {
-    let name = |(level, end): (usize, &Outcome)| match end.cells {
-        Some(_) => end.label(),
-        None => problem.name(level),
+    // Adapted meshes are more than those on which a solution was sought.
+    let level = |end: &Outcome| {
+        (0..problem.count()).find(|&level| problem.domain(level).nodes() == end.nodes)
     };
-    let names: Vec<_> =
-        ends.iter().enumerate().filter(|(_, end)| property(end)).map(name).collect();
+    let name = |end: &Outcome| match end.cells {
+        Some(_) => end.label(),
+        None => level(end).map_or_else(|| end.label(), |level| problem.name(level)),
+    };
+    let names: Vec<_> = ends.iter().filter(|end| property(end)).map(name).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }

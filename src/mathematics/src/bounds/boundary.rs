@@ -103,12 +103,6 @@ impl PartLaw {
         (flux - self.least).min(self.most - flux)
     }
 
-    /// Part of a step of a flux in the interval after which the flux is still there, at most 1.
-    pub(super) fn part_of_step(self, flux: f64, step: f64) -> f64 {
-        let room = if step > 0.0 { self.most - flux } else { flux - self.least };
-        if step.abs() > room { (room / step.abs()).max(0.0) } else { 1.0 }
-    }
-
     /// Point of the interval next to a flux. A NaN stays one.
     pub(super) fn clamp(self, flux: f64) -> f64 {
         if flux < self.least {

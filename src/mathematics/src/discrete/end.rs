@@ -120,10 +120,12 @@ impl Outcome {
     }
 
     /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. Where a bound is asked
-    /// for, so that it `is_bounded`, residuals of single nodes do not contradict it.
+    /// for, so that it `is_bounded`, it holds for any vector: residuals of single nodes do not contradict it, and a
+    /// limit leaves a rough one.
     pub fn judged(&self, is_bounded: bool) -> Verdict {
         match (self.verdict(), self.end.stop) {
             (Verdict::NoSolution, _) => Verdict::NoSolution,
+            (_, Stop::IterationLimit) if is_bounded => Verdict::Rough,
             (_, stop @ (Stop::IterationLimit | Stop::Diverged)) => Verdict::CutOff(stop),
             _ if is_bounded => Verdict::Solved,
             (verdict, Stop::Converged | Stop::RoundingFloor) => verdict,

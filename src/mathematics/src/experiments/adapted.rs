@@ -191,8 +191,7 @@ mod tests {
         AdaptedPlan {
             accuracy: 0.03,
             refinements: 4,
-            // On coarser meshes of the boundary layer the flux of the bound is another one.
-            fitted: 200,
+            fitted: 100,
             most_nodes: 900,
             ..AdaptedPlan::default()
         }

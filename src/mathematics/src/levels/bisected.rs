@@ -4,12 +4,13 @@ use super::triangulations::read;
 use super::{Problem, ProblemError, Triangulations};
 use crate::discrete::nested::NestedNetwork;
 use crate::mesh::{
-    NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect, label_longest_edges, mesh_load,
+    NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect, label_longest_edges, mesh_load, quarter,
 };
 use crate::problem::law::Law;
 
 impl Problem {
-    /// Problem on the meshes of a run that marked these cells for its bisections, one list for each, with f as text.
+    /// Problem on the meshes of a run that marked these cells for its bisections, one list for each, with f as text; an
+    /// empty list divides all cells into four.
     ///
     /// # Errors
     /// [`ProblemError`] as the run had them.
@@ -30,7 +31,9 @@ impl Problem {
         let mut networks = vec![NestedNetwork { network, parents: Vec::new() }];
         let mut meshes = vec![mesh];
         for marked in marks {
-            let made = bisect(&meshes[meshes.len() - 1], &sides, marked)?;
+            let coarse = &meshes[meshes.len() - 1];
+            let made =
+                if marked.is_empty() { quarter(coarse) } else { bisect(coarse, &sides, marked) }?;
             let network = assemble_sides(&made.mesh, &made.sides);
             networks.push(NestedNetwork { network, parents: made.parents });
             meshes.push(made.mesh);

@@ -18,6 +18,7 @@
 //! A new node lies between two nodes of the mesh before, as in uniform refinement, or on the curve of its part.
 
 use super::error::MeshError;
+use super::refine::{Refined, refine};
 use super::sides::BoundarySide;
 use super::{Facet, PlaneMesh, Sides, dot};
 
@@ -35,7 +36,7 @@ pub(crate) struct Bisected {
 }
 
 /// Height over the longest edge, as a part of that edge, below which a triangle is stretched.
-const FLAT: f64 = 0.25;
+pub(crate) const FLAT: f64 = 0.25;
 /// Length of an edge, as a part of the longest one, below which it is short.
 const SHORT: f64 = 0.5;
 
@@ -137,6 +138,17 @@ pub(crate) fn bisect(
         pieces.add(cell, of_cell.map(PieceEdge::Old));
     }
     pieces.finished(sides)
+}
+
+/// Divides all cells into four similar ones.
+///
+/// # Errors
+/// As [`refine`].
+pub(crate) fn quarter(mesh: &PlaneMesh) -> Result<Bisected, MeshError> {
+    let Refined { mesh: mut finer, parents } = refine(mesh)?;
+    label_longest_edges(&mut finer);
+    let origins = (0..mesh.cells.len() as u32).flat_map(|cell| [cell; 4]).collect();
+    Ok(Bisected { sides: Sides::new(&finer), mesh: finer, parents, origins })
 }
 
 /// Sides at whose midpoints there will be nodes: flags in the order of the sides.

@@ -73,6 +73,19 @@ pub fn active_set_on(
     law: Law,
     load: &[f64],
 ) -> Result<(Vec<f64>, End), InputError> {
+    active_set_from(network, law, load, None)
+}
+
+/// As [`active_set_on`], from the states of a vector near the solution, if there is one.
+///
+/// # Errors
+/// As [`active_set_on`].
+pub(crate) fn active_set_from(
+    network: &Network,
+    law: Law,
+    load: &[f64],
+    start: Option<&[f64]>,
+) -> Result<(Vec<f64>, End), InputError> {
     check_length(network.nodes(), load)?;
     let of_nodes = network.components();
     check_load(&components(network, &of_nodes, load), law)?;
@@ -81,7 +94,11 @@ pub fn active_set_on(
     let problem =
         StateProblem { network, components: &of_nodes, load: &load, limit: one_sided.limit };
     let mut direct = Direct::new(network, FactorOrder::MinimumDegree);
-    let mut states = problem.all_stick();
+    let signed = |y: &[f64]| y.iter().map(|value| one_sided.signed(*value)).collect::<Vec<_>>();
+    let mut states = match start {
+        Some(y) => problem.states_of(&signed(y)),
+        None => problem.all_stick(),
+    };
     let mut seen = Vec::new();
     let mut y = vec![0.0; load.len()];
     let mut steps = 0;
@@ -125,7 +142,7 @@ pub fn active_set_on(
             _ => value.max(0.0),
         };
     }
-    y.iter_mut().for_each(|value| *value = one_sided.signed(*value));
+    let y = signed(&y);
     let multiplications = steps as f64 * direct.step_work();
     let work_units = multiplications / (network.row_length() * y.len() as f64);
     Ok((y, End { iterations: steps, work_units, stop, delta_a: None }))

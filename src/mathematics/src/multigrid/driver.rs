@@ -85,6 +85,12 @@ pub(crate) trait Hierarchy {
     /// True if the algebraic error is at most a tenth of the discretisation error.
     fn is_within_discretisation_error(&mut self) -> bool;
 
+    /// True if the last step has lowered the energy by little beside what is left of a distance, which is this one at
+    /// the zero vector and falls as the energy does.
+    fn gains_little(&mut self, _distance: f64) -> bool {
+        false
+    }
+
     /// Residual on the finest level, computed from the nodal vector.
     fn computed_residual(&mut self) -> f64;
 
@@ -184,6 +190,9 @@ fn iterate<H: Hierarchy>(
         }
         match params.goal {
             Goal::DiscretisationError if levels.is_within_discretisation_error() => {
+                break Stop::Converged;
+            }
+            Goal::Gain(distance) if levels.gains_little(distance / scale / scale) => {
                 break Stop::Converged;
             }
             Goal::Kkt(tolerance)

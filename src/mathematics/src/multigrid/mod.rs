@@ -101,6 +101,9 @@ pub enum Goal {
     /// or of the flux that satisfies the law, under the paper's law `|min(y, A y - F)|`. Not relative: in the units of
     /// the load, those of f h^2.
     Kkt(f64),
+    /// Distance that falls as the energy does, in its units, at the zero vector: the last cycle has lowered it by less
+    /// than a hundredth of what is left. On meshes alone.
+    Gain(f64),
     /// Smallest residual that double precision allows.
     RoundingFloor,
 }

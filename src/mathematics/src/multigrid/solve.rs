@@ -211,7 +211,7 @@ impl Hierarchy for SquareRun<'_> {
         Ok(match self.goal {
             Goal::Kkt(tolerance) if residual > tolerance => Stop::RoundingFloor,
             Goal::RoundingFloor => Stop::RoundingFloor,
-            Goal::Kkt(_) | Goal::DiscretisationError => Stop::Converged,
+            Goal::Kkt(_) | Goal::Gain(_) | Goal::DiscretisationError => Stop::Converged,
         })
     }
 

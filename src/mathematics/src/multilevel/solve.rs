@@ -29,6 +29,8 @@ const MEASURED_STEPS: usize = 8;
 const SLOW: f64 = 0.03;
 /// Such part from which on no further step may raise the energy.
 const STALLED: f64 = 0.5;
+/// Part of what is left of a distance that a step is worth its time for.
+const LEAST_GAIN: f64 = 0.01;
 /// Most steps on the coarsest level of aggregates.
 const COARSEST_STEPS: usize = 30;
 
@@ -358,6 +360,11 @@ impl Hierarchy for NetworkRun<'_> {
         }
         let discretisation = (self.coarse_energy - self.fine().energy()).abs() / 3.0;
         self.lowered <= LAST_STEP * discretisation
+    }
+
+    fn gains_little(&mut self, distance: f64) -> bool {
+        let left = distance + self.fine().energy();
+        self.lowered <= LEAST_GAIN * left
     }
 
     fn computed_residual(&mut self) -> f64 {

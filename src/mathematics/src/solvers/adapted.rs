@@ -14,6 +14,9 @@
 //!    less is marked, on all meshes until the goal alike: the last mesh is to meet it, and no other one to be near. On
 //!    a curved boundary the energy between chord and curve counts as a part of the cell, since no bound feels it.
 //!
+//! Uniform refinements of the first mesh are solved as well where stretched cells have much of the error, as far as
+//! they have fewer nodes than the next adapted mesh and may meet the goal; the first that does is the last mesh.
+//!
 //! The bounds fall like the inverse root of the number of nodes, whatever the corners and ends of contact. Where they
 //! do not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does
 //! not help the run ends: f has parts that its quadrature misses, or rounding errors are reached.
@@ -22,6 +25,7 @@ mod marking;
 mod meshes;
 #[cfg(test)]
 mod tests;
+mod uniform;
 
 use super::Refusal;
 use super::reach::{Watcher, reach};
@@ -30,7 +34,7 @@ use crate::bounds::Accuracy;
 use crate::levels::Watch;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
-use meshes::Meshes;
+use uniform::MeshesOfBothWays;
 
 /// Problem to be solved on adapted meshes.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +64,6 @@ impl Adaption<'_> {
     /// # Errors
     /// [`Refusal`], also if there is no bound on the finest mesh that is allowed.
     pub fn run(&self, watcher: &mut dyn Watcher, steps: Watch<'_>) -> Result<Solved, Refusal> {
-        reach(Meshes::new(self, steps)?, self.goal, watcher)
+        reach(MeshesOfBothWays::new(self, steps)?, self.goal, watcher)
     }
 }

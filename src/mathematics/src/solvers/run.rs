@@ -7,7 +7,7 @@ use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
 use crate::mesh::{Condition, PlaneMesh};
 use crate::multigrid::active_set::{
-    MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_on,
+    MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_from,
 };
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
@@ -121,7 +121,7 @@ pub(super) fn multigrid(
     // Steps may not converge on some stretched meshes: factors solve those that are small enough.
     match &solved {
         Ok((y, end)) if end.stop == Stop::IterationLimit && y.len() <= most_nodes(problem) => {
-            active_set(problem, settings, monitor)
+            by_factors(problem, Some(y), monitor)
         }
         _ => on_finest(problem, Solver::Multigrid, solved),
     }
@@ -141,12 +141,21 @@ pub(super) fn active_set(
     _: &Settings,
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
+    by_factors(problem, None, monitor)
+}
+
+/// Solves by the primal-dual active set, on meshes from the states of a vector near the solution, if there is one.
+fn by_factors(
+    problem: &Problem,
+    start: Option<&[f64]>,
+    monitor: &mut dyn Monitor,
+) -> Result<FoundSolution, Refusal> {
     let (law, load) = (problem.law(), problem.load());
     monitor.factors(load.len());
     let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
         Discrete::Networks(networks) => {
-            active_set_on(&networks[problem.finest()].network, law, load)
+            active_set_from(&networks[problem.finest()].network, law, load, start)
         }
     };
     on_finest(problem, Solver::ActiveSet, solved)

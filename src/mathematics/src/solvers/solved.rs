@@ -65,7 +65,7 @@ pub struct Reached {
     /// Number of grids or meshes on which a solution was sought, with those that are too coarse for one.
     pub tried: usize,
     /// Cells that were marked for each bisection of adapted meshes, from which [`Problem::on_bisected`] makes them
-    /// anew; none on the square.
+    /// anew, empty where all cells were divided into four; none on the square.
     ///
     /// [`Problem::on_bisected`]: crate::levels::Problem::on_bisected
     pub marks: Option<Vec<Vec<u32>>>,

@@ -34,9 +34,9 @@
 //! rounding, for every vector.
 //!
 //! Step 3, in the plane, lets the flux through a side vary along it, by which the norm of sigma becomes least
-//! (`vary.rs`). Quadratic circulations of all nodes and sides at once, by multigrid (`quadratic.rs`), follow where the
-//! sweeps over all sides are slow, as on stretched cells with contact everywhere: without them bounds there grow with
-//! the aspect.
+//! (`vary.rs`). Quadratic circulations of all nodes and sides at once, by multigrid (`quadratic.rs`), follow where
+//! stretched cells have more than a tenth of the square of the error: on them sweeps over nodes and sides are slow, and
+//! bounds would grow with the aspect.
 //!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose
@@ -53,6 +53,7 @@ mod circulation;
 mod curve;
 mod fan;
 mod forest;
+mod limits;
 mod linear;
 mod lower;
 mod quadratic;
@@ -68,7 +69,7 @@ use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
 use crate::machine::threads::{items_per_task, join, map_with_room};
-use crate::mesh::{Element, Mesh, MeshLoad, Sides, dot};
+use crate::mesh::{Element, FLAT, Mesh, MeshLoad, Sides, dot, size, volume};
 use crate::problem::law::Law;
 use around::FirstCells;
 use balance::balance;
@@ -133,9 +134,8 @@ pub(crate) struct LocalBounds {
     pub squares: Vec<f64>,
 }
 
-/// Part of the square of the distance between the gradient and the flux by which the last sweep lowers it, from which
-/// on more sweeps are slow.
-const SLOW: f64 = 0.1;
+/// Part of the square of the error in stretched cells up to which they are no matter: bounds may be a twentieth lower.
+const LEAST_STRETCHED: f64 = 0.1;
 /// Most nodes of a mesh on which psi is found by multigrid, which takes some 1700 bytes a node.
 const MOST_NODES: usize = 1 << 18;
 
@@ -178,15 +178,15 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
         let &Self { mesh, sides, network, f, law } = self;
         let cells = Cells { mesh, w, f: &f.cells, law };
-        let (mut flux, gain) = equilibrated(&cells, sides, network, forest)?;
+        let mut flux = equilibrated(&cells, sides, network, forest)?;
         let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
         let totals = summands.totals();
-        let is_slow = gain > SLOW * totals.0.distance && w.len() <= MOST_NODES;
-        if D != 2 || !is_slow {
+        let distance = totals.0.distance;
+        if D != 2 || w.len() > MOST_NODES || !is_in_stretched_cells(mesh, &totals.1) {
             return Ok((combined(&summands, totals), summands.slips()));
         }
         let forest = forest.get().expect("found for the flux");
-        circulate_quadratic(&cells, sides, forest, &mut flux);
+        circulate_quadratic(&cells, sides, forest, distance, &mut flux);
         let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
         Ok((combined(&summands, summands.totals()), summands.slips()))
     }
@@ -220,6 +220,24 @@ impl LocalBounds {
         let is_closer = other.bounds.error[1] < self.bounds.error[1];
         Self { bounds, squares: if is_closer { other.squares } else { self.squares } }
     }
+}
+
+/// True if stretched cells have more than a tenth of the square of the error, given in each cell of a mesh in the
+/// plane.
+pub(crate) fn is_in_stretched_cells<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    squares: &[f64],
+) -> bool {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for (cell, square) in mesh.cells().iter().zip(squares) {
+        let vertices = mesh.vertices(cell);
+        let longest = size(vertices);
+        all += square;
+        if D as f64 * volume(vertices) < FLAT * longest * longest {
+            sum += square;
+        }
+    }
+    sum > LEAST_STRETCHED * all
 }
 
 /// Combines the sums for a nodal vector in K and a flux to bounds.
@@ -288,7 +306,7 @@ fn equilibrated<const D: usize, const V: usize>(
     sides: &Sides<V>,
     network: &Network,
     forest: &OnceLock<CellForest>,
-) -> Result<(Vec<SideFlux<D>>, f64), NoBound> {
+) -> Result<Vec<SideFlux<D>>, NoBound> {
     let (mut flux, forest) = join(
         || {
             let mut flux = of_patches(cells, sides);
@@ -301,8 +319,8 @@ fn equilibrated<const D: usize, const V: usize>(
     );
     balance(cells, sides, forest, &mut flux)?;
     let mut flux: Vec<_> = flux.into_iter().map(|flux| [flux; D]).collect();
-    let gain = vary(cells, sides, &mut flux);
-    Ok((flux, gain))
+    vary(cells, sides, &mut flux);
+    Ok(flux)
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.

@@ -1,33 +1,27 @@
-//! Quadratic psi in the plane, where sweeps over nodes and sides are slow, as on stretched cells: the flux of least
-//! norm among all that differ by such a circulation, by multigrid.
+//! Quadratic psi in the plane on stretched cells, where sweeps over nodes and sides are slow: the flux of least norm
+//! among all that differ by such a circulation, by multigrid.
 //!
 //! On a cell that is long and thin against the direction of the gradient, the flux of each patch leaves through the
 //! wrong sides, over as many cells as there are across the domain. Aggregates along strong couplings reach them.
 
 use super::cells::Cells;
 use super::forest::CellForest;
+use super::limits::FacetLimits;
 use super::linear::{SideFlux, at_vertices, outflows, product};
 use super::vary::{of_bubble, turned};
-use crate::bounds::boundary::PartLaw;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
-use crate::discrete::norms::largest;
-use crate::mesh::{Condition, Element, Sides, measure};
+use crate::mesh::{Element, Sides, volume};
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::{Start, improve_on_nested_networks};
 use crate::problem::law::Law;
 
-/// Times that psi is found, at most.
-const MOST_TIMES: usize = 4;
-/// Part of psi that counts as all of it.
-const WHOLE: f64 = 0.95;
+/// Times that psi is found while the flux through some facets may change, at most.
+const MOST_TIMES: usize = 3;
 /// Most steps of multigrid.
-const MOST_STEPS: usize = 20;
-/// Residual over the largest load that is small enough.
-const TOLERANCE: f64 = 1e-3;
-/// Distance of the flux through a facet in contact from the ends of the interval, over its part of the whole flux, up
-/// to which the flux stays as it is.
-const LEAST_ROOM: f64 = 0.05;
+const MOST_STEPS: usize = 60;
+/// Part of the square of the distance between the gradient and the flux that need not be gained.
+const NEAR: f64 = 0.01;
 
 /// psi on each cell: values at all nodes, then at the midpoints of all sides.
 struct QuadraticStream<'a, const D: usize, const V: usize> {
@@ -40,87 +34,66 @@ struct QuadraticStream<'a, const D: usize, const V: usize> {
 }
 
 /// Lowers the norm of a flux on a mesh in the plane by a quadratic psi. The outflow of each cell stays, and the law
-/// allows the outflows through the boundary in contact: where a step exceeds a limit, the flux stays, and psi is found
-/// again.
+/// allows the outflows through the boundary in contact: where the best psi exceeds a limit, the flux is put there and
+/// stays, the flux through the rest of the boundary makes up for the difference, and psi is found again.
+///
+/// `distance` is the square of the distance between the gradient and the flux, which falls as that of the norm does.
 pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     forest: &CellForest,
-    flux: &mut [SideFlux<D>],
+    distance: f64,
+    flux: &mut Vec<SideFlux<D>>,
 ) {
-    let mut stays = without_room(cells, sides, flux);
-    for _ in 0..MOST_TIMES {
-        let stream = QuadraticStream::new(cells, sides, &stays);
-        let Some(psi) = stream.best(forest, flux) else { return };
-        let steps = stream.steps(&psi);
-        let mut part = 1.0f64;
-        for ((at, stays), law) in sides.of_facets().iter().zip(&mut stays).zip(laws(cells)) {
-            let (flux, steps) = (flux[at.side as usize], steps[at.side as usize]);
-            let allowed = law.map_or(1.0, |law| {
-                let parts =
-                    flux.iter().zip(steps).map(|(flux, step)| law.part_of_step(*flux, step));
-                parts.fold(1.0, f64::min)
-            });
-            *stays |= allowed < WHOLE;
-            part = part.min(allowed);
+    let (first, before) = (flux.clone(), square(cells, sides, flux));
+    let mut limits = FacetLimits::new(cells, sides, flux);
+    let mut now = before;
+    for time in 0..=MOST_TIMES {
+        if time == MOST_TIMES {
+            limits.hold_all();
         }
-        for (flux, steps) in flux.iter_mut().zip(&steps) {
-            flux.iter_mut().zip(steps).for_each(|(flux, step)| *flux += part * step);
+        let stream = QuadraticStream::new(cells, sides, &limits);
+        let left = distance - (before - now);
+        let Some(psi) = stream.best(forest, flux, left) else { break };
+        stream.add(&psi, flux);
+        let best = square(cells, sides, flux);
+        let on_boundary = limits.exceeded_by(flux);
+        on_boundary.iter().for_each(|psi| stream.add(psi, flux));
+        limits.clamp(flux);
+        now = square(cells, sides, flux);
+        if on_boundary.is_none() || now - best <= NEAR * (distance - (before - now)) {
+            break;
         }
-        // Where a limit is met, rounding decides the side.
-        for (at, law) in sides.of_facets().iter().zip(laws(cells)) {
-            let flux = &mut flux[at.side as usize];
-            *flux = flux.map(|flux| law.map_or(flux, |law| law.clamp(flux)));
-        }
-        if part >= WHOLE {
-            return;
-        }
+    }
+    if now >= before || now.is_nan() {
+        *flux = first;
     }
 }
 
-/// Law on each facet; none where the boundary is fixed or free.
-fn laws<const D: usize, const V: usize>(
-    cells: &Cells<'_, D, V>,
-) -> impl Iterator<Item = Option<PartLaw>> {
-    let mesh = cells.mesh;
-    mesh.facets().iter().map(move |facet| {
-        let is_in_contact = mesh.condition(facet) == Condition::Contact;
-        is_in_contact.then(|| PartLaw::new(cells.law, measure(mesh.corners(facet))))
-    })
-}
-
-/// Facets through which there is no flux, or that the law leaves hardly any room, in the order of the facets.
-fn without_room<const D: usize, const V: usize>(
+/// Square of the norm of a flux.
+fn square<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     flux: &[SideFlux<D>],
-) -> Vec<bool> {
-    let mesh = cells.mesh;
-    let (mut whole, mut length) = (0.0, 0.0);
-    for (facet, at) in mesh.facets().iter().zip(sides.of_facets()) {
-        whole += flux[at.side as usize].iter().sum::<f64>().abs() / D as f64;
-        length += measure(mesh.corners(facet));
+) -> f64 {
+    let mut square = 0.0;
+    for (cell, nodes) in (0..).zip(cells.mesh.cells()) {
+        let vertices = cells.mesh.vertices(nodes);
+        let volume = volume(vertices);
+        let field = at_vertices(&vertices, volume, &outflows(sides, cell, nodes, flux));
+        square += product(volume, &field, &field);
     }
-    let facets = mesh.facets().iter().zip(sides.of_facets()).zip(laws(cells));
-    let stays = facets.map(|((facet, at), law)| match law {
-        None => mesh.condition(facet) == Condition::Free,
-        Some(law) => {
-            let least = LEAST_ROOM * whole * (measure(mesh.corners(facet)) / length);
-            flux[at.side as usize].iter().any(|flux| law.room(*flux) <= least)
-        }
-    });
-    stays.collect()
+    square
 }
 
 impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
     /// Unknowns, with the facets whose flux stays as it is.
-    fn new(cells: &'a Cells<'a, D, V>, sides: &'a Sides<V>, stays: &[bool]) -> Self {
+    fn new(cells: &'a Cells<'a, D, V>, sides: &'a Sides<V>, limits: &FacetLimits) -> Self {
         let nodes = cells.w.len() as u32;
         let mut first: Vec<u32> = (0..nodes + sides.len() as u32).collect();
-        let facets = cells.mesh.facets().iter().zip(sides.of_facets()).zip(stays);
-        for ((facet, at), _) in facets.filter(|(_, stays)| **stays) {
-            for node in facet.nodes {
-                let [one, other] = [nodes + at.side, node].map(|place| first_of(&mut first, place));
+        for (side, ends) in limits.held() {
+            for node in ends {
+                let [one, other] = [nodes + side, node].map(|place| first_of(&mut first, place));
                 first[one.max(other) as usize] = one.min(other);
             }
         }
@@ -134,10 +107,11 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         Self { cells, sides, unknowns, count: count as usize }
     }
 
-    /// psi of least norm with a flux, by its values; none if the numbers are not finite.
-    fn best(&self, forest: &CellForest, flux: &[SideFlux<D>]) -> Option<Vec<f64>> {
+    /// psi of least norm with a flux, by its values, where this is the square of the distance of the flux from the
+    /// gradient; none if the numbers are not finite.
+    fn best(&self, forest: &CellForest, flux: &[SideFlux<D>], distance: f64) -> Option<Vec<f64>> {
         let load = self.load(flux);
-        let goal = Goal::Kkt(TOLERANCE * largest(&load));
+        let goal = Goal::Gain(0.5 * distance);
         let params = MultigridParams { goal, max_cycles: MOST_STEPS, ..MultigridParams::default() };
         let networks = [NestedNetwork { network: self.network(forest), parents: Vec::new() }];
         let start = Start { y: None, is_slow: true };
@@ -215,9 +189,8 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         self.unknowns[place as usize]
     }
 
-    /// Fluxes of the field of psi through all sides.
-    fn steps(&self, psi: &[f64]) -> Vec<SideFlux<D>> {
-        let mut steps = vec![[0.0; D]; self.sides.len()];
+    /// Adds the field of psi to a flux.
+    fn add(&self, psi: &[f64], flux: &mut [SideFlux<D>]) {
         for cell in 0..self.cells.mesh.cells().len() as u32 {
             let nodes = self.nodes(cell);
             for (k, side) in self.sides.numbers(cell).into_iter().enumerate() {
@@ -225,15 +198,14 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
                     let [from, to] = [1, 2].map(|step| nodes[(k + step) % V]);
                     let [a, b] = [from, to].map(|node| psi[node as usize]);
                     let middle = psi[self.midpoint(cell, k) as usize];
-                    let [out_from, out_to] =
-                        [4.0 * middle - 3.0 * a - b, a + 3.0 * b - 4.0 * middle];
-                    let step = &mut steps[side as usize];
-                    step[usize::from(from > to)] = out_from;
-                    step[usize::from(from < to)] = out_to;
+                    // Along a facet whose flux stays all values are equal, and the differences zero.
+                    let [of_from, of_to] = [middle - a, b - middle].map(|step| step + step);
+                    let flux = &mut flux[side as usize];
+                    flux[usize::from(from > to)] += of_from + (of_from - of_to) / 2.0;
+                    flux[usize::from(from < to)] += of_to + (of_to - of_from) / 2.0;
                 }
             }
         }
-        steps
     }
 }
 

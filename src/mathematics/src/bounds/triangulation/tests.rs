@@ -228,7 +228,7 @@ fn sigma_is_a_flux_for_every_vector() {
     let sides = Sides::new(&problem.mesh);
     let (mesh, f) = (&problem.mesh, &problem.f.cells);
     let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
-    let (flux, _) = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
+    let flux = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
     for (cell, mass) in (0..).zip(cells.masses()) {
         let outflows = outflows(&sides, cell, &mesh.cells()[cell as usize], &flux);
         let outflow = 0.5 * outflows.as_flattened().iter().sum::<f64>();

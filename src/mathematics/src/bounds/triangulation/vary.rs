@@ -30,22 +30,21 @@ struct Bubbles<'a, const D: usize, const V: usize> {
 }
 
 /// Gives the flux through each side the variation of the least norm within the law, in one sweep over all sides forth
-/// and one back; returns by how much the last one has lowered the square of the norm. In space there is none.
+/// and one back. In space there is none.
 pub(super) fn vary<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     flux: &mut [SideFlux<D>],
-) -> f64 {
+) {
     if D != 2 {
-        return 0.0;
+        return;
     }
     let mut bubbles = Bubbles::<D, V>::new(cells, sides, flux);
     let count = (V * cells.mesh.cells().len()) as u32;
     let mut relaxed = |place: u32| bubbles.relax(place / V as u32, place as usize % V);
-    (0..count).map(&mut relaxed).for_each(drop);
-    let gain = (0..count).rev().map(relaxed).sum();
+    (0..count).for_each(&mut relaxed);
+    (0..count).rev().for_each(relaxed);
     bubbles.add_to(cells, flux);
-    gain
 }
 
 impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
@@ -90,12 +89,12 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
     }
 
     /// Gives the bubble on the side of a cell opposite to one of its vertices the factor of the least norm, if the flux
-    /// is counted out of this cell; returns by how much that lowers the square of the norm.
+    /// is counted out of this cell.
     #[inline(always)]
-    fn relax(&mut self, cell: u32, k: usize) -> f64 {
+    fn relax(&mut self, cell: u32, k: usize) {
         let side = self.sides.numbers(cell)[k];
         if !self.sides.leaves(cell, side) {
-            return 0.0;
+            return;
         }
         let [mut sum, mut diagonal] = self.row(cell, k);
         let mut limit = f64::INFINITY;
@@ -110,9 +109,9 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
         let psi = &mut self.psi[side as usize];
         let best = (self.load[side as usize] + sum) / diagonal;
         // Flat cells keep their flux.
-        let new = if best.is_finite() { best.clamp(-limit, limit) } else { *psi };
-        let old = std::mem::replace(psi, new);
-        diagonal * (new - old) * (2.0 * best - new - old)
+        if best.is_finite() {
+            *psi = best.clamp(-limit, limit);
+        }
     }
 
     /// Sum of the products of other bubbles on a cell with that of a side, and minus its product with itself.

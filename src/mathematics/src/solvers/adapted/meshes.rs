@@ -2,7 +2,9 @@
 
 use super::Adaption;
 use super::marking::{expected_squares, largest_parts};
-use crate::bounds::triangulation::{BoundedProblem, LocalBounds, curve_shares};
+use crate::bounds::triangulation::{
+    BoundedProblem, LocalBounds, curve_shares, is_in_stretched_cells,
+};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::components::components;
 use crate::discrete::end::{End, Outcome};
@@ -18,6 +20,7 @@ use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
     label_longest_edges, mesh_load, mesh_load_after,
 };
+use crate::multigrid::active_set::{MOST_NODES_IN_PLANE, active_set_from};
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::{Improved, Start, improve_on_nested_networks};
 use crate::problem::source::Source;
@@ -31,6 +34,8 @@ use std::borrow::Cow;
 
 /// Steps on each mesh but the first, at least.
 const STEPS: usize = 4;
+/// Most steps on a mesh whose factors are worth their time, which take over then.
+const MOST_STEPS: usize = 100;
 /// KKT residual over the largest load up to which a vector has converged: on well-shaped cells the first steps leave a
 /// tenth of that.
 const TOLERANCE: f64 = 0.02;
@@ -69,12 +74,12 @@ pub(super) struct Meshes<'a> {
     networks: Vec<NestedNetwork>,
     /// True if the networks before the last one are of little use, as on stretched cells.
     is_slow: bool,
-    /// Cells that were marked for each mesh but the first.
-    marks: Vec<Vec<u32>>,
+    /// Cells that were marked for each mesh but the first; none where all cells were divided into four.
+    pub(super) marks: Vec<Vec<u32>>,
     /// Number of the connected component of each node of the finest mesh.
     component_of: Vec<u32>,
     /// Sides of the cells of the finest mesh.
-    sides: Sides<3>,
+    pub(super) sides: Sides<3>,
     /// f on the finest mesh.
     load: MeshLoad,
     /// Nodal vector of the finest mesh, interpolated before it is improved; none before there is a solution.
@@ -90,6 +95,8 @@ pub(super) struct Meshes<'a> {
     errors: Vec<[f64; 2]>,
     /// True if the last such error may be larger than the solution.
     is_vague: bool,
+    /// True if stretched cells have much of it.
+    pub(super) is_stretched: bool,
     /// Part of the square of the error that the cells had that were marked last.
     marked: f64,
     /// Part of their square that their bisections are expected to take away.
@@ -126,12 +133,13 @@ impl<'a> Meshes<'a> {
             found: Err(NoBound::NotFinite),
             errors: Vec::new(),
             is_vague: false,
+            is_stretched: false,
             marked: MARKED,
             gain: GAIN,
         })
     }
 
-    fn finest(&self) -> &PlaneMesh {
+    pub(super) fn finest(&self) -> &PlaneMesh {
         &self.all[self.all.len() - 1]
     }
 
@@ -144,9 +152,12 @@ impl<'a> Meshes<'a> {
             return if self.is_coarse() { Ok(Err(reason.into())) } else { Err(reason.into()) };
         }
         let has_solution = self.check(&found, 0.0).is_ok();
-        let tolerance = if self.is_slow { SLOW_TOLERANCE } else { TOLERANCE };
+        let tolerance = if self.is_slow || self.is_stretched { SLOW_TOLERANCE } else { TOLERANCE };
         let goal = Goal::Kkt(tolerance * largest(&self.load.load));
-        let params = MultigridParams { goal, least_cycles: STEPS, ..MultigridParams::default() };
+        let usual = MultigridParams::default();
+        let is_factored = self.nodes() <= MOST_NODES_IN_PLANE;
+        let max_cycles = if is_factored { MOST_STEPS } else { usual.max_cycles };
+        let params = MultigridParams { goal, least_cycles: STEPS, max_cycles };
         let bounds = self.improve(&params, has_solution)?;
         self.note(&bounds);
         if !self.has_stalled() {
@@ -184,13 +195,17 @@ impl<'a> Meshes<'a> {
         let start = Start { y, is_slow: self.is_slow };
         let solved = improve_on_nested_networks(&self.networks, problem, start, params);
         (self.ended)(Step::Solver);
-        let Improved { y, end, is_slow } = match solved {
+        let Improved { mut y, mut end, is_slow } = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
                 return Ok(Err(reason.into()));
             }
             solved => solved?,
         };
         self.is_slow = is_slow;
+        if end.stop == Stop::IterationLimit && y.len() <= MOST_NODES_IN_PLANE {
+            let network = &self.networks[self.networks.len() - 1].network;
+            (y, end) = active_set_from(network, law, &self.load.load, Some(&y))?;
+        }
         // The bound is the goal: rounding errors are small enough.
         let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };
         let end = End { stop, ..end };
@@ -211,9 +226,10 @@ impl<'a> Meshes<'a> {
 
     /// Notes the error of the finest mesh.
     fn note(&mut self, bounds: &Result<LocalBounds, NoBound>) {
-        if let Ok(LocalBounds { bounds, .. }) = bounds {
+        if let Ok(LocalBounds { bounds, squares }) = bounds {
             self.errors.push([self.nodes() as f64, bounds.error[1]]);
             self.is_vague = bounds.relative() > 1.0;
+            self.is_stretched = is_in_stretched_cells(self.finest(), squares);
         }
     }
 
@@ -235,6 +251,11 @@ impl<'a> Meshes<'a> {
     /// bounds all cells are bisected.
     fn add_meshes(&mut self, bounds: Option<&LocalBounds>) -> Result<bool, ProblemError> {
         let bisected = self.bisected(bounds)?;
+        self.add(bisected)
+    }
+
+    /// Adds meshes, each made from the one before; false if there are none.
+    pub(super) fn add(&mut self, bisected: Vec<Bisected>) -> Result<bool, ProblemError> {
         (self.ended)(Step::Mesh);
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
         let mut origins = Cow::Borrowed(&origins[..]);

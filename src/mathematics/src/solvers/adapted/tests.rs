@@ -9,6 +9,7 @@ use crate::problem::law::Law;
 use crate::saddle::Monitor;
 use crate::solvers::reach::{Refining, Tried};
 use crate::solvers::solved::ReachEnd;
+use crate::solvers::{Settings, Solver, solve};
 use std::ops::ControlFlow;
 
 /// Problem with its true energy.
@@ -257,7 +258,7 @@ fn meshes_grow_fast_until_the_bounds_tell_how_much_is_left() {
 fn parts_of_the_error_sum_up_to_the_bound() {
     let problem = &known()[1];
     let adaption = problem.adaption(Accuracy::Error(0.1));
-    let mut meshes = super::Meshes::new(&adaption, &|_| ()).unwrap();
+    let mut meshes = super::meshes::Meshes::new(&adaption, &|_| ()).unwrap();
     for _ in 0..6 {
         meshes.solve(&mut ()).unwrap().unwrap();
         let found = meshes.found.as_ref().unwrap();
@@ -295,6 +296,34 @@ fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
         assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.pair().y.len(); 2]);
         assert!(anew.load() == run.problem.load() && anew.lengths() == run.problem.lengths());
     }
+}
+
+#[test]
+fn uniform_refinements_of_a_strip_are_the_way_where_they_meet_the_goal_with_fewer_nodes() {
+    let part = |condition| Part { names: Names::from("part"), condition, curve: None };
+    let data = MeshData {
+        points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 2e-4], [0.0, 2e-4]],
+        cells: vec![[0, 1, 2], [0, 2, 3]],
+        facets: vec![Facet { nodes: [3, 0], part: 0 }],
+        parts: vec![part(Condition::Free)],
+        ..MeshData::default()
+    };
+    let mesh = data.mesh().unwrap();
+    let (law, goal) = (Law::SIGNORINI, Accuracy::Error(0.1));
+    let (most_nodes, bisections) = (1 << 20, Adaption::BISECTIONS);
+    let adaption = Adaption { coarsest: &mesh, f: "else=-1", law, goal, most_nodes, bisections };
+    let run = adaption.run(&mut (), &|_| ()).unwrap();
+    let reached = run.reached.as_ref().unwrap();
+    assert_eq!((reached.end, run.pair().y.len()), (ReachEnd::Goal, 65 * 65));
+    let marks = reached.marks.as_ref().unwrap();
+    assert!(marks.len() == 6 && marks.iter().all(Vec::is_empty));
+    let anew = Problem::on_bisected(&mesh, marks, "else=-1", law).unwrap();
+    assert!(finest(&anew) == finest(&run.problem));
+    // The bounds are hardly wider than those of the solution to rounding.
+    let uniform = Problem::on_mesh(&mesh.into(), 6, "else=-1", law).unwrap();
+    let solved = solve(&uniform, &Settings::of(Solver::Multigrid)).unwrap();
+    let ratio = last(&run).error[1] / uniform.bounds(&solved.y).unwrap().error[1];
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
 }
 
 #[test]
