@@ -41,6 +41,7 @@ mod field;
 mod fit;
 mod frame;
 mod functions;
+mod green;
 mod images;
 mod jumps;
 mod least_squares;

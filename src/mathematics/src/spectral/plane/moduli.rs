@@ -82,12 +82,13 @@ pub(super) fn of_functions(fit: &Fit, disc: Disc, without: Option<usize>) -> Mod
     sum
 }
 
-/// Bounds of the polynomial part of g on discs.
-pub(super) fn of_polynomial(fit: &Fit, discs: &[Disc]) -> Vec<Moduli> {
-    let arnoldi = fit.functions.arnoldi.clone();
-    let points = 2 * arnoldi.len().max(1);
-    let own = &fit.coefficients[fit.coefficients.len() - arnoldi.len() - 1..];
-    let functions = Functions { families: Vec::new(), holes: Vec::new(), arnoldi };
+/// Bounds of a polynomial on discs, with functions that are polynomials alone.
+pub(super) fn of_polynomial(
+    functions: &Functions,
+    own: &[Complex],
+    discs: &[Disc],
+) -> Vec<Moduli> {
+    let points = 2 * functions.arnoldi.len().max(1);
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
         let mut spots = Vec::with_capacity(discs.len() * points);
@@ -179,6 +180,14 @@ pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
             }
             Moduli { value: psi.value(centre).abs() + 4.0 * radius * slope, slope }
         }
+    }
+}
+
+/// Bound of f on a disc, beside which it is `here` if constant on pieces.
+pub(super) fn of_f(psi: &Psi, here: f64, disc: Disc) -> f64 {
+    match psi {
+        Psi::Jumps(_) => here.abs(),
+        Psi::Polynomial(f) => f.moduli(disc.centre.norm() + disc.radius)[0],
     }
 }
 

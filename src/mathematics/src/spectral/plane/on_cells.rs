@@ -2,11 +2,12 @@
 
 use super::cells::{POINTS, ProofCell};
 use super::field::node;
-use super::functions::{Power, Values};
-use super::moduli::{Disc, Moduli, TURNS, of_functions, of_polynomial, of_psi};
+use super::functions::{Functions, Power, Values};
+use super::moduli::{Disc, Moduli, TURNS, of_f, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
 use super::proof::Proof;
-use super::samples::{CellModuli, Sampled};
+use super::samples::{CellModuli, Sampled, weights};
+use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;
 
@@ -23,7 +24,10 @@ impl Proof<'_> {
                 discs.push(disc);
             }
         }
-        let polynomials = of_polynomial(self.fit, &discs);
+        let arnoldi = self.fit.functions.arnoldi.clone();
+        let own = &self.fit.coefficients[self.fit.coefficients.len() - arnoldi.len() - 1..];
+        let functions = Functions { arnoldi, ..Functions::default() };
+        let polynomials = of_polynomial(&functions, own, &discs);
         let both = cells.iter().zip(numbers);
         both.map(|(own, number)| self.moduli_on(own, polynomials[number])).collect()
     }
@@ -83,7 +87,7 @@ impl Proof<'_> {
 
     /// v on cells.
     pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
-        let rule = gauss(POINTS);
+        let (rule, weights) = (gauss(POINTS), weights());
         let mut samples = Vec::with_capacity(cells.len());
         let mut moduli = self.moduli(cells).into_iter();
         for block in cells.chunks(64) {
@@ -116,7 +120,9 @@ impl Proof<'_> {
                     sampled.slopes.push(slope);
                     sampled.rounding.push([errors[0][i], errors[1][i]]);
                 }
-                sampled.add_rounding();
+                let interval = &self.fit.walk.intervals[own.interval];
+                let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.hull);
+                sampled.add_rounding(f, interval.curvature, &weights);
                 self.add_logs(&mut sampled);
                 samples.push(sampled);
             }
@@ -141,23 +147,37 @@ impl Proof<'_> {
         units
     }
 
-    /// g and its derivative, point by point, and their rounding errors: those of the terms, and of each partial sum.
+    /// g and its derivative, point by point, and their rounding errors: those of the terms, since what each addition
+    /// loses is added at last.
     fn sums(&self, values: &Values) -> ([Vec<Complex>; 2], [Vec<f64>; 2]) {
         let units = self.units();
         let mut errors = [vec![0.0; values.points], vec![0.0; values.points]];
         let zeros = vec![Complex::default(); values.points];
-        let mut sums = [zeros.clone(), zeros];
+        let (mut sums, mut lost) = ([zeros.clone(), zeros.clone()], [zeros.clone(), zeros]);
         let logs = self.fit.logs.iter().map(|&c| Complex::new(c, 0.0));
         for (k, c) in self.fit.coefficients.iter().copied().chain(logs).enumerate() {
             let range = k * values.points..(k + 1) * values.points;
             for which in [0, 1] {
                 let own = &[&values.all, &values.slopes][which][range.clone()];
-                let both = sums[which].iter_mut().zip(&mut errors[which]);
-                for ((sum, error), value) in both.zip(own) {
-                    let term = c * *value;
-                    *sum = *sum + term;
-                    *error += f64::EPSILON * (units[k] * term.norm() + sum.norm());
-                }
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        let both = sums[which].iter_mut().zip(&mut lost[which]);
+                        for (((sum, lost), error), value) in both.zip(&mut errors[which]).zip(own) {
+                            let term = c * *value;
+                            add(&mut sum.re, &mut lost.re, term.re);
+                            add(&mut sum.im, &mut lost.im, term.im);
+                            *error += units[k] * term.norm();
+                        }
+                    },
+                );
+            }
+        }
+        for which in [0, 1] {
+            let both = sums[which].iter_mut().zip(&lost[which]).zip(&mut errors[which]);
+            for ((sum, lost), error) in both {
+                *sum = *sum + *lost;
+                *error = f64::EPSILON * (*error + sum.norm());
             }
         }
         (sums, errors)
@@ -178,4 +198,13 @@ impl Proof<'_> {
             }
         }
     }
+}
+
+/// Adds a term to a sum, and what the addition loses to another one: Knuth, *The Art of Computer Programming* 2, 4.2.2.
+#[inline(always)]
+fn add(sum: &mut f64, lost: &mut f64, term: f64) {
+    let total = *sum + term;
+    let part = total - *sum;
+    *lost += (*sum - (total - part)) + (term - part);
+    *sum = total;
 }
