@@ -4,7 +4,7 @@ use super::boundary::State;
 use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
 use super::energy::Integrals;
 use super::green::{GreenNode, GreenPolynomial};
-use super::moduli::{Moduli, of_f, of_psi, psi_errors};
+use super::moduli::{Moduli, of_f, of_psi};
 use super::proof::Proof;
 use super::samples::Sampled;
 use super::setup::Setup;
@@ -33,8 +33,7 @@ pub(super) fn bounded_energy(
     let mut largest = 0.0f64;
     for (own, h) in samples.iter().zip(green.moduli(samples)) {
         let nodes = green.on(own, h);
-        sum.energy +=
-            Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed().energy;
+        sum.energy += Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed().energy;
         sum.energy += own.nodes.iter().zip(&nodes).map(|(v, h)| h.term(v)).sum::<f64>();
         sum.add_rounding(proof, own, &nodes);
         sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
@@ -121,34 +120,33 @@ impl BoundedEnergy {
     /// and 1 elsewhere, in which `int f psi` is an integral of `f (1/2 psi (x.n) - p psi_n - 1/4 f p (x.n))`, p =
     /// |x|^2 / 4; that of Green's identity is `1/2 (h_n (v - psi) - h (l - psi_n))`.
     fn add_rounding(&mut self, proof: &Proof, own: &Sampled, green: &[GreenNode]) {
-        let (cell, interval) =
-            (&own.own.cell, &proof.fit.walk.intervals[own.own.interval]);
+        let (cell, interval) = (&own.own.cell, &proof.fit.walk.intervals[own.own.interval]);
         let (sign, q) = match interval.state {
             State::Held => (-1.0, 0.0),
             State::Flux(q) => (1.0, q),
         };
-        let f = of_f(&proof.setup.jumps.psi, interval.f, cell.hull);
-        let of_psi = psi_errors(own.moduli.psi_here);
+        let f = of_f(&proof.setup.jumps.psi, interval.f, cell.disc);
         // Weights in log r.
         let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
-        for ((node, [value, slope]), h) in own.nodes.iter().zip(&own.rounding).zip(green) {
+        let both = own.nodes.iter().zip(&own.rounding);
+        for (((node, [value, slope]), psi), h) in both.zip(&own.psi).zip(green) {
             let (v, l, [g, rate]) = (node.value, node.flux, GreenNode::of_g(node));
             let z = node.spot.z;
             let square = 0.25 * (z - proof.setup.centre).norm2();
             let far = z.norm().max(2.0 * square.sqrt());
             let by_value = 0.5 * (sign * l + node.psi_flux - 2.0 * q + h.flux).abs() + slope;
             let by_slope = 0.5 * (sign * v - node.psi - h.value).abs();
-            let by_psi = 0.5 * ((l + h.flux).abs() + f * far);
-            let by_psi_slope = 0.5 * (v + h.value).abs() + f * square;
+            let by_psi = 0.5 * ((l + h.flux).abs() + 0.5 * f * far);
+            let by_psi_slope = 0.5 * ((v + h.value).abs() + f * square);
             let terms = v.abs() * (1.5 * l.abs() + 0.5 * node.psi_flux.abs() + q.abs())
-                + 0.5 * node.psi.abs() * (l.abs() + f * far)
-                + f * square * (node.psi_flux.abs() + f * far)
+                + 0.5 * node.psi.abs() * (l.abs() + 0.5 * f * far)
+                + 0.5 * f * square * (node.psi_flux.abs() + 0.25 * f * far)
                 + 0.5 * (h.flux * g).abs()
                 + 0.5 * (h.value * rate).abs();
             let error = value * by_value
                 + slope * by_slope
-                + of_psi[0] * by_psi
-                + of_psi[1] * by_psi_slope
+                + psi.value * by_psi
+                + psi.slope * by_psi_slope
                 + 0.5 * (h.errors[0] * rate.abs() + h.errors[1] * g.abs())
                 + weights * terms;
             self.error += node.spot.weight * error;
@@ -157,9 +155,6 @@ impl BoundedEnergy {
     }
 
     /// Adds the integrals along a jump of f.
-    ///
-    /// Next to a point, the gradient of psi changes with coordinates by no more than four times its bound over the
-    /// distance within which that holds, or from the end of the jump, where it has a logarithm.
     fn add_edge(&mut self, setup: &Setup, edge: &JumpEdge) -> Result<(), &'static str> {
         /// Part of a jump, over its longest cell in log r, that is left out at an end.
         const LEFT: f64 = 1e-24;
@@ -169,8 +164,8 @@ impl BoundedEnergy {
         let half = 0.5 * (end - start);
         let [left, right] = edge.values;
         let (jump, both) = ((left - right).abs(), left.abs() + right.abs());
-        for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])]
-        {
+        let psi = &setup.jumps.psi;
+        for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])] {
             let centre = curve.at(from);
             let reach = (singular.room(centre, Some(usize::MAX)) / 2.4)
                 .min(0.25 / curve.curvature)
@@ -187,34 +182,33 @@ impl BoundedEnergy {
             };
             for cell in stretch.cells().ok_or("psi on jumps of f")? {
                 let (mut points, mut normals) = (Vec::new(), Vec::new());
-                let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
-                let [size, here] = [cell.disc, cell.hull].map(|disc| {
-                    let Moduli { value, slope } = of_psi(&setup.jumps.psi, disc);
-                    4.0 * jump * far * far * far * (value + slope + both)
-                });
-                let hull = of_psi(&setup.jumps.psi, cell.hull);
-                let [of_value, of_slope] = psi_errors(hull);
                 for [r, weight] in cell.nodes(&rule) {
                     let s = from + way * r;
-                    let (z, normal) = (curve.at(s), -curve.direction(s).turned());
-                    points.push(z);
-                    normals.push(normal.scaled(weight));
-                    let square = 0.25 * (z - setup.centre).norm2();
-                    let within = if cell.is_log { r } else { cell.hull.radius };
-                    let units = 2.0 * f64::EPSILON * hull.slope;
-                    let by_value = square.sqrt() * (of_value + units);
-                    let by_slope = square * (of_slope + 4.0 * units / within);
-                    let sizes = hull.value + both * square;
-                    self.error += weight * jump * (by_value + by_slope);
-                    self.terms += weight * jump * (square.sqrt() * sizes + square * hull.slope);
+                    points.push(curve.at(s));
+                    normals.push((-curve.direction(s).turned()).scaled(weight));
                 }
                 let mut sums = Integrals::default();
                 sums.add_jump(setup, edge.values, &points, &normals);
                 self.energy += sums.completed().energy;
+                let (gradients, errors) = (psi.gradients(&points), psi.errors(&points));
+                for (k, (&z, own)) in points.iter().zip(errors).enumerate() {
+                    let (weight, slope) = (0.5 * jump * normals[k].norm(), gradients[k].norm());
+                    let square = 0.25 * (z - setup.centre).norm2();
+                    // Coordinates are off by two units.
+                    let units = 2.0 * f64::EPSILON;
+                    let by_value = square.sqrt() * (own.value + units * slope);
+                    let by_slope = square * (own.slope + units * own.bend);
+                    let sizes = psi.value(z).abs() + 0.5 * both * square;
+                    self.error += weight * (by_value + by_slope);
+                    self.terms += weight * (square.sqrt() * sizes + square * slope);
+                }
+                let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
+                let Moduli { value, slope } = of_psi(psi, cell.disc);
+                let size = 4.0 * jump * far * far * far * (value + slope + both);
                 let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
                 self.error += cell.gauss_error(size * scale);
                 if cell.is_log && cell.span[0] <= 1.01 * near.least {
-                    self.error += near.least * here;
+                    self.error += near.least * size;
                 }
             }
         }

@@ -74,7 +74,8 @@ impl GreenPolynomial {
         // Points are off by two units, and by those of log r; by Cauchy's estimate the slope changes.
         let units = if cell.is_log { 1.0 + cell.length() } else { 0.0 };
         let off = f64::EPSILON * (2.0 + cell.span[1] * units);
-        let change = moduli.slope / (cell.disc.radius - cell.hull.radius);
+        let radius = if cell.is_log { 1.2 * cell.span[1] } else { 0.5 * cell.length() };
+        let change = moduli.slope / (cell.disc.radius - radius);
         let mut nodes = Vec::with_capacity(spots.len());
         for (i, node) in own.nodes.iter().enumerate() {
             let mut sums = [Complex::default(); 2];

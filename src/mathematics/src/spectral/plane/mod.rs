@@ -55,6 +55,7 @@ mod polynomial;
 mod problem;
 mod proof;
 mod psi;
+mod psi_errors;
 mod regions;
 mod residual;
 mod samples;

@@ -83,11 +83,7 @@ pub(super) fn of_functions(fit: &Fit, disc: Disc, without: Option<usize>) -> Mod
 }
 
 /// Bounds of a polynomial on discs, with functions that are polynomials alone.
-pub(super) fn of_polynomial(
-    functions: &Functions,
-    own: &[Complex],
-    discs: &[Disc],
-) -> Vec<Moduli> {
+pub(super) fn of_polynomial(functions: &Functions, own: &[Complex], discs: &[Disc]) -> Vec<Moduli> {
     let points = 2 * functions.arnoldi.len().max(1);
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
@@ -189,11 +185,6 @@ pub(super) fn of_f(psi: &Psi, here: f64, disc: Disc) -> f64 {
         Psi::Jumps(_) => here.abs(),
         Psi::Polynomial(f) => f.moduli(disc.centre.norm() + disc.radius)[0],
     }
-}
-
-/// Rounding errors of psi and of its gradient.
-pub(super) fn psi_errors(psi: Moduli) -> [f64; 2] {
-    [psi.value, psi.slope].map(|size| 16.0 * f64::EPSILON * size)
 }
 
 impl Jump {

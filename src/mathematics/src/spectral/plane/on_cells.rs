@@ -40,11 +40,10 @@ impl Proof<'_> {
         rest.add(polynomial);
         let psi = of_psi(&self.setup.jumps.psi, own.cell.disc);
         rest.add(psi);
-        let psi_here = of_psi(&self.setup.jumps.psi, own.cell.hull);
         // The normal of an arc, continued, is longer than 1.
         rest.slope *= if interval.curvature == 0.0 { 1.0 } else { 1.8 };
         let (value, slope) = (vec![[0.0, rest.value]], vec![[1.0, rest.slope]]);
-        let mut moduli = CellModuli { value, slope, rest, psi, psi_here };
+        let mut moduli = CellModuli { value, slope, rest, psi };
         if split.is_some() {
             self.add_own(own, split, &mut moduli);
         }
@@ -108,6 +107,7 @@ impl Proof<'_> {
             let ([g, slopes], errors) = self.sums(&values);
             let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
             let gradients = self.setup.jumps.psi.gradients(&points);
+            let psi_errors = self.setup.jumps.psi.errors(&points);
             for (k, own) in block.iter().enumerate() {
                 let range = k * POINTS..(k + 1) * POINTS;
                 let moduli = moduli.next().expect("one for each cell");
@@ -119,9 +119,10 @@ impl Proof<'_> {
                     sampled.nodes.push(node);
                     sampled.slopes.push(slope);
                     sampled.rounding.push([errors[0][i], errors[1][i]]);
+                    sampled.psi.push(psi_errors[i]);
                 }
                 let interval = &self.fit.walk.intervals[own.interval];
-                let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.hull);
+                let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
                 sampled.add_rounding(f, interval.curvature, &weights);
                 self.add_logs(&mut sampled);
                 samples.push(sampled);

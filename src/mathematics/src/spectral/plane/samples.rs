@@ -2,7 +2,8 @@
 
 use super::cells::{POINTS, ProofCell, legendre};
 use super::field::PlaneNode;
-use super::moduli::{Moduli, psi_errors};
+use super::moduli::Moduli;
+use super::psi_errors::PsiErrors;
 use crate::spectral::rule::gauss;
 
 /// Which function on the boundary is meant.
@@ -24,8 +25,6 @@ pub(super) struct CellModuli {
     /// All but the functions of the split.
     pub rest: Moduli,
     pub psi: Moduli,
-    /// Those of psi on the cell itself.
-    pub psi_here: Moduli,
 }
 
 /// Values on a cell.
@@ -36,6 +35,8 @@ pub(super) struct Sampled {
     pub slopes: Vec<f64>,
     /// Bounds of the rounding errors of values and of slopes.
     pub rounding: Vec<[f64; 2]>,
+    /// Those of psi and its gradient.
+    pub psi: Vec<PsiErrors>,
     pub moduli: CellModuli,
     /// Distances from the end.
     distances: Vec<f64>,
@@ -71,8 +72,8 @@ pub(super) struct Deficit {
 impl Sampled {
     /// No values yet, at points with these distances from the end.
     pub(super) fn new(own: ProofCell, moduli: CellModuli, distances: Vec<f64>) -> Self {
-        let (nodes, slopes, rounding) = (Vec::new(), Vec::new(), Vec::new());
-        Self { own, nodes, slopes, rounding, moduli, distances }
+        let (nodes, slopes, rounding, psi) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { own, nodes, slopes, rounding, psi, moduli, distances }
     }
 
     /// Adds the rounding errors of psi, and of coordinates that are off by two units in the last place, to those of g;
@@ -81,7 +82,7 @@ impl Sampled {
     /// On a cell in log r the functions of the split do not see the error of coordinates, but all see one of log r,
     /// by a unit and one for each of its length. On another one all functions see the same point.
     pub(super) fn add_rounding(&mut self, f: f64, curvature: f64, weights: &[f64]) {
-        let (cell, psi) = (&self.own.cell, psi_errors(self.moduli.psi_here));
+        let cell = &self.own.cell;
         let bends = [Quantity::Flux, Quantity::Slope].map(|own| self.bend(Test::of(own), weights));
         let bend = bends[0] + bends[1];
         let sizes = self.nodes.iter().zip(&self.slopes);
@@ -98,8 +99,8 @@ impl Sampled {
                 }
                 false => [2.0 * most, bend + turned + f],
             };
-            *value += psi[0] + 2.0 * f64::EPSILON * slope;
-            *derivative += psi[1] + 2.0 * f64::EPSILON * curvature;
+            *value += self.psi[i].value + 2.0 * f64::EPSILON * slope;
+            *derivative += self.psi[i].slope + 2.0 * f64::EPSILON * curvature;
         }
     }
 
@@ -169,9 +170,9 @@ impl Sampled {
         let constant = [[which as f64, test.constant.abs()]];
         let mut modulus = 0.0;
         for &[own, factor] in terms.iter().chain(&constant) {
-            let sizes = cell.distances.map(|r| {
-                libm::pow(r, own - which as f64) * libm::pow(r / cell.span[1], power)
-            });
+            let sizes = cell
+                .distances
+                .map(|r| libm::pow(r, own - which as f64) * libm::pow(r / cell.span[1], power));
             modulus += factor * sizes[0].max(sizes[1]);
         }
         modulus
