@@ -3,7 +3,7 @@
 use super::boundary::State;
 use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
 use super::energy::Integrals;
-use super::green::{GreenNode, GreenPolynomial};
+use super::green::{HarmonicFit, HarmonicNode};
 use super::moduli::{Moduli, of_f, of_psi};
 use super::proof::Proof;
 use super::samples::Sampled;
@@ -28,11 +28,11 @@ pub(super) fn bounded_energy(
     samples: &[Sampled],
     left: &[Leftover],
 ) -> Result<BoundedEnergy, &'static str> {
-    let green = GreenPolynomial::near(proof.fit, samples);
+    let harmonic = HarmonicFit::new(proof.fit, samples);
     let mut sum = BoundedEnergy { energy: 0.0, error: 0.0, terms: 0.0 };
     let mut largest = 0.0f64;
-    for (own, h) in samples.iter().zip(green.moduli(samples)) {
-        let nodes = green.on(own, h);
+    for (own, h) in samples.iter().zip(harmonic.moduli(samples)) {
+        let nodes = harmonic.on(own, h);
         sum.energy += Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed().energy;
         sum.energy += own.nodes.iter().zip(&nodes).map(|(v, h)| h.term(v)).sum::<f64>();
         sum.add_rounding(proof, own, &nodes);
@@ -100,8 +100,7 @@ impl EnergyFactors {
 }
 
 /// Bound of the integrand of the energy on the ellipse of a cell, in its variable: each of its terms is v or psi times
-/// a slope of v or psi, or f times psi and powers of the distance from the middle; with that of Green's identity for a
-/// polynomial h.
+/// a slope of v or psi, or f times psi and powers of the distance from the middle; with that of Green's identity for h.
 fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let (cell, moduli) = (&own.own.cell, &own.moduli);
     let r = if cell.is_log { cell.distances[1] } else { 1.0 };
@@ -119,7 +118,7 @@ impl BoundedEnergy {
     /// The integrand of the energy is `1/2 (v (s l + psi_n - 2 q) - psi l - f psi)` with s = -1 where v should be zero
     /// and 1 elsewhere, in which `int f psi` is an integral of `f (1/2 psi (x.n) - p psi_n - 1/4 f p (x.n))`, p =
     /// |x|^2 / 4; that of Green's identity is `1/2 (h_n (v - psi) - h (l - psi_n))`.
-    fn add_rounding(&mut self, proof: &Proof, own: &Sampled, green: &[GreenNode]) {
+    fn add_rounding(&mut self, proof: &Proof, own: &Sampled, harmonic: &[HarmonicNode]) {
         let (cell, interval) = (&own.own.cell, &proof.fit.walk.intervals[own.own.interval]);
         let (sign, q) = match interval.state {
             State::Held => (-1.0, 0.0),
@@ -129,8 +128,8 @@ impl BoundedEnergy {
         // Weights in log r.
         let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
         let both = own.nodes.iter().zip(&own.rounding);
-        for (((node, [value, slope]), psi), h) in both.zip(&own.psi).zip(green) {
-            let (v, l, [g, rate]) = (node.value, node.flux, GreenNode::of_g(node));
+        for (((node, [value, slope]), psi), h) in both.zip(&own.psi).zip(harmonic) {
+            let (v, l, [g, rate]) = (node.value, node.flux, HarmonicNode::of_g(node));
             let z = node.spot.z;
             let square = 0.25 * (z - proof.setup.centre).norm2();
             let far = z.norm().max(2.0 * square.sqrt());

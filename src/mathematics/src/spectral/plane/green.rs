@@ -1,4 +1,4 @@
-//! A harmonic polynomial h next to `g = v - psi`, by which rounding errors of v count less in the energy.
+//! A harmonic function h of few terms next to `g = v - psi`, by which rounding errors of v count less in the energy.
 //!
 //! By Green's second identity `oint h_n g - h g_n = 0`, where the index n is the derivative along the normal. With half
 //! of this integral the energy by the integrals of [`energy`](super::energy) is the same, but its derivatives by v and
@@ -7,21 +7,22 @@
 use super::cells::ProofCell;
 use super::field::PlaneNode;
 use super::fit::Fit;
-use super::functions::Functions;
+use super::functions::{Functions, Hole};
 use super::least_squares::Columns;
 use super::moduli::{Disc, Moduli, of_polynomial};
 use super::panels::Spot;
 use super::samples::Sampled;
 use crate::problem::complex::Complex;
 
-/// The polynomial h.
-pub(super) struct GreenPolynomial {
+/// The function h: a polynomial, and powers and a logarithm for each hole.
+pub(super) struct HarmonicFit {
     functions: Functions,
+    /// Those of powers of holes, of polynomials, and of logarithms.
     coefficients: Vec<Complex>,
 }
 
 /// h at a point of the boundary.
-pub(super) struct GreenNode {
+pub(super) struct HarmonicNode {
     pub value: f64,
     /// Derivative along the normal.
     pub flux: f64,
@@ -29,45 +30,64 @@ pub(super) struct GreenNode {
     pub errors: [f64; 2],
 }
 
-impl GreenPolynomial {
-    /// Polynomial of low degree whose real part is nearest to g at some points of cells.
-    pub(super) fn near(fit: &Fit, samples: &[Sampled]) -> Self {
-        /// Largest degree.
-        const DEGREE: usize = 12;
+impl HarmonicFit {
+    /// Function whose real part is nearest to g at some points of cells.
+    pub(super) fn new(fit: &Fit, samples: &[Sampled]) -> Self {
+        /// Largest degree of polynomials, and number of powers of a hole.
+        const DEGREES: [usize; 2] = [12, 8];
         /// One of so many points is taken.
         const APART: usize = 5;
-        let arnoldi = fit.functions.arnoldi.iter().take(DEGREE).cloned().collect();
-        let functions = Functions { arnoldi, ..Functions::default() };
+        let arnoldi = fit.functions.arnoldi.iter().take(DEGREES[0]).cloned().collect();
+        let holes = fit.functions.holes.iter();
+        let holes = holes.map(|hole| Hole { powers: hole.powers.min(DEGREES[1]), ..hole.clone() });
+        let functions = Functions { arnoldi, holes: holes.collect(), ..Functions::default() };
         let nodes: Vec<&PlaneNode> =
             samples.iter().flat_map(|own| own.nodes.iter().step_by(APART)).collect();
         let spots: Vec<Spot> = nodes.iter().map(|node| node.spot).collect();
         let values = functions.at(&spots, false);
-        let many = functions.complex();
-        let mut matrix = Columns::new(spots.len(), 2 * many - 1);
+        let (complex, logs) = (functions.complex(), functions.holes.len());
+        let mut matrix = Columns::new(spots.len(), 2 * complex + logs);
         for (i, node) in nodes.iter().enumerate() {
             let weight = node.spot.weight.sqrt();
-            matrix.column(0)[i] = weight;
-            for k in 1..many {
+            for k in 0..complex {
                 let value = values.of(k)[i].scaled(weight);
-                matrix.column(2 * k - 1)[i] = value.re;
-                matrix.column(2 * k)[i] = -value.im;
+                matrix.column(2 * k)[i] = value.re;
+                matrix.column(2 * k + 1)[i] = -value.im;
             }
-            matrix.column(2 * many - 1)[i] = weight * GreenNode::of_g(node)[0];
+            for k in 0..logs {
+                matrix.column(2 * complex + k)[i] = weight * values.of(complex + k)[i].re;
+            }
+            matrix.column(2 * complex + logs)[i] = weight * HarmonicNode::of_g(node)[0];
         }
         let x = matrix.solve();
-        let mut coefficients = vec![Complex::new(x[0], 0.0)];
-        coefficients.extend(x[1..].chunks_exact(2).map(|pair| Complex::new(pair[0], pair[1])));
+        let (plain, logs) = x.split_at(2 * complex);
+        let plain = plain.chunks_exact(2).map(|pair| Complex::new(pair[0], pair[1]));
+        let coefficients = plain.chain(logs.iter().map(|&c| Complex::new(c, 0.0))).collect();
         Self { functions, coefficients }
     }
 
     /// Bounds of h and its derivative on the discs of cells.
     pub(super) fn moduli(&self, samples: &[Sampled]) -> Vec<Moduli> {
-        let discs = samples.iter().map(|own| Disc { inner: 0.0, ..own.own.cell.disc });
-        of_polynomial(&self.functions, &self.coefficients, &discs.collect::<Vec<_>>())
+        let Functions { arnoldi, holes, .. } = &self.functions;
+        let discs: Vec<Disc> =
+            samples.iter().map(|own| Disc { inner: 0.0, ..own.own.cell.disc }).collect();
+        let powers = holes.iter().map(|hole| hole.powers).sum::<usize>();
+        let (own, rest) = self.coefficients.split_at(powers);
+        let (polynomial, logs) = rest.split_at(arnoldi.len() + 1);
+        let mut moduli = of_polynomial(arnoldi, polynomial, &discs);
+        for (sum, &disc) in moduli.iter_mut().zip(&discs) {
+            let mut own = own;
+            for (hole, log) in holes.iter().zip(logs) {
+                let (first, others) = own.split_at(hole.powers);
+                sum.add(hole.moduli(disc, first, log.re));
+                own = others;
+            }
+        }
+        moduli
     }
 
     /// h at the points of a cell, with bounds of h and its derivative on its disc.
-    pub(super) fn on(&self, own: &Sampled, moduli: Moduli) -> Vec<GreenNode> {
+    pub(super) fn on(&self, own: &Sampled, moduli: Moduli) -> Vec<HarmonicNode> {
         let ProofCell { cell, .. } = own.own;
         let spots: Vec<Spot> = own.nodes.iter().map(|node| node.spot).collect();
         let values = self.functions.at(&spots, true);
@@ -91,13 +111,13 @@ impl GreenPolynomial {
             errors[0] += off * sums[1].norm();
             errors[1] += off * change;
             let flux = (sums[1] * node.normal()).re;
-            nodes.push(GreenNode { value: sums[0].re, flux, errors });
+            nodes.push(HarmonicNode { value: sums[0].re, flux, errors });
         }
         nodes
     }
 }
 
-impl GreenNode {
+impl HarmonicNode {
     /// g and its derivative along the normal.
     pub(super) fn of_g(node: &PlaneNode) -> [f64; 2] {
         [node.value - node.psi, node.flux - node.psi_flux]

@@ -82,9 +82,14 @@ pub(super) fn of_functions(fit: &Fit, disc: Disc, without: Option<usize>) -> Mod
     sum
 }
 
-/// Bounds of a polynomial on discs, with functions that are polynomials alone.
-pub(super) fn of_polynomial(functions: &Functions, own: &[Complex], discs: &[Disc]) -> Vec<Moduli> {
-    let points = 2 * functions.arnoldi.len().max(1);
+/// Bounds of a polynomial on discs, by Arnoldi's matrix and the coefficients.
+pub(super) fn of_polynomial(
+    arnoldi: &[Vec<Complex>],
+    own: &[Complex],
+    discs: &[Disc],
+) -> Vec<Moduli> {
+    let points = 2 * arnoldi.len().max(1);
+    let functions = Functions { arnoldi: arnoldi.to_vec(), ..Functions::default() };
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
         let mut spots = Vec::with_capacity(discs.len() * points);

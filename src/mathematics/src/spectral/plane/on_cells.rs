@@ -2,7 +2,7 @@
 
 use super::cells::{POINTS, ProofCell};
 use super::field::node;
-use super::functions::{Functions, Power, Values};
+use super::functions::{Power, Values};
 use super::moduli::{Disc, Moduli, TURNS, of_f, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
 use super::proof::Proof;
@@ -24,10 +24,9 @@ impl Proof<'_> {
                 discs.push(disc);
             }
         }
-        let arnoldi = self.fit.functions.arnoldi.clone();
+        let arnoldi = &self.fit.functions.arnoldi;
         let own = &self.fit.coefficients[self.fit.coefficients.len() - arnoldi.len() - 1..];
-        let functions = Functions { arnoldi, ..Functions::default() };
-        let polynomials = of_polynomial(&functions, own, &discs);
+        let polynomials = of_polynomial(arnoldi, own, &discs);
         let both = cells.iter().zip(numbers);
         both.map(|(own, number)| self.moduli_on(own, polynomials[number])).collect()
     }
@@ -178,7 +177,7 @@ impl Proof<'_> {
             let both = sums[which].iter_mut().zip(&lost[which]).zip(&mut errors[which]);
             for ((sum, lost), error) in both {
                 *sum = *sum + *lost;
-                *error = f64::EPSILON * (*error + sum.norm());
+                *error = f64::EPSILON * (*error + 2.0 * sum.norm());
             }
         }
         (sums, errors)

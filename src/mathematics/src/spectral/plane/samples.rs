@@ -88,7 +88,8 @@ impl Sampled {
         let sizes = self.nodes.iter().zip(&self.slopes);
         let sizes: Vec<f64> = sizes.map(|(node, slope)| node.flux.abs() + slope.abs()).collect();
         let most = sizes.iter().fold(0.0f64, |most, size| most.max(*size));
-        let turned = 2.0 * most * curvature.abs();
+        // The normal is off too.
+        let turned = most * (1.0 + 2.0 * curvature.abs());
         for (i, [value, derivative]) in self.rounding.iter_mut().enumerate() {
             let (r, rest) = (self.distances[i], self.moduli.rest.slope);
             let [slope, curvature] = match cell.is_log {
