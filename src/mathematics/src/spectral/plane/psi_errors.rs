@@ -107,3 +107,49 @@ impl Jump {
         PsiErrors { value, slope, bend }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectral::curve::Curve;
+
+    /// psi of jumps along an arc between places, one from each to the next.
+    fn along(curve: Curve, places: &[f64]) -> Psi {
+        let mut potential = Potential::default();
+        potential.vertices = places.iter().map(|&s| curve.at(s)).collect();
+        for (k, pair) in places.windows(2).enumerate() {
+            let arc = Arc { curve, span: [pair[0], pair[1]], ends: [Some(k), Some(k + 1)] };
+            potential.add(arc, 3.0);
+        }
+        Psi::of_jumps(potential, &[Complex::default()], |_| 0.0)
+    }
+
+    #[test]
+    fn an_arc_and_its_halves_differ_by_no_more_than_rounding() {
+        let (origin, tangent) = (Complex::new(0.3, -0.2), Complex::new(0.8, 0.6));
+        for curvature in [0.0, 0.7, 3.0] {
+            let curve = Curve { origin, tangent, curvature };
+            let [whole, halves] = [&[-0.6, 0.7][..], &[-0.6, 0.1, 0.7]].map(|at| along(curve, at));
+            let mut points = Vec::new();
+            for k in 0..200 {
+                let k = f64::from(k);
+                points.push(Complex::unit(k).scaled(0.006 * k));
+                // Next to the curve and to a vertex.
+                let off = curve.direction(0.1).turned().scaled(libm::exp(-0.1 * k));
+                points.push(curve.at(0.001 * k) + off);
+            }
+            let gradients = [&whole, &halves].map(|psi| psi.gradients(&points));
+            let errors = [&whole, &halves].map(|psi| psi.errors(&points));
+            for (i, &z) in points.iter().enumerate() {
+                let [value, slope] = [0, 1].map(|which: usize| {
+                    let of = |own: &PsiErrors| if which == 0 { own.value } else { own.slope };
+                    of(&errors[0][i]) + of(&errors[1][i])
+                });
+                let difference = halves.value(z) - whole.value(z);
+                assert!(difference.abs() < value && value < 1e-11, "{z:?}: {difference} {value}");
+                let difference = (gradients[1][i] - gradients[0][i]).norm();
+                assert!(difference < slope && slope < 1e-11, "{z:?}: {difference} {slope}");
+            }
+        }
+    }
+}
