@@ -18,6 +18,8 @@ pub(super) struct PlaneFound {
     pub signs: PlaneSigns,
     pub integrals: Integrals,
     pub steps: usize,
+    /// Level on which it was found.
+    level: Level,
 }
 
 /// Fits on a level after which no correction is tried.
@@ -65,11 +67,25 @@ impl PlaneFound {
                         signs,
                         integrals,
                         steps: effort.steps,
+                        level,
                     });
                 }
             }
         }
         Err(PlaneError::NotFound("no contact set with all signs right was found".into()))
+    }
+
+    /// Solution of the finest level from this one's contact set, unless this is it; none if that is not found there.
+    pub(super) fn refined(&self, setup: &Setup) -> Option<Self> {
+        let [.., finest] = Level::FINE;
+        if self.level.degree == finest.degree {
+            return None;
+        }
+        let level = Level { poles: self.level.poles, ..finest };
+        let mut contact = self.contact.clone();
+        let found = Self::on(setup, &mut contact, level, &mut Effort::default(), POINTS[1]).ok()?;
+        let steps = self.steps + found.steps;
+        (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
 
     /// Numbers of unknowns, and energies, of levels from coarse to fine; levels on which the ends do not settle are

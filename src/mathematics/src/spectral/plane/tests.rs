@@ -215,9 +215,8 @@ fn brackets_of_spoilt_solutions_hold_or_are_not_guaranteed() {
     let problem = frame.problem(&PlaneProblem { domain, law, source });
     let setup = Setup::new(&problem).unwrap();
     let mut found = search::search(&setup, &start).unwrap();
-    let width = |bracket: &PlaneBracket| bracket.upper - bracket.lower;
     let whole = bounds::bracket(&setup, &found);
-    assert!(whole.reserve.is_empty() && width(&whole) < 1e-10 * KNOWN.abs(), "{whole:?}");
+    assert!(whole.reserve.is_empty() && whole.width() < 1e-10 * KNOWN.abs(), "{whole:?}");
     assert!(whole.lower < KNOWN + PLACE && whole.upper > KNOWN - PLACE, "{whole:?}");
     let spoilt: Vec<_> = (0..found.fit.coefficients.len()).step_by(17).collect();
     for (by, least) in [(1e-6, 3e-10), (1e-4, 3e-7)] {
@@ -226,7 +225,7 @@ fn brackets_of_spoilt_solutions_hold_or_are_not_guaranteed() {
         let bracket = bounds::bracket(&setup, &found);
         let holds = bracket.lower < KNOWN + PLACE && KNOWN - PLACE < bracket.upper;
         assert!(
-            !bracket.reserve.is_empty() || holds && width(&bracket) > least * KNOWN.abs(),
+            !bracket.reserve.is_empty() || holds && bracket.width() > least * KNOWN.abs(),
             "{bracket:?}"
         );
         found.fit.coefficients = kept;
