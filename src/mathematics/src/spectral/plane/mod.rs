@@ -69,6 +69,7 @@ use crate::problem::text::plain;
 pub(crate) use arcs::PlaneArc;
 pub use domain::PlaneError;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
+use fit::Effort;
 use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 use panels::Spot;
@@ -93,6 +94,11 @@ pub(crate) struct PlaneBracket {
 impl PlaneBracket {
     fn width(&self) -> f64 {
         self.upper - self.lower
+    }
+
+    /// True if it is guaranteed and narrower than another one.
+    fn is_better(&self, other: &Self) -> bool {
+        self.reserve.is_empty() && self.width() < other.width()
     }
 }
 
@@ -161,27 +167,27 @@ impl fmt::Display for PlaneChecks {
     }
 }
 
-/// Solves a problem from a contact set; on the finest level, if the bounds of the energy are then nearer to each other
+/// Solves a problem from a contact set, with the effort that all starts share; on the finest level, if the bounds of the energy are then nearer to each other
 /// and without it nine digits of it are not certain.
 ///
 /// # Errors
 /// [`PlaneError`], with a sentence for the user.
-pub(crate) fn solve(
+fn solve(
     problem: &PlaneProblem,
     start: &PlaneStart,
+    effort: &mut Effort,
 ) -> Result<PlaneSolution, PlaneError> {
     /// Distance of bounds over the energy.
     const NINE_DIGITS: f64 = 1e-9;
     let frame = Frame::of(&problem.domain);
     let setup = Setup::new(&frame.problem(problem))?;
-    let mut found = search::search(&setup, &frame.start(start))?;
+    let mut found = search::search(&setup, &frame.start(start), effort)?;
     let mut bracket = bounds::bracket(&setup, &found);
-    if bracket.reserve.is_empty() && bracket.width() > NINE_DIGITS * found.integrals.energy.abs() {
-        if let Some(refined) = found.refined(&setup) {
-            let own = bounds::bracket(&setup, &refined);
-            if own.reserve.is_empty() && own.width() < bracket.width() {
-                (found, bracket) = (refined, own);
-            }
+    let is_wide = bracket.width() > NINE_DIGITS * found.integrals.energy.abs();
+    if is_wide && bracket.reserve.is_empty() {
+        let refined = found.refined(&setup).map(|own| (bounds::bracket(&setup, &own), own));
+        if let Some((own, refined)) = refined.filter(|(own, _)| own.is_better(&bracket)) {
+            (found, bracket) = (refined, own);
         }
     }
     let PlaneFound { integrals, sizes, signs, fit, nodes, .. } = &found;

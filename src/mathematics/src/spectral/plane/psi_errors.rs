@@ -115,8 +115,8 @@ mod tests {
 
     /// psi of jumps along an arc between places, one from each to the next.
     fn along(curve: Curve, places: &[f64]) -> Psi {
-        let mut potential = Potential::default();
-        potential.vertices = places.iter().map(|&s| curve.at(s)).collect();
+        let vertices = places.iter().map(|&s| curve.at(s)).collect();
+        let mut potential = Potential { vertices, ..Potential::default() };
         for (k, pair) in places.windows(2).enumerate() {
             let arc = Arc { curve, span: [pair[0], pair[1]], ends: [Some(k), Some(k + 1)] };
             potential.add(arc, 3.0);

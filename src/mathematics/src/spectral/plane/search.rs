@@ -135,23 +135,20 @@ fn is_near(one: &[RingContact], other: &[RingContact], perimeter: f64) -> bool {
 }
 
 /// Solves a problem from a contact set.
-pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<PlaneFound, PlaneError> {
+pub(super) fn search(
+    setup: &Setup,
+    start: &PlaneStart,
+    effort: &mut Effort,
+) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
-    let mut effort = Effort::default();
     let poles = if setup.narrow { 12.0 } else { 0.0 };
-    let coarse = PlaneFound::on(
-        setup,
-        &mut contact,
-        Level { poles, ..Level::COARSE },
-        &mut effort,
-        POINTS[0],
-    )?;
+    let coarse =
+        PlaneFound::on(setup, &mut contact, Level { poles, ..Level::COARSE }, effort, POINTS[0])?;
     contact = coarse.contact;
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
         let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
-        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, &mut effort, POINTS[1])
-        {
+        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, effort, POINTS[1]) {
             Ok(found) => {
                 let better =
                     best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());
