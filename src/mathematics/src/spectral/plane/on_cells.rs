@@ -85,10 +85,12 @@ impl Proof<'_> {
 
     /// v on cells.
     pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
+        /// Cells whose values are kept in the cache.
+        const TOGETHER: usize = 6;
         let (rule, weights) = (gauss(POINTS), weights());
         let mut samples = Vec::with_capacity(cells.len());
         let mut moduli = self.moduli(cells).into_iter();
-        for block in cells.chunks(64) {
+        for block in cells.chunks(TOGETHER) {
             let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
             let mut distances: Vec<f64> = Vec::with_capacity(block.len() * POINTS);
             for own in block {

@@ -150,7 +150,11 @@ impl Sampled {
     /// `(r / to)^power` at a point.
     fn weight(&self, i: usize, power: f64) -> f64 {
         let ratio = self.distances[i] / self.own.cell.span[1];
-        if power == 0.0 { 1.0 } else { libm::pow(ratio, power) }
+        match power {
+            0.0 => 1.0,
+            1.0 => ratio,
+            _ => libm::pow(ratio, power),
+        }
     }
 
     /// Coefficients of Legendre polynomials of a tested function times `(r / to)^power`.
