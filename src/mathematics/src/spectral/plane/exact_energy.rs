@@ -1,9 +1,9 @@
 //! The energy by Gauss rules on cells, with a bound of their errors and of rounding.
 //!
-//! Rounding is a model: a bound of the errors of v, psi and their slopes at each point, in units in the last place of all
-//! their terms, times the derivatives of the integrand by them; what is wrong with the points themselves counts among
-//! those errors. In the first 118 random problems it was all of the distance of the two bounds but for some: integrals are
-//! therefore such that these derivatives are small ([`green`](super::green)).
+//! Rounding is a model: a bound of the errors of v, psi and their slopes at each point, in units in the last place of
+//! all their terms, times the derivatives of the integrand by them; what is wrong with the points themselves counts
+//! among those errors. That is nearly all of the distance of the two bounds of most solutions, so that the integrals are
+//! such that these derivatives are small ([`green`](super::green)).
 
 use super::boundary::State;
 use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
