@@ -2,7 +2,7 @@
 //!
 //! Rounding is a model: a bound of the errors of v, psi and their slopes at each point, in units in the last place of
 //! all their terms, times the derivatives of the integrand by them; what is wrong with the points themselves counts
-//! among those errors. That is nearly all of the distance of the two bounds of most solutions, so that the integrals are
+//! among those errors. That is nearly all of the distance of the two bounds of most solutions; so the integrals are
 //! such that these derivatives are small ([`green`](super::green)).
 
 use super::boundary::State;

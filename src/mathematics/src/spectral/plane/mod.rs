@@ -167,8 +167,8 @@ impl fmt::Display for PlaneChecks {
     }
 }
 
-/// Solves a problem from a contact set, with the effort that all starts share; on the finest level, if the bounds of the
-/// energy are then nearer to each other and without it nine digits of it are not certain.
+/// Solves a problem from a contact set, with the effort that all starts share; on the finest level, if the bounds of
+/// the energy are then nearer to each other and without it nine digits of it are not certain.
 ///
 /// # Errors
 /// [`PlaneError`], with a sentence for the user.
