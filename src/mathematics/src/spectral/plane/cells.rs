@@ -92,9 +92,8 @@ pub(super) struct EllipseCell {
     /// True if its variable is log r.
     pub is_log: bool,
     pub rho: f64,
-    /// Disc that holds its ellipse, and one that holds the cell itself.
+    /// Disc that holds its ellipse.
     pub disc: Disc,
-    pub hull: Disc,
     /// Least and greatest distance from the end on the ellipse.
     pub distances: [f64; 2],
 }
@@ -143,15 +142,7 @@ impl CellStretch<'_> {
         // On an arc the distance in the plane differs by up to a fifth from that along it.
         let (radius, inner) = (1.2 * near.reach, 0.8 * distances[0]);
         let disc = Disc { centre: near.centre, radius, inner };
-        let hull = Disc { radius: 1.2 * span[1], inner: 0.8 * span[0], ..disc };
-        EllipseCell {
-            span,
-            is_log: true,
-            rho: axis + (axis * axis - 1.0).sqrt(),
-            disc,
-            hull,
-            distances,
-        }
+        EllipseCell { span, is_log: true, rho: axis + (axis * axis - 1.0).sqrt(), disc, distances }
     }
 
     /// Half axis of the ellipse of a cell.
@@ -181,14 +172,12 @@ impl CellStretch<'_> {
         let along = axis * half;
         let radius = if bend == 0.0 { along } else { libm::expm1(bend * along) / bend };
         let disc = Disc { centre: self.track.at(middle), radius, inner: 0.0 };
-        let hull = Disc { radius: half, ..disc };
         let distances = [middle - along, middle + along];
         Some(EllipseCell {
             span,
             is_log: false,
             rho: axis + (axis * axis - 1.0).sqrt(),
             disc,
-            hull,
             distances,
         })
     }

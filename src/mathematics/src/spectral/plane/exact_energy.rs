@@ -1,11 +1,16 @@
 //! The energy by Gauss rules on cells, with a bound of their errors and of rounding.
+//!
+//! Rounding is a model: a bound of the errors of v, psi and their slopes at each point, in units in the last place of
+//! all their terms, times the derivatives of the integrand by them; what is wrong with the points themselves counts
+//! among those errors. That is nearly all of the distance of the two bounds of most solutions; so the integrals are
+//! such that these derivatives are small ([`green`](super::green)).
 
 use super::boundary::State;
 use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
 use super::energy::Integrals;
-use super::moduli::{Moduli, of_psi, psi_errors};
+use super::green::{HarmonicFit, HarmonicNode};
+use super::moduli::{Moduli, of_f, of_psi};
 use super::proof::Proof;
-use super::psi::Psi;
 use super::samples::Sampled;
 use super::setup::Setup;
 use crate::spectral::jumps::JumpEdge;
@@ -15,6 +20,10 @@ use crate::spectral::rule::gauss;
 pub(super) struct BoundedEnergy {
     pub energy: f64,
     pub error: f64,
+    /// Sum of the moduli of all terms.
+    terms: f64,
+    /// Number of cells, whose integrals are added.
+    cells: usize,
 }
 
 /// Energy of v on cells; `left` bounds the variation of v closer to splits than all cells, split by split.
@@ -26,23 +35,27 @@ pub(super) fn bounded_energy(
     samples: &[Sampled],
     left: &[Leftover],
 ) -> Result<BoundedEnergy, &'static str> {
-    let nodes: Vec<_> = samples.iter().flat_map(|own| own.nodes.iter().copied()).collect();
-    let mut sums = Integrals::on_boundary(proof.setup, proof.fit, &nodes);
-    let (mut error, mut total) = (0.0, 0.0);
-    for own in samples {
-        let [of_values, terms] = rounding(proof, own);
-        error += of_values + own.own.cell.gauss_error(modulus(proof, own));
-        total += terms;
+    let harmonic = HarmonicFit::new(proof.fit, samples);
+    let mut sum = BoundedEnergy { energy: 0.0, error: 0.0, terms: 0.0, cells: samples.len() };
+    let mut largest = 0.0f64;
+    for (own, h) in samples.iter().zip(harmonic.moduli(samples)) {
+        let nodes = harmonic.on(own, h);
+        let integrals = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed();
+        let green: f64 = own.nodes.iter().zip(&nodes).map(|(v, h)| h.term(v)).sum();
+        sum.energy += integrals.energy + green;
+        sum.add_rounding(proof, own, &nodes);
+        sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
+        largest = largest.max(h.value + h.slope);
     }
     for edge in &proof.setup.jumps.edges {
-        error += add_edge(proof.setup, edge, &mut sums)?;
+        sum.add_edge(proof.setup, edge)?;
     }
     for own in left {
-        error += own.integrals;
+        sum.error += own.integrals + largest * own.around;
     }
-    // Those of the sum itself.
-    error += (nodes.len() as f64 + 16.0) * f64::EPSILON * total;
-    Ok(BoundedEnergy { energy: sums.completed().energy, error })
+    // Terms have few operations each, and are added cell by cell; weights of Gauss rules are off by some units.
+    sum.error += 0.5 * (sum.cells + POINTS + 64) as f64 * f64::EPSILON * sum.terms;
+    Ok(sum)
 }
 
 /// Boundary closer to a split than all cells, on one side.
@@ -53,6 +66,8 @@ pub(super) struct Leftover {
     pub variation: f64,
     /// Bound of the integrals of the energy there.
     pub integrals: f64,
+    /// Bound of the sum of the integrals of the moduli of g and dg/dn.
+    around: f64,
 }
 
 impl Leftover {
@@ -65,8 +80,9 @@ impl Leftover {
         let variation = terms.sum::<f64>();
         let (node, size) = (&own.nodes[0], EnergyFactors::of(proof, own));
         let value = node.value.abs() + node.psi.abs() + variation + size.rate * least;
-        let integrals = 4.0 * value * (variation + size.rate * least) + size.constants * least;
-        Self { interval: own.own.interval, variation, integrals }
+        let flux = variation + size.rate * least;
+        let integrals = 4.0 * value * flux + size.constants * least;
+        Self { interval: own.own.interval, variation, integrals, around: value * least + flux }
     }
 }
 
@@ -82,10 +98,7 @@ impl EnergyFactors {
         let interval = &proof.fit.walk.intervals[own.own.interval];
         let disc = own.own.cell.disc;
         let far = (disc.centre - proof.setup.centre).norm() + disc.radius;
-        let f = match &proof.setup.jumps.psi {
-            Psi::Jumps(_) => interval.f.abs(),
-            Psi::Polynomial(f) => f.moduli(disc.centre.norm() + disc.radius)[0],
-        };
+        let f = of_f(&proof.setup.jumps.psi, interval.f, disc);
         let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
         let far = 1.0 + far + disc.centre.norm();
         let Moduli { value, slope } = own.moduli.psi;
@@ -95,97 +108,118 @@ impl EnergyFactors {
 }
 
 /// Bound of the integrand of the energy on the ellipse of a cell, in its variable: each of its terms is v or psi times
-/// a slope of v or psi, or f times psi and powers of the distance from the middle.
-fn modulus(proof: &Proof, own: &Sampled) -> f64 {
+/// a slope of v or psi, or f times psi and powers of the distance from the middle; with that of Green's identity for h.
+fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let (cell, moduli) = (&own.own.cell, &own.moduli);
     let r = if cell.is_log { cell.distances[1] } else { 1.0 };
     let [value, slope] = [&moduli.value, &moduli.slope]
         .map(|terms| terms.iter().map(|[g, m]| m * libm::pow(r, *g)).sum::<f64>());
     let size = EnergyFactors::of(proof, own);
-    size.constants * (value + 1.0) * (slope + size.rate * r)
+    // The normal of an arc, continued, is longer than 1.
+    let green = h.value * slope + 1.8 * h.slope * value * r;
+    size.constants * (value + 1.0) * (slope + size.rate * r) + green
 }
 
-/// Error of the integrals of a cell by rounding of v, psi and their slopes, and the sum of the moduli of their terms.
-///
-/// The integrand of the energy is `1/2 (v (s l + psi_n - 2 q) - psi l - f psi)` with s = -1 where v should be zero and
-/// 1 elsewhere, in which `int f psi` is an integral of `f (1/2 psi (x.n) - q psi_n - 1/4 f q (x.n))`, q = |x|^2 / 4.
-fn rounding(proof: &Proof, own: &Sampled) -> [f64; 2] {
-    let interval = &proof.fit.walk.intervals[own.own.interval];
-    let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
-    let of_psi = psi_errors(own.moduli.psi_here);
-    let mut sums = [0.0; 2];
-    for (node, [value, slope]) in own.nodes.iter().zip(&own.rounding) {
-        let (weight, z) = (node.spot.weight, node.spot.z);
-        let by_value = 0.5 * (node.flux.abs() + node.psi_flux.abs()) + q;
-        let by_slope = 0.5 * (node.value.abs() + node.psi.abs());
-        let f = match &proof.setup.jumps.psi {
-            Psi::Jumps(_) => interval.f.abs(),
-            Psi::Polynomial(f) => f.moduli(z.norm())[0],
+impl BoundedEnergy {
+    /// Adds the error of the integrals of a cell by rounding of v, psi and their slopes.
+    ///
+    /// The integrand of the energy is `1/2 (v (s l + psi_n - 2 q) - psi l - f psi)` with s = -1 where v should be zero
+    /// and 1 elsewhere, in which `int f psi` is an integral of `f (1/2 psi (x.n) - p psi_n - 1/4 f p (x.n))`, p =
+    /// |x|^2 / 4; that of Green's identity is `1/2 (h_n (v - psi) - h (l - psi_n))`.
+    fn add_rounding(&mut self, proof: &Proof, own: &Sampled, harmonic: &[HarmonicNode]) {
+        let (cell, interval) = (&own.own.cell, &proof.fit.walk.intervals[own.own.interval]);
+        let (sign, q) = match interval.state {
+            State::Held => (-1.0, 0.0),
+            State::Flux(q) => (1.0, q),
         };
-        let square = 0.25 * (z - proof.setup.centre).norm2();
-        let far = if matches!(proof.setup.jumps.psi, Psi::Jumps(_)) {
-            2.0 * square.sqrt()
-        } else {
-            z.norm()
-        };
-        let by_psi = 0.5 * f * far + 0.5 * node.flux.abs();
-        let by_psi_slope = f * square + 0.5 * node.value.abs();
-        sums[0] += weight * (value * by_value + slope * by_slope);
-        sums[0] += weight * (of_psi[0] * by_psi + of_psi[1] * by_psi_slope);
-        sums[1] += weight * (node.value.abs() * by_value + node.psi.abs() * by_psi);
-        sums[1] += weight * (node.psi_flux.abs() * by_psi_slope + f * f * far * square);
+        let f = of_f(&proof.setup.jumps.psi, interval.f, cell.disc);
+        // Weights in log r.
+        let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
+        let both = own.nodes.iter().zip(&own.rounding);
+        for (((node, [value, slope]), psi), h) in both.zip(&own.psi).zip(harmonic) {
+            let (v, l, [g, rate]) = (node.value, node.flux, HarmonicNode::of_g(node));
+            let z = node.spot.z;
+            let square = 0.25 * (z - proof.setup.centre).norm2();
+            let far = z.norm().max(2.0 * square.sqrt());
+            let by_value = 0.5 * (sign * l + node.psi_flux - 2.0 * q + h.flux).abs() + slope;
+            let by_slope = 0.5 * (sign * v - node.psi - h.value).abs();
+            let by_psi = 0.5 * ((l + h.flux).abs() + 0.5 * f * far);
+            let by_psi_slope = 0.5 * ((v + h.value).abs() + f * square);
+            let terms = v.abs() * (1.5 * l.abs() + 0.5 * node.psi_flux.abs() + q.abs())
+                + 0.5 * node.psi.abs() * (l.abs() + 0.5 * f * far)
+                + 0.5 * f * square * (node.psi_flux.abs() + 0.25 * f * far)
+                + 0.5 * (h.flux * g).abs()
+                + 0.5 * (h.value * rate).abs();
+            let error = value * by_value
+                + slope * by_slope
+                + psi.value * by_psi
+                + psi.slope * by_psi_slope
+                + 0.5 * (h.errors[0] * rate.abs() + h.errors[1] * g.abs())
+                + weights * terms;
+            self.error += node.spot.weight * error;
+            self.terms += node.spot.weight * terms;
+        }
     }
-    sums
-}
 
-/// Adds the integrals along a jump of f; returns a bound of their error.
-fn add_edge(setup: &Setup, edge: &JumpEdge, sums: &mut Integrals) -> Result<f64, &'static str> {
-    let singular = Singular { psi: &setup.jumps.psi, points: Vec::new() };
-    let (curve, rule) = (edge.arc.curve, gauss(POINTS));
-    let [start, end] = edge.arc.span;
-    let half = 0.5 * (end - start);
-    let [left, right] = edge.values;
-    let mut error = 0.0;
-    for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])] {
-        let centre = curve.at(from);
-        let reach = (singular.room(centre, Some(usize::MAX)) / 2.4)
-            .min(0.25 / curve.curvature)
-            .min(setup.diameter);
-        let top = (0.2 * reach).min(half);
-        let near = Surroundings { centre, top, least: 1e-16 * top, reach };
-        let stretch = CellStretch {
-            track: Track::Curve(curve, from, way),
-            singular: &singular,
-            curvature: curve.curvature,
-            length: half,
-            longest: 0.25 * setup.diameter,
-            near: vertex.map(|_| near),
-        };
-        let cells = stretch.cells().ok_or("psi on jumps of f")?;
-        let (mut points, mut normals) = (Vec::new(), Vec::new());
-        for cell in cells {
-            let psi = of_psi(&setup.jumps.psi, cell.disc);
-            let Moduli { value, slope } = psi;
-            let errors = psi_errors(of_psi(&setup.jumps.psi, cell.hull));
-            for [r, weight] in cell.nodes(&rule) {
-                let s = from + way * r;
-                points.push(curve.at(s));
-                normals.push((-curve.direction(s).turned()).scaled(weight));
-                let square = 0.25 * (curve.at(s) - setup.centre).norm2();
-                let by_value = square.sqrt()
-                    * (errors[0] + 8.0 * f64::EPSILON * (left + right).abs() * square);
-                error += weight * (left - right).abs() * (by_value + square * errors[1]);
-            }
-            let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
-            let size = (left - right).abs() * far * far * far;
-            let size = 4.0 * size * (value + slope + left.abs() + right.abs());
-            let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
-            error += cell.gauss_error(size * scale);
-            if cell.is_log {
-                error += 1e-16 * top * size;
+    /// Adds the integrals along a jump of f.
+    fn add_edge(&mut self, setup: &Setup, edge: &JumpEdge) -> Result<(), &'static str> {
+        /// Part of a jump, over its longest cell in log r, that is left out at an end.
+        const LEFT: f64 = 1e-24;
+        let singular = Singular { psi: &setup.jumps.psi, points: Vec::new() };
+        let (curve, rule) = (edge.arc.curve, gauss(POINTS));
+        let [start, end] = edge.arc.span;
+        let half = 0.5 * (end - start);
+        let [left, right] = edge.values;
+        let (jump, both) = ((left - right).abs(), left.abs() + right.abs());
+        let psi = &setup.jumps.psi;
+        for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])] {
+            let centre = curve.at(from);
+            let reach = (singular.room(centre, Some(usize::MAX)) / 2.4)
+                .min(0.25 / curve.curvature)
+                .min(setup.diameter);
+            let top = (0.2 * reach).min(half);
+            let near = Surroundings { centre, top, least: LEFT * top, reach };
+            let stretch = CellStretch {
+                track: Track::Curve(curve, from, way),
+                singular: &singular,
+                curvature: curve.curvature,
+                length: half,
+                longest: 0.25 * setup.diameter,
+                near: vertex.map(|_| near),
+            };
+            for cell in stretch.cells().ok_or("psi on jumps of f")? {
+                let (mut points, mut normals) = (Vec::new(), Vec::new());
+                for [r, weight] in cell.nodes(&rule) {
+                    let s = from + way * r;
+                    points.push(curve.at(s));
+                    normals.push((-curve.direction(s).turned()).scaled(weight));
+                }
+                let mut sums = Integrals::default();
+                sums.add_jump(setup, edge.values, &points, &normals);
+                self.energy += sums.completed().energy;
+                self.cells += 1;
+                let (gradients, errors) = (psi.gradients(&points), psi.errors(&points));
+                for (k, (&z, own)) in points.iter().zip(errors).enumerate() {
+                    let (weight, slope) = (0.5 * jump * normals[k].norm(), gradients[k].norm());
+                    let square = 0.25 * (z - setup.centre).norm2();
+                    // Coordinates are off by two units.
+                    let units = 2.0 * f64::EPSILON;
+                    let by_value = square.sqrt() * (own.value + units * slope);
+                    let by_slope = square * (own.slope + units * own.bend);
+                    let sizes = psi.value(z).abs() + 0.5 * both * square;
+                    self.error += weight * (by_value + by_slope);
+                    self.terms += weight * (square.sqrt() * sizes + square * slope);
+                }
+                let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
+                let Moduli { value, slope } = of_psi(psi, cell.disc);
+                let size = 4.0 * jump * far * far * far * (value + slope + both);
+                let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
+                self.error += cell.gauss_error(size * scale);
+                if cell.is_log && cell.span[0] <= 1.01 * near.least {
+                    self.error += near.least * size;
+                }
             }
         }
-        sums.add_jump(setup, edge.values, &points, &normals);
+        Ok(())
     }
-    Ok(error)
 }

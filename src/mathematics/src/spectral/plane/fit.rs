@@ -120,7 +120,7 @@ pub(super) fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
     }
 }
 
-/// Fits of a search so far.
+/// Fits of searches so far.
 #[derive(Default)]
 pub(super) struct Effort {
     /// Number of fits, which are steps of Newton's method.

@@ -245,18 +245,18 @@ impl Family {
                 }
                 if step != 0.0 {
                     powers.iter_mut().zip(&factors).for_each(|(x, factor)| *x = *x * *factor);
-                    reached = power;
+                    reached = if apart == step { power } else { reached + apart };
                 }
                 if slopes && log {
                     let logs = logs.iter().zip(&powers).zip(&rates);
                     derivatives.extend(
                         logs.map(|((l, value), rate)| {
-                            *value * l.scaled(power).shifted(1.0) * *rate
+                            *value * l.scaled(reached).shifted(1.0) * *rate
                         }),
                     );
                 } else if slopes {
                     let both = powers.iter().zip(&rates);
-                    derivatives.extend(both.map(|(value, rate)| (*value * *rate).scaled(power)));
+                    derivatives.extend(both.map(|(value, rate)| (*value * *rate).scaled(reached)));
                 }
                 if log {
                     values.extend(powers.iter().zip(&logs).map(|(value, l)| *value * *l));
@@ -269,7 +269,7 @@ impl Family {
 }
 
 /// Largest difference of steps between powers that are the same but for rounding.
-const SAME_STEP: f64 = 1e-14;
+const SAME_STEP: f64 = 2e-15;
 
 /// Exponentials of a multiple of logarithms.
 #[inline(always)]

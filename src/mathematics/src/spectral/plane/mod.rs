@@ -41,6 +41,7 @@ mod field;
 mod fit;
 mod frame;
 mod functions;
+mod green;
 mod images;
 mod jumps;
 mod least_squares;
@@ -54,6 +55,7 @@ mod polynomial;
 mod problem;
 mod proof;
 mod psi;
+mod psi_errors;
 mod regions;
 mod residual;
 mod samples;
@@ -67,6 +69,7 @@ use crate::problem::text::plain;
 pub(crate) use arcs::PlaneArc;
 pub use domain::PlaneError;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
+use fit::Effort;
 use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
 use panels::Spot;
@@ -86,6 +89,17 @@ pub(crate) struct PlaneBracket {
     /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are
     /// guaranteed, but for the model of rounding errors in [`proof`].
     pub reserve: Vec<String>,
+}
+
+impl PlaneBracket {
+    fn width(&self) -> f64 {
+        self.upper - self.lower
+    }
+
+    /// True if it is guaranteed and narrower than another one.
+    fn is_better(&self, other: &Self) -> bool {
+        self.reserve.is_empty() && self.width() < other.width()
+    }
 }
 
 /// Conditions that must hold of a solution and were not used to find it.
@@ -153,26 +167,37 @@ impl fmt::Display for PlaneChecks {
     }
 }
 
-/// Solves a problem from a contact set.
+/// Solves a problem from a contact set, with the effort that all starts share; on the finest level, if the bounds of
+/// the energy are then nearer to each other and without it nine digits of it are not certain.
 ///
 /// # Errors
 /// [`PlaneError`], with a sentence for the user.
-pub(crate) fn solve(
+fn solve(
     problem: &PlaneProblem,
     start: &PlaneStart,
+    effort: &mut Effort,
 ) -> Result<PlaneSolution, PlaneError> {
+    /// Distance of bounds over the energy.
+    const NINE_DIGITS: f64 = 1e-9;
     let frame = Frame::of(&problem.domain);
     let setup = Setup::new(&frame.problem(problem))?;
-    let found = search::search(&setup, &frame.start(start))?;
-    let PlaneFound { integrals, sizes, signs, fit, nodes, .. } = &found;
+    let mut found = search::search(&setup, &frame.start(start), effort)?;
     let mut bracket = bounds::bracket(&setup, &found);
+    let is_wide = bracket.width() > NINE_DIGITS * found.integrals.energy.abs();
+    if is_wide && bracket.reserve.is_empty() {
+        let refined = found.refined(&setup).map(|own| (bounds::bracket(&setup, &own), own));
+        if let Some((own, refined)) = refined.filter(|(own, _)| own.is_better(&bracket)) {
+            (found, bracket) = (refined, own);
+        }
+    }
+    let PlaneFound { integrals, sizes, signs, fit, nodes, .. } = &found;
     let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
     let checks = PlaneChecks {
         residual: sizes.residual / sizes.value,
         balance: (integrals.force + integrals.source) / size,
         flux: signs.flux,
         sign: signs.value,
-        bracket: (bracket.upper - bracket.lower) / integrals.energy.abs(),
+        bracket: bracket.width() / integrals.energy.abs(),
     };
     let square = frame.unit * frame.unit;
     (bracket.lower, bracket.upper) =

@@ -82,12 +82,14 @@ pub(super) fn of_functions(fit: &Fit, disc: Disc, without: Option<usize>) -> Mod
     sum
 }
 
-/// Bounds of the polynomial part of g on discs.
-pub(super) fn of_polynomial(fit: &Fit, discs: &[Disc]) -> Vec<Moduli> {
-    let arnoldi = fit.functions.arnoldi.clone();
+/// Bounds of a polynomial on discs, by Arnoldi's matrix and the coefficients.
+pub(super) fn of_polynomial(
+    arnoldi: &[Vec<Complex>],
+    own: &[Complex],
+    discs: &[Disc],
+) -> Vec<Moduli> {
     let points = 2 * arnoldi.len().max(1);
-    let own = &fit.coefficients[fit.coefficients.len() - arnoldi.len() - 1..];
-    let functions = Functions { families: Vec::new(), holes: Vec::new(), arnoldi };
+    let functions = Functions { arnoldi: arnoldi.to_vec(), ..Functions::default() };
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
         let mut spots = Vec::with_capacity(discs.len() * points);
@@ -182,9 +184,12 @@ pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
     }
 }
 
-/// Rounding errors of psi and of its gradient.
-pub(super) fn psi_errors(psi: Moduli) -> [f64; 2] {
-    [psi.value, psi.slope].map(|size| 16.0 * f64::EPSILON * size)
+/// Bound of f on a disc, beside which it is `here` if constant on pieces.
+pub(super) fn of_f(psi: &Psi, here: f64, disc: Disc) -> f64 {
+    match psi {
+        Psi::Jumps(_) => here.abs(),
+        Psi::Polynomial(f) => f.moduli(disc.centre.norm() + disc.radius)[0],
+    }
 }
 
 impl Jump {

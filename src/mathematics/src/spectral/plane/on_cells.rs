@@ -3,10 +3,11 @@
 use super::cells::{POINTS, ProofCell};
 use super::field::node;
 use super::functions::{Power, Values};
-use super::moduli::{Disc, Moduli, TURNS, of_functions, of_polynomial, of_psi};
+use super::moduli::{Disc, Moduli, TURNS, of_f, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
 use super::proof::Proof;
-use super::samples::{CellModuli, Sampled};
+use super::samples::{CellModuli, Sampled, weights};
+use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;
 
@@ -23,7 +24,9 @@ impl Proof<'_> {
                 discs.push(disc);
             }
         }
-        let polynomials = of_polynomial(self.fit, &discs);
+        let arnoldi = &self.fit.functions.arnoldi;
+        let own = &self.fit.coefficients[self.fit.coefficients.len() - arnoldi.len() - 1..];
+        let polynomials = of_polynomial(arnoldi, own, &discs);
         let both = cells.iter().zip(numbers);
         both.map(|(own, number)| self.moduli_on(own, polynomials[number])).collect()
     }
@@ -36,11 +39,10 @@ impl Proof<'_> {
         rest.add(polynomial);
         let psi = of_psi(&self.setup.jumps.psi, own.cell.disc);
         rest.add(psi);
-        let psi_here = of_psi(&self.setup.jumps.psi, own.cell.hull);
         // The normal of an arc, continued, is longer than 1.
         rest.slope *= if interval.curvature == 0.0 { 1.0 } else { 1.8 };
         let (value, slope) = (vec![[0.0, rest.value]], vec![[1.0, rest.slope]]);
-        let mut moduli = CellModuli { value, slope, rest, psi, psi_here };
+        let mut moduli = CellModuli { value, slope, rest, psi };
         if split.is_some() {
             self.add_own(own, split, &mut moduli);
         }
@@ -83,10 +85,12 @@ impl Proof<'_> {
 
     /// v on cells.
     pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
-        let rule = gauss(POINTS);
+        /// Cells whose values are kept in the cache.
+        const TOGETHER: usize = 6;
+        let (rule, weights) = (gauss(POINTS), weights());
         let mut samples = Vec::with_capacity(cells.len());
         let mut moduli = self.moduli(cells).into_iter();
-        for block in cells.chunks(64) {
+        for block in cells.chunks(TOGETHER) {
             let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
             let mut distances: Vec<f64> = Vec::with_capacity(block.len() * POINTS);
             for own in block {
@@ -104,6 +108,7 @@ impl Proof<'_> {
             let ([g, slopes], errors) = self.sums(&values);
             let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
             let gradients = self.setup.jumps.psi.gradients(&points);
+            let psi_errors = self.setup.jumps.psi.errors(&points);
             for (k, own) in block.iter().enumerate() {
                 let range = k * POINTS..(k + 1) * POINTS;
                 let moduli = moduli.next().expect("one for each cell");
@@ -115,8 +120,11 @@ impl Proof<'_> {
                     sampled.nodes.push(node);
                     sampled.slopes.push(slope);
                     sampled.rounding.push([errors[0][i], errors[1][i]]);
+                    sampled.psi.push(psi_errors[i]);
                 }
-                sampled.add_rounding();
+                let interval = &self.fit.walk.intervals[own.interval];
+                let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
+                sampled.add_rounding(f, interval.curvature, &weights);
                 self.add_logs(&mut sampled);
                 samples.push(sampled);
             }
@@ -141,23 +149,37 @@ impl Proof<'_> {
         units
     }
 
-    /// g and its derivative, point by point, and their rounding errors: those of the terms, and of each partial sum.
+    /// g and its derivative, point by point, and their rounding errors: those of the terms, since what each addition
+    /// loses is added at last.
     fn sums(&self, values: &Values) -> ([Vec<Complex>; 2], [Vec<f64>; 2]) {
         let units = self.units();
         let mut errors = [vec![0.0; values.points], vec![0.0; values.points]];
         let zeros = vec![Complex::default(); values.points];
-        let mut sums = [zeros.clone(), zeros];
+        let (mut sums, mut lost) = ([zeros.clone(), zeros.clone()], [zeros.clone(), zeros]);
         let logs = self.fit.logs.iter().map(|&c| Complex::new(c, 0.0));
         for (k, c) in self.fit.coefficients.iter().copied().chain(logs).enumerate() {
             let range = k * values.points..(k + 1) * values.points;
             for which in [0, 1] {
                 let own = &[&values.all, &values.slopes][which][range.clone()];
-                let both = sums[which].iter_mut().zip(&mut errors[which]);
-                for ((sum, error), value) in both.zip(own) {
-                    let term = c * *value;
-                    *sum = *sum + term;
-                    *error += f64::EPSILON * (units[k] * term.norm() + sum.norm());
-                }
+                vectorised(
+                    #[inline(always)]
+                    || {
+                        let both = sums[which].iter_mut().zip(&mut lost[which]);
+                        for (((sum, lost), error), value) in both.zip(&mut errors[which]).zip(own) {
+                            let term = c * *value;
+                            add(&mut sum.re, &mut lost.re, term.re);
+                            add(&mut sum.im, &mut lost.im, term.im);
+                            *error += units[k] * term.norm();
+                        }
+                    },
+                );
+            }
+        }
+        for which in [0, 1] {
+            let both = sums[which].iter_mut().zip(&lost[which]).zip(&mut errors[which]);
+            for ((sum, lost), error) in both {
+                *sum = *sum + *lost;
+                *error = f64::EPSILON * (*error + 2.0 * sum.norm());
             }
         }
         (sums, errors)
@@ -178,4 +200,13 @@ impl Proof<'_> {
             }
         }
     }
+}
+
+/// Adds a term to a sum, and what the addition loses to another one: Knuth, *The Art of Computer Programming* 2, 4.2.2.
+#[inline(always)]
+fn add(sum: &mut f64, lost: &mut f64, term: f64) {
+    let total = *sum + term;
+    let part = total - *sum;
+    *lost += (*sum - (total - part)) + (term - part);
+    *sum = total;
 }

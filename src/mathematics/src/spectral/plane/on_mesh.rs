@@ -1,5 +1,6 @@
 //! Problems on the domains of meshes, solved from their finite element solutions.
 
+use super::fit::Effort;
 use super::outline::outline;
 use super::regions::regions;
 use super::start::MeshSolution;
@@ -44,11 +45,12 @@ pub(crate) fn solve_on_mesh(
     let problem = problem(mesh, f, law, height)?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
     let sides = problem.domain.loops().iter().map(Vec::len).sum::<usize>() as f64;
+    let mut effort = Effort::default();
     for nodes in STARTS {
         // Short sides want short edges.
         let most_nodes = nodes * (sides / SIDES).max(1.0).powi(2);
         let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
-        match solve(&problem, &solution.start(&problem)) {
+        match solve(&problem, &solution.start(&problem), &mut effort) {
             Err(failed) => error = failed,
             Ok(solution) => return Ok(PlaneTruth { height, problem, solution }),
         }

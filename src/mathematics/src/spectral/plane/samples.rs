@@ -2,7 +2,8 @@
 
 use super::cells::{POINTS, ProofCell, legendre};
 use super::field::PlaneNode;
-use super::moduli::{Moduli, psi_errors};
+use super::moduli::Moduli;
+use super::psi_errors::PsiErrors;
 use crate::spectral::rule::gauss;
 
 /// Which function on the boundary is meant.
@@ -24,8 +25,6 @@ pub(super) struct CellModuli {
     /// All but the functions of the split.
     pub rest: Moduli,
     pub psi: Moduli,
-    /// Those of psi on the cell itself.
-    pub psi_here: Moduli,
 }
 
 /// Values on a cell.
@@ -36,6 +35,8 @@ pub(super) struct Sampled {
     pub slopes: Vec<f64>,
     /// Bounds of the rounding errors of values and of slopes.
     pub rounding: Vec<[f64; 2]>,
+    /// Those of psi and its gradient.
+    pub psi: Vec<PsiErrors>,
     pub moduli: CellModuli,
     /// Distances from the end.
     distances: Vec<f64>,
@@ -71,31 +72,50 @@ pub(super) struct Deficit {
 impl Sampled {
     /// No values yet, at points with these distances from the end.
     pub(super) fn new(own: ProofCell, moduli: CellModuli, distances: Vec<f64>) -> Self {
-        let (nodes, slopes, rounding) = (Vec::new(), Vec::new(), Vec::new());
-        Self { own, nodes, slopes, rounding, moduli, distances }
+        let (nodes, slopes, rounding, psi) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { own, nodes, slopes, rounding, psi, moduli, distances }
     }
 
-    /// Adds the rounding errors of psi, and of coordinates that are off by two units in the last place, to those of g.
+    /// Adds the rounding errors of psi, and of coordinates that are off by two units in the last place, to those of g;
+    /// `f` bounds f here, and `curvature` is that of the boundary.
     ///
-    /// On a cell in log r the functions of the split see no such error. On another one all functions see the same
-    /// point; there the slopes of v, as polynomials of degree n - 1, have derivatives of no more than `(n - 1)^2` times
-    /// their size over half of the length (Markov).
-    pub(super) fn add_rounding(&mut self) {
-        let (cell, psi) = (&self.own.cell, psi_errors(self.moduli.psi_here));
-        let [slope, curvature] = if cell.is_log {
-            let slope = self.moduli.rest.slope;
-            [slope, slope / cell.disc.radius]
-        } else {
-            let sizes = self.nodes.iter().zip(&self.slopes);
-            let slope =
-                sizes.fold(0.0f64, |most, (node, slope)| most.max(node.flux.abs() + slope.abs()));
-            let order = (POINTS - 1) as f64;
-            [2.0 * slope, 4.0 * slope * order * order / cell.length()]
-        };
-        for [value, derivative] in &mut self.rounding {
-            *value += psi[0] + 2.0 * f64::EPSILON * slope;
-            *derivative += psi[1] + 2.0 * f64::EPSILON * curvature;
+    /// On a cell in log r the functions of the split do not see the error of coordinates, but all see one of log r,
+    /// by a unit and one for each of its length. On another one all functions see the same point.
+    pub(super) fn add_rounding(&mut self, f: f64, curvature: f64, weights: &[f64]) {
+        let cell = &self.own.cell;
+        let bends = [Quantity::Flux, Quantity::Slope].map(|own| self.bend(Test::of(own), weights));
+        let bend = bends[0] + bends[1];
+        let sizes = self.nodes.iter().zip(&self.slopes);
+        let sizes: Vec<f64> = sizes.map(|(node, slope)| node.flux.abs() + slope.abs()).collect();
+        let most = sizes.iter().fold(0.0f64, |most, size| most.max(*size));
+        // The normal is off too.
+        let turned = most * (1.0 + 2.0 * curvature.abs());
+        for (i, [value, derivative]) in self.rounding.iter_mut().enumerate() {
+            let (r, rest) = (self.distances[i], self.moduli.rest.slope);
+            let [slope, curvature] = match cell.is_log {
+                true => {
+                    let part = 0.5 * (1.0 + cell.length());
+                    let along = part * (bend / r + sizes[i]);
+                    [rest + part * r * sizes[i], rest / cell.disc.radius + along]
+                }
+                false => [2.0 * most, bend + turned + f],
+            };
+            *value += self.psi[i].value + 2.0 * f64::EPSILON * slope;
+            *derivative += self.psi[i].slope + 2.0 * f64::EPSILON * curvature;
         }
+    }
+
+    /// Bound of the derivative of a slope, of r times it on a cell in log r, by the variable of the cell: by the
+    /// derivatives of Legendre's polynomials, `k (k + 1) / 2` at most on (-1, 1).
+    fn bend(&self, test: Test, weights: &[f64]) -> f64 {
+        let cell = &self.own.cell;
+        let (power, scale) = if cell.is_log { (1.0, cell.span[1]) } else { (0.0, 1.0) };
+        let mut sum = 0.0;
+        for (k, c) in self.legendre(test, power, weights).into_iter().enumerate() {
+            sum += 0.5 * (k * (k + 1)) as f64 * c.abs();
+        }
+        let tail = cell.tail(self.modulus(test, power)) * (POINTS * POINTS) as f64;
+        2.0 * scale * (sum + tail) / cell.length()
     }
 
     fn tested(&self, test: Test, i: usize) -> f64 {
@@ -113,31 +133,54 @@ impl Sampled {
     /// The polynomial through the values is at most the sum of the moduli of its coefficients in Legendre's
     /// polynomials.
     pub(super) fn bounds(&self, test: Test, power: f64, weights: &[f64]) -> [f64; 2] {
-        let cell = &self.own.cell;
-        let to = cell.span[1];
         let which = usize::from(test.quantity != Quantity::Value);
-        let (mut values, mut error) = ([0.0; POINTS], 0.0f64);
-        for (i, value) in values.iter_mut().enumerate() {
-            let weight = if power == 0.0 { 1.0 } else { libm::pow(self.distances[i] / to, power) };
-            *value = weight * self.tested(test, i);
-            error = error.max(weight * self.rounding[i][which]);
+        let mut error = 0.0f64;
+        for (i, errors) in self.rounding.iter().enumerate() {
+            error = error.max(self.weight(i, power) * errors[which]);
         }
-        let terms = if which == 0 { &self.moduli.value } else { &self.moduli.slope };
-        let constant = [[which as f64, test.constant.abs()]];
-        let mut modulus = 0.0;
-        for &[own, factor] in terms.iter().chain(&constant) {
-            let sizes =
-                cell.distances.map(|r| libm::pow(r, own - which as f64) * libm::pow(r / to, power));
-            modulus += factor * sizes[0].max(sizes[1]);
-        }
-        let slack = cell.tail(modulus) + POINTS as f64 * error;
+        let slack = self.own.cell.tail(self.modulus(test, power)) + POINTS as f64 * error;
         let mut sums = [0.0; 2];
-        for (k, row) in weights.chunks_exact(POINTS).enumerate() {
-            let c: f64 = row.iter().zip(&values).map(|(weight, value)| weight * value).sum();
+        for (k, c) in self.legendre(test, power, weights).into_iter().enumerate() {
             sums[0] += if k == 0 { c } else { -c.abs() };
             sums[1] += c.abs();
         }
         [sums[0] - slack, sums[1] + slack]
+    }
+
+    /// `(r / to)^power` at a point.
+    fn weight(&self, i: usize, power: f64) -> f64 {
+        let ratio = self.distances[i] / self.own.cell.span[1];
+        match power {
+            0.0 => 1.0,
+            1.0 => ratio,
+            _ => libm::pow(ratio, power),
+        }
+    }
+
+    /// Coefficients of Legendre polynomials of a tested function times `(r / to)^power`.
+    fn legendre(&self, test: Test, power: f64, weights: &[f64]) -> [f64; POINTS] {
+        let values: [f64; POINTS] =
+            std::array::from_fn(|i| self.weight(i, power) * self.tested(test, i));
+        let mut coefficients = [0.0; POINTS];
+        for (c, row) in coefficients.iter_mut().zip(weights.chunks_exact(POINTS)) {
+            *c = row.iter().zip(&values).map(|(weight, value)| weight * value).sum();
+        }
+        coefficients
+    }
+
+    /// Bound of the modulus of a tested function times `(r / to)^power` on the ellipse.
+    fn modulus(&self, test: Test, power: f64) -> f64 {
+        let (cell, which) = (&self.own.cell, usize::from(test.quantity != Quantity::Value));
+        let terms = if which == 0 { &self.moduli.value } else { &self.moduli.slope };
+        let constant = [[which as f64, test.constant.abs()]];
+        let mut modulus = 0.0;
+        for &[own, factor] in terms.iter().chain(&constant) {
+            let sizes = cell
+                .distances
+                .map(|r| libm::pow(r, own - which as f64) * libm::pow(r / cell.span[1], power));
+            modulus += factor * sizes[0].max(sizes[1]);
+        }
+        modulus
     }
 
     /// Largest modulus; of a slope on a cell in log r, times r.

@@ -18,6 +18,8 @@ pub(super) struct PlaneFound {
     pub signs: PlaneSigns,
     pub integrals: Integrals,
     pub steps: usize,
+    /// Level on which it was found.
+    level: Level,
 }
 
 /// Fits on a level after which no correction is tried.
@@ -65,11 +67,25 @@ impl PlaneFound {
                         signs,
                         integrals,
                         steps: effort.steps,
+                        level,
                     });
                 }
             }
         }
         Err(PlaneError::NotFound("no contact set with all signs right was found".into()))
+    }
+
+    /// Solution of the finest level from this one's contact set, unless this is it; none if that is not found there.
+    pub(super) fn refined(&self, setup: &Setup) -> Option<Self> {
+        let [.., finest] = Level::FINE;
+        if self.level.degree == finest.degree {
+            return None;
+        }
+        let level = Level { poles: self.level.poles, ..finest };
+        let mut contact = self.contact.clone();
+        let found = Self::on(setup, &mut contact, level, &mut Effort::default(), POINTS[1]).ok()?;
+        let steps = self.steps + found.steps;
+        (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
 
     /// Numbers of unknowns, and energies, of levels from coarse to fine; levels on which the ends do not settle are
@@ -119,23 +135,20 @@ fn is_near(one: &[RingContact], other: &[RingContact], perimeter: f64) -> bool {
 }
 
 /// Solves a problem from a contact set.
-pub(super) fn search(setup: &Setup, start: &PlaneStart) -> Result<PlaneFound, PlaneError> {
+pub(super) fn search(
+    setup: &Setup,
+    start: &PlaneStart,
+    effort: &mut Effort,
+) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
-    let mut effort = Effort::default();
     let poles = if setup.narrow { 12.0 } else { 0.0 };
-    let coarse = PlaneFound::on(
-        setup,
-        &mut contact,
-        Level { poles, ..Level::COARSE },
-        &mut effort,
-        POINTS[0],
-    )?;
+    let coarse =
+        PlaneFound::on(setup, &mut contact, Level { poles, ..Level::COARSE }, effort, POINTS[0])?;
     contact = coarse.contact;
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
         let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
-        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, &mut effort, POINTS[1])
-        {
+        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, effort, POINTS[1]) {
             Ok(found) => {
                 let better =
                     best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());

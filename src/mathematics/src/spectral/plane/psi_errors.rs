@@ -1,0 +1,155 @@
+//! Rounding errors of psi and of its gradient at points: some units in the last place of the moduli of all terms.
+//!
+//! The position of a point seen from a curve is off by two units of its distance D from the origin of the curve, a
+//! fifth of which stands beside the factors that are small next to the curve, so that 16 units cover both.
+
+use super::psi::Psi;
+use crate::problem::complex::Complex;
+use crate::spectral::curve::{Arc, Polar};
+use crate::spectral::potential::{Jump, Potential};
+use std::f64::consts::TAU;
+
+/// Bounds at a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PsiErrors {
+    /// Rounding error of psi.
+    pub value: f64,
+    /// That of its gradient.
+    pub slope: f64,
+    /// Change of the gradient over that of the point; of jumps alone.
+    pub bend: f64,
+}
+
+/// Units of a term.
+const UNITS: f64 = 16.0;
+/// Least distance from the centre of a circle, in radii, by which is divided.
+const CENTRE: f64 = 0.01;
+
+impl Psi {
+    /// Bounds at points.
+    pub(super) fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
+        match self {
+            Self::Jumps(potential) => potential.errors(points),
+            Self::Polynomial(f) => {
+                let moduli = points.iter().map(|z| f.moduli(z.norm()));
+                let errors = moduli.map(|[_, value, slope]| PsiErrors { value, slope, bend: 0.0 });
+                errors.map(|own| own.scaled(UNITS * f64::EPSILON)).collect()
+            }
+        }
+    }
+}
+
+impl PsiErrors {
+    fn scaled(self, units: f64) -> Self {
+        Self { value: units * self.value, slope: units * self.slope, ..self }
+    }
+}
+
+impl Potential {
+    fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
+        let (logs, many) = (self.logs(points), points.len());
+        // One more for each addition.
+        let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
+        let (background, constant) = (0.5 * self.background.abs(), self.gauge[0].norm());
+        let mut errors = Vec::with_capacity(many);
+        for (i, &z) in points.iter().enumerate() {
+            let slope = background * z.norm();
+            let mut sum = PsiErrors {
+                value: 0.5 * slope * z.norm(),
+                slope: slope + constant,
+                bend: background,
+            };
+            for jump in &self.jumps {
+                let ends = jump.arc.ends;
+                let ends = ends.map(|end| end.map(|v| [self.vertices[v] - z, logs[v * many + i]]));
+                let (own, factor) = (jump.sizes(z, ends), jump.size.abs() / (2.0 * TAU));
+                sum.value += factor * own.value;
+                sum.slope += factor * own.slope;
+                sum.bend += factor * own.bend;
+            }
+            errors.push(sum.scaled(units));
+        }
+        errors
+    }
+}
+
+impl Jump {
+    /// Sums of the moduli of all terms for a jump of 4 pi, by its ends seen from the point with their logarithms; with
+    /// nu, power and logarithm of [`Potential`], whose gradients are 1, 2 nu and at most two over the distance from the
+    /// curve, `(1 + nu)` times which bounds the power.
+    fn sizes(&self, z: Complex, ends: [Option<[Complex; 2]>; 2]) -> PsiErrors {
+        let Arc { curve, span, .. } = self.arc;
+        let Polar { nu, power } = curve.polar(z);
+        let (nu, away) = (nu.norm().max(CENTRE), (z - curve.origin).norm());
+        let power = power.abs() + 0.2 * away * (1.0 + curve.curvature * away);
+        let length = (span[1] - span[0]).abs();
+        let sweep = curve.curvature * length;
+        let (mut logs, mut moments) = (TAU + sweep, 0.0);
+        for [end, log] in ends.into_iter().flatten() {
+            logs += 1.0 + log.norm();
+            moments += end.norm() * (1.5 + log.norm());
+        }
+        let slope = power * logs / nu + 2.0 * length;
+        let bend = 2.0 * (logs + 1.0 + 1.0 / nu) + curve.curvature * slope / nu;
+        let value = match curve.centre() {
+            None => 0.5 * power * (0.5 * power * logs + moments),
+            Some(centre) => {
+                let (radius, far) = (1.0 / curve.curvature, (z - centre).norm());
+                let [log, own] = [far.max(CENTRE * radius), radius].map(|r| libm::log(r).abs());
+                let dilogarithms = ends.iter().flatten().map(|end| 2.0 + end[1].norm() + own);
+                let [square, round] =
+                    [(radius * radius - far * far).abs(), radius * radius + far * far];
+                radius * (radius + far) * dilogarithms.sum::<f64>()
+                    + round * sweep * (1.0 + log + own)
+                    + 0.5 * (square + 0.2 * round) * logs
+            }
+        };
+        PsiErrors { value, slope, bend }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectral::curve::Curve;
+
+    /// psi of jumps along an arc between places, one from each to the next.
+    fn along(curve: Curve, places: &[f64]) -> Psi {
+        let vertices = places.iter().map(|&s| curve.at(s)).collect();
+        let mut potential = Potential { vertices, ..Potential::default() };
+        for (k, pair) in places.windows(2).enumerate() {
+            let arc = Arc { curve, span: [pair[0], pair[1]], ends: [Some(k), Some(k + 1)] };
+            potential.add(arc, 3.0);
+        }
+        Psi::of_jumps(potential, &[Complex::default()], |_| 0.0)
+    }
+
+    #[test]
+    fn an_arc_and_its_halves_differ_by_no_more_than_rounding() {
+        let (origin, tangent) = (Complex::new(0.3, -0.2), Complex::new(0.8, 0.6));
+        for curvature in [0.0, 0.7, 3.0] {
+            let curve = Curve { origin, tangent, curvature };
+            let [whole, halves] = [&[-0.6, 0.7][..], &[-0.6, 0.1, 0.7]].map(|at| along(curve, at));
+            let mut points = Vec::new();
+            for k in 0..200 {
+                let k = f64::from(k);
+                points.push(Complex::unit(k).scaled(0.006 * k));
+                // Next to the curve and to a vertex.
+                let off = curve.direction(0.1).turned().scaled(libm::exp(-0.1 * k));
+                points.push(curve.at(0.001 * k) + off);
+            }
+            let gradients = [&whole, &halves].map(|psi| psi.gradients(&points));
+            let errors = [&whole, &halves].map(|psi| psi.errors(&points));
+            for (i, &z) in points.iter().enumerate() {
+                let [value, slope] = [0, 1].map(|which: usize| {
+                    let of = |own: &PsiErrors| if which == 0 { own.value } else { own.slope };
+                    of(&errors[0][i]) + of(&errors[1][i])
+                });
+                let difference = halves.value(z) - whole.value(z);
+                assert!(difference.abs() < value && value < 1e-11, "{z:?}: {difference} {value}");
+                let difference = (gradients[1][i] - gradients[0][i]).norm();
+                assert!(difference < slope && slope < 1e-11, "{z:?}: {difference} {slope}");
+            }
+        }
+    }
+}
