@@ -87,7 +87,7 @@ pub(crate) struct PlaneBracket {
     /// Upper bound.
     pub upper: f64,
     /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are
-    /// guaranteed, but for the model of rounding errors in [`proof`].
+    /// guaranteed, but for the model of rounding errors in [`exact_energy`].
     pub reserve: Vec<String>,
 }
 
