@@ -83,8 +83,8 @@ impl KnownHashes {
     ///
     /// Easily broken: a file that is changed twice within one tick of the file system's clock has one state before and
     /// after the second change. So a file is noted only if that clock has gone on since its last change before the file
-    /// is read, and if it is in the same state after. And files of the cache are written without waiting for the disk: a
-    /// file is noted only when the disk has it, so that one that a loss of power damages is read again.
+    /// is read, and if it is in the same state after. And files of the cache are written without waiting for the disk:
+    /// a file is noted only when the disk has it, so that one that a loss of power damages is read again.
     ///
     /// # Errors
     /// [`Error::Io`](crate::error::Error::Io) if the notes cannot be written.

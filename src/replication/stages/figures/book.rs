@@ -77,7 +77,7 @@ pub(super) fn iterates(scene: &Scene) -> Task {
 }
 
 /// Most nodes of the adapted meshes that are drawn.
-const FEW: usize = 600;
+const FEW: usize = 450;
 
 /// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
 pub(super) fn drawings() -> [Task; 6] {
