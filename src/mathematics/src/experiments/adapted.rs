@@ -42,7 +42,7 @@ impl Default for AdaptedPlan {
     fn default() -> Self {
         Self {
             problems: AdaptedProblem::ALL.into(),
-            accuracy: 0.01,
+            accuracy: 0.015,
             refinements: 7,
             finest: 100_000,
             fitted: 1000,
