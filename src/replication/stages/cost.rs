@@ -71,11 +71,7 @@ pub(super) fn adapted(errors: &Rows) -> Result<Picture, String> {
     let mut panels = Vec::new();
     for problem in errors.texts("problem")? {
         let rows = errors.wherever("problem", problem)?;
-        let mut curves = Vec::new();
-        for way in rows.texts("way")? {
-            let points = rows.wherever("way", way)?.points("nodes", "error")?;
-            curves.push(Curve::new(Marked, way, points));
-        }
+        let mut curves = by_way(&rows, "nodes")?;
         curves.push(Law { label: "order 1/2", power: -0.5, factor: 0.6 }.beside(&curves));
         panels.push(Chart::new(problem, ["nodes", "guaranteed error"], curves));
     }
@@ -109,7 +105,30 @@ pub(super) fn race(timings: &Timings) -> Result<Picture, String> {
     }
     let panels: Result<Vec<_>, String> =
         problems.into_iter().map(|problem| race_of(timings, problem)).collect();
-    Ok(charts(false, &panels?))
+    let mut panels = panels?;
+    for problem in timings.adapted.texts("problem")? {
+        let rows = timings.adapted.wherever("problem", problem)?;
+        let mut curves = by_way(&rows, "seconds")?;
+        for curve in &mut curves {
+            // Elements are solved by multigrid.
+            curve.label = match &curve.label[..] {
+                "uniform" => Solver::Multigrid.entry().in_words.into(),
+                "adaptive" => "multigrid, adapted meshes".into(),
+                way => way.into(),
+            };
+        }
+        panels.push(Chart::new(problem, ["seconds", "guaranteed error"], curves));
+    }
+    Ok(charts(false, &panels))
+}
+
+/// Errors over a column, a curve per way of refinement.
+fn by_way(rows: &Rows, column: &str) -> Result<Vec<Curve>, String> {
+    let mut curves = Vec::new();
+    for way in rows.texts("way")? {
+        curves.push(Curve::new(Marked, way, rows.wherever("way", way)?.points(column, "error")?));
+    }
+    Ok(curves)
 }
 
 /// Panel of error against time for one problem, a curve per solver.
