@@ -43,9 +43,9 @@ impl Default for AdaptedPlan {
         Self {
             problems: AdaptedProblem::ALL.into(),
             accuracy: 0.015,
-            refinements: 7,
+            refinements: 6,
             finest: 100_000,
-            fitted: 1000,
+            fitted: 800,
             most_nodes: 6000,
             r: 10.0,
             printed: 1e-4,
