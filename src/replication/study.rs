@@ -106,15 +106,14 @@ impl Study {
     /// True if a column of the table, or an axis of the chart, needs bounds.
     pub(crate) fn needs_bounds(&self) -> bool {
         let on_axis = self.chart.iter().flat_map(|axes| &axes.columns);
-        let shown = self.columns.iter().chain(on_axis);
-        self.columns.is_empty() || shown.into_iter().any(|column| is_of_bounds(of_axis(column).0))
+        let mut shown = self.columns.iter().chain(on_axis);
+        self.columns.is_empty() || shown.any(|column| is_of_bounds(of_axis(column).0))
     }
 
     /// Columns of what was found that the table in CSV has.
     fn tabulated(&self) -> Vec<&'static str> {
         let mut columns = self.found();
-        let is_wanted = |column: &str| self.columns.iter().any(|wanted| wanted == column);
-        columns.retain(|column| self.columns.is_empty() || *column == REASON || is_wanted(column));
+        columns.retain(|column| self.columns.is_empty() || *column == REASON || self.shows(column));
         columns
     }
 

@@ -1,7 +1,7 @@
 //! Scenes on domains other than the square: what they make, when they are made anew, and what is refused.
 
 use crate::common::{Project, TABLE};
-use crate::edits::book;
+use crate::edits::{Files, book, write};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -34,10 +34,7 @@ fn with_gear(project: Project) -> Project {
 
 /// Writes a book of one page into a project.
 fn add_book(project: &Project) {
-    for (path, text) in book() {
-        fs::create_dir_all(project.path(&path).parent().unwrap()).unwrap();
-        project.write(&path, text);
-    }
+    write(project, &Files::new(), &book());
 }
 
 /// A project with the three scenes.

@@ -16,7 +16,7 @@ const EDITS_OF_A_STUDY: usize = 20;
 const STUDIES_PER_BOOK: u64 = 10;
 
 /// Files of a study that a run reads, by path.
-type Files = BTreeMap<String, String>;
+pub(crate) type Files = BTreeMap<String, String>;
 
 /// Scenes that share their keys: by a saddle-point method on the square, by another solver there, on a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -231,7 +231,7 @@ fn edit(dice: &mut Dice, files: &mut Files) -> String {
 }
 
 /// Brings the files of a project from one state to another.
-fn write(project: &Project, from: &Files, to: &Files) {
+pub(crate) fn write(project: &Project, from: &Files, to: &Files) {
     for path in from.keys().filter(|path| !to.contains_key(*path)) {
         fs::remove_file(project.path(path)).unwrap();
     }

@@ -1,10 +1,9 @@
 //! What a task reads is what its hash holds: tasks with the same inputs make the same bytes, and nothing stays old.
 
 use crate::common::{Project, assert_same};
-use crate::edits::{KEYS, book, exported, kind, study};
+use crate::edits::{Files, KEYS, book, exported, kind, study, write};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fs;
 
 /// The method of the paper with two r and two rules, and a picture of each kind.
 const METHOD: &str = "title = \"T\"\nf = \"quadrant(ll)=3; else=-1.1\"\nsolver = \"arrow-hurwicz\"\ngrids = [4, 8]\n\
@@ -16,10 +15,7 @@ fn project(scene: &str, has_book: bool) -> Project {
     let mut files = study();
     files.retain(|path, _| path.ends_with(".msh"));
     files.extend(book().into_iter().filter(|_| has_book));
-    for (path, text) in files {
-        fs::create_dir_all(project.path(&path).parent().unwrap()).unwrap();
-        project.write(&path, text);
-    }
+    write(&project, &Files::new(), &files);
     project
 }
 

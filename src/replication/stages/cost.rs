@@ -186,11 +186,9 @@ pub(super) fn ways(rows: &Rows) -> Result<Picture, String> {
         // The last f of a domain has ends of contact.
         let Some(f) = of_domain.texts("f")?.last().copied().map(String::from) else { continue };
         let of_domain = of_domain.wherever("f", f)?;
-        let mut curves = Vec::new();
-        for way in of_domain.texts("way")? {
-            let mut own = of_domain.wherever("way", way)?.points("unknowns", "error")?;
-            own.retain(|(_, error)| *error > 0.0);
-            curves.push(Curve::new(Marked, way, own));
+        let mut curves = by_way(&of_domain, "unknowns")?;
+        for curve in &mut curves {
+            curve.points.retain(|(_, error)| *error > 0.0);
         }
         panels.push(Chart::new(domain, ["unknowns", "error of the energy, relative"], curves));
     }

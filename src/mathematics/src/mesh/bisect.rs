@@ -36,7 +36,7 @@ pub(crate) struct Bisected {
 }
 
 /// Height over the longest edge, as a part of that edge, below which a triangle is stretched.
-pub(crate) const FLAT: f64 = 0.25;
+const FLAT: f64 = 0.25;
 /// Length of an edge, as a part of the longest one, below which it is short.
 const SHORT: f64 = 0.5;
 
@@ -76,6 +76,11 @@ fn squares(points: &[[f64; 2]], cell: [u32; 3]) -> [f64; 3] {
     })
 }
 
+/// True if a triangle is stretched, by twice its area and the square of its longest edge.
+pub(crate) fn is_stretched(doubled: f64, longest: f64) -> bool {
+    doubled < FLAT * longest
+}
+
 /// CellShape of a cell.
 #[derive(Clone, Copy, PartialEq)]
 enum CellShape {
@@ -93,7 +98,7 @@ impl CellShape {
         let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         let squares = squares(points, cell);
         let longest = squares.into_iter().fold(0.0, f64::max);
-        if doubled >= FLAT * longest {
+        if !is_stretched(doubled, longest) {
             return Self::Plain;
         }
         let short = squares.iter().position(|square| *square < SHORT * SHORT * longest);

@@ -44,7 +44,7 @@ pub use assemble::assemble;
 pub(crate) use assemble::assemble_sides;
 pub use at::PointValue;
 pub(crate) use beyond::{CurveGain, curve_gains};
-pub(crate) use bisect::{Bisected, FLAT, bisect, label_longest_edges, quarter};
+pub(crate) use bisect::{Bisected, bisect, is_stretched, label_longest_edges, quarter};
 pub(crate) use boundary::boundary_curves;
 pub use boundary::{ClosedCurve, square_boundary};
 pub use builtin::{BUILT_IN, BuiltIn};

@@ -1,8 +1,9 @@
 //! Cells with a linear function w and an f that is constant on each: what the flux must carry, and the field that has
 //! given fluxes through the sides.
 
+use crate::bounds::boundary::PartLaw;
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{CellData, Element, Mesh, centroid, dot, volume};
+use crate::mesh::{CellData, Condition, Element, Facet, Mesh, centroid, dot, measure, volume};
 use crate::problem::law::Law;
 
 /// Numbers whose work takes as long as that on a cell.
@@ -35,6 +36,15 @@ pub(super) struct Cells<'a, const D: usize, const V: usize> {
 }
 
 impl<const D: usize, const V: usize> Cells<'_, D, V> {
+    /// Interval of the flux through a facet of the boundary.
+    pub(super) fn interval(&self, facet: &Facet<D>) -> PartLaw {
+        match self.mesh.condition(facet) {
+            Condition::Free => PartLaw { least: 0.0, most: 0.0 },
+            Condition::Fixed => PartLaw { least: f64::NEG_INFINITY, most: f64::INFINITY },
+            Condition::Contact => PartLaw::new(self.law, measure(self.mesh.corners(facet))),
+        }
+    }
+
     /// Cell of this number.
     pub(super) fn cell(&self, number: u32) -> Cell<V> {
         let nodes = &self.mesh.cells()[number as usize];

@@ -4,7 +4,7 @@
 use super::cells::Cells;
 use super::linear::SideFlux;
 use crate::bounds::boundary::PartLaw;
-use crate::mesh::{Condition, Sides, measure};
+use crate::mesh::{Sides, measure};
 
 /// Distance of the flux through a facet from the ends of its interval, over its part of the whole flux, up to which the
 /// flux stays as it is.
@@ -51,11 +51,7 @@ impl FacetLimits {
             whole += flux[at.side as usize].iter().sum::<f64>().abs() / D as f64;
             length += measure;
             let (nodes, k) = (mesh.cells()[at.cell as usize], sides.slot(at.cell, at.side));
-            let interval = match mesh.condition(facet) {
-                Condition::Free => PartLaw { least: 0.0, most: 0.0 },
-                Condition::Fixed => PartLaw { least: f64::NEG_INFINITY, most: f64::INFINITY },
-                Condition::Contact => PartLaw::new(cells.law, measure),
-            };
+            let interval = cells.interval(facet);
             let ends = [nodes[(k + 1) % V], nodes[(k + 2) % V]];
             facets.push(LimitedFacet { side: at.side, ends, measure, interval, stays: false });
         }

@@ -69,7 +69,7 @@ use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
 use crate::machine::threads::{items_per_task, join, map_with_room};
-use crate::mesh::{Element, FLAT, Mesh, MeshLoad, Sides, dot, size, volume};
+use crate::mesh::{Element, Mesh, MeshLoad, Sides, dot, is_stretched, size, volume};
 use crate::problem::law::Law;
 use around::FirstCells;
 use balance::balance;
@@ -233,7 +233,7 @@ pub(crate) fn is_in_stretched_cells<const D: usize, const V: usize>(
         let vertices = mesh.vertices(cell);
         let longest = size(vertices);
         all += square;
-        if D as f64 * volume(vertices) < FLAT * longest * longest {
+        if is_stretched(D as f64 * volume(vertices), longest * longest) {
             sum += square;
         }
     }

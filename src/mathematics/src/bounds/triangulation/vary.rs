@@ -7,9 +7,8 @@
 
 use super::cells::Cells;
 use super::linear::{SideFlux, at_vertices, outflows, product};
-use crate::bounds::boundary::PartLaw;
 use crate::machine::threads::{items_per_task, map_range};
-use crate::mesh::{BoundarySide, Condition, Element, Neighbour, Sides, measure};
+use crate::mesh::{BoundarySide, Condition, Element, Neighbour, Sides};
 
 /// Numbers whose work takes as long as that on a cell.
 const COST: usize = 32;
@@ -74,16 +73,10 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
             }
         }
         let facets = mesh.facets().iter().zip(sides.of_facets());
-        let limits =
-            facets.map(|(facet, &BoundarySide { side, .. })| match mesh.condition(facet) {
-                Condition::Free => 0.0,
-                Condition::Fixed => f64::INFINITY,
-                Condition::Contact => {
-                    let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
-                    let room = flux[side as usize].map(|flux| law.room(flux));
-                    0.25 * room.into_iter().fold(f64::INFINITY, f64::min).max(0.0)
-                }
-            });
+        let limits = facets.map(|(facet, &BoundarySide { side, .. })| {
+            let room = flux[side as usize].map(|flux| cells.interval(facet).room(flux));
+            0.25 * room.into_iter().fold(f64::INFINITY, f64::min).max(0.0)
+        });
         let limits = limits.collect();
         Self { sides, psi: vec![0.0; sides.len()], load, couplings, limits }
     }
@@ -140,9 +133,8 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
         let mesh = cells.mesh;
         for (facet, at) in mesh.facets().iter().zip(self.sides.of_facets()) {
             if mesh.condition(facet) == Condition::Contact {
-                let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
-                let flux = &mut flux[at.side as usize];
-                *flux = flux.map(|flux| law.clamp(flux));
+                let (interval, flux) = (cells.interval(facet), &mut flux[at.side as usize]);
+                *flux = flux.map(|flux| interval.clamp(flux));
             }
         }
     }

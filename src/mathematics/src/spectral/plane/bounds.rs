@@ -79,7 +79,7 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
         return Err("f");
     }
     let mut proof = Proof::new(setup, fit)?;
-    let mut samples = proof.samples(&proof.cells()?);
+    let mut samples = proof.samples(&proof.cells()?, &weights);
     proof.logs = hole_logs(&proof, &samples);
     samples.iter_mut().for_each(|own| proof.add_logs(own));
     for _ in 0..ROUNDS {
@@ -92,7 +92,7 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
             samples.extend(unsure);
             break;
         }
-        samples.extend(proof.samples(&halves));
+        samples.extend(proof.samples(&halves, &weights));
     }
     let left = leftovers(&proof, &samples);
     let exact = bounded_energy(&proof, &samples, &left)?;

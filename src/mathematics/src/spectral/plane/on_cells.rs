@@ -6,7 +6,7 @@ use super::functions::{Power, Values};
 use super::moduli::{Disc, Moduli, TURNS, of_f, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
 use super::proof::Proof;
-use super::samples::{CellModuli, Sampled, weights};
+use super::samples::{CellModuli, Sampled};
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;
@@ -83,11 +83,11 @@ impl Proof<'_> {
         }
     }
 
-    /// v on cells.
-    pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
+    /// v on cells, with the [`weights`](super::samples::weights) of all.
+    pub(super) fn samples(&self, cells: &[ProofCell], weights: &[f64]) -> Vec<Sampled> {
         /// Cells whose values are kept in the cache.
         const TOGETHER: usize = 6;
-        let (rule, weights) = (gauss(POINTS), weights());
+        let rule = gauss(POINTS);
         let mut samples = Vec::with_capacity(cells.len());
         let mut moduli = self.moduli(cells).into_iter();
         for block in cells.chunks(TOGETHER) {
@@ -124,7 +124,7 @@ impl Proof<'_> {
                 }
                 let interval = &self.fit.walk.intervals[own.interval];
                 let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
-                sampled.add_rounding(f, interval.curvature, &weights);
+                sampled.add_rounding(f, interval.curvature, weights);
                 self.add_logs(&mut sampled);
                 samples.push(sampled);
             }
