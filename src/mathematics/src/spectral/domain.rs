@@ -229,36 +229,19 @@ impl PlaneDomain {
         (ring, SidePlace { side, s: self.loops[ring][side].nearest(z) })
     }
 
-    /// Distances at which a ray from `z` meets the boundary, not in order; and whether it does so near to an end of a
-    /// side, or nearly along one.
-    fn hits(&self, z: Complex, direction: Complex) -> (Vec<f64>, bool) {
-        let (ray, mut hits, mut unsure) = (Curve::line(z, direction), Vec::new(), false);
-        for side in self.sides() {
-            for s in ray.meets(side.arc.curve) {
-                let at = ray.at(s);
-                if let Some(t) = side.place(at, SAME) {
-                    hits.push(s);
-                    unsure |= t < 1e-9 || t > side.length() - 1e-9;
-                    unsure |= direction.cross(side.tangent(t)).abs() < 1e-6;
-                }
-            }
-        }
-        (hits, unsure)
-    }
-
     /// Distance at which a ray from a point, which may lie on the boundary, first meets the boundary.
     pub(super) fn exit(&self, z: Complex, direction: Complex) -> f64 {
-        let (hits, _) = self.hits(z, direction);
-        hits.into_iter().filter(|&s| s > 1e-10).fold(f64::INFINITY, f64::min)
+        let hits = ray_hits(self.sides(), z, direction).into_iter().map(|hit| hit.distance);
+        hits.filter(|&s| s > 1e-10).fold(f64::INFINITY, f64::min)
     }
 
     /// True if the domain holds a point.
     pub(super) fn holds(&self, z: Complex) -> bool {
         let mut inside = false;
-        for k in 0..50 {
-            let (hits, unsure) = self.hits(z, Complex::unit(0.7 + 2.4 * f64::from(k)));
-            inside = hits.iter().filter(|&&s| s > 0.0).count() % 2 == 1;
-            if !unsure {
+        for direction in directions() {
+            let hits = ray_hits(self.sides(), z, direction);
+            inside = hits.iter().filter(|hit| hit.distance > 0.0).count() % 2 == 1;
+            if !hits.iter().any(|hit| hit.is_unsure) {
                 break;
             }
         }
@@ -275,6 +258,45 @@ impl PlaneDomain {
         });
         scattered.filter(|&z| self.holds(z)).take(many).collect()
     }
+}
+
+/// Directions of rays that are tried in turn.
+pub(super) fn directions() -> impl Iterator<Item = Complex> {
+    (0..50).map(|k| Complex::unit(0.7 + 2.4 * f64::from(k)))
+}
+
+/// Point at which a ray meets a side.
+pub(super) struct RayHit {
+    pub distance: f64,
+    /// Position of the side among all.
+    pub side: usize,
+    /// True if the ray comes from the left of the side.
+    pub is_left: bool,
+    /// True if it meets the side near to one of its ends, or nearly along it.
+    pub is_unsure: bool,
+}
+
+/// Points at which a ray from `z` meets sides, not in order.
+pub(super) fn ray_hits<'a>(
+    sides: impl Iterator<Item = &'a PlaneSide>,
+    z: Complex,
+    direction: Complex,
+) -> Vec<RayHit> {
+    let (ray, mut hits) = (Curve::line(z, direction), Vec::new());
+    for (number, side) in sides.enumerate() {
+        for distance in ray.meets(side.arc.curve) {
+            let Some(t) = side.place(ray.at(distance), SAME) else { continue };
+            let across = direction.cross(side.tangent(t));
+            let is_at_end = t < 1e-9 || t > side.length() - 1e-9;
+            hits.push(RayHit {
+                distance,
+                side: number,
+                is_left: across > 0.0,
+                is_unsure: is_at_end || across.abs() < 1e-6,
+            });
+        }
+    }
+    hits
 }
 
 /// Number of the side that is nearest to a point, and its distance.

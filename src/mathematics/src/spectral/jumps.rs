@@ -25,9 +25,11 @@ pub(super) struct JumpEdge {
 /// All jumps of f inside a domain.
 #[derive(Clone, Default)]
 pub(super) struct Jumps {
-    /// Borders of all shapes, in full; none of regions.
+    /// Curves on which f may jump: those of the borders of shapes, and then others of borders of regions.
     pub curves: Vec<Curve>,
-    /// First shape that each of the curves bounds.
+    /// Parts of the curves that are such borders: of one of a shape, all of it.
+    spans: Vec<Vec<[f64; 2]>>,
+    /// First shape that each of the first curves bounds.
     pub shapes: Vec<Shape<2>>,
     pub edges: Vec<JumpEdge>,
     /// Points at which edges meet the boundary.
@@ -64,85 +66,99 @@ impl Jumps {
     /// # Errors
     /// [`PlaneError::NotFound`] if there is no way out of a bay.
     pub(super) fn of_pieces(domain: &PlaneDomain, f: &Source) -> Result<Self, PlaneError> {
-        assert!(!f.is_smooth(), "f consists of constant pieces");
+        Self::new(domain, [f], [], |z| f.at(z.coordinates()))
+    }
+
+    /// Jumps of f at the borders of the shapes of constant pieces, and of regions.
+    ///
+    /// # Errors
+    /// [`PlaneError::NotFound`] if there is no way out of a bay.
+    pub(super) fn new<'a>(
+        domain: &PlaneDomain,
+        all_pieces: impl IntoIterator<Item = &'a Source>,
+        regions: impl IntoIterator<Item = Arc>,
+        f: impl Fn(Complex) -> f64,
+    ) -> Result<Self, PlaneError> {
         let mut jumps = Self::default();
-        if let Source::Pieces { pieces, .. } = f {
+        for source in all_pieces {
+            let Source::Pieces { pieces, .. } = source else { continue };
             for &(shape, _) in pieces {
                 for curve in borders(&shape) {
                     // Common borders of two shapes are one curve.
                     if !jumps.curves.iter().any(|&other| other.same(curve)) {
                         jumps.curves.push(curve);
+                        let whole = [f64::NEG_INFINITY, f64::INFINITY];
+                        jumps.spans.push(vec![curve.period().map_or(whole, |turn| [0.0, turn])]);
                         jumps.shapes.push(shape);
                     }
                 }
             }
         }
+        regions.into_iter().for_each(|arc| jumps.add_region(arc));
         for (k, curve) in jumps.curves.clone().into_iter().enumerate() {
-            let pieces = pieces(domain, curve, jumps.cuts(domain, k), |span| {
-                jumps.beside(k, span).map(|z| f.at(z.coordinates()))
-            });
+            let pieces =
+                pieces(domain, curve, jumps.cuts(domain, k), |span| jumps.beside(k, span).map(&f));
             jumps.add(domain, curve, &pieces)?;
         }
         Ok(jumps)
     }
 
-    /// Jumps between regions, whose borders meet one another and the boundary at their ends only.
-    ///
-    /// # Errors
-    /// [`PlaneError::NotFound`] if there is no way out of a bay.
-    pub(super) fn of_regions(
-        domain: &PlaneDomain,
-        borders: impl Iterator<Item = JumpEdge>,
-    ) -> Result<Self, PlaneError> {
-        /// Distance of an end from the boundary below which it is there.
-        const ON: f64 = 1e-9;
-        let mut jumps = Self::default();
-        for JumpEdge { mut arc, mut values } in borders {
-            if arc.span[0] > arc.span[1] {
-                arc = arc.reversed();
-                values.reverse();
-            }
-            let Arc { curve, span: [from, to], .. } = arc;
-            let period = curve.period().unwrap_or(f64::INFINITY);
-            let mut cuts = on_sides(domain, curve);
-            if to - from < period - SAME {
-                let inside = [from, to].into_iter().filter(|&s| domain.distance(curve.at(s)) > ON);
-                let ends = inside.map(|s| curve.place(curve.at(s)));
-                cuts.extend(ends.map(|s| CurveCut { s, side: false }));
-            }
-            let pieces = pieces(domain, curve, cuts, |[a, b]| {
-                let after = 0.5 * (a + b) - from;
-                let after = if period.is_finite() { after.rem_euclid(period) } else { after };
-                if (0.0..=to - from).contains(&after) { values } else { [0.0; 2] }
-            });
-            jumps.add(domain, curve, &pieces)?;
-        }
-        Ok(jumps)
+    /// Adds the border of a region to its curve.
+    fn add_region(&mut self, arc: Arc) {
+        let Arc { curve, span: [from, to], .. } =
+            if arc.span[0] > arc.span[1] { arc.reversed() } else { arc };
+        let Some(k) = self.curves.iter().position(|&other| other.same(curve)) else {
+            self.curves.push(curve);
+            self.spans.push(vec![[from, to]]);
+            return;
+        };
+        let known = self.curves[k];
+        // Circles run one way.
+        let turns = known.curvature == 0.0 && known.tangent.dot(curve.tangent) < 0.0;
+        let start = known.place(curve.at(if turns { to } else { from }));
+        self.spans[k].push([start, start + to - from]);
     }
+
+    /// True if a curve is a border at a distance along it.
+    fn is_border(&self, k: usize, s: f64) -> bool {
+        let period = self.curves[k].period();
+        self.spans[k].iter().any(|[from, to]| {
+            let after = period.map_or(s - from, |turn| (s - from + SAME).rem_euclid(turn) - SAME);
+            (-SAME..=to - from + SAME).contains(&after)
+        })
+    }
+
     /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
     /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
     /// within `on` of the piece coincide with it.
     pub(super) fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
         let mut room = most;
-        for other in self.curves.iter().filter(|other| !other.holds(along, on)) {
-            room = room.min(0.5 * other.distance(along[1]).abs());
+        for (k, other) in self.curves.iter().enumerate() {
+            if !other.holds(along, on) && self.is_border(k, other.place(along[1])) {
+                room = room.min(0.5 * other.distance(along[1]).abs());
+            }
         }
         room
     }
 
-    /// Points on both sides of the middle of a piece of the `k`-th curve; the same one if a curve before has its jump.
+    /// Points on both sides of the middle of a piece of the `k`-th curve; the same one if that is no border there, or a
+    /// curve before has its jump.
     fn beside(&self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
         let (curve, s) = (self.curves[k], 0.5 * (from + to));
         let along = [from, s, to].map(|s| curve.at(s));
         let (z, normal) = (along[1], curve.direction(s).turned());
         let step = normal.scaled(self.room(along, curve.rounding().max(SAME), ROUNDING));
         // Where two curves touch, the jump is that of the first.
-        let known = self.curves[..k].iter().any(|other| other.holds(along, ROUNDING));
-        if known { [z; 2] } else { [z + step, z - step] }
+        let mut before = self.curves[..k].iter().enumerate();
+        let known = before
+            .any(|(j, other)| other.holds(along, ROUNDING) && self.is_border(j, other.place(z)));
+        if known || !self.is_border(k, s) { [z; 2] } else { [z + step, z - step] }
     }
 
-    /// Points at which a curve meets the others inside the domain, and the sides.
+    /// Points at which a border ends or meets others inside the domain, and at which its curve meets the sides.
     fn cuts(&self, domain: &PlaneDomain, k: usize) -> Vec<CurveCut> {
+        /// Distance of an end from the boundary below which it is there.
+        const ON: f64 = 1e-9;
         let curve = self.curves[k];
         let mut cuts = on_sides(domain, curve);
         for (j, other) in self.curves.iter().copied().enumerate() {
@@ -151,10 +167,17 @@ impl Jumps {
                 true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
                 false => curve.meets(other),
             };
-            // A meeting so near to a side happens on the side.
-            let inside = places.into_iter().filter(|&s| domain.depth(curve.at(s)) > APART);
+            let inside = places.into_iter().filter(|&s| {
+                let z = curve.at(s);
+                // A meeting so near to a side happens on the side.
+                domain.depth(z) > APART && self.is_border(k, s) && self.is_border(j, other.place(z))
+            });
             cuts.extend(inside.map(|s| CurveCut { s, side: false }));
         }
+        let turn = curve.period().unwrap_or(f64::INFINITY);
+        let parts = self.spans[k].iter().filter(|[from, to]| to - from < turn - SAME);
+        let ends = parts.flatten().filter(|s| domain.distance(curve.at(**s)) > ON);
+        cuts.extend(ends.map(|&s| CurveCut { s: curve.place(curve.at(s)), side: false }));
         cuts
     }
 

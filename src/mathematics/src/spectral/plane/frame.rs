@@ -46,6 +46,14 @@ impl Frame {
         PlaneSide { arc: Arc { curve, span: span.map(|s| s / self.unit), ends }, ..*side }
     }
 
+    /// Constant pieces in these coordinates.
+    fn pieces(&self, f: &Source) -> Source {
+        let Source::Pieces { background, pieces } = f else { return f.clone() };
+        let origin = self.origin.coordinates();
+        let seen = pieces.iter().map(|(shape, f)| (shape.seen_from(origin, self.unit), *f));
+        Source::Pieces { background: *background, pieces: seen.collect() }
+    }
+
     /// The problem in these coordinates.
     pub(super) fn problem(&self, problem: &PlaneProblem) -> PlaneProblem {
         let loops = problem.domain.loops.iter();
@@ -55,15 +63,7 @@ impl Frame {
         let [lo, hi] = [problem.law.lo(), problem.law.hi()].map(|end| end / self.unit);
         let law = Law::new(lo, hi).expect("the ends keep their order");
         let source = match &problem.source {
-            PlaneSource::Pieces(Source::Pieces { background, pieces }) => {
-                let origin = self.origin.coordinates();
-                let seen = pieces.iter().map(|(shape, f)| (shape.seen_from(origin, self.unit), *f));
-                PlaneSource::Pieces(Source::Pieces {
-                    background: *background,
-                    pieces: seen.collect(),
-                })
-            }
-            PlaneSource::Pieces(other) => PlaneSource::Pieces(other.clone()),
+            PlaneSource::Pieces(f) => PlaneSource::Pieces(self.pieces(f)),
             PlaneSource::Polynomial(f) => {
                 let value =
                     |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit) + self.origin);
@@ -71,14 +71,12 @@ impl Frame {
                 let error = f.error.max(seen.error);
                 PlaneSource::Polynomial(seen.with_error(error))
             }
-            PlaneSource::Regions(Regions { borders, known: (point, f) }) => {
-                let borders = borders
-                    .iter()
-                    .map(|b| RegionBorder { side: self.side(&b.side), ..*b })
-                    .collect();
+            PlaneSource::Regions(Regions { borders, pieces }) => {
+                let borders = borders.iter();
+                let borders = borders.map(|b| RegionBorder { side: self.side(&b.side), ..*b });
                 PlaneSource::Regions(Regions {
-                    borders,
-                    known: (self.seen(*point).coordinates(), *f),
+                    borders: borders.collect(),
+                    pieces: pieces.iter().map(|f| self.pieces(f)).collect(),
                 })
             }
         };

@@ -27,12 +27,11 @@ impl PlaneJumps {
                 (jumps, psi)
             }
             PlaneSource::Regions(regions) => {
-                let borders = regions.borders.iter();
-                let borders =
-                    borders.map(|border| JumpEdge { arc: border.side.arc, values: border.values });
-                let jumps = Jumps::of_regions(domain, borders)?;
-                let ([x, y], f) = regions.known;
-                let psi = Psi::of_jumps(jumps.psi.clone(), &[Complex::new(x, y)], |_| f);
+                let borders = regions.borders.iter().filter(|border| border.is_inside());
+                let arcs = borders.map(|border| border.side.arc);
+                let jumps = Jumps::new(domain, &regions.pieces, arcs, |z| regions.at(z))?;
+                let points = domain.inner_points(25);
+                let psi = Psi::of_jumps(jumps.psi.clone(), &points, |z| regions.at(z));
                 (jumps, psi)
             }
         };

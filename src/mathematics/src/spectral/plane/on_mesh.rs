@@ -282,17 +282,10 @@ fn source(
             ))),
         };
     }
-    let mut values = vec![0.0; mesh.region_names().len()];
-    for region in in_use {
-        match &f[usize::from(region)] {
-            Source::Pieces { background, pieces } if pieces.is_empty() => {
-                values[usize::from(region)] = background / height;
-            }
-            _ => {
-                let text = "f has shapes or a formula beside a region with another value".into();
-                return Err(PlaneError::Source(text));
-            }
-        }
+    if in_use.iter().any(|&region| f[usize::from(region)].is_smooth()) {
+        let text = "f has a formula on one region beside another f on the next".into();
+        return Err(PlaneError::Source(text));
     }
-    Ok(PlaneSource::Regions(regions(mesh, &values)?))
+    let pieces: Vec<Source> = f.iter().map(|f| in_unit(f, height)).collect();
+    Ok(PlaneSource::Regions(regions(mesh, pieces)?))
 }

@@ -1,6 +1,8 @@
 //! A problem on a domain in the plane, and the contact set with which its solution begins.
 
+use super::domain::{directions, ray_hits};
 use super::{PlaneDomain, PlaneSide, Polynomial, SidePlace};
+use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 
@@ -11,26 +13,59 @@ pub(crate) enum PlaneSource {
     Pieces(Source),
     /// A polynomial.
     Polynomial(Polynomial),
-    /// Constant values on regions.
+    /// Constant pieces on each region.
     Regions(Regions),
 }
 
-/// Constant values on regions with straight or circular borders.
+/// Constant pieces on regions with straight or circular borders.
 #[derive(Clone, Debug)]
 pub(crate) struct Regions {
-    /// Borders between regions inside of the domain, each once: the condition and part of the side are not used.
+    /// Borders of regions on which f differs, with each other and along the boundary of the domain, each once.
     pub borders: Vec<RegionBorder>,
-    /// A point inside of the domain, and f there.
-    pub known: ([f64; 2], f64),
+    /// f on the regions.
+    pub pieces: Vec<Source>,
 }
 
-/// Border between two regions.
+/// Border of regions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RegionBorder {
     /// The border: its condition and part are not read.
     pub side: PlaneSide,
-    /// f on the left and on the right.
-    pub values: [f64; 2],
+    /// Regions on the left and on the right; none outside of the domain.
+    pub regions: [Option<usize>; 2],
+}
+
+impl RegionBorder {
+    /// True if it lies inside of the domain.
+    pub(super) fn is_inside(&self) -> bool {
+        self.regions.iter().all(Option::is_some)
+    }
+}
+
+impl Regions {
+    /// f at a point of the domain.
+    pub(super) fn at(&self, z: Complex) -> f64 {
+        self.pieces[self.region(z)].at(z.coordinates())
+    }
+
+    /// Region at a point of the domain: that on this side of the first border in a direction.
+    fn region(&self, z: Complex) -> usize {
+        let mut found = 0;
+        for direction in directions() {
+            let hits = ray_hits(self.borders.iter().map(|border| &border.side), z, direction);
+            let ahead = hits.into_iter().filter(|hit| hit.distance > 0.0);
+            let first = ahead.min_by(|one, other| one.distance.total_cmp(&other.distance));
+            let Some(hit) = first else { continue };
+            let [left, right] = self.borders[hit.side].regions;
+            // Between an arc of the boundary and its chord the domain is on the other side.
+            let here = if hit.is_left { left.or(right) } else { right.or(left) };
+            found = here.unwrap_or(found);
+            if !hit.is_unsure {
+                break;
+            }
+        }
+        found
+    }
 }
 
 /// Problem on a domain of the plane.

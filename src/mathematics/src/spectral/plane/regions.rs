@@ -2,48 +2,51 @@
 
 use super::outline::{MeshOutline, OutlineEdge, circle_through};
 use super::{PlaneError, RegionBorder, Regions};
-use crate::mesh::{PlaneMesh, Round, centroid};
+use crate::mesh::{PlaneMesh, Round};
 use crate::problem::complex::Complex;
+use crate::problem::source::Source;
 use crate::spectral::complex::arg;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
-/// Returns f with these values on the regions of a mesh.
+/// Returns f with these pieces on the regions of a mesh.
 ///
 /// # Errors
 /// [`PlaneError::Domain`] if a border is neither straight nor an arc.
-pub(super) fn regions(mesh: &PlaneMesh, values: &[f64]) -> Result<Regions, PlaneError> {
-    let of_cells: Vec<_> = mesh.regions().iter().map(|&of| values[usize::from(of)]).collect();
-    let mut left: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-    for (&[a, b, c], &value) in mesh.cells().iter().zip(&of_cells) {
-        left.extend([[a, b], [b, c], [c, a]].map(|edge| (edge, value)));
+pub(super) fn regions(mesh: &PlaneMesh, pieces: Vec<Source>) -> Result<Regions, PlaneError> {
+    // Regions with the same f are one.
+    let first = pieces.iter().map(|f| pieces.iter().position(|other| other == f));
+    let first: Vec<usize> = first.map(|first| first.expect("f is itself")).collect();
+    let mut left: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+    for (&[a, b, c], &region) in mesh.cells().iter().zip(mesh.regions()) {
+        left.extend([[a, b], [b, c], [c, a]].map(|edge| (edge, first[usize::from(region)])));
     }
-    let is_border = |&&[a, b]: &&[u32; 2]| left.get(&[b, a]).is_some_and(|f| *f != left[&[a, b]]);
-    let edges: Vec<[u32; 2]> =
-        left.keys().filter(is_border).filter(|[a, b]| a < b).copied().collect();
+    let beside = |[a, b]: [u32; 2]| [[a, b], [b, a]].map(|edge| left.get(&edge).copied());
+    let is_border = |&&[a, b]: &&[u32; 2]| {
+        let [one, other] = beside([a, b]);
+        one != other && (a < b || other.is_none())
+    };
+    let edges: Vec<[u32; 2]> = left.keys().filter(is_border).copied().collect();
     let mut borders = Vec::new();
-    let on_boundary: Vec<u32> = mesh.facets().iter().flat_map(|facet| facet.nodes).collect();
-    for nodes in paths(&edges, &on_boundary) {
-        let values = [left[&[nodes[0], nodes[1]]], left[&[nodes[1], nodes[0]]]];
+    for nodes in paths(&edges) {
+        let regions = beside([nodes[0], nodes[1]]);
         let points = nodes.iter().map(|&node| mesh.points()[node as usize]);
         let points: Vec<_> = points.map(|[x, y]| Complex::new(x, y)).collect();
         let edges = on_circles(&points);
         let sides = MeshOutline::new(points, edges).sides()?;
-        borders.extend(sides.into_iter().map(|side| RegionBorder { side, values }));
+        borders.extend(sides.into_iter().map(|side| RegionBorder { side, regions }));
     }
-    let known = (centroid(mesh.vertices(&mesh.cells()[0])), of_cells[0]);
-    Ok(Regions { borders, known })
+    Ok(Regions { borders, pieces })
 }
 
-/// Paths of edges, each edge once, between nodes of the boundary and those in which other than two edges meet; closed
-/// paths begin and end in one node.
-fn paths(edges: &[[u32; 2]], on_boundary: &[u32]) -> Vec<Vec<u32>> {
+/// Paths of edges, each edge once, between nodes in which other than two edges meet; closed paths begin and end in one
+/// node.
+fn paths(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let mut beside: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for &[a, b] in edges {
         beside.entry(a).or_default().push(b);
         beside.entry(b).or_default().push(a);
     }
-    let on_boundary: HashSet<u32> = on_boundary.iter().copied().collect();
-    let is_through = |node: &u32| beside[node].len() == 2 && !on_boundary.contains(node);
+    let is_through = |node: &u32| beside[node].len() == 2;
     let (through, ends): (Vec<u32>, Vec<u32>) = beside.keys().copied().partition(is_through);
     let mut paths = Vec::new();
     for &start in ends.iter().chain(&through) {

@@ -161,17 +161,38 @@ fn holes_and_friction_have_the_digits_of_two_levels() {
     assert!((found.energy + 0.232159340).abs() < 1e-9, "{}", found.energy);
 }
 
+/// f = 3 on a region of the square, in its lower left quadrant up to a height, and `others` on the rest.
+fn on_two_regions(top: f64, others: &str) -> PlaneSource {
+    let points = [
+        [-0.5, -0.5],
+        [0.0, -0.5],
+        [0.5, -0.5],
+        [0.5, 0.5],
+        [-0.5, 0.5],
+        [-0.5, top],
+        [-0.5, -0.5],
+        [0.0, -0.5],
+        [0.0, top],
+        [-0.5, top],
+    ];
+    let beside = [[0, 9], [1, 9], [1, 9], [1, 9], [1, 9], [0, 9], [9, 9], [0, 1], [0, 1]];
+    let mut borders = Vec::new();
+    for (k, regions) in beside.into_iter().enumerate().filter(|(_, regions)| *regions != [9, 9]) {
+        let side = PlaneSide::segment([points[k], points[k + 1]], Condition::Free, 0);
+        borders.push(RegionBorder { side, regions: regions.map(|k| (k < 9).then_some(k)) });
+    }
+    let pieces = ["else=3", others].map(|f| f.parse().unwrap()).to_vec();
+    PlaneSource::Regions(Regions { borders, pieces })
+}
+
 #[test]
 fn regions_are_as_pieces_and_v_solves_the_equation_in_any_coordinates() {
-    let side = |ends| PlaneSide::segment(ends, Condition::Free, 0);
-    let borders = vec![
-        RegionBorder { side: side([[0.0, -0.5], [0.0, 0.0]]), values: [3.0, -1.1] },
-        RegionBorder { side: side([[0.0, 0.0], [-0.5, 0.0]]), values: [3.0, -1.1] },
-    ];
-    let regions = PlaneSource::Regions(Regions { borders, known: ([0.3, 0.2], -1.1) });
     let q = 0.094_404_156_233_095_12;
-    let found = solved(square(), regions, &[[0.5, q], [q, 0.5]]);
-    assert!((found.energy / -0.09505172075335079 - 1.0).abs() < 1e-12, "{}", found.energy);
+    // The quadrant is a region, or the upper half of it is and a shape of the other region the lower one.
+    for (top, others) in [(0.0, "else=-1.1"), (-0.25, "rect(-0.5,0,-0.4,0)=3; else=-1.1")] {
+        let found = solved(square(), on_two_regions(top, others), &[[0.5, q], [q, 0.5]]);
+        assert!((found.energy / -0.09505172075335079 - 1.0).abs() < 1e-12, "{}", found.energy);
+    }
     // The triangle a hundred times larger, far from the origin.
     let ends = [[0.4959209, 0.0381478], [0.2100324, 0.5775890]];
     let (small, source) = (triangle(), "halfplane(1,.3,.4)=4; else=-3");
