@@ -77,7 +77,7 @@ impl Evaluator<'_> {
             0..batches.len(),
             each,
             || self.clone(),
-            |evaluator, k| evaluator.free_in_lanes(geometry, batches[k]),
+            |evaluator, k| evaluator.free_in_lanes(geometry, batches[k], true),
         );
         let mut held = vec![vec![vec![true; levels]; rows]; all.len()];
         for ((k, row), (counts, _)) in places.into_iter().zip(done.into_iter().flatten()) {
@@ -214,16 +214,17 @@ impl Evaluator<'_> {
     /// If there is no such geometry, or not one value per piece.
     pub fn free(&mut self, geometry: usize, values: &[f64]) -> Table {
         let rows: Vec<_> = (0..self.target.r.len()).map(|row| (values, row)).collect();
-        let (counts, delta_a) = self.free_in_lanes(geometry, &rows).into_iter().unzip();
+        let (counts, delta_a) = self.free_in_lanes(geometry, &rows, false).into_iter().unzip();
         Table { counts, delta_a }
     }
 
     /// Free runs side by side, each of an f given by its values and of a row: its counts, and its last change of the
-    /// multiplier on the finest grid.
+    /// multiplier on the finest grid. There, if only `held` counts are asked for, no run goes beyond the published one.
     fn free_in_lanes(
         &mut self,
         geometry: usize,
         runs: &[(&[f64], usize)],
+        held: bool,
     ) -> Vec<(Vec<Option<usize>>, f64)> {
         let mut ends = vec![(Vec::new(), 0.0); runs.len()];
         let grids = self.grids.clone();
@@ -234,7 +235,9 @@ impl Evaluator<'_> {
             self.enter(geometry, level, runs, pairs);
             let most = self.target.counts.iter().map(|row| row[level]).max().unwrap_or(0);
             let (limit, tolerance) = (FREE_FACTOR * most + FREE_EXTRA, tolerance(level + 1));
-            let limits = from_fn(|k| (k < runs.len()).then_some(limit));
+            let is_last = held && level + 1 == self.target.levels();
+            let limit = |row: usize| if is_last { self.last(row, level) } else { limit };
+            let limits = from_fn(|k| runs.get(k).map(|&(_, row)| limit(row)));
             let done = self.iterate(level, limits, Some(pairs), |lanes, n, open| {
                 let asked = n > uncounted;
                 lanes.within(measure, open.map(|open| (open && asked).then_some(tolerance)))
