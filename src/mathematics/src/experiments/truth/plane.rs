@@ -56,6 +56,9 @@ pub(super) struct PlaneTruthRow {
     /// Largest |v| in contact, over its size, and the balance of the flux, over the integral of |f|.
     residual: Option<f64>,
     balance: Option<f64>,
+    /// Ends of contact, and the cuts of the functions whose sum the solution is, from and to: as a picture shows them.
+    contact: Vec<[f64; 2]>,
+    cuts: Vec<[[f64; 2]; 2]>,
 }
 
 /// Table `plane`: a problem on one mesh, solved by multigrid to the rounding floor.
@@ -151,6 +154,8 @@ impl PlaneTruthRow {
             TrueChecks::Square(_) => [None; 2],
         };
         let energy = truth.energy;
+        let open = truth.contact.iter().filter(|arc| !arc.closed);
+        let contact: Vec<_> = open.flat_map(|arc| [arc.from, arc.to]).collect();
         Self {
             domain: domain.clone(),
             f: f.clone(),
@@ -159,9 +164,11 @@ impl PlaneTruthRow {
             is_sampled: truth.is_sampled,
             steps: truth.steps,
             arcs: truth.contact.len(),
-            ends: 2 * truth.contact.iter().filter(|arc| !arc.closed).count(),
+            ends: contact.len(),
             residual,
             balance: balance.map(f64::abs),
+            contact,
+            cuts: truth.cuts(),
         }
     }
 }
