@@ -86,7 +86,7 @@ pub(super) struct Meshes<'a> {
     y: Option<Vec<f64>>,
     /// Judgement of the vector.
     judgement: Option<Judgement>,
-    outcomes: Vec<Outcome>,
+    pub(super) outcomes: Vec<Outcome>,
     /// Guaranteed bounds on each mesh with a solution.
     bounds: Vec<Result<Bounds, NoBound>>,
     /// Guaranteed bounds on the finest mesh with the parts of the cells, or the reason for which there are none.
