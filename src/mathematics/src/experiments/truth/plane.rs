@@ -46,8 +46,6 @@ pub(super) struct PlaneTruthRow {
     energy: f64,
     /// Width of the bracket of the energy over it.
     bracket: Option<f64>,
-    /// True if the bracket rests on samples.
-    is_sampled: bool,
     /// Newton steps.
     steps: usize,
     /// Numbers of arcs in contact, and of their ends.
@@ -161,7 +159,6 @@ impl PlaneTruthRow {
             f: f.clone(),
             energy,
             bracket: truth.bracket.map(|[low, high]| (high - low) / energy.abs()),
-            is_sampled: truth.is_sampled,
             steps: truth.steps,
             arcs: truth.contact.len(),
             ends: contact.len(),
