@@ -32,6 +32,8 @@ pub(super) struct DiscErrors {
     h1: f64,
     /// Error of v at the centre.
     centre: f64,
+    /// Order of this error.
+    centre_order: Option<f64>,
     /// Largest error of v on the rim.
     rim: f64,
     /// Order of this error.
@@ -80,6 +82,7 @@ fn on_discs(problem: DiscProblem, discs: &NestedMeshes<2, 3>) -> Result<Vec<Disc
         let mut fine = errors(problem, discs, times)?;
         if let Some(coarse) = rows.last() {
             fine.energy_order = order(coarse.energy, fine.energy);
+            fine.centre_order = order(coarse.centre, fine.centre);
             fine.rim_order = order(coarse.rim, fine.rim);
             fine.multiplier_order = order(coarse.multiplier, fine.multiplier);
         }
@@ -135,6 +138,7 @@ fn errors(
         energy_order: None,
         h1: gradient_error(&problem, mesh, &y),
         centre: y[0] - problem.centre(),
+        centre_order: None,
         rim,
         rim_order: None,
         multiplier: square.sqrt(),
