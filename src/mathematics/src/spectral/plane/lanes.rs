@@ -117,3 +117,35 @@ fn added(sum: f64, lost: f64, term: f64) -> (f64, f64) {
     let part = total - sum;
     (total, lost + ((sum - (total - part)) + (term - part)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_lose_nothing_and_errors_are_at_least_those_of_the_terms() {
+        // Whole numbers of very different sizes, whose sum is three times the lane.
+        let sizes = [1e17, 3.0, 1e17, -2e17];
+        let mut numbers = [ComplexLanes::ZERO; 4];
+        for (own, size) in numbers.iter_mut().zip(sizes) {
+            for lane in 0..TOGETHER {
+                own.set(lane, Complex::new(size, 0.0).scaled(lane as f64));
+            }
+        }
+        let coefficients = [1.0, 1.0, 1.0, 1.0].map(|re| Complex::new(re, 0.0));
+        let (sum, errors) = bounded_sum(&coefficients, &[2.0; 4], &numbers);
+        let plain = summed(&coefficients, &numbers);
+        for (lane, z) in sum.first(TOGETHER).enumerate() {
+            let size = lane as f64;
+            assert_eq!(z, Complex::new(3.0 * size, 0.0));
+            assert!(errors[lane] >= f64::EPSILON * 2.0 * 4e17 * size);
+            assert!((plain.get(lane) - z).norm() <= errors[lane]);
+        }
+        for k in 0..100 {
+            let turned = [ComplexLanes::filled(Complex::unit(0.1 * f64::from(k)))];
+            let (_, errors) = bounded_sum(&coefficients[..1], &[100.0], &turned);
+            let size = errors[0] / f64::EPSILON;
+            assert!((101.9..111.0).contains(&size), "{k}: {size}");
+        }
+    }
+}
