@@ -155,9 +155,9 @@ impl Workplace {
     fn note(&self, plan: &Plan, scope: Scope, summary: &Summary) {
         if scope != Scope::Part {
             // Without notes, the next run reads all files.
-            let root = &self.project.root;
-            let _ =
-                self.store.known.note(root, &self.results(plan, &summary.manifests).paths(root));
+            let (root, cache) = (&self.project.root, self.store.folder());
+            let files = self.results(plan, &summary.manifests).paths(root);
+            let _ = self.store.known.note(root, cache, &files);
         }
     }
 

@@ -5,8 +5,8 @@ use super::maps::draw_axes;
 use super::palette::series;
 use super::panels::Panels;
 use super::picture::Picture;
+use serde::Deserialize;
 use signorini_mathematics::mesh::PlaneMesh;
-use signorini_mathematics::spectral::TrueSolution;
 
 /// Side of a panel in display pixels.
 const SIDE: f64 = 180.0;
@@ -17,8 +17,17 @@ const DOMAIN: f64 = 0.6;
 pub(crate) struct CutsPanel<'a> {
     pub title: &'a str,
     /// Mesh whose boundary is drawn.
-    pub mesh: &'a PlaneMesh,
-    pub truth: &'a TrueSolution,
+    pub mesh: PlaneMesh,
+    pub truth: Cuts,
+}
+
+/// Row of a true solution, as far as the picture shows it.
+#[derive(Deserialize)]
+pub(crate) struct Cuts {
+    /// From and to, the longest first of each point.
+    cuts: Vec<[[f64; 2]; 2]>,
+    /// Ends of contact.
+    contact: Vec<[f64; 2]>,
 }
 
 /// Draws one domain per panel, three in a row: the boundary, the cuts with the outer ends of all that begin in one
@@ -46,7 +55,7 @@ pub(crate) fn cuts(panels: &[CutsPanel<'_>]) -> Picture {
             let ends = mesh.corners(facet).map(|[x, y]| frame.at(x, y));
             picture.path(ends, series(0), 2.0);
         }
-        for [from, to] in truth.cuts() {
+        for &[from, to] in &truth.cuts {
             let shown = [0, 1].map(|axis| part_within([from[axis], to[axis]], ranges[axis]));
             let part = shown[0].min(shown[1]);
             let end: [f64; 2] = std::array::from_fn(|d| from[d] + part * (to[d] - from[d]));
@@ -56,11 +65,7 @@ pub(crate) fn cuts(panels: &[CutsPanel<'_>]) -> Picture {
                 picture.path([frame.at(x, y)], series(1), 3.0);
             }
         }
-        for arc in truth.contact.iter().filter(|arc| !arc.closed) {
-            for [x, y] in [arc.from, arc.to] {
-                picture.ring(frame.at(x, y), 4.0, series(2));
-            }
-        }
+        truth.contact.iter().for_each(|&[x, y]| picture.ring(frame.at(x, y), 4.0, series(2)));
     }
     picture
 }
@@ -69,7 +74,7 @@ pub(crate) fn cuts(panels: &[CutsPanel<'_>]) -> Picture {
 fn table(panels: &[CutsPanel<'_>]) -> String {
     let mut table = "domain,from_x,from_y,to_x,to_y\n".to_owned();
     for CutsPanel { title, truth, .. } in panels {
-        for [[x, y], [u, v]] in truth.cuts() {
+        for [[x, y], [u, v]] in &truth.cuts {
             table += &format!("{title},{x},{y},{u},{v}\n");
         }
     }

@@ -25,6 +25,7 @@ fn an_accuracy_on_a_mesh_is_reached_and_the_answer_says_how() {
     assert!((0.03..=0.05).contains(&reached), "{reached}");
     let adapted = &json["adapted"];
     assert_eq!((&adapted["end"], &adapted["reached"]), (&"goal".into(), &reached.into()));
+    assert_eq!(adapted["kind"], "adapted");
     assert_eq!(adapted["nodes"], json["unknowns"]);
     assert_eq!(adapted["meshes"], json["grids"].as_array().unwrap().len());
     assert_eq!((&json["stop"], &json["warnings"]), (&"converged".into(), &serde_json::json!([])));
@@ -34,6 +35,23 @@ fn an_accuracy_on_a_mesh_is_reached_and_the_answer_says_how() {
     let said = solve(&["--accuracy-energy", "0.01", "--verbose"]);
     assert!(said.err.starts_with("mesh 1: 8 nodes, "), "{said:?}");
     assert!(said.out.contains("the error is as small as asked"), "{said:?}");
+}
+
+#[test]
+fn an_answer_on_uniform_refinements_says_so() {
+    let project = Project::with(TABLE);
+    let nodes = "1 0 0 0\n2 1 0 0\n3 1 2e-4 0\n4 0 2e-4 0\n";
+    let strip = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"side\"\n$EndPhysicalNames\n$Nodes\n4\n\
+         {nodes}$EndNodes\n$Elements\n3\n1 1 2 1 1 4 1\n2 2 2 2 1 1 2 3\n3 2 2 2 1 1 3 4\n$EndElements\n"
+    );
+    fs::write(project.path("strip.msh"), strip).unwrap();
+    let command = ["solve", "--f", "else=-1", "--domain", "strip.msh", "--free", "side"];
+    let solve = |more: &[&str]| project.run(&[&command[..], &["--accuracy", "0.1"], more].concat());
+    let (json, said) = (solve(&["--json"]).json(), solve(&[]));
+    assert_eq!((&json["unknowns"], &json["adapted"]["kind"]), (&4225.into(), &"uniform".into()));
+    assert_eq!(json["adapted"]["meshes"], json["grids"].as_array().unwrap().len());
+    assert!(said.out.contains(" uniform meshes"), "{said:?}");
 }
 
 #[test]

@@ -283,10 +283,7 @@ fn force_runs_everything_and_changes_nothing() {
 #[test]
 fn a_task_that_fails_leaves_the_others_up_to_date() {
     let project = Project::with(&wanting(EVERYTHING));
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Mine\"\n");
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n\n[to nowhere](nowhere.md)\n");
+    project.add_book("# One\n\n[to nowhere](nowhere.md)\n");
     for args in [&["run", "-j", "1"][..], &["run", "-k"]] {
         let said = project.run(args);
         assert!(said.code == Some(3) && said.err.contains("leads nowhere"), "{said:?}");

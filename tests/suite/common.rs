@@ -158,6 +158,14 @@ impl Project {
         project
     }
 
+    /// Adds a book of one page, `one`, with this text.
+    pub(crate) fn add_book(&self, page: &str) {
+        fs::create_dir_all(self.path("report/templates")).unwrap();
+        self.write("report/book.toml", "title = \"Mine\"\n");
+        self.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
+        self.write("report/templates/one.md", page);
+    }
+
     /// A copy of the project that these tests belong to, with the cache that `SIGNORINI_TEST_CACHE` names, if it does.
     pub(crate) fn whole() -> Self {
         let project = Self::empty();

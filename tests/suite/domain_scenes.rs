@@ -1,7 +1,6 @@
 //! Scenes on domains other than the square: what they make, when they are made anew, and what is refused.
 
 use crate::common::{Project, TABLE};
-use crate::edits::{Files, book, write};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -32,21 +31,12 @@ fn with_gear(project: Project) -> Project {
     project
 }
 
-/// Writes a book of one page into a project.
-fn add_book(project: &Project) {
-    write(project, &Files::new(), &book());
-}
-
 /// A project with the three scenes.
 fn project() -> Project {
     let project = with_gear(Project::with(DISC));
     project.scene("gear", GEAR);
     project.scene("ball", BALL);
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Domains\"\n");
-    project.write("report/templates/SUMMARY.md", "- [Domains](domains.md)\n");
-    project
-        .write("report/templates/domains.md", "# Domains\n\n![the disc](figures/a-surface.svg)\n");
+    project.add_book("# Domains\n\n![the disc](figures/a-surface.svg)\n");
     project
 }
 
@@ -250,7 +240,7 @@ fn run_scene_and_options_have_one_answer() {
         let project = with_gear(Project::empty());
         fs::create_dir(project.path("pipeline/scenes")).unwrap();
         // The table of all results is made for a book.
-        add_book(&project);
+        project.add_book("# One\n");
         let mut scenes = Vec::new();
         for (of_solver, (solver, keys)) in SOLVERS.into_iter().enumerate() {
             for law in laws_tried(of_solver, of_domain) {
@@ -302,10 +292,7 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
         let outputs = "outputs = [\"table\", \"source\", \"surface\", \"contact\"]\n";
         project.scene(name, &format!("{plate}{keys}{outputs}"));
     }
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Plates\"\n");
-    project.write("report/templates/SUMMARY.md", "- [Plates](plates.md)\n");
-    project.write("report/templates/plates.md", "# Plates\n\n![v](figures/close-surface.svg)\n");
+    project.add_book("# Plates\n\n![v](figures/close-surface.svg)\n");
     project.run(&["run"]).lines();
     project.run(&["run"]).nothing_to_do();
     let results = results(&project);
@@ -498,7 +485,7 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
 #[test]
 fn scenes_without_a_boundary_in_contact_run_as_they_are_solved() {
     let project = Project::with(TABLE);
-    add_book(&project);
+    project.add_book("# One\n");
     let pictures = "outputs = [\"table\", \"source\", \"surface\", \"map\", \"contact\"]\n";
     let disc = "domain = { name = \"disc\", refine = 1, fixed = [\"rim\"] }\n";
     let annulus =

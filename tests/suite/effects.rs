@@ -23,10 +23,7 @@ fn published() -> String {
 /// A project with pages, of which one shows nothing.
 fn with_pages(scene: &str) -> Project {
     let project = Project::with(scene);
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Mine\"\n");
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n");
+    project.add_book("# One\n");
     project
 }
 

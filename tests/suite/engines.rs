@@ -12,10 +12,7 @@ use std::process::{Command, Output, Stdio};
 fn small() -> Project {
     let project = Project::with(&wanting(EVERYTHING));
     project.scene("b", &TABLE.replace("else=-1", "disc(0,0,0.3)=1; else=-2"));
-    project.write("report/book.toml", "title = \"Engines\"\n");
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n");
+    project.add_book("# One\n");
     project
 }
 

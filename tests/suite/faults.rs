@@ -164,10 +164,7 @@ fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
 #[test]
 fn pages_of_a_task_that_fails_stay() {
     let project = Project::with(&wanting("[\"source\"]"));
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Mine\"\n");
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n");
+    project.add_book("# One\n");
     project.run(&["run"]).lines();
     let exports = ["report/src/one.md", "figures/a-source.svg"];
     let [page, figure] = exports.map(|name| fs::read(project.path(name)).unwrap());

@@ -11,10 +11,7 @@ const NOTES: &str = "pipeline/.hashes";
 /// the project, and an artifact.
 fn project() -> (Project, [PathBuf; 3]) {
     let project = Project::with(&wanting(EVERYTHING));
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Mine\"\n");
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n");
+    project.add_book("# One\n");
     project.run(&["run"]).lines();
     let objects = project.path(".signorini/v2/objects");
     let object = project.files(".signorini/v2/objects").into_keys().next().unwrap();

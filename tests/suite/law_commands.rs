@@ -10,10 +10,7 @@ const SCENE: &str = "title = \"Friction\"\nf = \"halfplane(1,0,0)=8; else=-8\"\n
 
 fn project(scene: &str) -> Project {
     let project = Project::with(scene);
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Laws\"\n");
-    project.write("report/templates/SUMMARY.md", "- [Laws](laws.md)\n");
-    project.write("report/templates/laws.md", "# Laws\n\n![v](figures/a-surface.svg)\n");
+    project.add_book("# Laws\n\n![v](figures/a-surface.svg)\n");
     project
 }
 

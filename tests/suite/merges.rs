@@ -49,10 +49,7 @@ fn a_conflict_is_named_with_a_remedy_that_works() {
 #[test]
 fn a_page_with_a_conflict_is_not_published() {
     let project = project();
-    project.write("report/book.toml", "title = \"T\"\n");
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", format!("# One\n\n{}", conflict("a\n", "b\n")));
+    project.add_book(&format!("# One\n\n{}", conflict("a\n", "b\n")));
     let said = project.run(&["run"]);
     assert_eq!(said.code, Some(3), "{said:?}");
     assert!(said.err.contains("report/templates/one.md: line 3: conflict of a merge"), "{said:?}");

@@ -75,10 +75,7 @@ fn a_mesh_is_parsed_only_by_a_run_that_needs_it() {
 fn the_files_of_the_book_are_read_only_for_the_book() {
     let project = Project::with(&wanting("[\"table\", \"source\"]"));
     project.scene("b", TABLE);
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Mine\"\n");
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n");
+    project.add_book("# One\n");
     project.run(&["run"]).lines();
     // Whoever reads it is refused.
     std::os::unix::fs::symlink("nowhere", project.path("report/templates/large.bin")).unwrap();

@@ -32,10 +32,7 @@ fn project() -> Project {
     fs::create_dir(project.path("pipeline/meshes")).unwrap();
     let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
     fs::copy(gear, project.path("pipeline/meshes/gear.msh")).unwrap();
-    fs::create_dir_all(project.path("report/templates")).unwrap();
-    project.write("report/book.toml", "title = \"Statements\"\n");
-    project.write("report/templates/SUMMARY.md", "- [Statements](statements.md)\n");
-    project.write("report/templates/statements.md", "# Statements\n");
+    project.add_book("# Statements\n");
     project
 }
 

@@ -17,7 +17,7 @@ use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{Run, Solved, Solver};
+use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
 use std::collections::BTreeMap;
 
 /// Digits of an energy, unless more are asked for.
@@ -81,10 +81,9 @@ impl Answer {
         self.solved.bounds().last()?.as_ref().ok()
     }
 
-    /// Number of adapted meshes on which a solution was sought, if that is how it was found.
-    fn meshes(&self) -> Option<usize> {
-        let way = self.solved.reached.as_ref().filter(|reached| reached.marks.is_some());
-        way.map(|way| way.tried)
+    /// Way to an accuracy on meshes, if that is how the answer was found.
+    fn way(&self) -> Option<&Reached> {
+        self.solved.reached.as_ref().filter(|reached| reached.marks.is_some())
     }
 
     /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
@@ -214,12 +213,13 @@ impl Answer {
         if let Some(Accuracy::Energy(_)) = accuracy {
             json["energy_of_linear_v"] = last.energy.into();
         }
-        if let (Some(meshes), Some(accuracy)) = (self.meshes(), accuracy) {
+        if let (Some(way), Some(accuracy)) = (self.way(), accuracy) {
             json["adapted"] = json!({
-                "meshes": meshes,
+                "meshes": way.tried,
+                "kind": way.kind(),
                 "nodes": run.y.len(),
                 "reached": self.bounds().map(|bounds| accuracy.reached(bounds)),
-                "end": self.solved.reached.as_ref().map(|way| way.end.name()),
+                "end": way.end.name(),
             });
         }
         if let Some(errors) = self.solved.errors() {
@@ -324,8 +324,8 @@ impl Answer {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
         let mut settings = vec![format!("solver {solver}")];
         settings.extend((run.solver != solver).then(|| format!("then {}", run.solver)));
-        settings.extend(match self.meshes() {
-            Some(meshes) => Some(format!("{meshes} adapted meshes")),
+        settings.extend(match self.way() {
+            Some(way) => Some(format!("{} {} meshes", way.tried, way.kind())),
             None => request.refined(problem.finest()),
         });
         for (name, value) in request.settings(problem.law()) {
@@ -349,11 +349,10 @@ impl Answer {
         text + &request.clock.text(setup, &cost)
     }
 
-    /// Returns the end on adapted meshes, the last with so many nodes.
+    /// Returns the end of the way to an accuracy on meshes, the last with so many nodes.
     fn end_of_meshes(&self, nodes: usize) -> Option<String> {
-        let (meshes, way) = (self.meshes()?, self.solved.reached.as_ref()?);
-        let reason = reason(way.end);
-        Some(format!("{meshes} meshes, the last of {nodes} nodes: {reason}\n"))
+        let Reached { tried, end, .. } = self.way()?;
+        Some(format!("{tried} meshes, the last of {nodes} nodes: {}\n", reason(*end)))
     }
 
     fn table(&self, request: &Request, Run { ends, .. }: &Run) -> String {
@@ -371,7 +370,7 @@ impl Answer {
             let mut row = vec![
                 outcome.label(),
                 outcome.end.iterations.to_string(),
-                match self.meshes() {
+                match self.way() {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },

@@ -79,19 +79,21 @@ impl KnownHashes {
         Some(&self.noted[found])
     }
 
-    /// Notes the hashes of these files for the next run; those that are known are not read.
+    /// Notes the hashes of these files, some below the folder `cache`, for the next run; those that are known are not
+    /// read.
     ///
     /// Easily broken: a file that is changed twice within one tick of the file system's clock has one state before and
     /// after the second change. So a file is noted only if that clock has gone on since its last change before the file
     /// is read, and if it is in the same state after. And files of the cache are written without waiting for the disk:
-    /// a file is noted only when the disk has it, so that one that a loss of power damages is read again.
+    /// they are noted only when the disk has them, so that one that a loss of power damages is read again.
     ///
     /// # Errors
     /// [`Error::Io`](crate::error::Error::Io) if the notes cannot be written.
-    pub fn note(&self, project: &Path, files: &BTreeSet<PathBuf>) -> Result<()> {
+    pub fn note(&self, project: &Path, cache: &Path, files: &BTreeSet<PathBuf>) -> Result<()> {
         let path = project.join(PATH);
-        let Ok((device, now)) = later(folder_of(&path)) else { return Ok(()) };
-        let noted = files.par_iter().filter_map(|file| self.note_of(file, device, now));
+        let Ok(clock) = later(folder_of(&path)) else { return Ok(()) };
+        let noted = files.par_iter();
+        let noted = noted.filter_map(|file| self.note_of(file, clock, file.starts_with(cache)));
         let noted: BTreeSet<NotedHash> = noted.collect();
         let mut bytes = HEADER.to_vec();
         bytes.extend(noted.into_iter().flatten());
@@ -102,15 +104,18 @@ impl KnownHashes {
         write_atomically(&path, &bytes)
     }
 
-    /// Returns what to note of a file on this device whose last change was before `now`, if it can be read.
-    fn note_of(&self, file: &Path, on: u64, now: u64) -> Option<NotedHash> {
+    /// Returns what to note of a file on this device whose last change was before `now`, if it can be read and, where
+    /// it was written without, synced.
+    fn note_of(&self, file: &Path, (on, now): (u64, u64), sync: bool) -> Option<NotedHash> {
         let there = fs::metadata(file).ok()?;
         if let Some(known) = self.noted(&there) {
             return Some(*known);
         }
         let before = state(&there).filter(|_| device(&there) == on && changed(&there) < now)?;
         let hash = blake3::Hash::from_hex(hash_of(file).ok()?).ok()?;
-        File::open(file).and_then(|file| file.sync_all()).ok()?;
+        if sync {
+            File::open(file).and_then(|file| file.sync_all()).ok()?;
+        }
         let after = state(&fs::metadata(file).ok()?)?;
         let noted = [&before[..], hash.as_bytes()].concat();
         noted.try_into().ok().filter(|_| before == after)
@@ -185,7 +190,8 @@ mod tests {
 
     /// Writes the notes of a project; returns the hash of a file by them.
     fn noted(project: &Path, file: &Path) -> Option<String> {
-        KnownHashes::default().note(project, &BTreeSet::from([file.to_path_buf()])).unwrap();
+        let files = BTreeSet::from([file.to_path_buf()]);
+        KnownHashes::default().note(project, project, &files).unwrap();
         KnownHashes::read(project).of(file)
     }
 
@@ -254,10 +260,11 @@ mod tests {
         let (_project, file) = project();
         let there = fs::metadata(&file).unwrap();
         let nothing = KnownHashes::default();
-        let note = |now: u64| nothing.note_of(&file, device(&there), now);
+        let note = |now: u64| nothing.note_of(&file, (device(&there), now), false);
         assert_eq!(note(changed(&there)), None);
         assert!(note(changed(&there) + 1).is_some());
-        assert_eq!(nothing.note_of(&file, device(&there) + 1, u64::MAX), None, "another disk");
+        let other = (device(&there) + 1, u64::MAX);
+        assert_eq!(nothing.note_of(&file, other, false), None, "another disk");
     }
 
     #[test]
@@ -284,11 +291,9 @@ mod tests {
     fn notes_that_stay_the_same_are_not_written_again() {
         let (project, file) = project();
         assert!(noted(project.path(), &file).is_some());
-        let before = fs::metadata(project.path().join(PATH)).map(|there| state(&there)).unwrap();
+        let now = || state(&fs::metadata(project.path().join(PATH)).unwrap());
+        let before = now();
         assert!(noted(project.path(), &file).is_some());
-        assert_eq!(
-            fs::metadata(project.path().join(PATH)).map(|there| state(&there)).unwrap(),
-            before
-        );
+        assert_eq!(now(), before);
     }
 }

@@ -6,6 +6,7 @@ mod stability;
 
 use super::cost;
 use super::figures::{Draw, Drawing, drawing, made};
+use crate::figures::{CutsPanel, Picture, cuts};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
 use crate::replication::paper::Paper;
@@ -15,6 +16,7 @@ use crate::timing::recorded::{PATH, Timings};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
+use signorini_mathematics::mesh::AnyMesh;
 use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
@@ -78,6 +80,13 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             |it, inputs| it.made(inputs, cost::ways(&table(inputs, "truth", "plane_ways")?)?),
         ),
         picture(
+            ["truth", "cuts"],
+            "Cuts of the functions of true solutions on three domains",
+            |it, inputs| {
+                it.made(inputs, cuts_of_domains(&table(inputs, "truth", "plane_truths")?)?)
+            },
+        ),
+        picture(
             ["claims", "sweep"],
             "Iterations of both problems against the duality parameter, three ways of stopping",
             |it, inputs| it.made(inputs, claims::sweep(&table(inputs, "claims", "runs")?)?),
@@ -107,6 +116,23 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             |it, inputs| it.made(inputs, tolerances(&table(inputs, "stress", "runs")?)?),
         ),
     ]
+}
+
+/// Draws domains in the plane with the cuts of the true solutions whose contact has ends.
+fn cuts_of_domains(truths: &Rows) -> Result<Picture, String> {
+    /// Number of refinements of each domain for its boundary.
+    const REFINED: [usize; 3] = [0, 4, 3];
+    let mut panels = Vec::new();
+    for (row, times) in truths.iter().filter(|row| row["ends"] != 0).zip(REFINED) {
+        let title = row["domain"].as_str().unwrap_or_default();
+        let coarsest = AnyMesh::built_in(title).ok_or_else(|| format!("no domain {title}"))?;
+        let AnyMesh::Plane(mesh) = coarsest.refined(times).map_err(|e| e.to_string())? else {
+            return Err(format!("{title} is no plane domain"));
+        };
+        let truth = serde_json::from_value(json!(row)).map_err(|e| e.to_string())?;
+        panels.push(CutsPanel { title, mesh, truth });
+    }
+    Ok(cuts(&panels))
 }
 
 /// Picture of counts beside published ones.

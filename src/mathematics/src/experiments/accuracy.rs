@@ -9,7 +9,7 @@ use crate::discrete::kkt::kkt;
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::discrete::stop::Stop;
-use crate::machine::threads::{join, map};
+use crate::machine::threads::{join, try_map};
 use crate::multigrid::{Goal, InputError, Multigrid, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
@@ -127,9 +127,7 @@ pub(super) fn accuracy(plan: &AccuracyPlan) -> Result<Findings, String> {
         solutions.push(KnownSolution::spectral(name, f, SpectralParams::default())?);
     }
     let (known, (others, (sweeps, compared))) = join(
-        || -> Result<Vec<KnownRows>, String> {
-            map(&solutions, 1, |solution| known(solution, plan)).into_iter().collect()
-        },
+        || try_map(&solutions, |solution| known(solution, plan)),
         || {
             join(
                 || others(&plan.others, &plan.problems),
@@ -209,8 +207,8 @@ fn others(cells: &[usize], problems: &[(String, String)]) -> Result<Vec<WorkRow>
         Grid::new(n).map_err(|e| e.clone())?;
         let mut loads = paper_loads(n, problems)?;
         loads.extend(stress_loads(n));
-        for counted in map(&loads, 1, |(name, load)| cost(name, n, load)) {
-            rows.extend(counted?.0);
+        for (counted, _) in try_map(&loads, |(name, load)| cost(name, n, load))? {
+            rows.extend(counted);
         }
     }
     Ok(rows)

@@ -8,7 +8,7 @@ pub use problem::coarse_meshes;
 pub(super) use problem::{AdaptedProblem, BoundedRun};
 
 use super::{Findings, Rows, exponent};
-use crate::machine::threads::map;
+use crate::machine::threads::try_map;
 use method::{CountsOnMesh, method};
 use serde::{Deserialize, Serialize};
 
@@ -112,8 +112,7 @@ pub(super) fn adapted(plan: &AdaptedPlan) -> Result<Findings, String> {
     for (number, &problem) in plan.problems.iter().enumerate() {
         refined.extend(Way::ALL.map(|way| RefinementWay { problem, way, has_method: number == 0 }));
     }
-    let measured = map(&refined, 1, |refined| refined.measured(plan));
-    let measured = measured.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let measured = try_map(&refined, |refined| refined.measured(plan))?;
     let (mut errors, mut counts, mut finest) = (Vec::new(), Vec::new(), Vec::new());
     for ways in measured.chunks(Way::ALL.len()) {
         finest.extend(finest_errors(ways, plan).ok_or("too few meshes for an order")?);

@@ -12,7 +12,7 @@ pub type Findings = BTreeMap<String, Rows>;
 pub type Row = Map<String, Value>;
 
 /// Rows of a table: a text, a number, a flag or nothing under the name of each column; a list only where one cell of a
-/// page shows it.
+/// page, or a picture, shows it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Rows(pub Vec<Row>);

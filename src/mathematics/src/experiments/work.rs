@@ -8,7 +8,7 @@ use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
-use crate::machine::threads::map;
+use crate::machine::threads::try_map;
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
@@ -17,7 +17,7 @@ use crate::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
 use serde::Serialize;
 
 /// Table `sweeps`: number of sweeps that Arrow-Hurwicz takes to a residual on one grid.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct SweepsRow {
     /// f in the notation of scenes.
     f: String,
@@ -56,9 +56,7 @@ const CHECKS: CheckInterval = CheckInterval { share: 50, limit: 1_000_000 };
 /// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
 pub(super) fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<SweepsRow>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
-    let laws: Result<Vec<_>, String> =
-        map(&runs, 1, |&((f, cells), nested)| law(f, cells, nested)).into_iter().collect();
-    Ok(laws?.into_iter().flatten().collect())
+    Ok(try_map(&runs, |&((f, cells), nested)| law(f, cells, nested))?.concat())
 }
 
 /// Counts the sweeps to each of [`TARGETS`] on all grids.

@@ -122,10 +122,11 @@ impl Side<'_> {
         moved
     }
 
-    /// True if a count of a row, among those `kept`, is not changed yet.
-    fn is_open(&self, kept: &[Place], row: usize) -> bool {
-        let mut counts = kept.iter().zip(&self.cells);
-        counts.any(|(&(k, _), range)| k == row && range.is_none())
+    /// Number of grids up to the finest on which a count of a row, among those `kept`, is not changed yet.
+    fn open(&self, kept: &[Place], row: usize) -> usize {
+        let counts = kept.iter().zip(&self.cells);
+        let open = counts.filter(|&(&(k, _), range)| k == row && range.is_none());
+        open.map(|(&(_, level), _)| level + 1).max().unwrap_or(0)
     }
 
     /// Writes down which of the counts `kept` these moves change, from the counts that come out after each; the longest
@@ -174,7 +175,7 @@ pub fn identifiability(evaluator: &Evaluator<'_>, values: &[f64; 4]) -> Identifi
         let moves = sides.iter().flat_map(|side| steps.iter().map(|&step| side.moved(step)));
         let moves: Vec<_> = moves.collect();
         let found = evaluator
-            .held_where(0, &moves, |number, row| sides[number / steps.len()].is_open(&kept, row));
+            .held_where(0, &moves, |number, row| sides[number / steps.len()].open(&kept, row));
         for (side, found) in sides.iter_mut().zip(found.chunks(steps.len())) {
             side.scan(&kept, before, steps, found);
         }

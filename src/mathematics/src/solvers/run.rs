@@ -6,9 +6,7 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
 use crate::mesh::{Condition, PlaneMesh};
-use crate::multigrid::active_set::{
-    MOST_NODES_IN_PLANE, MOST_NODES_IN_SPACE, active_set as solve_lattice, active_set_from,
-};
+use crate::multigrid::active_set::{active_set as solve_lattice, active_set_from};
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::source::Source;
@@ -118,21 +116,18 @@ pub(super) fn multigrid(
         }
         Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
     };
-    // Steps may not converge on some stretched meshes: factors solve those that are small enough.
+    let dimension = problem.levels().facts().dimension;
     match &solved {
-        Ok((y, end)) if end.stop == Stop::IterationLimit && y.len() <= most_nodes(problem) => {
+        Ok((y, end)) if end.stop == Stop::IterationLimit && has_factors(dimension, y.len()) => {
             by_factors(problem, Some(y), monitor)
         }
         _ => on_finest(problem, Solver::Multigrid, solved),
     }
 }
 
-/// Most nodes whose factors are worth their time.
-fn most_nodes(problem: &Problem) -> usize {
-    match problem.levels().facts().dimension {
-        2 => MOST_NODES_IN_PLANE,
-        _ => MOST_NODES_IN_SPACE,
-    }
+/// True if factors solve what steps have left at their limit, as they may on some stretched meshes: on so few nodes.
+pub(super) fn has_factors(dimension: u8, nodes: usize) -> bool {
+    Solver::ActiveSet.check_nodes(dimension, nodes as f64).is_ok()
 }
 
 /// Solves on the finest level by the primal-dual active set, until the contact set is at rest.

@@ -71,6 +71,14 @@ pub struct Reached {
     pub marks: Option<Vec<Vec<u32>>>,
 }
 
+impl Reached {
+    /// Kind of the meshes, in answers: `uniform` if all cells were divided into four each time.
+    pub fn kind(&self) -> &'static str {
+        let is_uniform = |marks: &Vec<_>| !marks.is_empty() && marks.iter().all(Vec::is_empty);
+        if self.marks.as_ref().is_some_and(is_uniform) { "uniform" } else { "adapted" }
+    }
+}
+
 /// Solution of a problem.
 pub struct Solved {
     /// Problem, on the levels on which it was solved.

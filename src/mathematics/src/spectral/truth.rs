@@ -140,7 +140,7 @@ impl TrueSolution {
 
     /// Cuts of the functions whose sum the solution is, outward from points of the boundary and behind it, the longest
     /// first of each point; none on the square in its closed form.
-    pub fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
+    pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
         match &self.form {
             TrueForm::Square(_) => Vec::new(),
             TrueForm::Plane(truths) => truths.iter().flat_map(PlaneTruth::cuts).collect(),

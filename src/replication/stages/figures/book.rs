@@ -2,8 +2,8 @@
 
 use super::{Draw, Drawing, drawing, shown, surface};
 use crate::figures::{
-    CutsPanel, DrawnSolution, GradientPanel, Picture, cuts, gradients as draw_gradients, grid,
-    membrane, mesh_picture, surfaces, table_of_surfaces,
+    DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, grid, membrane,
+    mesh_picture, surfaces, table_of_surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
@@ -12,7 +12,6 @@ use crate::replication::stages::solve;
 use signorini_mathematics::experiments::coarse_meshes;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::saddle::{Pair, tolerance};
-use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// Returns the drawing of scenes, each as its surface shows it.
@@ -80,8 +79,8 @@ pub(super) fn iterates(scene: &Scene) -> Task {
 const FEW: usize = 450;
 
 /// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
-pub(super) fn drawings() -> [Task; 6] {
-    let all: [(&str, &str, Draw); 6] = [
+pub(super) fn drawings() -> [Task; 5] {
+    let all: [(&str, &str, Draw); 5] = [
         ("domains", "Solutions on the L-shape, the disc and the annulus", |it, inputs| {
             it.made(inputs, on_domains()?)
         }),
@@ -90,9 +89,6 @@ pub(super) fn drawings() -> [Task; 6] {
         }),
         ("adapted-mesh", "Adapted meshes of three domains", |it, inputs| {
             it.made(inputs, beside(&coarse_meshes(FEW)?)?)
-        }),
-        ("cuts", "Cuts of the functions of true solutions on three domains", |it, inputs| {
-            it.made(inputs, cuts_of_domains()?)
         }),
         ("membrane", "The square and its membrane", |it, inputs| it.made(inputs, membrane())),
         ("grid", "The coarsest grid, in the order of the sweep", |it, inputs| {
@@ -142,33 +138,6 @@ fn on_domains() -> Result<Picture, String> {
     // No page offers these solutions as files.
     picture.table = Some(table_of_surfaces(&drawn));
     Ok(picture)
-}
-
-/// Problems whose cuts are drawn: domain, f, and number of refinements for the boundary.
-const CUT: [(&str, &str, u8); 3] = [
-    ("lshape", "rect(0,9,0,9)=5; else=-3", 0),
-    ("disc", "halfplane(1,0.3,-0.1)=4; else=-7", 4),
-    ("annulus", "disc(0.2,0.8,0.15)=30; else=-2", 3),
-];
-
-/// Draws domains in the plane with the cuts of their true solutions.
-fn cuts_of_domains() -> Result<Picture, String> {
-    let mut solved = Vec::new();
-    for (name, f, refinements) in CUT {
-        let (domain, fineness) = (Domain::named(name), Fineness::Refined(refinements));
-        let usual = Statement::usual(domain, f);
-        let statement = Statement { fineness, solver: Solver::Spectral, ..usual };
-        let one = statement.solved(None).map_err(|e| format!("{name}: {e}"))?;
-        let mesh = one.problem.levels().mesh(one.problem.finest()).into_owned();
-        solved.push((name, mesh, one));
-    }
-    let mut panels = Vec::new();
-    for (title, mesh, one) in &solved {
-        let found = mesh.plane().zip(one.truth());
-        let (mesh, truth) = found.ok_or_else(|| format!("{title}: no true solution"))?;
-        panels.push(CutsPanel { title, mesh, truth });
-    }
-    Ok(cuts(&panels))
 }
 
 /// The task that draws the gradient where the paper stopped, a map per problem.

@@ -3,7 +3,9 @@
 
 use crate::bounds::boundary::PartLaw;
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{CellData, Condition, Element, Facet, Mesh, centroid, dot, measure, volume};
+use crate::mesh::{
+    CellData, Condition, Element, Facet, Mesh, Sides, centroid, dot, measure, volume,
+};
 use crate::problem::law::Law;
 
 /// Numbers whose work takes as long as that on a cell.
@@ -42,6 +44,15 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
             Condition::Free => PartLaw { least: 0.0, most: 0.0 },
             Condition::Fixed => PartLaw { least: f64::NEG_INFINITY, most: f64::INFINITY },
             Condition::Contact => PartLaw::new(self.law, measure(self.mesh.corners(facet))),
+        }
+    }
+
+    /// Puts a flux through the facets that exceeds a limit of the law within it: where a limit is met, rounding decides
+    /// the side.
+    pub(super) fn clamp<const N: usize>(&self, sides: &Sides<V>, flux: &mut [[f64; N]]) {
+        for (facet, at) in self.mesh.facets().iter().zip(sides.of_facets()) {
+            let (interval, flux) = (self.interval(facet), &mut flux[at.side as usize]);
+            *flux = flux.map(|flux| interval.clamp(flux));
         }
     }
 

@@ -142,14 +142,6 @@ impl FacetLimits {
             }
         }
     }
-
-    /// Puts a flux that exceeds limits by rounding within them.
-    pub(super) fn clamp<const D: usize>(&self, flux: &mut [SideFlux<D>]) {
-        for LimitedFacet { side, interval, .. } in &self.facets {
-            let flux = &mut flux[*side as usize];
-            *flux = flux.map(|flux| interval.clamp(flux));
-        }
-    }
 }
 
 /// Flux through a side.

@@ -59,7 +59,7 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
         let best = square(cells, sides, flux);
         let on_boundary = limits.exceeded_by(flux);
         on_boundary.iter().for_each(|psi| stream.add(psi, flux));
-        limits.clamp(flux);
+        cells.clamp(sides, flux);
         now = square(cells, sides, flux);
         if on_boundary.is_none() || now - best <= NEAR * (distance - (before - now)) {
             break;

@@ -6,9 +6,8 @@
 //! all of the flux on which the bounds depend, whatever w is.
 
 use super::cells::{Cells, RaviartThomas};
-use crate::bounds::boundary::PartLaw;
 use crate::discrete::network::Network;
-use crate::mesh::{BoundarySide, Condition, Element, Sides, measure};
+use crate::mesh::{BoundarySide, Condition, Element, Sides};
 
 /// Bounds of psi at a node of the boundary by a facet in contact, relative to psi at the other end.
 #[derive(Clone, Copy)]
@@ -97,7 +96,7 @@ impl Stream {
                 end.facets += 1;
                 end.is_free |= condition == Condition::Free;
                 if condition == Condition::Contact {
-                    let law = PartLaw::new(cells.law, measure(mesh.corners(facet)));
+                    let law = cells.interval(facet);
                     let outflow = flux[side as usize];
                     let [above, below] = [outflow - law.least, law.most - outflow];
                     let begins = k == 0;
@@ -145,14 +144,6 @@ impl Stream {
                 }
             }
         }
-        let facets = cells.mesh.facets();
-        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(sides.of_facets()) {
-            let outflow = &mut flux[side as usize];
-            // Where a limit is met, rounding decides the side.
-            if cells.mesh.condition(facet) == Condition::Contact {
-                let law = PartLaw::new(cells.law, measure(cells.mesh.corners(facet)));
-                *outflow = law.clamp(*outflow);
-            }
-        }
+        cells.clamp(sides, flux.as_chunks_mut::<1>().0);
     }
 }

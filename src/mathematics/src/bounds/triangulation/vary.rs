@@ -8,7 +8,7 @@
 use super::cells::Cells;
 use super::linear::{SideFlux, at_vertices, outflows, product};
 use crate::machine::threads::{items_per_task, map_range};
-use crate::mesh::{BoundarySide, Condition, Element, Neighbour, Sides};
+use crate::mesh::{BoundarySide, Element, Neighbour, Sides};
 
 /// Numbers whose work takes as long as that on a cell.
 const COST: usize = 32;
@@ -129,14 +129,7 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
                 }
             }
         }
-        // Where a limit is met, rounding decides the side.
-        let mesh = cells.mesh;
-        for (facet, at) in mesh.facets().iter().zip(self.sides.of_facets()) {
-            if mesh.condition(facet) == Condition::Contact {
-                let (interval, flux) = (cells.interval(facet), &mut flux[at.side as usize]);
-                *flux = flux.map(|flux| interval.clamp(flux));
-            }
-        }
+        cells.clamp(self.sides, flux);
     }
 }
 

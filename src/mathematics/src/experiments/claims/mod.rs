@@ -8,7 +8,7 @@ mod runs;
 use super::{Findings, Rows, power_of_ten};
 use crate::discrete::load::LoadRule;
 use crate::experiments::problems::{FRICTION, FrictionProblem, TableProblem};
-use crate::machine::threads::map;
+use crate::machine::threads::{map, try_map};
 use crate::problem::law::LawParameter;
 use crate::saddle::{Method, StopRule};
 use crate::solvers::SaddleSettings;
@@ -161,9 +161,7 @@ const VARIANTS: [UzawaVariant; 4] = [
 /// # Errors
 /// If f or grids do not parse, or a problem has no solution on some grid under the averaged load.
 pub(super) fn claims(plan: &ClaimsPlan) -> Result<Findings, String> {
-    let problems: Result<Vec<_>, _> =
-        map(&plan.problems, 1, ClaimProblem::new).into_iter().collect();
-    let problems = problems?;
+    let problems = try_map(&plan.problems, ClaimProblem::new)?;
     let runs = runs::run_all(plan, &problems);
     let cases = cases::cases(plan, &runs);
     let weights = map(&problems, 1, |problem| problem.weights(plan));

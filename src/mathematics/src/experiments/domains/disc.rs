@@ -1,7 +1,7 @@
 //! Convergence on the disc, whose boundary is smooth as the paper assumes, to closed forms.
 
 use crate::discrete::kkt::judge;
-use crate::machine::threads::map;
+use crate::machine::threads::try_map;
 use crate::mesh::{
     BuiltIn, ConstantPieces, Mesh, MeshPlace, NestedMeshes, OnCells, arcs, boundary_curves,
     distance_squared, integrals, mesh_load, nested_meshes,
@@ -67,8 +67,7 @@ const PROBLEMS: [DiscProblem; 4] = [
 /// Measures the errors on all refinements from the third on.
 pub(super) fn convergence(refinements: usize) -> Result<Vec<DiscErrors>, String> {
     let discs = discs(refinements)?;
-    let on_discs = map(&PROBLEMS, 1, |&problem| on_discs(problem, &discs)).into_iter();
-    Ok(on_discs.collect::<Result<Vec<_>, _>>()?.concat())
+    Ok(try_map(&PROBLEMS, |&problem| on_discs(problem, &discs))?.concat())
 }
 
 /// The disc and its refinements.

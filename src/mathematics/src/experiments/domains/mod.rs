@@ -6,7 +6,7 @@ mod disc;
 
 use super::{Findings, Rows};
 use crate::levels::{Problem, Reserve};
-use crate::machine::threads::map;
+use crate::machine::threads::try_map;
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::law::Law;
@@ -104,13 +104,11 @@ struct DomainCost {
 /// # Errors
 /// A sentence if a problem cannot be solved.
 pub(super) fn domains(plan: &DomainsPlan) -> Result<Findings, String> {
-    let cost: Result<Vec<_>, _> = map(&plan.domains, 1, cost).into_iter().collect();
-    let cost = cost?;
-    let counts: Result<Vec<_>, _> =
-        map(&plan.domains, 1, |domain| counts::counted(domain, plan)).into_iter().collect();
+    let cost = try_map(&plan.domains, cost)?;
+    let counts = try_map(&plan.domains, |domain| counts::counted(domain, plan))?;
     Ok(Findings::from([
         ("disc".into(), Rows::of(disc::convergence(plan.disc)?)),
-        ("counts".into(), Rows::of(counts?.concat())),
+        ("counts".into(), Rows::of(counts.concat())),
         ("numberings".into(), Rows::of(counts::numberings(plan)?)),
         ("cost".into(), Rows::of(cost)),
     ]))

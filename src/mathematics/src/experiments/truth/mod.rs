@@ -8,7 +8,7 @@ use super::known::KnownSolution;
 use super::problems::CONTACT;
 use super::{Findings, Rows};
 use crate::discrete::grid::Grid;
-use crate::machine::threads::map;
+use crate::machine::threads::try_map;
 use crate::problem::exact::Exact;
 use crate::problem::source::Source;
 use crate::saddle::Pair;
@@ -92,10 +92,9 @@ struct MultiplierRow {
 /// # Errors
 /// A sentence if a right-hand side cannot be read, or there is no solution.
 pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
-    let solved = map(&plan.problems, 1, |(name, f)| {
+    let solved = try_map(&plan.problems, |(name, f)| {
         solve(name, f, plan.resolutions).map_err(|e| format!("{name}: {e}"))
-    });
-    let solved: Vec<SolvedTwice> = solved.into_iter().collect::<Result<_, String>>()?;
+    })?;
     let grid = Grid::new(plan.sampled).map_err(|e| e.clone())?;
     let (mut references, mut values, mut known) = (Vec::new(), Vec::new(), Vec::new());
     let (mut samples, mut multipliers) = (Vec::new(), Vec::new());
@@ -114,13 +113,9 @@ pub(super) fn truth(plan: &TruthPlan) -> Result<Findings, String> {
         known.push(one.known);
     }
     known.extend(Exact::ALL.map(KnownSolution::Formula));
-    let mut elements = Vec::new();
-    for rows in map(&known, 1, |known| against(known, &plan.cells)) {
-        elements.extend(rows?);
-    }
+    let elements = try_map(&known, |known| against(known, &plan.cells))?.into_iter().flatten();
     let (mut plane_truths, mut plane, mut plane_ways) = (Vec::new(), Vec::new(), Vec::new());
-    for of_plan in map(&plan.plane, 1, against_plane) {
-        let found = of_plan?;
+    for found in try_map(&plan.plane, against_plane)? {
         plane_truths.push(found.truth);
         plane.extend(found.rows);
         plane_ways.extend(found.ways);

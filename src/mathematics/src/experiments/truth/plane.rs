@@ -46,8 +46,6 @@ pub(super) struct PlaneTruthRow {
     energy: f64,
     /// Width of the bracket of the energy over it.
     bracket: Option<f64>,
-    /// True if the bracket rests on samples.
-    is_sampled: bool,
     /// Newton steps.
     steps: usize,
     /// Numbers of arcs in contact, and of their ends.
@@ -56,6 +54,9 @@ pub(super) struct PlaneTruthRow {
     /// Largest |v| in contact, over its size, and the balance of the flux, over the integral of |f|.
     residual: Option<f64>,
     balance: Option<f64>,
+    /// Ends of contact, and the cuts of the functions whose sum the solution is, from and to: as a picture shows them.
+    contact: Vec<[f64; 2]>,
+    cuts: Vec<[[f64; 2]; 2]>,
 }
 
 /// Table `plane`: a problem on one mesh, solved by multigrid to the rounding floor.
@@ -151,17 +152,20 @@ impl PlaneTruthRow {
             TrueChecks::Square(_) => [None; 2],
         };
         let energy = truth.energy;
+        let open = truth.contact.iter().filter(|arc| !arc.closed);
+        let contact: Vec<_> = open.flat_map(|arc| [arc.from, arc.to]).collect();
         Self {
             domain: domain.clone(),
             f: f.clone(),
             energy,
             bracket: truth.bracket.map(|[low, high]| (high - low) / energy.abs()),
-            is_sampled: truth.is_sampled,
             steps: truth.steps,
             arcs: truth.contact.len(),
-            ends: 2 * truth.contact.iter().filter(|arc| !arc.closed).count(),
+            ends: contact.len(),
             residual,
             balance: balance.map(f64::abs),
+            contact,
+            cuts: truth.cuts(),
         }
     }
 }

@@ -53,36 +53,41 @@ impl Evaluator<'_> {
     /// # Panics
     /// As [`Self::free`].
     pub fn held(&self, geometry: usize, all: &[Vec<f64>]) -> Vec<Vec<Vec<bool>>> {
-        self.held_where(geometry, all, |_, _| true)
+        self.held_where(geometry, all, |_, _| self.target.levels())
     }
 
-    /// As [`Self::held`], of the rows that are asked for, by the place of an f and the number of a row; the counts of
-    /// other rows are said to come out.
+    /// As [`Self::held`], on the first grids that are asked for, so many by the place of an f and the number of a row;
+    /// the other counts are said to come out.
     pub(in crate::identify) fn held_where(
         &self,
         geometry: usize,
         all: &[Vec<f64>],
-        is_asked: impl Fn(usize, usize) -> bool,
+        asked: impl Fn(usize, usize) -> usize,
     ) -> Vec<Vec<Vec<bool>>> {
         let (rows, levels) = (self.target.r.len(), self.target.levels());
-        // Runs of one row end about together.
+        // Runs of one row on as many grids end about together.
         let mut places = Vec::new();
-        for row in 0..rows {
-            places.extend((0..all.len()).filter(|&k| is_asked(k, row)).map(|k| (k, row)));
+        for (row, grids) in (0..rows).flat_map(|row| (1..=levels).map(move |grids| (row, grids))) {
+            let those = (0..all.len()).filter(|&k| asked(k, row) == grids);
+            places.extend(those.map(|k| (k, row, grids)));
         }
-        let runs: Vec<_> = places.iter().map(|&(k, row)| (&all[k][..], row)).collect();
-        let batches: Vec<_> = runs.chunks(LANES).collect();
+        let batches: Vec<_> = places.chunks(LANES).collect();
         let each = batches.len().div_ceil(4 * rayon::current_num_threads()).max(1);
         let done = map_with_room(
             0..batches.len(),
             each,
             || self.clone(),
-            |evaluator, k| evaluator.free_in_lanes(geometry, batches[k]),
+            |evaluator, number| {
+                let batch = batches[number].iter();
+                let runs: Vec<_> = batch.clone().map(|&(k, row, _)| (&all[k][..], row)).collect();
+                evaluator.free_in_lanes(geometry, &runs, batch.map(|place| place.2).max())
+            },
         );
         let mut held = vec![vec![vec![true; levels]; rows]; all.len()];
-        for ((k, row), (counts, _)) in places.into_iter().zip(done.into_iter().flatten()) {
+        for (&(k, row, _), (counts, _)) in places.iter().zip(done.into_iter().flatten()) {
             let pairs = counts.iter().zip(&self.target.counts[row]);
-            held[k][row] = pairs.map(|(ours, published)| *ours == Some(*published)).collect();
+            let found = pairs.map(|(ours, published)| *ours == Some(*published));
+            held[k][row].iter_mut().zip(found).for_each(|(held, found)| *held = found);
         }
         held
     }
@@ -214,19 +219,21 @@ impl Evaluator<'_> {
     /// If there is no such geometry, or not one value per piece.
     pub fn free(&mut self, geometry: usize, values: &[f64]) -> Table {
         let rows: Vec<_> = (0..self.target.r.len()).map(|row| (values, row)).collect();
-        let (counts, delta_a) = self.free_in_lanes(geometry, &rows).into_iter().unzip();
+        let (counts, delta_a) = self.free_in_lanes(geometry, &rows, None).into_iter().unzip();
         Table { counts, delta_a }
     }
 
     /// Free runs side by side, each of an f given by its values and of a row: its counts, and its last change of the
-    /// multiplier on the finest grid.
+    /// multiplier on the finest grid. If it is only asked which counts are `held`, on so many grids, no run goes beyond
+    /// the published count on the last of them.
     fn free_in_lanes(
         &mut self,
         geometry: usize,
         runs: &[(&[f64], usize)],
+        held: Option<usize>,
     ) -> Vec<(Vec<Option<usize>>, f64)> {
         let mut ends = vec![(Vec::new(), 0.0); runs.len()];
-        let grids = self.grids.clone();
+        let grids = self.grids[..held.unwrap_or(self.grids.len())].to_vec();
         let nested = NestedGrids { grids: &grids, prolongation: self.variant.prolongation };
         let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
         let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
@@ -234,7 +241,9 @@ impl Evaluator<'_> {
             self.enter(geometry, level, runs, pairs);
             let most = self.target.counts.iter().map(|row| row[level]).max().unwrap_or(0);
             let (limit, tolerance) = (FREE_FACTOR * most + FREE_EXTRA, tolerance(level + 1));
-            let limits = from_fn(|k| (k < runs.len()).then_some(limit));
+            let is_last = held == Some(level + 1);
+            let limit = |row: usize| if is_last { self.last(row, level) } else { limit };
+            let limits = from_fn(|k| runs.get(k).map(|&(_, row)| limit(row)));
             let done = self.iterate(level, limits, Some(pairs), |lanes, n, open| {
                 let asked = n > uncounted;
                 lanes.within(measure, open.map(|open| (open && asked).then_some(tolerance)))

@@ -20,14 +20,14 @@ use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
     label_longest_edges, mesh_load, mesh_load_after,
 };
-use crate::multigrid::active_set::{MOST_NODES_IN_PLANE, active_set_from};
+use crate::multigrid::active_set::active_set_from;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::{Improved, Start, improve_on_nested_networks};
 use crate::problem::source::Source;
 use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
 use crate::solvers::reach::Refining;
-use crate::solvers::run::Run;
+use crate::solvers::run::{Run, has_factors};
 use crate::solvers::solved::{ReachEnd, Reached, Solved};
 use crate::solvers::{Refusal, Solver};
 use std::borrow::Cow;
@@ -86,7 +86,7 @@ pub(super) struct Meshes<'a> {
     y: Option<Vec<f64>>,
     /// Judgement of the vector.
     judgement: Option<Judgement>,
-    outcomes: Vec<Outcome>,
+    pub(super) outcomes: Vec<Outcome>,
     /// Guaranteed bounds on each mesh with a solution.
     bounds: Vec<Result<Bounds, NoBound>>,
     /// Guaranteed bounds on the finest mesh with the parts of the cells, or the reason for which there are none.
@@ -155,8 +155,7 @@ impl<'a> Meshes<'a> {
         let tolerance = if self.is_slow || self.is_stretched { SLOW_TOLERANCE } else { TOLERANCE };
         let goal = Goal::Kkt(tolerance * largest(&self.load.load));
         let usual = MultigridParams::default();
-        let is_factored = self.nodes() <= MOST_NODES_IN_PLANE;
-        let max_cycles = if is_factored { MOST_STEPS } else { usual.max_cycles };
+        let max_cycles = if has_factors(2, self.nodes()) { MOST_STEPS } else { usual.max_cycles };
         let params = MultigridParams { goal, least_cycles: STEPS, max_cycles };
         let bounds = self.improve(&params, has_solution)?;
         self.note(&bounds);
@@ -202,7 +201,7 @@ impl<'a> Meshes<'a> {
             solved => solved?,
         };
         self.is_slow = is_slow;
-        if end.stop == Stop::IterationLimit && y.len() <= MOST_NODES_IN_PLANE {
+        if end.stop == Stop::IterationLimit && has_factors(2, y.len()) {
             let network = &self.networks[self.networks.len() - 1].network;
             (y, end) = active_set_from(network, law, &self.load.load, Some(&y))?;
         }

@@ -315,6 +315,7 @@ fn uniform_refinements_of_a_strip_are_the_way_where_they_meet_the_goal_with_fewe
     let run = adaption.run(&mut (), &|_| ()).unwrap();
     let reached = run.reached.as_ref().unwrap();
     assert_eq!((reached.end, run.pair().y.len()), (ReachEnd::Goal, 65 * 65));
+    assert_eq!((reached.kind(), reached.tried), ("uniform", run.ends().len()));
     let marks = reached.marks.as_ref().unwrap();
     assert!(marks.len() == 6 && marks.iter().all(Vec::is_empty));
     let anew = Problem::on_bisected(&mesh, marks, "else=-1", law).unwrap();

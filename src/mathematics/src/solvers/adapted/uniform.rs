@@ -99,7 +99,10 @@ impl Refining for MeshesOfBothWays<'_> {
 
     fn finished(self, reached: Reached) -> Result<Solved, Refusal> {
         match self.uniform {
-            Some(uniform) if self.is_overtaken => uniform.finished(reached),
+            Some(uniform) if self.is_overtaken => {
+                let tried = uniform.outcomes.len();
+                uniform.finished(Reached { tried, ..reached })
+            }
             _ => self.adapted.finished(reached),
         }
     }
