@@ -119,13 +119,17 @@ impl PlaneTruth {
         self.solution.checks
     }
 
-    /// Remark on f, if a polynomial took its place that is not f but for rounding.
+    /// Remark on f, if what took its place is not f but for rounding.
     pub(crate) fn note(&self) -> Option<String> {
         match &self.problem.source {
             PlaneSource::Polynomial(fitted) if fitted.error > ROUNDING => Some(format!(
                 "f is a polynomial that differs from the formula by {:.1e} of it at most, where looked at",
                 fitted.error
             )),
+            PlaneSource::Regions(regions) if regions.has_arcs() => Some(
+                "borders of regions along a circle are arcs of it, where elements have polygons"
+                    .into(),
+            ),
             _ => None,
         }
     }

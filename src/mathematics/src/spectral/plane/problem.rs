@@ -48,6 +48,11 @@ impl Regions {
         self.pieces[self.region(z)].at(z.coordinates())
     }
 
+    /// True if a border inside of the domain is an arc of a circle.
+    pub(super) fn has_arcs(&self) -> bool {
+        self.borders.iter().any(|border| border.is_inside() && border.side.curvature() != 0.0)
+    }
+
     /// Region at a point of the domain: that on this side of the first border in a direction.
     fn region(&self, z: Complex) -> usize {
         let mut found = 0;
