@@ -225,7 +225,7 @@ fn regions_of_a_file_are_as_shapes_with_their_borders() {
         // Alone, and with a shape on the rest that crosses the border.
         for other in ["", "rect(-0.2,0.4,-0.1,0.8)=-7; "] {
             let of_regions = energy(format!("region(r1)={}; {other}else={}", values[0], values[1]));
-            let of_shapes = energy(format!("{shape}={}; {other}else={}", values[0], values[1]));
+            let of_shapes = energy(format!("{other}{shape}={}; else={}", values[0], values[1]));
             assert!((of_regions / of_shapes - 1.0).abs() < 1e-10, "{of_regions} {of_shapes}");
         }
     }

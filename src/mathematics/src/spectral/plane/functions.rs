@@ -74,15 +74,15 @@ impl Values {
     }
 }
 
-/// Places side by side.
-struct Places {
+/// SpotLanes side by side.
+struct SpotLanes {
     z: ComplexLanes,
     /// Splits next to them, and their positions from there.
     splits: [usize; TOGETHER],
     deltas: ComplexLanes,
 }
 
-impl Places {
+impl SpotLanes {
     /// Of some spots, the last of which stands for those that are missing.
     fn new(spots: &[Spot]) -> Self {
         let mut places = Self {
@@ -121,7 +121,7 @@ impl Functions {
     /// Finds polynomials that are orthogonal on the spots, up to a degree.
     pub(super) fn orthogonalise(&mut self, spots: &[Spot], degree: usize) {
         let z: Vec<ComplexLanes> =
-            spots.chunks(TOGETHER).map(|spots| Places::new(spots).z).collect();
+            spots.chunks(TOGETHER).map(|spots| SpotLanes::new(spots).z).collect();
         let mut one = vec![ComplexLanes::filled(Complex::new(1.0, 0.0)); z.len()];
         // No spots, which the last one stands for, do not count.
         for lane in spots.len() - (z.len() - 1) * TOGETHER..TOGETHER {
@@ -143,7 +143,7 @@ impl Functions {
 
     /// Finds values of all functions at up to [`TOGETHER`] spots.
     pub(super) fn at(&self, spots: &[Spot], values: &mut Values) {
-        let places = Places::new(spots);
+        let places = SpotLanes::new(spots);
         let total = self.complex() + self.holes.len();
         values.all.clear();
         values.all.reserve(total);
@@ -158,7 +158,7 @@ impl Functions {
     }
 
     #[inline(always)]
-    fn add(&self, places: &Places, values: &mut Values) {
+    fn add(&self, places: &SpotLanes, values: &mut Values) {
         // Closures of iterators would not be inlined.
         for family in &self.families {
             family.add(places, values);
@@ -256,7 +256,7 @@ fn recur(column: &[Complex], known: &[ComplexLanes], next: &mut ComplexLanes) {
 impl Family {
     /// Position of a place seen from the point.
     #[inline(always)]
-    fn seen(&self, places: &Places, lane: usize) -> Complex {
+    fn seen(&self, places: &SpotLanes, lane: usize) -> Complex {
         let is_next = self.split == Some(places.splits[lane]);
         let from = if is_next { places.deltas.get(lane) } else { places.z.get(lane) - self.point };
         let seen = from * self.inwards.conj();
@@ -265,7 +265,7 @@ impl Family {
     }
 
     #[inline(always)]
-    fn add(&self, places: &Places, values: &mut Values) {
+    fn add(&self, places: &SpotLanes, values: &mut Values) {
         let mut seen = ComplexLanes::ZERO;
         for l in 0..TOGETHER {
             seen.set(l, self.seen(places, l));
