@@ -40,7 +40,7 @@ pub(super) fn settle(
     effort: &mut Effort,
 ) -> Option<Fit> {
     let mut last = f64::INFINITY;
-    let mut shrinking = 0;
+    let mut shrunk = 0;
     let mut passed = HashMap::new();
     for _ in 0..MOST {
         if effort.is_spent() {
@@ -65,13 +65,14 @@ pub(super) fn settle(
         }
         last = largest;
         moves.iter_mut().for_each(|m| m.keep_between(contact, &mut passed));
-        shrinking = if cut { shrinking + 1 } else { 0 };
+        let short = shrinking(setup, contact, &moves);
+        shrunk = if short.is_empty() { 0 } else { shrunk + 1 };
         for m in &moves {
             contact[m.ring].arcs[m.arc][m.which] += m.step;
         }
-        if shrinking >= 3 {
-            drop_short(setup, contact, &moves);
-            (shrinking, passed) = (0, HashMap::new());
+        if shrunk >= 3 {
+            drop_short(setup, contact, short);
+            (shrunk, passed) = (0, HashMap::new());
         }
         keep_off_corners(setup, contact);
     }
@@ -88,6 +89,11 @@ struct Passed {
 }
 
 impl EndStep {
+    /// True if the step makes the arc shorter, and not the gap beside it.
+    fn shortens_arc(&self) -> bool {
+        (self.step < 0.0) == (self.which == 1)
+    }
+
     /// Halves the way between places from which the end moved on and back where Newton's step leads out of them: next
     /// to a corner the derivative is not that of the method.
     fn keep_between(&mut self, contact: &[RingContact], passed: &mut HashMap<[usize; 3], Passed>) {
@@ -183,20 +189,38 @@ fn around(ring: &RingContact, arc: usize, which: usize, turn: f64) -> [f64; 2] {
     [to - from, gap]
 }
 
-/// Leaves out arcs and gaps that shrank at a cut step: the shortest, and those that are not much longer.
-fn drop_short(setup: &Setup, contact: &mut [RingContact], moves: &[EndStep]) {
+/// Arcs one of whose ends is to move by more than a step may, and gaps both of whose ends are, so that they get
+/// shorter; not an arc between v > 0 and v < 0, which may be as short as it likes but is there.
+fn shrinking(setup: &Setup, contact: &[RingContact], moves: &[EndStep]) -> Vec<Shrinking> {
+    let mut found = Vec::new();
+    for m in moves.iter().filter(|m| m.cut) {
+        let (own, is_gap) = (&contact[m.ring], !m.shortens_arc());
+        let many = own.arcs.len();
+        // The arc, or the one before the gap.
+        let number = if is_gap && m.which == 0 { (m.arc + many - 1) % many } else { m.arc };
+        let is_left_out = if is_gap {
+            let ends = [(number, 1), ((number + 1) % many, 0)];
+            let mut ends =
+                moves.iter().filter(|o| o.ring == m.ring && ends.contains(&(o.arc, o.which)));
+            ends.all(|end| end.cut && !end.shortens_arc())
+        } else {
+            own.gaps[(number + many - 1) % many] == own.gaps[number]
+        };
+        if is_left_out {
+            let lengths = around(own, m.arc, m.which, setup.rings[m.ring].length());
+            let length = lengths[usize::from(is_gap)];
+            let [from, to] = own.arcs[number];
+            let middle = if is_gap { to + 0.5 * length } else { 0.5 * (from + to) };
+            found.push(Shrinking { ring: m.ring, middle, length, is_gap });
+        }
+    }
+    found
+}
+
+/// Leaves out the shortest of arcs and gaps that shrink, and those that are not much longer.
+fn drop_short(setup: &Setup, contact: &mut [RingContact], shrinking: Vec<Shrinking>) {
     /// Longest that is left out, in perimeters, and over the shortest.
     const SHORT: [f64; 2] = [0.05, 10.0];
-    let mut shrinking: Vec<Shrinking> = Vec::new();
-    for m in moves.iter().filter(|m| m.cut) {
-        let is_gap = (m.step < 0.0) != (m.which == 1);
-        let lengths = around(&contact[m.ring], m.arc, m.which, setup.rings[m.ring].length());
-        let length = lengths[usize::from(is_gap)];
-        let end = contact[m.ring].arcs[m.arc][m.which];
-        // An arc lies behind its end, the gap before it.
-        let half = if is_gap == (m.which == 1) { 0.5 * length } else { -0.5 * length };
-        shrinking.push(Shrinking { ring: m.ring, middle: end + half, length, is_gap });
-    }
     let shortest = shrinking.iter().fold(f64::INFINITY, |least, own| least.min(own.length));
     let longest = (SHORT[0] * setup.perimeter).min(SHORT[1] * shortest);
     for Shrinking { ring, middle, is_gap, .. } in
@@ -207,7 +231,6 @@ fn drop_short(setup: &Setup, contact: &mut [RingContact], moves: &[EndStep]) {
         let number = (0..many).find(|&k| {
             let [from, to] = own.arcs[k];
             let [from, to] = if is_gap { [to, own.arcs[(k + 1) % many][0]] } else { [from, to] };
-            // Both ends of what is left out may have been cut.
             (middle - from).rem_euclid(turn) < (to - from).rem_euclid(turn)
         });
         if let Some(number) = number {
