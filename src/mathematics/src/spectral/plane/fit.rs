@@ -127,9 +127,8 @@ pub(super) struct Effort {
     pub steps: usize,
     /// Number of operations of their least squares, `2 M N^2` each with M rows and N unknowns.
     operations: f64,
-    /// Numbers of those of the first fit, and of the largest.
+    /// Number of those of the first fit.
     first: f64,
-    largest: f64,
 }
 
 impl Effort {
@@ -140,18 +139,15 @@ impl Effort {
         if self.steps == 1 {
             self.first = own;
         }
-        self.largest = self.largest.max(own);
         self.operations += own;
     }
 
     /// True if a search is to be given up, in about the time of ten solutions: one takes three fits on a fine level,
-    /// each as much as eight on the coarse one unless arcs are found to be missing.
+    /// each as much as eight on the coarse one.
     pub(super) fn is_spent(&self) -> bool {
-        /// Most operations, half a minute's; fits on a fine level; and fits on the coarse level that are as much.
-        const MOST: f64 = 4e11;
-        const FINE: f64 = 30.0;
-        const COARSE: f64 = 8.0;
-        self.operations > MOST.min(FINE * self.largest.max(COARSE * self.first))
+        /// Most operations, half a minute's at most, and over those of the first fit.
+        const MOST: [f64; 2] = [4e11, 250.0];
+        self.operations > MOST[0].min(MOST[1] * self.first)
     }
 }
 

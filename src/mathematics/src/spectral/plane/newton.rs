@@ -9,6 +9,7 @@ use super::fit::{Effort, Fit};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Step of an end: along the loop, and that of Newton's method before it was cut.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +32,9 @@ const PART: f64 = 0.4;
 const AT_REST: f64 = 0.1;
 /// Step of an end, in perimeters, that leaves it where it is.
 const NOWHERE: f64 = 1e-7;
+
+/// Lengths of arcs and gaps, in perimeters, that may be the right ones though they shrink: at corners gaps can be short.
+const ON_TRIAL: Range<f64> = 1e-7..1e-5;
 
 /// Moves the ends of a contact set until none moves any more; returns the fit, or none if that does not happen.
 pub(super) fn settle(
@@ -65,7 +69,8 @@ pub(super) fn settle(
         }
         last = largest;
         moves.iter_mut().for_each(|m| m.keep_between(contact, &mut passed));
-        let short = shrinking(setup, contact, &moves);
+        let mut short = shrinking(setup, contact, &moves);
+        short.retain(|own| !ON_TRIAL.contains(&(own.length / setup.perimeter)));
         shrunk = if short.is_empty() { 0 } else { shrunk + 1 };
         for m in &moves {
             contact[m.ring].arcs[m.arc][m.which] += m.step;
