@@ -298,3 +298,36 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Condition;
+    use crate::problem::law::Law;
+    use crate::spectral::plane::{PlaneDomain, PlaneProblem, PlaneSide, PlaneSource};
+
+    #[test]
+    fn what_shrinks_is_left_out_but_for_arcs_between_both_signs_and_gaps_with_an_end_at_rest() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let side =
+            |k: usize| PlaneSide::segment([points[k], points[(k + 1) % 4]], Condition::Contact, 0);
+        let domain = PlaneDomain::new(vec![(0..4).map(side).collect()]).unwrap();
+        let source = PlaneSource::Pieces("else=-1".parse().unwrap());
+        let law = Law::friction(1.0).unwrap();
+        let setup = Setup::new(&PlaneProblem { domain, law, source }).unwrap();
+        let moved = |arc, which, step, cut| EndStep { ring: 0, arc, which, step, cut, near: 0.1 };
+        let both = [moved(0, 0, 0.1, true), moved(0, 1, -0.1, true)];
+        for (gaps, many) in [([1.0, 1.0], 2), ([-1.0, 1.0], 0)] {
+            let contact = [RingContact { arcs: vec![[0.2, 0.4], [1.2, 2.4]], gaps: gaps.to_vec() }];
+            let short = shrinking(&setup, &contact, &both);
+            assert_eq!(short.len(), many);
+            assert!(short.iter().all(|own| !own.is_gap && (own.length - 0.2).abs() < 1e-12));
+            for (rests, many) in [(false, 2), (true, 0)] {
+                let gap = [moved(0, 1, 0.1, true), moved(1, 0, -0.1, !rests)];
+                let short = shrinking(&setup, &contact, &gap);
+                assert_eq!(short.len(), many);
+                assert!(short.iter().all(|own| own.is_gap && (own.middle - 0.8).abs() < 1e-12));
+            }
+        }
+    }
+}
