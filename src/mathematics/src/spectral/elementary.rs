@@ -49,6 +49,11 @@ fn half_turn_sign(half_turns: f64) -> f64 {
     1.0 - 2.0 * (half_turns.floor() - 2.0 * (0.5 * half_turns).floor())
 }
 
+/// Exponent of one, as it is written.
+const BIAS: u64 = 1023;
+/// From here to twice this the last bits of a number are those of a whole one: conversions that vectorise.
+const WHOLE: f64 = (1_u64 << 52) as f64;
+
 /// The natural logarithm of a normal number; finite at zero.
 #[inline(always)]
 pub(super) fn ln(x: f64) -> f64 {
@@ -64,13 +69,14 @@ pub(super) fn ln(x: f64) -> f64 {
     ];
     const ROOT_HALF: u64 = (0.5 * SQRT_2).to_bits();
     let bits = x.to_bits();
-    let exponent = (bits.wrapping_sub(ROOT_HALF) as i64) >> 52;
-    let f = f64::from_bits(bits.wrapping_sub((exponent as u64) << 52)) - 1.0;
+    let biased = bits.wrapping_sub(ROOT_HALF).wrapping_add(BIAS << 52) >> 52;
+    let f = f64::from_bits(bits.wrapping_sub(biased.wrapping_sub(BIAS) << 52)) - 1.0;
     let s = f / (2.0 + f);
     let square = s * s;
     let sum = polynomial(&SERIES, square);
     let half = 0.5 * f * f;
-    exponent as f64 * LN_2 + (f - (half - s * (half + sum * square)))
+    let exponent = f64::from_bits(WHOLE.to_bits() | biased) - (WHOLE + BIAS as f64);
+    exponent * LN_2 + (f - (half - s * (half + sum * square)))
 }
 
 /// The exponential of a number between -700 and 700.
@@ -90,8 +96,7 @@ pub(super) fn exp(x: f64) -> f64 {
     const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
     let turns = (x / LN_2 + 0.5).floor();
     let rest = (x - turns * LN_2_HIGH) - turns * LN_2_LOW;
-    // Added to the bits of the exponent.
-    let power = f64::from_bits(((turns as i64 + 1023) << 52) as u64);
+    let power = f64::from_bits((turns + (1.5 * WHOLE + BIAS as f64)).to_bits() << 52);
     polynomial(&SERIES, rest) * power
 }
 

@@ -38,7 +38,7 @@ use super::field::PlaneNode;
 use super::proof::Proof;
 use super::psi::Psi;
 use super::residual::{Distances, FluxBalance, hole_logs, uncertain};
-use super::samples::{Sampled, weights};
+use super::samples::Sampled;
 use super::search::PlaneFound;
 use super::setup::Setup;
 use crate::problem::law::Law;
@@ -73,18 +73,17 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     /// Largest part of f that dv/dn does not balance.
     const BALANCED: f64 = 1e-7;
     let fit = &found.fit;
-    let weights = weights();
     let balance = (found.integrals.force + found.integrals.source).abs();
     if balance > BALANCED * found.sizes.flux * setup.perimeter {
         return Err("f");
     }
     let mut proof = Proof::new(setup, fit)?;
-    let mut samples = proof.samples(&proof.cells()?, &weights);
+    let mut samples = proof.samples(&proof.cells()?);
     proof.logs = hole_logs(&proof, &samples);
     samples.iter_mut().for_each(|own| proof.add_logs(own));
     for _ in 0..ROUNDS {
         let (unsure, sure): (Vec<Sampled>, Vec<Sampled>) =
-            samples.into_iter().partition(|own| uncertain(&proof, own, found.sizes, &weights));
+            samples.into_iter().partition(|own| uncertain(&proof, own, found.sizes));
         let halves: Vec<ProofCell> =
             unsure.iter().filter_map(|own| proof.halves(own.own)).flatten().collect();
         samples = sure;
@@ -92,14 +91,14 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
             samples.extend(unsure);
             break;
         }
-        samples.extend(proof.samples(&halves, &weights));
+        samples.extend(proof.samples(&halves));
     }
     let left = leftovers(&proof, &samples);
     let exact = bounded_energy(&proof, &samples, &left)?;
     let cells: Vec<ProofCell> = samples.iter().map(|own| own.own).collect();
     let room = Room::new(&fit.walk, &proof.chords, &cells);
-    let distances = Distances::new(&proof, &samples, &left, &weights);
-    let balance = FluxBalance::new(&proof, &samples, &left, &weights, found.sizes.flux)?;
+    let distances = Distances::new(&proof, &samples, &left);
+    let balance = FluxBalance::new(&proof, &samples, &left, found.sizes.flux)?;
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
     let of_w = 0.5 * room.integral(&cells, [2.0 * distances.delta, near], &distances.slopes);
     let of_e = 0.5 * room.integral(&cells, [balance.range, near], &balance.slopes);

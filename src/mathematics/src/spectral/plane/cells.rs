@@ -15,7 +15,7 @@ use super::moduli::{Disc, room_of_psi};
 use super::psi::Psi;
 use crate::problem::complex::Complex;
 use crate::spectral::curve::Curve;
-use crate::spectral::rule::{GaussNode, cut};
+use crate::spectral::rule::{GaussNode, cut, gauss};
 
 /// Gauss points of a cell.
 pub(super) const POINTS: usize = 28;
@@ -244,16 +244,15 @@ impl EllipseCell {
     }
 }
 
-/// Weights from values at Gauss points to coefficients of Legendre polynomials, row by row.
-pub(super) fn legendre(rule: &[GaussNode]) -> Vec<f64> {
-    let n = rule.len();
-    let mut weights = vec![0.0; n * n];
-    for (i, node) in rule.iter().enumerate() {
+/// Weights from values at the Gauss points of a cell to coefficients of Legendre polynomials, point by point.
+pub(super) fn legendre() -> Vec<[f64; POINTS]> {
+    let mut weights = vec![[0.0; POINTS]; POINTS];
+    for (weights, node) in weights.iter_mut().zip(gauss(POINTS)) {
         let x = 2.0 * node.x - 1.0;
         let (mut before, mut own) = (0.0, 1.0);
-        for k in 0..n {
+        for (k, weight) in weights.iter_mut().enumerate() {
             let order = k as f64;
-            weights[k * n + i] = (2.0 * order + 1.0) * node.weight * own;
+            *weight = (2.0 * order + 1.0) * node.weight * own;
             let next = ((2.0 * order + 1.0) * x * own - order * before) / (order + 1.0);
             (before, own) = (own, next);
         }

@@ -8,6 +8,7 @@
 
 use super::boundary::{RingContact, State, Walk};
 use super::functions::{Functions, Values};
+use super::lanes::{TOGETHER, summed};
 use super::least_squares::Columns;
 use super::panels::{PlanePanel, Spot};
 use super::setup::{Level, Setup};
@@ -167,9 +168,8 @@ impl Fit {
         }
         let spots = spots_on(&walk, &panels, &rule);
         functions.orthogonalise(&spots, level.degree);
-        let mut values = functions.at(&spots, false);
         let mut matrix = Columns::new(spots.len(), functions.unknowns() + walk.runs);
-        fill(&walk, &spots, &functions, &mut values, &mut matrix);
+        fill(&walk, &spots, &functions, &mut matrix);
         let last = matrix.unknowns;
         matrix.column(last).copy_from_slice(&conditions(setup, &walk, &spots));
         let (unknowns, rows) = (matrix.unknowns, matrix.rows);
@@ -185,30 +185,25 @@ impl Fit {
         Self { walk, functions, coefficients, logs, unknowns, rows }
     }
 
-    /// g and, if wanted, its derivative at spots, with the principal logarithms of holes.
-    pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
-        /// Spots whose values are kept in the cache.
-        const TOGETHER: usize = 64;
-        let mut all = [0; 2].map(|_| Vec::with_capacity(spots.len()));
-        for block in spots.chunks(TOGETHER) {
-            let sums = self.sums(&self.functions.at(block, slopes));
-            all.iter_mut().zip(sums).for_each(|(all, own)| all.extend(own));
-        }
-        all
+    /// Coefficients of all functions.
+    pub(super) fn all_coefficients(&self) -> Vec<Complex> {
+        let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
+        self.coefficients.iter().copied().chain(logs).collect()
     }
 
-    /// g and, if they are there, its derivatives at the points of values.
-    fn sums(&self, values: &Values) -> [Vec<Complex>; 2] {
-        [&values.all, &values.slopes].map(|values_of| {
-            let points = if values_of.is_empty() { 0 } else { values.points };
-            let mut sums = vec![Complex::default(); points];
-            let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
-            let coefficients = self.coefficients.iter().copied().chain(logs);
-            for (c, own) in coefficients.zip(values_of.chunks_exact(values.points)) {
-                sums.iter_mut().zip(own).for_each(|(sum, value)| *sum = *sum + c * *value);
+    /// g and, if wanted, its derivative at spots, with the principal logarithms of holes.
+    pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
+        let coefficients = self.all_coefficients();
+        let mut values = if slopes { Values::with_slopes() } else { Values::default() };
+        let mut all = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+        for block in spots.chunks(TOGETHER) {
+            self.functions.at(block, &mut values);
+            all[0].extend(summed(&coefficients, &values.all).first(block.len()));
+            if slopes {
+                all[1].extend(summed(&coefficients, &values.slopes).first(block.len()));
             }
-            sums
-        })
+        }
+        all
     }
 }
 
@@ -241,36 +236,37 @@ pub(super) fn panels(
 }
 
 /// Writes the rows of spots.
-fn fill(
-    walk: &Walk,
-    spots: &[Spot],
-    functions: &Functions,
-    values: &mut Values,
-    matrix: &mut Columns,
-) {
+fn fill(walk: &Walk, spots: &[Spot], functions: &Functions, matrix: &mut Columns) {
     let held: Vec<bool> =
         spots.iter().map(|spot| walk.intervals[spot.interval].state == State::Held).collect();
     let many = functions.complex();
     let constant = many - functions.arnoldi.len() - 1;
-    let mut next = 1;
-    for k in 0..many {
-        let own = values.of(k);
-        if k == constant {
-            let column = matrix.column(0);
-            column.iter_mut().zip(&held).for_each(|(x, &held)| *x = if held { 1.0 } else { 0.0 });
-            continue;
+    let mut values = Values::default();
+    let mut logs = vec![Vec::with_capacity(spots.len()); functions.holes.len()];
+    for (block, first) in spots.chunks(TOGETHER).zip((0..).step_by(TOGETHER)) {
+        let (held, rows) = (&held[first..], first..first + block.len());
+        functions.at(block, &mut values);
+        for (x, &held) in matrix.column(0)[rows.clone()].iter_mut().zip(held) {
+            *x = if held { 1.0 } else { 0.0 };
         }
-        for ((x, value), &held) in matrix.column(next).iter_mut().zip(own).zip(&held) {
-            *x = if held { value.re } else { value.im };
+        let mut next = 1;
+        for own in values.all[..constant].iter().chain(&values.all[constant + 1..many]) {
+            let column = matrix.column(next)[rows.clone()].iter_mut().zip(held);
+            for ((x, &held), l) in column.zip(0..) {
+                *x = if held { own.re[l] } else { own.im[l] };
+            }
+            let column = matrix.column(next + 1)[rows.clone()].iter_mut().zip(held);
+            for ((x, &held), l) in column.zip(0..) {
+                *x = if held { -own.im[l] } else { own.re[l] };
+            }
+            next += 2;
         }
-        for ((x, value), &held) in matrix.column(next + 1).iter_mut().zip(own).zip(&held) {
-            *x = if held { -value.im } else { value.re };
+        for (logs, own) in logs.iter_mut().zip(&values.all[many..]) {
+            logs.extend(own.first(block.len()));
         }
-        next += 2;
     }
-    let points = values.points;
-    for hole in 0..functions.holes.len() {
-        let logs = &mut values.all[(many + hole) * points..(many + hole + 1) * points];
+    let mut next = 2 * many - 1;
+    for logs in &mut logs {
         continue_logs(walk, spots, logs);
         for ((x, value), &held) in matrix.column(next).iter_mut().zip(logs.iter()).zip(&held) {
             *x = if held { value.re } else { value.im };

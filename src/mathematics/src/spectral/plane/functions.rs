@@ -5,6 +5,7 @@
 //! Anal. 57 (2019), have poles alone; here the powers of the corner itself make the convergence exponential. The
 //! polynomials are those of Brubeck, Nakatsukasa and Trefethen, *Vandermonde with Arnoldi*, SIAM Rev. 63 (2021).
 
+use super::lanes::{ComplexLanes, TOGETHER};
 use super::panels::Spot;
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
@@ -58,18 +59,44 @@ pub(super) struct Functions {
     pub arnoldi: Vec<Vec<Complex>>,
 }
 
-/// Values of functions at points, function by function.
+/// Values of functions at up to [`TOGETHER`] points, function by function.
+#[derive(Default)]
 pub(super) struct Values {
-    /// Number of points.
-    pub points: usize,
-    pub all: Vec<Complex>,
+    pub all: Vec<ComplexLanes>,
     /// Derivatives, if wanted.
-    pub slopes: Vec<Complex>,
+    pub slopes: Vec<ComplexLanes>,
+    wants_slopes: bool,
 }
 
 impl Values {
-    pub(super) fn of(&self, function: usize) -> &[Complex] {
-        &self.all[function * self.points..(function + 1) * self.points]
+    pub(super) fn with_slopes() -> Self {
+        Self { wants_slopes: true, ..Self::default() }
+    }
+}
+
+/// Places side by side.
+struct Places {
+    z: ComplexLanes,
+    /// Splits next to them, and their positions from there.
+    splits: [usize; TOGETHER],
+    deltas: ComplexLanes,
+}
+
+impl Places {
+    /// Of some spots, the last of which stands for those that are missing.
+    fn new(spots: &[Spot]) -> Self {
+        let mut places = Self {
+            z: ComplexLanes::ZERO,
+            splits: [usize::MAX; TOGETHER],
+            deltas: ComplexLanes::ZERO,
+        };
+        for lane in 0..TOGETHER {
+            let spot = &spots[lane.min(spots.len() - 1)];
+            places.z.set(lane, spot.z);
+            places.splits[lane] = spot.split;
+            places.deltas.set(lane, spot.delta);
+        }
+        places
     }
 }
 
@@ -93,176 +120,207 @@ impl Functions {
 
     /// Finds polynomials that are orthogonal on the spots, up to a degree.
     pub(super) fn orthogonalise(&mut self, spots: &[Spot], degree: usize) {
-        let many = spots.len();
-        let mut basis = vec![vec![Complex::new(1.0, 0.0); many]];
+        let z: Vec<ComplexLanes> =
+            spots.chunks(TOGETHER).map(|spots| Places::new(spots).z).collect();
+        let mut one = vec![ComplexLanes::filled(Complex::new(1.0, 0.0)); z.len()];
+        // No spots, which the last one stands for, do not count.
+        for lane in spots.len() - (z.len() - 1) * TOGETHER..TOGETHER {
+            one[z.len() - 1].set(lane, Complex::default());
+        }
+        let mut basis = vec![one];
         self.arnoldi.clear();
         for k in 0..degree {
-            let mut next: Vec<Complex> =
-                basis[k].iter().zip(spots).map(|(q, spot)| *q * spot.z).collect();
+            let mut next = z.clone();
             let mut column = Vec::with_capacity(k + 2);
-            for known in &basis {
-                let product = vectorised(
-                    #[inline(always)]
-                    || projected(known, &mut next),
-                );
-                column.push(product);
-            }
-            let size = (next.iter().map(|q| q.norm2()).sum::<f64>() / many as f64).sqrt();
-            next.iter_mut().for_each(|q| *q = q.scaled(1.0 / size));
-            column.push(Complex::new(size, 0.0));
+            vectorised(
+                #[inline(always)]
+                || next_polynomial(&basis, spots.len(), &mut next, &mut column),
+            );
             basis.push(next);
             self.arnoldi.push(column);
         }
     }
 
-    /// Values of all functions at spots, with derivatives if wanted.
-    pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> Values {
-        let many = spots.len();
-        let total = (self.complex() + self.holes.len()) * many;
-        let mut values = Vec::with_capacity(total);
-        let mut derivatives = Vec::with_capacity(if slopes { total } else { 0 });
+    /// Finds values of all functions at up to [`TOGETHER`] spots.
+    pub(super) fn at(&self, spots: &[Spot], values: &mut Values) {
+        let places = Places::new(spots);
+        let total = self.complex() + self.holes.len();
+        values.all.clear();
+        values.all.reserve(total);
+        values.slopes.clear();
+        if values.wants_slopes {
+            values.slopes.reserve(total);
+        }
+        vectorised(
+            #[inline(always)]
+            || self.add(&places, values),
+        );
+    }
+
+    #[inline(always)]
+    fn add(&self, places: &Places, values: &mut Values) {
+        // Closures of iterators would not be inlined.
         for family in &self.families {
-            vectorised(
-                #[inline(always)]
-                || family.add(spots, slopes, &mut values, &mut derivatives),
-            );
+            family.add(places, values);
         }
         for hole in &self.holes {
-            hole.add_powers(spots, slopes, &mut values, &mut derivatives);
+            hole.add_powers(&places.z, values);
         }
-        let first = values.len();
-        values.resize(first + many, Complex::new(1.0, 0.0));
-        if slopes {
-            derivatives.resize(first + many, Complex::default());
+        let first = values.all.len();
+        values.all.push(ComplexLanes::filled(Complex::new(1.0, 0.0)));
+        if values.wants_slopes {
+            values.slopes.push(ComplexLanes::ZERO);
         }
-        for column in &self.arnoldi {
-            vectorised(
-                #[inline(always)]
-                || {
-                    recur(column, spots, first, &mut values, None);
-                },
-            );
-            if slopes {
-                vectorised(
-                    #[inline(always)]
-                    || recur(column, spots, first, &mut derivatives, Some(&values)),
-                );
+        for (k, column) in self.arnoldi.iter().enumerate() {
+            let mut next = values.all[first + k].times(&places.z);
+            recur(column, &values.all[first..], &mut next);
+            values.all.push(next);
+            if values.wants_slopes {
+                let mut next = values.slopes[first + k].times(&places.z);
+                next.add_scaled(Complex::new(1.0, 0.0), &values.all[first + k]);
+                recur(column, &values.slopes[first..], &mut next);
+                values.slopes.push(next);
             }
         }
         for hole in &self.holes {
-            values.extend(spots.iter().map(|spot| ln(spot.z - hole.middle)));
-            if slopes {
-                let one = Complex::new(1.0, 0.0);
-                derivatives.extend(spots.iter().map(|spot| one / (spot.z - hole.middle)));
+            hole.add_log(&places.z, values);
+        }
+    }
+
+    /// Rounding errors of the functions, in units in the last place. A power is an exponential of its logarithm, whose
+    /// errors count as often as the power says.
+    pub(super) fn units(&self) -> Vec<f64> {
+        let mut units = Vec::with_capacity(self.complex() + self.holes.len());
+        for family in &self.families {
+            for _ in &family.lengths {
+                units.extend(family.powers.iter().map(|power| 16.0 + 8.0 * power.power));
             }
         }
-        Values { points: many, all: values, slopes: derivatives }
+        units.extend(self.holes.iter().flat_map(|hole| (0..hole.powers).map(|k| 6.0 + k as f64)));
+        units.extend((0..=self.arnoldi.len()).map(|k| 6.0 + k as f64));
+        units.extend(self.holes.iter().map(|_| 6.0));
+        units
     }
 }
 
-/// Subtracts the part of a vector along another one of norm 1 per entry; returns its coefficient.
+/// Makes the polynomial after a basis, from the places of points; adds its column of Arnoldi's matrix.
 #[inline(always)]
-fn projected(known: &[Complex], next: &mut [Complex]) -> Complex {
-    let mut sum = Complex::default();
-    for (q, w) in known.iter().zip(next.iter()) {
-        sum = sum + q.conj() * *w;
-    }
-    let product = sum.scaled(1.0 / known.len() as f64);
-    for (q, w) in known.iter().zip(next) {
-        *w = *w - *q * product;
-    }
-    product
-}
-
-/// Adds the next polynomial, or its derivative from those before and the `polynomials`.
-#[inline(always)]
-fn recur(
-    column: &[Complex],
-    spots: &[Spot],
-    first: usize,
-    into: &mut Vec<Complex>,
-    polynomials: Option<&[Complex]>,
+fn next_polynomial(
+    basis: &[Vec<ComplexLanes>],
+    points: usize,
+    next: &mut [ComplexLanes],
+    column: &mut Vec<Complex>,
 ) {
-    let (many, k) = (spots.len(), column.len() - 2);
-    let at = first + k * many;
-    for i in 0..many {
-        let own = into[at + i] * spots[i].z;
-        into.push(polynomials.map_or(own, |polynomials| own + polynomials[at + i]));
+    for (w, q) in next.iter_mut().zip(&basis[basis.len() - 1]) {
+        *w = w.times(q);
     }
-    let (known, next) = into.split_at_mut(at + many);
-    for (j, factor) in column[..=k].iter().enumerate() {
-        let other = &known[first + j * many..first + (j + 1) * many];
-        for (w, q) in next.iter_mut().zip(other) {
-            *w = *w - *q * *factor;
+    for known in basis {
+        let product = mean_product(known, next, points);
+        for (w, q) in next.iter_mut().zip(known) {
+            w.add_scaled(-product, q);
+        }
+        column.push(product);
+    }
+    let size = mean_product(next, next, points).re.sqrt();
+    for w in next {
+        w.scale(1.0 / size);
+    }
+    column.push(Complex::new(size, 0.0));
+}
+
+/// Mean of the products of conjugates of numbers with others at points.
+#[inline(always)]
+fn mean_product(one: &[ComplexLanes], other: &[ComplexLanes], points: usize) -> Complex {
+    let mut sums = ComplexLanes::ZERO;
+    for (q, w) in one.iter().zip(other) {
+        for l in 0..TOGETHER {
+            sums.set(l, sums.get(l) + q.get(l).conj() * w.get(l));
         }
     }
-    let scale = 1.0 / column[k + 1].re;
-    next.iter_mut().for_each(|w| *w = w.scaled(scale));
+    let sum = sums.first(TOGETHER).fold(Complex::default(), |sum, own| sum + own);
+    sum.scaled(1.0 / points as f64)
+}
+
+/// Completes the next polynomial, or its derivative, by those before.
+#[inline(always)]
+fn recur(column: &[Complex], known: &[ComplexLanes], next: &mut ComplexLanes) {
+    let (size, factors) = column.split_last().expect("an entry for each polynomial");
+    let mut own = *next;
+    for (factor, other) in factors.iter().zip(known) {
+        own.add_scaled(-*factor, other);
+    }
+    own.scale(1.0 / size.re);
+    *next = own;
 }
 
 impl Family {
-    /// Position of a spot seen from the point.
+    /// Position of a place seen from the point.
     #[inline(always)]
-    fn seen(&self, spot: &Spot) -> Complex {
-        let from = if self.split == Some(spot.split) { spot.delta } else { spot.z - self.point };
+    fn seen(&self, places: &Places, lane: usize) -> Complex {
+        let is_next = self.split == Some(places.splits[lane]);
+        let from = if is_next { places.deltas.get(lane) } else { places.z.get(lane) - self.point };
         let seen = from * self.inwards.conj();
         // Powers of zero have no derivative.
         if seen.norm2() == 0.0 { Complex::new(1e-100, 0.0) } else { seen }
     }
 
     #[inline(always)]
-    fn add(
-        &self,
-        spots: &[Spot],
-        slopes: bool,
-        values: &mut Vec<Complex>,
-        derivatives: &mut Vec<Complex>,
-    ) {
-        let seen: Vec<Complex> = spots.iter().map(|spot| self.seen(spot)).collect();
+    fn add(&self, places: &Places, values: &mut Values) {
+        let mut seen = ComplexLanes::ZERO;
+        for l in 0..TOGETHER {
+            seen.set(l, self.seen(places, l));
+        }
         let needs_logs = self.powers.iter().any(|power| power.log || power.power != 1.0);
         for &d in &self.lengths {
-            let u: Vec<Complex> = seen.iter().map(|&w| w / w.shifted(d)).collect();
-            let logs: Vec<Complex> =
-                if needs_logs { u.iter().map(|&u| ln(u)).collect() } else { Vec::new() };
+            let (mut u, mut logs) = (seen, ComplexLanes::ZERO);
+            for l in 0..TOGETHER {
+                u.set(l, seen.get(l) / seen.get(l).shifted(d));
+            }
+            if needs_logs {
+                for l in 0..TOGETHER {
+                    logs.set(l, ln(u.get(l)));
+                }
+            }
             // The derivative of log u.
-            let mut rates = Vec::new();
-            if slopes {
+            let mut rates = ComplexLanes::ZERO;
+            if values.wants_slopes {
                 let turn = self.inwards.conj().scaled(d);
-                rates.extend(seen.iter().map(|&w| turn / (w * w.shifted(d))));
+                for l in 0..TOGETHER {
+                    let w = seen.get(l);
+                    rates.set(l, turn / (w * w.shifted(d)));
+                }
             }
             // Each power by a product from that before it, and the factor again where they are as far apart.
-            let mut powers = vec![Complex::new(1.0, 0.0); spots.len()];
-            let (mut reached, mut apart, mut factors) = (0.0, 0.0, powers.clone());
+            let mut powers = ComplexLanes::filled(Complex::new(1.0, 0.0));
+            let (mut reached, mut apart, mut factors) = (0.0, 0.0, powers);
             for &Power { power, log } in &self.powers {
                 let step = power - reached;
                 if (step - apart).abs() > SAME_STEP && step != 0.0 {
                     if step == 1.0 {
-                        factors.copy_from_slice(&u);
+                        factors = u;
                     } else {
                         raise(&logs, step, &mut factors);
                     }
                     apart = step;
                 }
                 if step != 0.0 {
-                    powers.iter_mut().zip(&factors).for_each(|(x, factor)| *x = *x * *factor);
+                    powers = powers.times(&factors);
                     reached = if apart == step { power } else { reached + apart };
                 }
-                if slopes && log {
-                    let logs = logs.iter().zip(&powers).zip(&rates);
-                    derivatives.extend(
-                        logs.map(|((l, value), rate)| {
-                            *value * l.scaled(reached).shifted(1.0) * *rate
-                        }),
-                    );
-                } else if slopes {
-                    let both = powers.iter().zip(&rates);
-                    derivatives.extend(both.map(|(value, rate)| (*value * *rate).scaled(reached)));
+                if values.wants_slopes {
+                    let mut slopes = powers;
+                    for l in 0..TOGETHER {
+                        let (value, rate) = (powers.get(l), rates.get(l));
+                        let slope = if log {
+                            value * logs.get(l).scaled(reached).shifted(1.0) * rate
+                        } else {
+                            (value * rate).scaled(reached)
+                        };
+                        slopes.set(l, slope);
+                    }
+                    values.slopes.push(slopes);
                 }
-                if log {
-                    values.extend(powers.iter().zip(&logs).map(|(value, l)| *value * *l));
-                } else {
-                    values.extend_from_slice(&powers);
-                }
+                values.all.push(if log { powers.times(&logs) } else { powers });
             }
         }
     }
@@ -273,41 +331,51 @@ const SAME_STEP: f64 = 2e-15;
 
 /// Exponentials of a multiple of logarithms.
 #[inline(always)]
-fn raise(logs: &[Complex], power: f64, into: &mut [Complex]) {
-    for (value, l) in into.iter_mut().zip(logs) {
-        let size = exp(power * l.re);
-        let [sin, cos] = sincos_pi(power / PI * l.im);
-        *value = Complex::new(size * cos, size * sin);
+fn raise(logs: &ComplexLanes, power: f64, into: &mut ComplexLanes) {
+    for l in 0..TOGETHER {
+        let size = exp(power * logs.re[l]);
+        let [sin, cos] = sincos_pi(power / PI * logs.im[l]);
+        into.set(l, Complex::new(size * cos, size * sin));
     }
 }
 
 impl Hole {
-    fn add_powers(
-        &self,
-        spots: &[Spot],
-        slopes: bool,
-        values: &mut Vec<Complex>,
-        derivatives: &mut Vec<Complex>,
-    ) {
-        let inverses: Vec<Complex> = spots
-            .iter()
-            .map(|spot| Complex::new(self.radius, 0.0) / (spot.z - self.middle))
-            .collect();
-        let mut powers = vec![Complex::new(1.0, 0.0); spots.len()];
+    /// One over positions seen from the middle.
+    #[inline(always)]
+    fn inverses(&self, z: &ComplexLanes, size: f64) -> ComplexLanes {
+        let mut inverses = *z;
+        for l in 0..TOGETHER {
+            inverses.set(l, Complex::new(size, 0.0) / (z.get(l) - self.middle));
+        }
+        inverses
+    }
+
+    #[inline(always)]
+    fn add_powers(&self, z: &ComplexLanes, values: &mut Values) {
+        let inverses = self.inverses(z, self.radius);
+        let mut power = ComplexLanes::filled(Complex::new(1.0, 0.0));
         for k in 1..=self.powers {
-            powers
-                .iter_mut()
-                .zip(&inverses)
-                .for_each(|(power, inverse)| *power = *power * *inverse);
-            values.extend_from_slice(&powers);
-            if slopes {
-                let factor = -(k as f64) / self.radius;
-                let slopes = powers
-                    .iter()
-                    .zip(&inverses)
-                    .map(|(power, inverse)| (*power * *inverse).scaled(factor));
-                derivatives.extend(slopes);
+            power = power.times(&inverses);
+            values.all.push(power);
+            if values.wants_slopes {
+                let (mut slopes, factor) = (power, -(k as f64) / self.radius);
+                for l in 0..TOGETHER {
+                    slopes.set(l, (power.get(l) * inverses.get(l)).scaled(factor));
+                }
+                values.slopes.push(slopes);
             }
+        }
+    }
+
+    #[inline(always)]
+    fn add_log(&self, z: &ComplexLanes, values: &mut Values) {
+        let mut logs = *z;
+        for l in 0..TOGETHER {
+            logs.set(l, ln(z.get(l) - self.middle));
+        }
+        values.all.push(logs);
+        if values.wants_slopes {
+            values.slopes.push(self.inverses(z, 1.0));
         }
     }
 }

@@ -7,7 +7,8 @@
 use super::cells::ProofCell;
 use super::field::PlaneNode;
 use super::fit::Fit;
-use super::functions::{Functions, Hole};
+use super::functions::{Functions, Hole, Values};
+use super::lanes::{TOGETHER, bounded_sum};
 use super::least_squares::Columns;
 use super::moduli::{Disc, Moduli, of_polynomial};
 use super::panels::Spot;
@@ -44,20 +45,22 @@ impl HarmonicFit {
         let nodes: Vec<&PlaneNode> =
             samples.iter().flat_map(|own| own.nodes.iter().step_by(APART)).collect();
         let spots: Vec<Spot> = nodes.iter().map(|node| node.spot).collect();
-        let values = functions.at(&spots, false);
         let (complex, logs) = (functions.complex(), functions.holes.len());
         let mut matrix = Columns::new(spots.len(), 2 * complex + logs);
-        for (i, node) in nodes.iter().enumerate() {
-            let weight = node.spot.weight.sqrt();
-            for k in 0..complex {
-                let value = values.of(k)[i].scaled(weight);
-                matrix.column(2 * k)[i] = value.re;
-                matrix.column(2 * k + 1)[i] = -value.im;
+        let mut values = Values::default();
+        for (block, first) in spots.chunks(TOGETHER).zip((0..).step_by(TOGETHER)) {
+            functions.at(block, &mut values);
+            for (l, spot) in block.iter().enumerate() {
+                let (i, weight) = (first + l, spot.weight.sqrt());
+                for (k, own) in values.all[..complex].iter().enumerate() {
+                    matrix.column(2 * k)[i] = weight * own.re[l];
+                    matrix.column(2 * k + 1)[i] = -weight * own.im[l];
+                }
+                for (k, own) in values.all[complex..].iter().enumerate() {
+                    matrix.column(2 * complex + k)[i] = weight * own.re[l];
+                }
+                matrix.column(2 * complex + logs)[i] = weight * HarmonicNode::of_g(nodes[i])[0];
             }
-            for k in 0..logs {
-                matrix.column(2 * complex + k)[i] = weight * values.of(complex + k)[i].re;
-            }
-            matrix.column(2 * complex + logs)[i] = weight * HarmonicNode::of_g(node)[0];
         }
         let x = matrix.solve();
         let (plain, logs) = x.split_at(2 * complex);
@@ -90,28 +93,23 @@ impl HarmonicFit {
     pub(super) fn on(&self, own: &Sampled, moduli: Moduli) -> Vec<HarmonicNode> {
         let ProofCell { cell, .. } = own.own;
         let spots: Vec<Spot> = own.nodes.iter().map(|node| node.spot).collect();
-        let values = self.functions.at(&spots, true);
         // Points are off by two units, and by those of log r; by Cauchy's estimate the slope changes.
         let units = if cell.is_log { 1.0 + cell.length() } else { 0.0 };
         let off = f64::EPSILON * (2.0 + cell.span[1] * units);
         let radius = if cell.is_log { 1.2 * cell.span[1] } else { 0.5 * cell.length() };
         let change = moduli.slope / (cell.disc.radius - radius);
+        let (units, mut values) = (self.functions.units(), Values::with_slopes());
         let mut nodes = Vec::with_capacity(spots.len());
-        for (i, node) in own.nodes.iter().enumerate() {
-            let mut sums = [Complex::default(); 2];
-            let mut errors = [0.0; 2];
-            for (k, c) in self.coefficients.iter().enumerate() {
-                let units = f64::EPSILON * (6 + k + self.coefficients.len()) as f64;
-                for (which, all) in [&values.all, &values.slopes].into_iter().enumerate() {
-                    let term = *c * all[k * values.points + i];
-                    sums[which] = sums[which] + term;
-                    errors[which] += units * term.norm();
-                }
+        for (spots, known) in spots.chunks(TOGETHER).zip(own.nodes.chunks(TOGETHER)) {
+            self.functions.at(spots, &mut values);
+            let (sums, errors) = bounded_sum(&self.coefficients, &units, &values.all);
+            let (slopes, rates) = bounded_sum(&self.coefficients, &units, &values.slopes);
+            for (l, node) in known.iter().enumerate() {
+                let slope = slopes.get(l);
+                let errors = [errors[l] + off * slope.norm(), rates[l] + off * change];
+                let flux = (slope * node.normal()).re;
+                nodes.push(HarmonicNode { value: sums.re[l], flux, errors });
             }
-            errors[0] += off * sums[1].norm();
-            errors[1] += off * change;
-            let flux = (sums[1] * node.normal()).re;
-            nodes.push(HarmonicNode { value: sums[0].re, flux, errors });
         }
         nodes
     }

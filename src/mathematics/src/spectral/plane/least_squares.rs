@@ -14,6 +14,8 @@ const TALL: usize = 2 * LANES;
 const WIDE: usize = 4;
 /// Groups of [`WIDE`] columns that are taken together, so that the reflections stay in the cache.
 const GROUPS: usize = 4;
+/// Rows of reflections that are taken with all of these, so that they stay in the nearest cache.
+const NEAR: usize = 64;
 /// Size of the multiple of the identity below the columns, which have norm 1: it keeps the coefficients small where
 /// columns depend on each other.
 const RIDGE: f64 = 1e-15;
@@ -154,14 +156,12 @@ impl Reflections {
     #[inline(always)]
     fn join(&mut self, [from, to]: [usize; 2], part: &[f64]) {
         let tall = part.len() / PART;
-        for first in (from..to).step_by(WIDE) {
-            let own = &part[(first - from) * tall..];
-            for (j, products) in (first..to).zip(self.products([0, to], own, [tall, 0])) {
-                let tau = self.t[j][j];
-                for i in 0..j {
-                    let sum: f64 = (i..j).map(|k| self.t[k][i] * products[k]).sum();
-                    self.t[j][i] = -tau * sum;
-                }
+        let products = self.products([0, to], &part[..(to - from) * tall], [tall, 0]);
+        for (j, products) in (from..to).zip(products.as_flattened()) {
+            let tau = self.t[j][j];
+            for i in 0..j {
+                let sum: f64 = (i..j).map(|k| self.t[k][i] * products[k]).sum();
+                self.t[j][i] = -tau * sum;
             }
         }
     }
@@ -171,74 +171,81 @@ impl Reflections {
     fn apply(&self, [from, to]: [usize; 2], columns: &mut [f64], [height, top]: [usize; 2]) {
         for columns in columns.chunks_mut(GROUPS * WIDE * height) {
             let mut factors = [[[0.0; BLOCK]; WIDE]; GROUPS];
-            for (factors, columns) in factors.iter_mut().zip(columns.chunks(WIDE * height)) {
-                let products = self.products([from, to], columns, [height, top]);
-                for (factors, products) in factors.iter_mut().zip(products) {
-                    for (i, factor) in factors.iter_mut().enumerate().take(to).skip(from) {
-                        for (t, product) in self.t[i][from..=i].iter().zip(&products[from..=i]) {
-                            *factor -= t * product;
-                        }
+            let products = self.products([from, to], columns, [height, top]);
+            let both = factors.as_flattened_mut().iter_mut().zip(products.as_flattened());
+            for (factors, products) in both {
+                for (i, factor) in factors.iter_mut().enumerate().take(to).skip(from) {
+                    for (t, product) in self.t[i][from..=i].iter().zip(&products[from..=i]) {
+                        *factor -= t * product;
                     }
                 }
             }
-            for (factors, columns) in factors.iter().zip(columns.chunks_mut(WIDE * height)) {
-                self.add(
-                    factors.each_ref().map(|own| &own[from..to]),
-                    from,
-                    columns,
-                    [height, top],
-                );
-            }
+            self.add(&factors, [from, to], columns, [height, top]);
         }
     }
 
-    /// Products of reflections with up to [`WIDE`] columns.
+    /// Products of reflections with up to `GROUPS * WIDE` columns.
     #[inline(always)]
     fn products(
         &self,
         [from, to]: [usize; 2],
         columns: &[f64],
         [height, top]: [usize; 2],
-    ) -> [[f64; BLOCK]; WIDE] {
+    ) -> [[[f64; BLOCK]; WIDE]; GROUPS] {
         const MANY: usize = BLOCK / LANES;
-        let (tall, last) = (self.by_rows[0].len(), columns.len() / height - 1);
-        let others = [0, 1, 2, 3].map(|c: usize| &columns[c.min(last) * height + top..][..tall]);
-        let mut found = [[0.0; BLOCK]; WIDE];
-        for k in (from / LANES..to.div_ceil(LANES)).step_by(2) {
-            let both = [k, (k + 1) % MANY];
-            let mut sums = [[[0.0; LANES]; WIDE]; 2];
-            add_products(&mut sums, both.map(|k| &self.by_rows[k][..]), others);
-            for (k, sums) in both.into_iter().zip(&sums) {
-                for (found, sums) in found.iter_mut().zip(sums) {
-                    found[k * LANES..(k + 1) * LANES].copy_from_slice(sums);
+        let tall = self.by_rows[0].len();
+        let mut found = [[[0.0; BLOCK]; WIDE]; GROUPS];
+        for first in (0..tall).step_by(NEAR) {
+            let rows = first..(first + NEAR).min(tall);
+            for (found, columns) in found.iter_mut().zip(columns.chunks(WIDE * height)) {
+                let last = columns.len() / height - 1;
+                let others = [0, 1, 2, 3]
+                    .map(|c: usize| &columns[c.min(last) * height + top..][rows.clone()]);
+                for k in (from / LANES..to.div_ceil(LANES)).step_by(2) {
+                    let both = [k, (k + 1) % MANY];
+                    let mut sums = [[[0.0; LANES]; WIDE]; 2];
+                    for (k, sums) in both.into_iter().zip(&mut sums) {
+                        for (found, sums) in found.iter().zip(sums) {
+                            sums.copy_from_slice(&found[k * LANES..(k + 1) * LANES]);
+                        }
+                    }
+                    add_products(&mut sums, both.map(|k| &self.by_rows[k][rows.clone()]), others);
+                    for (k, sums) in both.into_iter().zip(&sums) {
+                        for (found, sums) in found.iter_mut().zip(sums) {
+                            found[k * LANES..(k + 1) * LANES].copy_from_slice(sums);
+                        }
+                    }
                 }
             }
         }
         found
     }
 
-    /// Adds multiples of the columns of V from one on to up to [`WIDE`] columns.
+    /// Adds multiples of the columns of V from one on to up to `GROUPS * WIDE` columns.
     #[inline(always)]
     fn add(
         &self,
-        factors: [&[f64]; WIDE],
-        from: usize,
+        factors: &[[[f64; BLOCK]; WIDE]; GROUPS],
+        [from, to]: [usize; 2],
         columns: &mut [f64],
         [height, top]: [usize; 2],
     ) {
-        let to = from + factors[0].len();
         for (at, rows) in self.by_columns.chunks_exact(2).enumerate() {
             let row = top + at * TALL;
-            let mut sums = [[[0.0; LANES]; WIDE]; 2];
-            for (c, column) in columns.chunks(height).enumerate() {
-                for (i, sums) in sums.iter_mut().enumerate() {
-                    sums[c].copy_from_slice(&column[row + i * LANES..][..LANES]);
+            let groups = factors.iter().zip(columns.chunks_mut(WIDE * height));
+            for (factors, columns) in groups {
+                let mut sums = [[[0.0; LANES]; WIDE]; 2];
+                for (c, column) in columns.chunks(height).enumerate() {
+                    for (i, sums) in sums.iter_mut().enumerate() {
+                        sums[c].copy_from_slice(&column[row + i * LANES..][..LANES]);
+                    }
                 }
-            }
-            add_products(&mut sums, [0, 1].map(|i: usize| &rows[i][from..to]), factors);
-            for (c, column) in columns.chunks_mut(height).enumerate() {
-                for (i, sums) in sums.iter().enumerate() {
-                    column[row + i * LANES..][..LANES].copy_from_slice(&sums[c]);
+                let own = factors.each_ref().map(|own| &own[from..to]);
+                add_products(&mut sums, [0, 1].map(|i: usize| &rows[i][from..to]), own);
+                for (c, column) in columns.chunks_mut(height).enumerate() {
+                    for (i, sums) in sums.iter().enumerate() {
+                        column[row + i * LANES..][..LANES].copy_from_slice(&sums[c]);
+                    }
                 }
             }
         }

@@ -44,6 +44,7 @@ mod functions;
 mod green;
 mod images;
 mod jumps;
+mod lanes;
 mod least_squares;
 mod moduli;
 mod newton;

@@ -9,7 +9,8 @@
 //! 1964), and a polynomial of degree n on a circle, turned back by half of n, has degree n / 2.
 
 use super::fit::Fit;
-use super::functions::{Family, Functions, Hole};
+use super::functions::{Family, Functions, Hole, Values};
+use super::lanes::{TOGETHER, summed};
 use super::panels::Spot;
 use super::psi::Psi;
 use crate::problem::complex::Complex;
@@ -90,6 +91,7 @@ pub(super) fn of_polynomial(
 ) -> Vec<Moduli> {
     let points = 2 * arnoldi.len().max(1);
     let functions = Functions { arnoldi: arnoldi.to_vec(), ..Functions::default() };
+    let mut values = Values::with_slopes();
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
         let mut spots = Vec::with_capacity(discs.len() * points);
@@ -99,19 +101,17 @@ pub(super) fn of_polynomial(
                 spots.push(Spot::inside(disc.centre + way.scaled(disc.radius)));
             }
         }
-        let values = functions.at(&spots, true);
-        let mut sums =
-            [vec![Complex::default(); spots.len()], vec![Complex::default(); spots.len()]];
-        for (k, c) in own.iter().enumerate() {
-            let range = k * spots.len()..(k + 1) * spots.len();
-            for (sums, values) in sums.iter_mut().zip([&values.all, &values.slopes]) {
-                sums.iter_mut().zip(&values[range.clone()]).for_each(|(s, v)| *s = *s + *c * *v);
+        let mut sums = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+        for block in spots.chunks(TOGETHER) {
+            functions.at(block, &mut values);
+            for (sums, numbers) in sums.iter_mut().zip([&values.all, &values.slopes]) {
+                sums.extend(summed(own, numbers).first(block.len()));
             }
         }
         for k in 0..discs.len() {
             // The cosine of a quarter of pi.
             let [value, slope] = [0, 1].map(|which: usize| {
-                let own = &sums[which][k * points..(k + 1) * points];
+                let own: &[Complex] = &sums[which][k * points..(k + 1) * points];
                 own.iter().fold(0.0f64, |most, z| most.max(z.norm())) * 1.4143
             });
             moduli.push(Moduli { value, slope });
@@ -131,14 +131,19 @@ impl Family {
                 return Moduli { value: f64::INFINITY, slope: f64::INFINITY };
             }
             let u = [near.max(0.0) / beyond, far / tip];
+            let logs = u.map(libm::log);
             let rate = d / (tip * tip);
             for (function, c) in self.powers.iter().zip(own) {
                 let power = function.power;
-                let base = if power < 1.0 { u[0] } else { u[1] };
+                let value = c.norm() * libm::exp(power * logs[1]);
+                let base = match power < 1.0 {
+                    true => c.norm() * libm::exp((power - 1.0) * logs[0]),
+                    false => value / u[1],
+                };
                 let log = if function.log { log_modulus(u) + disc.turns() } else { 1.0 };
                 let factor = if function.log { power * log + 1.0 } else { power };
-                sum.value += c.norm() * libm::pow(u[1], power) * log;
-                sum.slope += c.norm() * libm::pow(base, power - 1.0) * rate * factor;
+                sum.value += value * log;
+                sum.slope += base * rate * factor;
             }
         }
         sum

@@ -3,11 +3,11 @@
 use super::cells::{POINTS, ProofCell};
 use super::field::node;
 use super::functions::{Power, Values};
+use super::lanes::{TOGETHER, bounded_sum};
 use super::moduli::{Disc, Moduli, TURNS, of_f, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
 use super::proof::Proof;
 use super::samples::{CellModuli, Sampled};
-use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::rule::gauss;
 
@@ -83,14 +83,16 @@ impl Proof<'_> {
         }
     }
 
-    /// v on cells, with the [`weights`](super::samples::weights) of all.
-    pub(super) fn samples(&self, cells: &[ProofCell], weights: &[f64]) -> Vec<Sampled> {
-        /// Cells whose values are kept in the cache.
-        const TOGETHER: usize = 6;
+    /// v on cells.
+    pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
+        /// Cells whose values are found together.
+        const CELLS: usize = 4;
         let rule = gauss(POINTS);
         let mut samples = Vec::with_capacity(cells.len());
         let mut moduli = self.moduli(cells).into_iter();
-        for block in cells.chunks(TOGETHER) {
+        let (coefficients, units) = (self.fit.all_coefficients(), self.fit.functions.units());
+        let mut values = Values::with_slopes();
+        for block in cells.chunks(CELLS) {
             let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
             let mut distances: Vec<f64> = Vec::with_capacity(block.len() * POINTS);
             for own in block {
@@ -104,8 +106,17 @@ impl Proof<'_> {
                     spots.push(spot);
                 }
             }
-            let values = self.fit.functions.at(&spots, true);
-            let ([g, slopes], errors) = self.sums(&values);
+            let [mut g, mut slopes] = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+            let [mut errors, mut rates] = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+            for spots in spots.chunks(TOGETHER) {
+                self.fit.functions.at(spots, &mut values);
+                let (sums, own) = bounded_sum(&coefficients, &units, &values.all);
+                g.extend(sums.first(spots.len()));
+                errors.extend_from_slice(&own[..spots.len()]);
+                let (sums, own) = bounded_sum(&coefficients, &units, &values.slopes);
+                slopes.extend(sums.first(spots.len()));
+                rates.extend_from_slice(&own[..spots.len()]);
+            }
             let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
             let gradients = self.setup.jumps.psi.gradients(&points);
             let psi_errors = self.setup.jumps.psi.errors(&points);
@@ -119,70 +130,17 @@ impl Proof<'_> {
                     let slope = (slopes[i] * spot.tangent).re + gradient.dot(spot.tangent);
                     sampled.nodes.push(node);
                     sampled.slopes.push(slope);
-                    sampled.rounding.push([errors[0][i], errors[1][i]]);
+                    sampled.rounding.push([errors[i], rates[i]]);
                     sampled.psi.push(psi_errors[i]);
                 }
                 let interval = &self.fit.walk.intervals[own.interval];
                 let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
-                sampled.add_rounding(f, interval.curvature, weights);
+                sampled.add_rounding(f, interval.curvature);
                 self.add_logs(&mut sampled);
                 samples.push(sampled);
             }
         }
         samples
-    }
-
-    /// Rounding errors of the functions, in units in the last place. A power is an exponential of its logarithm, whose
-    /// errors count as often as the power says.
-    fn units(&self) -> Vec<f64> {
-        let (functions, mut units) = (&self.fit.functions, Vec::new());
-        for family in &functions.families {
-            for _ in &family.lengths {
-                units.extend(family.powers.iter().map(|power| 16.0 + 8.0 * power.power));
-            }
-        }
-        units.extend(
-            functions.holes.iter().flat_map(|hole| (0..hole.powers).map(|k| 6.0 + k as f64)),
-        );
-        units.extend((0..=functions.arnoldi.len()).map(|k| 6.0 + k as f64));
-        units.resize(self.fit.coefficients.len() + self.fit.logs.len(), 6.0);
-        units
-    }
-
-    /// g and its derivative, point by point, and their rounding errors: those of the terms, since what each addition
-    /// loses is added at last.
-    fn sums(&self, values: &Values) -> ([Vec<Complex>; 2], [Vec<f64>; 2]) {
-        let units = self.units();
-        let mut errors = [vec![0.0; values.points], vec![0.0; values.points]];
-        let zeros = vec![Complex::default(); values.points];
-        let (mut sums, mut lost) = ([zeros.clone(), zeros.clone()], [zeros.clone(), zeros]);
-        let logs = self.fit.logs.iter().map(|&c| Complex::new(c, 0.0));
-        for (k, c) in self.fit.coefficients.iter().copied().chain(logs).enumerate() {
-            let range = k * values.points..(k + 1) * values.points;
-            for which in [0, 1] {
-                let own = &[&values.all, &values.slopes][which][range.clone()];
-                vectorised(
-                    #[inline(always)]
-                    || {
-                        let both = sums[which].iter_mut().zip(&mut lost[which]);
-                        for (((sum, lost), error), value) in both.zip(&mut errors[which]).zip(own) {
-                            let term = c * *value;
-                            add(&mut sum.re, &mut lost.re, term.re);
-                            add(&mut sum.im, &mut lost.im, term.im);
-                            *error += units[k] * term.norm();
-                        }
-                    },
-                );
-            }
-        }
-        for which in [0, 1] {
-            let both = sums[which].iter_mut().zip(&lost[which]).zip(&mut errors[which]);
-            for ((sum, lost), error) in both {
-                *sum = *sum + *lost;
-                *error = f64::EPSILON * (*error + 2.0 * sum.norm());
-            }
-        }
-        (sums, errors)
     }
 
     /// Adds the logarithms of holes that are added to v.
@@ -200,13 +158,4 @@ impl Proof<'_> {
             }
         }
     }
-}
-
-/// Adds a term to a sum, and what the addition loses to another one: Knuth, *The Art of Computer Programming* 2, 4.2.2.
-#[inline(always)]
-fn add(sum: &mut f64, lost: &mut f64, term: f64) {
-    let total = *sum + term;
-    let part = total - *sum;
-    *lost += (*sum - (total - part)) + (term - part);
-    *sum = total;
 }

@@ -19,12 +19,12 @@ fn signed(proof: &Proof, q: f64) -> Test {
 }
 
 /// Violation of the law by the flux on a cell, where v should be zero.
-fn violation(proof: &Proof, own: &Sampled, weights: &[f64]) -> Deficit {
+fn violation(proof: &Proof, own: &Sampled) -> Deficit {
     let law = proof.setup.law;
     let mut sum = Deficit { most: 0.0, integral: 0.0, scaled: 0.0, room: f64::INFINITY };
     for (sign, constant) in [(1.0, law.lo()), (-1.0, law.hi())] {
         if constant.is_finite() {
-            let one = own.deficit(Test { quantity: Quantity::Flux, sign, constant }, weights);
+            let one = own.deficit(Test { quantity: Quantity::Flux, sign, constant });
             sum.most += one.most;
             sum.integral += one.integral;
             sum.scaled += one.scaled;
@@ -41,7 +41,7 @@ fn condition(proof: &Proof, own: &Sampled) -> (State, bool) {
 }
 
 /// True if signs on a cell are not certain, and matter.
-pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes, weights: &[f64]) -> bool {
+pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes) -> bool {
     /// Size of v, over that of the solution, that does not matter.
     const SMALL: f64 = 1e-11;
     /// Slope of v, times r in log r, that does not matter.
@@ -49,14 +49,14 @@ pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes, weights: &[f
     let small = SMALL * sizes.value;
     match condition(proof, own) {
         (State::Held, true) => {
-            violation(proof, own, weights).integral > small.max(8.0 * own.noise(Quantity::Flux))
+            violation(proof, own).integral > small.max(8.0 * own.noise(Quantity::Flux))
         }
         (State::Flux(q), true) => {
             let small = small.max(8.0 * own.noise(Quantity::Value));
-            let deficit = own.deficit(signed(proof, q), weights);
+            let deficit = own.deficit(signed(proof, q));
             deficit.most > small
                 || deficit.room < 10.0 * small
-                    && own.most(Test::of(Quantity::Slope), weights) > STEEP * sizes.value
+                    && own.most(Test::of(Quantity::Slope)) > STEEP * sizes.value
         }
         _ => false,
     }
@@ -91,19 +91,14 @@ pub(super) struct Distances {
 }
 
 impl Distances {
-    pub(super) fn new(
-        proof: &Proof,
-        samples: &[Sampled],
-        left: &[Leftover],
-        weights: &[f64],
-    ) -> Self {
+    pub(super) fn new(proof: &Proof, samples: &[Sampled], left: &[Leftover]) -> Self {
         let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
         let (mut delta, mut rooms) = (0.0f64, Vec::with_capacity(samples.len()));
         for own in samples {
             let (most, room) = match condition(proof, own) {
-                (State::Held, _) => (own.most(Test::of(Quantity::Value), weights), 0.0),
+                (State::Held, _) => (own.most(Test::of(Quantity::Value)), 0.0),
                 (State::Flux(q), true) => {
-                    let deficit = own.deficit(signed(proof, q), weights);
+                    let deficit = own.deficit(signed(proof, q));
                     (deficit.most, deficit.room)
                 }
                 (State::Flux(_), false) => (0.0, 0.0),
@@ -119,7 +114,7 @@ impl Distances {
             slopes.push(match condition(proof, own) {
                 (State::Flux(_), false) => 2.0 * delta / interval.length * r,
                 (State::Flux(_), true) if room >= delta => 0.0,
-                _ => own.most(Test::of(Quantity::Slope), weights),
+                _ => own.most(Test::of(Quantity::Slope)),
             });
         }
         Self { delta, slopes }
@@ -160,7 +155,6 @@ impl FluxBalance {
         proof: &Proof,
         samples: &[Sampled],
         left: &[Leftover],
-        weights: &[f64],
         flux: f64,
     ) -> Result<Self, &'static str> {
         /// Room of the flux, over its size, that is enough for what is added.
@@ -181,7 +175,7 @@ impl FluxBalance {
                         eta.known += node.spot.weight * (q - node.flux);
                         eta.unknown += node.spot.weight * error;
                     }
-                    slope = own.most(Test { constant: q, ..Test::of(Quantity::Flux) }, weights);
+                    slope = own.most(Test { constant: q, ..Test::of(Quantity::Flux) });
                     eta.most = slope * cell.length();
                     let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
                     let terms = own.moduli.slope.iter();
@@ -191,7 +185,7 @@ impl FluxBalance {
                 }
                 (State::Held, false) => eta.open = if cell.is_log { 0.0 } else { cell.length() },
                 (State::Held, true) => {
-                    let law = violation(proof, own, weights);
+                    let law = violation(proof, own);
                     (eta.most, eta.unknown) = (law.integral, law.integral);
                     slope = if cell.is_log { law.scaled } else { law.most };
                     let is_open = law.room > ROOM * flux && !fixed[own.nodes[0].ring];

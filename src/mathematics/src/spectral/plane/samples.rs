@@ -4,7 +4,11 @@ use super::cells::{POINTS, ProofCell, legendre};
 use super::field::PlaneNode;
 use super::moduli::Moduli;
 use super::psi_errors::PsiErrors;
-use crate::spectral::rule::gauss;
+use crate::machine::simd::vectorised;
+use std::sync::LazyLock;
+
+/// Weights of all cells.
+static LEGENDRE: LazyLock<Vec<[f64; POINTS]>> = LazyLock::new(legendre);
 
 /// Which function on the boundary is meant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,9 +85,9 @@ impl Sampled {
     ///
     /// On a cell in log r the functions of the split do not see the error of coordinates, but all see one of log r,
     /// by a unit and one for each of its length. On another one all functions see the same point.
-    pub(super) fn add_rounding(&mut self, f: f64, curvature: f64, weights: &[f64]) {
+    pub(super) fn add_rounding(&mut self, f: f64, curvature: f64) {
         let cell = &self.own.cell;
-        let bends = [Quantity::Flux, Quantity::Slope].map(|own| self.bend(Test::of(own), weights));
+        let bends = [Quantity::Flux, Quantity::Slope].map(|own| self.bend(Test::of(own)));
         let bend = bends[0] + bends[1];
         let sizes = self.nodes.iter().zip(&self.slopes);
         let sizes: Vec<f64> = sizes.map(|(node, slope)| node.flux.abs() + slope.abs()).collect();
@@ -107,11 +111,11 @@ impl Sampled {
 
     /// Bound of the derivative of a slope, of r times it on a cell in log r, by the variable of the cell: by the
     /// derivatives of Legendre's polynomials, `k (k + 1) / 2` at most on (-1, 1).
-    fn bend(&self, test: Test, weights: &[f64]) -> f64 {
+    fn bend(&self, test: Test) -> f64 {
         let cell = &self.own.cell;
         let (power, scale) = if cell.is_log { (1.0, cell.span[1]) } else { (0.0, 1.0) };
         let mut sum = 0.0;
-        for (k, c) in self.legendre(test, power, weights).into_iter().enumerate() {
+        for (k, c) in self.legendre(test, power).into_iter().enumerate() {
             sum += 0.5 * (k * (k + 1)) as f64 * c.abs();
         }
         let tail = cell.tail(self.modulus(test, power)) * (POINTS * POINTS) as f64;
@@ -132,7 +136,7 @@ impl Sampled {
     ///
     /// The polynomial through the values is at most the sum of the moduli of its coefficients in Legendre's
     /// polynomials.
-    pub(super) fn bounds(&self, test: Test, power: f64, weights: &[f64]) -> [f64; 2] {
+    pub(super) fn bounds(&self, test: Test, power: f64) -> [f64; 2] {
         let which = usize::from(test.quantity != Quantity::Value);
         let mut error = 0.0f64;
         for (i, errors) in self.rounding.iter().enumerate() {
@@ -140,7 +144,7 @@ impl Sampled {
         }
         let slack = self.own.cell.tail(self.modulus(test, power)) + POINTS as f64 * error;
         let mut sums = [0.0; 2];
-        for (k, c) in self.legendre(test, power, weights).into_iter().enumerate() {
+        for (k, c) in self.legendre(test, power).into_iter().enumerate() {
             sums[0] += if k == 0 { c } else { -c.abs() };
             sums[1] += c.abs();
         }
@@ -158,13 +162,20 @@ impl Sampled {
     }
 
     /// Coefficients of Legendre polynomials of a tested function times `(r / to)^power`.
-    fn legendre(&self, test: Test, power: f64, weights: &[f64]) -> [f64; POINTS] {
+    fn legendre(&self, test: Test, power: f64) -> [f64; POINTS] {
         let values: [f64; POINTS] =
             std::array::from_fn(|i| self.weight(i, power) * self.tested(test, i));
         let mut coefficients = [0.0; POINTS];
-        for (c, row) in coefficients.iter_mut().zip(weights.chunks_exact(POINTS)) {
-            *c = row.iter().zip(&values).map(|(weight, value)| weight * value).sum();
-        }
+        vectorised(
+            #[inline(always)]
+            || {
+                for (value, weights) in values.iter().zip(LEGENDRE.iter()) {
+                    for (c, weight) in coefficients.iter_mut().zip(weights) {
+                        *c += weight * value;
+                    }
+                }
+            },
+        );
         coefficients
     }
 
@@ -184,11 +195,11 @@ impl Sampled {
     }
 
     /// Largest modulus; of a slope on a cell in log r, times r.
-    pub(super) fn most(&self, test: Test, weights: &[f64]) -> f64 {
+    pub(super) fn most(&self, test: Test) -> f64 {
         let scaled = self.own.cell.is_log && test.quantity != Quantity::Value;
         match scaled {
-            true => self.own.cell.span[1] * self.bounds(test, 1.0, weights)[1],
-            false => self.bounds(test, 0.0, weights)[1],
+            true => self.own.cell.span[1] * self.bounds(test, 1.0)[1],
+            false => self.bounds(test, 0.0)[1],
         }
     }
 
@@ -204,7 +215,7 @@ impl Sampled {
     }
 
     /// Bounds of the part of a function below zero.
-    pub(super) fn deficit(&self, test: Test, weights: &[f64]) -> Deficit {
+    pub(super) fn deficit(&self, test: Test) -> Deficit {
         let cell = &self.own.cell;
         let [from, to] = cell.span;
         let [first, last] = [0, POINTS - 1].map(|i| self.tested(test, i));
@@ -219,7 +230,7 @@ impl Sampled {
         let infinite = f64::INFINITY;
         let mut best = Deficit { most: infinite, integral: infinite, scaled: infinite, room: 0.0 };
         for power in powers {
-            let [least, _] = self.bounds(test, power, weights);
+            let [least, _] = self.bounds(test, power);
             if !least.is_finite() {
                 continue;
             }
@@ -241,9 +252,4 @@ impl Sampled {
         }
         best
     }
-}
-
-/// Weights of all cells.
-pub(super) fn weights() -> Vec<f64> {
-    legendre(&gauss(POINTS))
 }
