@@ -147,7 +147,7 @@ impl Effort {
     /// each as much as eight on the coarse one.
     pub(super) fn is_spent(&self) -> bool {
         /// Most operations, half a minute's at most, and over those of the first fit.
-        const MOST: [f64; 2] = [4e11, 400.0];
+        const MOST: [f64; 2] = [8e11, 400.0];
         self.operations > MOST[0].min(MOST[1] * self.first)
     }
 }

@@ -164,7 +164,7 @@ fn holes_and_friction_have_the_digits_of_two_levels() {
 #[test]
 fn short_arcs_between_both_signs_of_v_move_to_their_place() {
     let domain = PlaneDomain::new(vec![ring(1.0, true, Condition::Contact)]).unwrap();
-    let arcs = [[5.8561253, 5.8715161], [2.9812401, 2.987785]]
+    let arcs = [[4.8089278, 4.8243186], [1.9340425, 1.9405874]]
         .map(|arc| arc.map(|s| SidePlace { side: 0, s }));
     let loops = vec![LoopStart { arcs: arcs.to_vec(), gaps: vec![0.0, 0.188] }];
     let source = pieces(
