@@ -144,6 +144,14 @@ pub(super) struct Walk {
 const TOGETHER: f64 = 1e-10;
 
 impl Walk {
+    /// True of an end of contact if the split next to it is a corner.
+    pub(super) fn is_beside_corner(&self, k: usize) -> bool {
+        let split = &self.splits[k];
+        let near = usize::from(split.lengths[1] < split.lengths[0]);
+        let beside = self.intervals.iter().find(|own| own.splits[1 - near] == k);
+        split.end.is_some() && beside.is_some_and(|own| self.splits[own.splits[near]].corner)
+    }
+
     pub(super) fn new(
         rings: &[PlaneRing],
         contact: &[RingContact],

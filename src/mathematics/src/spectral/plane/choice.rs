@@ -12,6 +12,8 @@ use std::f64::consts::PI;
 const WEAKEST: f64 = 4.5;
 /// Most powers of a corner.
 const MOST: usize = 4;
+/// Longest cut of an end beside a corner, in distances from it: farther away both look like the corner.
+const BESIDE: f64 = 100.0;
 
 impl Functions {
     /// Functions for one contact set.
@@ -26,16 +28,17 @@ impl Functions {
             let near = split.lengths[0].min(split.lengths[1]);
             let plain = powers.iter().all(|power| power.log || power.power == 1.0);
             let (least, to) = if plain { (level.weak, 0.5) } else { (level.strong, 3.0) };
+            let is_seen = walk.is_beside_corner(k) && BESIDE * near < to * size;
             let ladder = Ladder {
                 from: 0.5 * near,
                 ratio: level.ratio,
-                to: to * size,
+                to: if is_seen { BESIDE * near } else { to * size },
                 least,
                 most: usize::MAX,
             };
             let lengths = ladder.lengths(&setup.domain, split.z, split.inwards());
             let mut powers = powers;
-            if split.end.is_some() && lengths.iter().all(|&d| d < 0.5 * size) {
+            if split.end.is_some() && !is_seen && lengths.iter().all(|&d| d < 0.5 * size) {
                 // Cuts are short: more powers in their place.
                 powers.extend([2.0, 2.5, 3.0, 3.5].map(Power::plain));
             }

@@ -24,6 +24,8 @@ pub(super) struct PlaneNode {
     pub state: State,
     /// True where the law holds.
     pub lawful: bool,
+    /// True if the split next to it is an end of contact.
+    pub by_end: bool,
     /// By how much the condition is missed: by v where it is zero, by the integral of dv/dn elsewhere.
     pub residual: f64,
     /// Distance along the loop.
@@ -119,6 +121,7 @@ pub(super) fn node(
         state: interval.state,
         residual: 0.0,
         lawful: interval.lawful,
+        by_end: fit.walk.splits.get(spot.split).is_some_and(|split| split.end.is_some()),
         t: fit.walk.splits[interval.splits[0]].t + spot.s,
         ring: interval.ring,
     }

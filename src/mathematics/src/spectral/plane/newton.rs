@@ -9,6 +9,7 @@ use super::fit::{Effort, Fit};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Step of an end: along the loop, and that of Newton's method before it was cut.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,9 @@ const AT_REST: f64 = 0.1;
 /// Step of an end, in perimeters, that leaves it where it is.
 const NOWHERE: f64 = 1e-7;
 
+/// Lengths of arcs and gaps, in perimeters, that may be the right ones though they shrink: at corners gaps can be short.
+const ON_TRIAL: Range<f64> = 1e-7..1e-5;
+
 /// Moves the ends of a contact set until none moves any more; returns the fit, or none if that does not happen.
 pub(super) fn settle(
     setup: &Setup,
@@ -40,7 +44,7 @@ pub(super) fn settle(
     effort: &mut Effort,
 ) -> Option<Fit> {
     let mut last = f64::INFINITY;
-    let mut shrinking = 0;
+    let mut shrunk = 0;
     let mut passed = HashMap::new();
     for _ in 0..MOST {
         if effort.is_spent() {
@@ -65,13 +69,15 @@ pub(super) fn settle(
         }
         last = largest;
         moves.iter_mut().for_each(|m| m.keep_between(contact, &mut passed));
-        shrinking = if cut { shrinking + 1 } else { 0 };
+        let mut short = shrinking(setup, contact, &moves);
+        short.retain(|own| !ON_TRIAL.contains(&(own.length / setup.perimeter)));
+        shrunk = if short.is_empty() { 0 } else { shrunk + 1 };
         for m in &moves {
             contact[m.ring].arcs[m.arc][m.which] += m.step;
         }
-        if shrinking >= 3 {
-            drop_short(setup, contact, &moves);
-            (shrinking, passed) = (0, HashMap::new());
+        if shrunk >= 3 {
+            drop_short(setup, contact, short);
+            (shrunk, passed) = (0, HashMap::new());
         }
         keep_off_corners(setup, contact);
     }
@@ -88,6 +94,11 @@ struct Passed {
 }
 
 impl EndStep {
+    /// True if the step makes the arc shorter, and not the gap beside it.
+    fn shortens_arc(&self) -> bool {
+        (self.step < 0.0) == (self.which == 1)
+    }
+
     /// Halves the way between places from which the end moved on and back where Newton's step leads out of them: next
     /// to a corner the derivative is not that of the method.
     fn keep_between(&mut self, contact: &[RingContact], passed: &mut HashMap<[usize; 3], Passed>) {
@@ -183,20 +194,38 @@ fn around(ring: &RingContact, arc: usize, which: usize, turn: f64) -> [f64; 2] {
     [to - from, gap]
 }
 
-/// Leaves out arcs and gaps that shrank at a cut step: the shortest, and those that are not much longer.
-fn drop_short(setup: &Setup, contact: &mut [RingContact], moves: &[EndStep]) {
+/// Arcs one of whose ends is to move by more than a step may, and gaps both of whose ends are, so that they get
+/// shorter; not an arc between v > 0 and v < 0, which may be as short as it likes but is there.
+fn shrinking(setup: &Setup, contact: &[RingContact], moves: &[EndStep]) -> Vec<Shrinking> {
+    let mut found = Vec::new();
+    for m in moves.iter().filter(|m| m.cut) {
+        let (own, is_gap) = (&contact[m.ring], !m.shortens_arc());
+        let many = own.arcs.len();
+        // The arc, or the one before the gap.
+        let number = if is_gap && m.which == 0 { (m.arc + many - 1) % many } else { m.arc };
+        let is_left_out = if is_gap {
+            let ends = [(number, 1), ((number + 1) % many, 0)];
+            let mut ends =
+                moves.iter().filter(|o| o.ring == m.ring && ends.contains(&(o.arc, o.which)));
+            ends.all(|end| end.cut && !end.shortens_arc())
+        } else {
+            own.gaps[(number + many - 1) % many] == own.gaps[number]
+        };
+        if is_left_out {
+            let lengths = around(own, m.arc, m.which, setup.rings[m.ring].length());
+            let length = lengths[usize::from(is_gap)];
+            let [from, to] = own.arcs[number];
+            let middle = if is_gap { to + 0.5 * length } else { 0.5 * (from + to) };
+            found.push(Shrinking { ring: m.ring, middle, length, is_gap });
+        }
+    }
+    found
+}
+
+/// Leaves out the shortest of arcs and gaps that shrink, and those that are not much longer.
+fn drop_short(setup: &Setup, contact: &mut [RingContact], shrinking: Vec<Shrinking>) {
     /// Longest that is left out, in perimeters, and over the shortest.
     const SHORT: [f64; 2] = [0.05, 10.0];
-    let mut shrinking: Vec<Shrinking> = Vec::new();
-    for m in moves.iter().filter(|m| m.cut) {
-        let is_gap = (m.step < 0.0) != (m.which == 1);
-        let lengths = around(&contact[m.ring], m.arc, m.which, setup.rings[m.ring].length());
-        let length = lengths[usize::from(is_gap)];
-        let end = contact[m.ring].arcs[m.arc][m.which];
-        // An arc lies behind its end, the gap before it.
-        let half = if is_gap == (m.which == 1) { 0.5 * length } else { -0.5 * length };
-        shrinking.push(Shrinking { ring: m.ring, middle: end + half, length, is_gap });
-    }
     let shortest = shrinking.iter().fold(f64::INFINITY, |least, own| least.min(own.length));
     let longest = (SHORT[0] * setup.perimeter).min(SHORT[1] * shortest);
     for Shrinking { ring, middle, is_gap, .. } in
@@ -207,7 +236,6 @@ fn drop_short(setup: &Setup, contact: &mut [RingContact], moves: &[EndStep]) {
         let number = (0..many).find(|&k| {
             let [from, to] = own.arcs[k];
             let [from, to] = if is_gap { [to, own.arcs[(k + 1) % many][0]] } else { [from, to] };
-            // Both ends of what is left out may have been cut.
             (middle - from).rem_euclid(turn) < (to - from).rem_euclid(turn)
         });
         if let Some(number) = number {
@@ -267,6 +295,39 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
         for arc in &mut own.arcs {
             let turns = (arc[0] / turn).floor() * turn;
             *arc = arc.map(|t| t - turns);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Condition;
+    use crate::problem::law::Law;
+    use crate::spectral::plane::{PlaneDomain, PlaneProblem, PlaneSide, PlaneSource};
+
+    #[test]
+    fn what_shrinks_is_left_out_but_for_arcs_between_both_signs_and_gaps_with_an_end_at_rest() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let side =
+            |k: usize| PlaneSide::segment([points[k], points[(k + 1) % 4]], Condition::Contact, 0);
+        let domain = PlaneDomain::new(vec![(0..4).map(side).collect()]).unwrap();
+        let source = PlaneSource::Pieces("else=-1".parse().unwrap());
+        let law = Law::friction(1.0).unwrap();
+        let setup = Setup::new(&PlaneProblem { domain, law, source }).unwrap();
+        let moved = |arc, which, step, cut| EndStep { ring: 0, arc, which, step, cut, near: 0.1 };
+        let both = [moved(0, 0, 0.1, true), moved(0, 1, -0.1, true)];
+        for (gaps, many) in [([1.0, 1.0], 2), ([-1.0, 1.0], 0)] {
+            let contact = [RingContact { arcs: vec![[0.2, 0.4], [1.2, 2.4]], gaps: gaps.to_vec() }];
+            let short = shrinking(&setup, &contact, &both);
+            assert_eq!(short.len(), many);
+            assert!(short.iter().all(|own| !own.is_gap && (own.length - 0.2).abs() < 1e-12));
+            for (rests, many) in [(false, 2), (true, 0)] {
+                let gap = [moved(0, 1, 0.1, true), moved(1, 0, -0.1, !rests)];
+                let short = shrinking(&setup, &contact, &gap);
+                assert_eq!(short.len(), many);
+                assert!(short.iter().all(|own| own.is_gap && (own.middle - 0.8).abs() < 1e-12));
+            }
         }
     }
 }

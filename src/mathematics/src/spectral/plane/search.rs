@@ -54,7 +54,8 @@ impl PlaneFound {
             tried.push(contact.clone());
             let nodes = boundary_nodes(setup, &fit, &level, points);
             let sizes = Sizes::new(setup, &nodes);
-            let signs = PlaneSigns::new(setup, contact, &nodes, sizes);
+            let signs =
+                PlaneSigns::new(setup, contact, &nodes, sizes, 2.0 * level.noise * setup.perimeter);
             match signs.mended {
                 Some(mended) => *contact = mended,
                 None => {
@@ -142,9 +143,11 @@ pub(super) fn search(
 ) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
     let poles = if setup.narrow { 12.0 } else { 0.0 };
+    let first = contact.clone();
     let coarse =
-        PlaneFound::on(setup, &mut contact, Level { poles, ..Level::COARSE }, effort, POINTS[0])?;
-    contact = coarse.contact;
+        PlaneFound::on(setup, &mut contact, Level { poles, ..Level::COARSE }, effort, POINTS[0]);
+    // What is not found on a coarse level may be on a fine one.
+    contact = coarse.map_or(first, |found| found.contact);
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
         let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };

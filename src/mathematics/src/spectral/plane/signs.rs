@@ -40,6 +40,7 @@ impl PlaneSigns {
         contact: &[RingContact],
         nodes: &[PlaneNode],
         sizes: Sizes,
+        unsure: f64,
     ) -> Self {
         let (mut flux, mut value) = (0.0f64, 0.0f64);
         let mut verdicts = Vec::with_capacity(nodes.len());
@@ -47,13 +48,14 @@ impl PlaneSigns {
         for node in nodes {
             let distance = node.spot.offset;
             let verdict = match node.state {
-                _ if !node.lawful => PlaneVerdict::Right,
+                _ if !node.lawful || node.by_end && distance < unsure => PlaneVerdict::Right,
                 State::Held => {
                     let share = (distance / (NEAR * setup.perimeter)).min(1.0);
                     let [above_lo, below_hi] = law.room(node.flux);
                     let room = above_lo.min(below_hi) * share;
                     flux = flux.min(room / sizes.flux);
-                    let tolerated = FLUX * sizes.flux + RESIDUALS * sizes.residual / distance;
+                    let tolerated =
+                        FLUX * sizes.flux + RESIDUALS * sizes.residual * share / distance;
                     match room < -tolerated {
                         true => PlaneVerdict::Slips(if above_lo < below_hi {
                             law.lo()

@@ -186,6 +186,25 @@ fn on_two_regions(top: f64, others: &str) -> PlaneSource {
 }
 
 #[test]
+fn short_arcs_between_both_signs_of_v_move_to_their_place() {
+    let domain = PlaneDomain::new(vec![ring(1.0, true, Condition::Contact)]).unwrap();
+    let arcs = [[4.8089278, 4.8243186], [1.9340425, 1.9405874]]
+        .map(|arc| arc.map(|s| SidePlace { side: 0, s }));
+    let loops = vec![LoopStart { arcs: arcs.to_vec(), gaps: vec![0.0, 0.188] }];
+    let source = pieces(
+        "halfplane(-0.13,0.67,-0.904)=0.801; rect(-0.5,0.46,-0.9,0.3)=-0.689; \
+         disc(0.445724024,0.826,0.665)=-2.277; rect(0.32,0.8,-0.092,0.8)=8.604; else=-1.925",
+    );
+    let problem = PlaneProblem { domain, law: Law::new(0.0, 0.188).unwrap(), source };
+    let start = PlaneStart { loops, spacing: 0.0327 };
+    let found = solve(&problem, &start, &mut Effort::default()).unwrap();
+    // Finite elements with four times as many nodes along the boundary.
+    let [lower, upper] = [-1.58479621, -1.58470703];
+    assert!(lower < found.energy && found.energy < upper, "{}", found.energy);
+    assert!(found.bracket.reserve.is_empty() && found.arcs.len() == 2, "{:?}", found.bracket);
+}
+
+#[test]
 fn regions_are_as_pieces_and_v_solves_the_equation_in_any_coordinates() {
     let q = 0.094_404_156_233_095_12;
     // The quadrant is a region, or the upper half of it is and a shape of the other region the lower one.
