@@ -16,7 +16,7 @@ pub(super) struct ComplexLanes {
 impl ComplexLanes {
     pub(super) const ZERO: Self = Self::filled(Complex::new(0.0, 0.0));
 
-    /// The same number at all points.
+    /// One number at all points.
     pub(super) const fn filled(z: Complex) -> Self {
         Self { re: [z.re; TOGETHER], im: [z.im; TOGETHER] }
     }
@@ -76,7 +76,7 @@ pub(super) fn summed(coefficients: &[Complex], numbers: &[ComplexLanes]) -> Comp
     sum
 }
 
-/// The same sum with bounds of its rounding errors, those of the numbers in units in the last place: what each addition
+/// Sum of numbers times coefficients with bounds of its rounding errors, those of the numbers in units in the last place: what each addition
 /// loses is added at last.
 pub(super) fn bounded_sum(
     coefficients: &[Complex],
@@ -91,21 +91,21 @@ pub(super) fn bounded_sum(
         #[inline(always)]
         || {
             for ((&c, units), own) in coefficients.iter().zip(units).zip(numbers) {
-                for l in 0..TOGETHER {
+                for (l, error) in errors.iter_mut().enumerate() {
                     let term = c * own.get(l);
                     (sum.re[l], lost.re[l]) = added(sum.re[l], lost.re[l], term.re);
                     (sum.im[l], lost.im[l]) = added(sum.im[l], lost.im[l], term.im);
                     let [x, y] = [term.re.abs(), term.im.abs()];
                     let larger = if x > y { x } else { y };
                     let slanted = std::f64::consts::FRAC_1_SQRT_2 * (x + y);
-                    errors[l] += units * if larger > slanted { larger } else { slanted };
+                    *error += units * if larger > slanted { larger } else { slanted };
                 }
             }
         },
     );
-    for l in 0..TOGETHER {
+    for (l, error) in errors.iter_mut().enumerate() {
         sum.set(l, sum.get(l) + lost.get(l));
-        errors[l] = f64::EPSILON * (OCTAGON * errors[l] + 2.0 * sum.get(l).norm());
+        *error = f64::EPSILON * (OCTAGON * *error + 2.0 * sum.get(l).norm());
     }
     (sum, errors)
 }
