@@ -76,8 +76,8 @@ pub(super) fn summed(coefficients: &[Complex], numbers: &[ComplexLanes]) -> Comp
     sum
 }
 
-/// Sum of numbers times coefficients with bounds of its rounding errors, those of the numbers in units in the last place: what each addition
-/// loses is added at last.
+/// Sum of numbers times coefficients, to which what each addition loses is added at last; and bounds of its rounding
+/// errors, by those of the numbers in units in the last place.
 pub(super) fn bounded_sum(
     coefficients: &[Complex],
     units: &[f64],

@@ -33,7 +33,7 @@ const AT_REST: f64 = 0.1;
 /// Step of an end, in perimeters, that leaves it where it is.
 const NOWHERE: f64 = 1e-7;
 
-/// Lengths of arcs and gaps, in perimeters, that may be the right ones though they shrink: at corners gaps can be short.
+/// Lengths of arcs and gaps, in perimeters, that may be right although they shrink: gaps at corners can be short.
 const ON_TRIAL: Range<f64> = 1e-7..1e-5;
 
 /// Moves the ends of a contact set until none moves any more; returns the fit, or none if that does not happen.
