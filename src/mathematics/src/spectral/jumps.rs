@@ -66,6 +66,7 @@ impl Jumps {
     /// # Errors
     /// [`PlaneError::NotFound`] if there is no way out of a bay.
     pub(super) fn of_pieces(domain: &PlaneDomain, f: &Source) -> Result<Self, PlaneError> {
+        assert!(!f.is_smooth(), "f consists of constant pieces");
         Self::new(domain, [f], [], |z| f.at(z.coordinates()))
     }
 

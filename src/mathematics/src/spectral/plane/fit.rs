@@ -8,7 +8,7 @@
 
 use super::boundary::{RingContact, State, Walk};
 use super::functions::{Functions, Values};
-use super::lanes::{TOGETHER, summed};
+use super::lanes::TOGETHER;
 use super::least_squares::Columns;
 use super::panels::{PlanePanel, Spot};
 use super::setup::{Level, Setup};
@@ -193,17 +193,7 @@ impl Fit {
 
     /// g and, if wanted, its derivative at spots, with the principal logarithms of holes.
     pub(super) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
-        let coefficients = self.all_coefficients();
-        let mut values = if slopes { Values::with_slopes() } else { Values::default() };
-        let mut all = [0; 2].map(|_| Vec::with_capacity(spots.len()));
-        for block in spots.chunks(TOGETHER) {
-            self.functions.at(block, &mut values);
-            all[0].extend(summed(&coefficients, &values.all).first(block.len()));
-            if slopes {
-                all[1].extend(summed(&coefficients, &values.slopes).first(block.len()));
-            }
-        }
-        all
+        self.functions.sums(&self.all_coefficients(), spots, slopes)
     }
 }
 

@@ -5,7 +5,7 @@
 //! Anal. 57 (2019), have poles alone; here the powers of the corner itself make the convergence exponential. The
 //! polynomials are those of Brubeck, Nakatsukasa and Trefethen, *Vandermonde with Arnoldi*, SIAM Rev. 63 (2021).
 
-use super::lanes::{ComplexLanes, TOGETHER};
+use super::lanes::{ComplexLanes, TOGETHER, bounded_sum, summed};
 use super::panels::Spot;
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
@@ -74,10 +74,19 @@ impl Values {
     }
 }
 
-/// SpotLanes side by side.
+/// Sum of functions at a spot.
+pub(super) struct SpotSum {
+    pub value: Complex,
+    /// Derivative.
+    pub slope: Complex,
+    /// Bounds of the rounding errors of both.
+    pub errors: [f64; 2],
+}
+
+/// Positions of spots side by side.
 struct SpotLanes {
     z: ComplexLanes,
-    /// Splits next to them, and their positions from there.
+    /// Splits next to the spots, and positions from there.
     splits: [usize; TOGETHER],
     deltas: ComplexLanes,
 }
@@ -85,18 +94,18 @@ struct SpotLanes {
 impl SpotLanes {
     /// Of some spots, the last of which stands for those that are missing.
     fn new(spots: &[Spot]) -> Self {
-        let mut places = Self {
+        let mut lanes = Self {
             z: ComplexLanes::ZERO,
             splits: [usize::MAX; TOGETHER],
             deltas: ComplexLanes::ZERO,
         };
         for lane in 0..TOGETHER {
             let spot = &spots[lane.min(spots.len() - 1)];
-            places.z.set(lane, spot.z);
-            places.splits[lane] = spot.split;
-            places.deltas.set(lane, spot.delta);
+            lanes.z.set(lane, spot.z);
+            lanes.splits[lane] = spot.split;
+            lanes.deltas.set(lane, spot.delta);
         }
-        places
+        lanes
     }
 }
 
@@ -187,9 +196,45 @@ impl Functions {
         }
     }
 
+    /// Sums of the functions times coefficients at spots, and of their derivatives if wanted.
+    pub(super) fn sums(
+        &self,
+        coefficients: &[Complex],
+        spots: &[Spot],
+        slopes: bool,
+    ) -> [Vec<Complex>; 2] {
+        let mut values = if slopes { Values::with_slopes() } else { Values::default() };
+        let mut all = [0; 2].map(|_| Vec::with_capacity(spots.len()));
+        for block in spots.chunks(TOGETHER) {
+            self.at(block, &mut values);
+            all[0].extend(summed(coefficients, &values.all).first(block.len()));
+            if slopes {
+                all[1].extend(summed(coefficients, &values.slopes).first(block.len()));
+            }
+        }
+        all
+    }
+
+    /// Sums of the functions and of their derivatives times coefficients at spots, with bounds of rounding errors.
+    pub(super) fn bounded_sums(&self, coefficients: &[Complex], spots: &[Spot]) -> Vec<SpotSum> {
+        let (units, mut values) = (self.units(), Values::with_slopes());
+        let mut sums = Vec::with_capacity(spots.len());
+        for block in spots.chunks(TOGETHER) {
+            self.at(block, &mut values);
+            let (own, errors) = bounded_sum(coefficients, &units, &values.all);
+            let (slopes, rates) = bounded_sum(coefficients, &units, &values.slopes);
+            sums.extend((0..block.len()).map(|lane| SpotSum {
+                value: own.get(lane),
+                slope: slopes.get(lane),
+                errors: [errors[lane], rates[lane]],
+            }));
+        }
+        sums
+    }
+
     /// Rounding errors of the functions, in units in the last place. A power is an exponential of its logarithm, whose
     /// errors count as often as the power says.
-    pub(super) fn units(&self) -> Vec<f64> {
+    fn units(&self) -> Vec<f64> {
         let mut units = Vec::with_capacity(self.complex() + self.holes.len());
         for family in &self.families {
             for _ in &family.lengths {

@@ -7,8 +7,8 @@
 use super::cells::ProofCell;
 use super::field::PlaneNode;
 use super::fit::Fit;
-use super::functions::{Functions, Hole, Values};
-use super::lanes::{TOGETHER, bounded_sum};
+use super::functions::{Functions, Hole, SpotSum, Values};
+use super::lanes::TOGETHER;
 use super::least_squares::Columns;
 use super::moduli::{Disc, Moduli, of_polynomial};
 use super::panels::Spot;
@@ -98,18 +98,12 @@ impl HarmonicFit {
         let off = f64::EPSILON * (2.0 + cell.span[1] * units);
         let radius = if cell.is_log { 1.2 * cell.span[1] } else { 0.5 * cell.length() };
         let change = moduli.slope / (cell.disc.radius - radius);
-        let (units, mut values) = (self.functions.units(), Values::with_slopes());
         let mut nodes = Vec::with_capacity(spots.len());
-        for (spots, known) in spots.chunks(TOGETHER).zip(own.nodes.chunks(TOGETHER)) {
-            self.functions.at(spots, &mut values);
-            let (sums, errors) = bounded_sum(&self.coefficients, &units, &values.all);
-            let (slopes, rates) = bounded_sum(&self.coefficients, &units, &values.slopes);
-            for (l, node) in known.iter().enumerate() {
-                let slope = slopes.get(l);
-                let errors = [errors[l] + off * slope.norm(), rates[l] + off * change];
-                let flux = (slope * node.normal()).re;
-                nodes.push(HarmonicNode { value: sums.re[l], flux, errors });
-            }
+        let sums = self.functions.bounded_sums(&self.coefficients, &spots);
+        for (SpotSum { value, slope, errors }, node) in sums.into_iter().zip(&own.nodes) {
+            let errors = [errors[0] + off * slope.norm(), errors[1] + off * change];
+            let flux = (slope * node.normal()).re;
+            nodes.push(HarmonicNode { value: value.re, flux, errors });
         }
         nodes
     }

@@ -9,8 +9,7 @@
 //! 1964), and a polynomial of degree n on a circle, turned back by half of n, has degree n / 2.
 
 use super::fit::Fit;
-use super::functions::{Family, Functions, Hole, Values};
-use super::lanes::{TOGETHER, summed};
+use super::functions::{Family, Functions, Hole};
 use super::panels::Spot;
 use super::psi::Psi;
 use crate::problem::complex::Complex;
@@ -91,7 +90,6 @@ pub(super) fn of_polynomial(
 ) -> Vec<Moduli> {
     let points = 2 * arnoldi.len().max(1);
     let functions = Functions { arnoldi: arnoldi.to_vec(), ..Functions::default() };
-    let mut values = Values::with_slopes();
     let mut moduli = Vec::with_capacity(discs.len());
     for discs in discs.chunks(16) {
         let mut spots = Vec::with_capacity(discs.len() * points);
@@ -101,17 +99,11 @@ pub(super) fn of_polynomial(
                 spots.push(Spot::inside(disc.centre + way.scaled(disc.radius)));
             }
         }
-        let mut sums = [0; 2].map(|_| Vec::with_capacity(spots.len()));
-        for block in spots.chunks(TOGETHER) {
-            functions.at(block, &mut values);
-            for (sums, numbers) in sums.iter_mut().zip([&values.all, &values.slopes]) {
-                sums.extend(summed(own, numbers).first(block.len()));
-            }
-        }
+        let sums = functions.sums(own, &spots, true);
         for k in 0..discs.len() {
             // The cosine of a quarter of pi.
             let [value, slope] = [0, 1].map(|which: usize| {
-                let own: &[Complex] = &sums[which][k * points..(k + 1) * points];
+                let own = &sums[which][k * points..(k + 1) * points];
                 own.iter().fold(0.0f64, |most, z| most.max(z.norm())) * 1.4143
             });
             moduli.push(Moduli { value, slope });

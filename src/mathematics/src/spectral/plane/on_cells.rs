@@ -2,8 +2,7 @@
 
 use super::cells::{POINTS, ProofCell};
 use super::field::node;
-use super::functions::{Power, Values};
-use super::lanes::{TOGETHER, bounded_sum};
+use super::functions::{Power, SpotSum};
 use super::moduli::{Disc, Moduli, TURNS, of_f, of_functions, of_polynomial, of_psi};
 use super::panels::Spot;
 use super::proof::Proof;
@@ -85,60 +84,42 @@ impl Proof<'_> {
 
     /// v on cells.
     pub(super) fn samples(&self, cells: &[ProofCell]) -> Vec<Sampled> {
-        /// Cells whose values are found together.
-        const CELLS: usize = 4;
         let rule = gauss(POINTS);
+        let mut spots: Vec<Spot> = Vec::with_capacity(cells.len() * POINTS);
+        let mut distances: Vec<f64> = Vec::with_capacity(cells.len() * POINTS);
+        for own in cells {
+            for [r, weight] in own.cell.nodes(&rule) {
+                distances.push(r);
+                let mut spot = self.fit.walk.spot(own.interval, own.side, r, weight);
+                if !own.cell.is_log {
+                    // All functions see the same point.
+                    spot.split = usize::MAX;
+                }
+                spots.push(spot);
+            }
+        }
+        let sums = self.fit.functions.bounded_sums(&self.fit.all_coefficients(), &spots);
+        let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
+        let gradients = self.setup.jumps.psi.gradients(&points);
+        let psi_errors = self.setup.jumps.psi.errors(&points);
         let mut samples = Vec::with_capacity(cells.len());
-        let mut moduli = self.moduli(cells).into_iter();
-        let (coefficients, units) = (self.fit.all_coefficients(), self.fit.functions.units());
-        let mut values = Values::with_slopes();
-        for block in cells.chunks(CELLS) {
-            let mut spots: Vec<Spot> = Vec::with_capacity(block.len() * POINTS);
-            let mut distances: Vec<f64> = Vec::with_capacity(block.len() * POINTS);
-            for own in block {
-                for [r, weight] in own.cell.nodes(&rule) {
-                    distances.push(r);
-                    let mut spot = self.fit.walk.spot(own.interval, own.side, r, weight);
-                    if !own.cell.is_log {
-                        // All functions see the same point.
-                        spot.split = usize::MAX;
-                    }
-                    spots.push(spot);
-                }
+        for (k, (own, moduli)) in cells.iter().zip(self.moduli(cells)).enumerate() {
+            let range = k * POINTS..(k + 1) * POINTS;
+            let mut sampled = Sampled::new(*own, moduli, distances[range.clone()].to_vec());
+            for i in range {
+                let (spot, gradient) = (spots[i], gradients[i]);
+                let SpotSum { value, slope, errors } = sums[i];
+                let node = node(self.setup, self.fit, spot, [value, slope], gradient);
+                sampled.nodes.push(node);
+                sampled.slopes.push((slope * spot.tangent).re + gradient.dot(spot.tangent));
+                sampled.rounding.push(errors);
+                sampled.psi.push(psi_errors[i]);
             }
-            let [mut g, mut slopes] = [0; 2].map(|_| Vec::with_capacity(spots.len()));
-            let [mut errors, mut rates] = [0; 2].map(|_| Vec::with_capacity(spots.len()));
-            for spots in spots.chunks(TOGETHER) {
-                self.fit.functions.at(spots, &mut values);
-                let (sums, own) = bounded_sum(&coefficients, &units, &values.all);
-                g.extend(sums.first(spots.len()));
-                errors.extend_from_slice(&own[..spots.len()]);
-                let (sums, own) = bounded_sum(&coefficients, &units, &values.slopes);
-                slopes.extend(sums.first(spots.len()));
-                rates.extend_from_slice(&own[..spots.len()]);
-            }
-            let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
-            let gradients = self.setup.jumps.psi.gradients(&points);
-            let psi_errors = self.setup.jumps.psi.errors(&points);
-            for (k, own) in block.iter().enumerate() {
-                let range = k * POINTS..(k + 1) * POINTS;
-                let moduli = moduli.next().expect("one for each cell");
-                let mut sampled = Sampled::new(*own, moduli, distances[range.clone()].to_vec());
-                for i in range {
-                    let (spot, gradient) = (spots[i], gradients[i]);
-                    let node = node(self.setup, self.fit, spot, [g[i], slopes[i]], gradient);
-                    let slope = (slopes[i] * spot.tangent).re + gradient.dot(spot.tangent);
-                    sampled.nodes.push(node);
-                    sampled.slopes.push(slope);
-                    sampled.rounding.push([errors[i], rates[i]]);
-                    sampled.psi.push(psi_errors[i]);
-                }
-                let interval = &self.fit.walk.intervals[own.interval];
-                let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
-                sampled.add_rounding(f, interval.curvature);
-                self.add_logs(&mut sampled);
-                samples.push(sampled);
-            }
+            let interval = &self.fit.walk.intervals[own.interval];
+            let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
+            sampled.add_rounding(f, interval.curvature);
+            self.add_logs(&mut sampled);
+            samples.push(sampled);
         }
         samples
     }
