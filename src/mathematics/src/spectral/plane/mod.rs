@@ -16,8 +16,7 @@
 //! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong
 //! a gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy
 //! is a sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual
-//! ([`energy`]); two bounds follow from how the conditions are missed ([`bounds`]), which is proved between points too
-//! ([`proof`]).
+//! ([`energy`]); two bounds follow from how the conditions are missed, which is proved between points too ([`proof`]).
 //!
 //! # Limits
 //! Work grows with the cube of the number of corners: half a second for twenty, five for forty. A contact set whose
@@ -31,24 +30,17 @@
 
 mod arcs;
 mod boundary;
-mod bounds;
-mod cells;
 mod choice;
 mod energy;
-mod exact_energy;
-mod extension;
 mod field;
 mod fit;
 mod frame;
 mod functions;
-mod green;
 mod images;
 mod jumps;
 mod lanes;
 mod least_squares;
-mod moduli;
 mod newton;
-mod on_cells;
 mod on_mesh;
 mod outline;
 mod panels;
@@ -56,10 +48,7 @@ mod polynomial;
 mod problem;
 mod proof;
 mod psi;
-mod psi_errors;
 mod regions;
-mod residual;
-mod samples;
 mod search;
 mod setup;
 mod signs;
@@ -88,7 +77,7 @@ pub(crate) struct PlaneBracket {
     /// Upper bound.
     pub upper: f64,
     /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are
-    /// guaranteed, but for the model of rounding errors in [`exact_energy`].
+    /// guaranteed, but for the model of rounding errors in [`proof`].
     pub reserve: Vec<String>,
 }
 
@@ -183,10 +172,10 @@ fn solve(
     let frame = Frame::of(&problem.domain);
     let setup = Setup::new(&frame.problem(problem))?;
     let mut found = search::search(&setup, &frame.start(start), effort)?;
-    let mut bracket = bounds::bracket(&setup, &found);
+    let mut bracket = proof::bracket(&setup, &found);
     let is_wide = bracket.width() > NINE_DIGITS * found.integrals.energy.abs();
     if is_wide && bracket.reserve.is_empty() {
-        let refined = found.refined(&setup).map(|own| (bounds::bracket(&setup, &own), own));
+        let refined = found.refined(&setup).map(|own| (proof::bracket(&setup, &own), own));
         if let Some((own, refined)) = refined.filter(|(own, _)| own.is_better(&bracket)) {
             (found, bracket) = (refined, own);
         }

@@ -261,14 +261,14 @@ fn brackets_of_spoilt_solutions_hold_or_are_not_guaranteed() {
     let problem = frame.problem(&PlaneProblem { domain, law, source });
     let setup = Setup::new(&problem).unwrap();
     let mut found = search::search(&setup, &start, &mut Effort::default()).unwrap();
-    let whole = bounds::bracket(&setup, &found);
+    let whole = proof::bracket(&setup, &found);
     assert!(whole.reserve.is_empty() && whole.width() < 1e-10 * KNOWN.abs(), "{whole:?}");
     assert!(whole.lower < KNOWN + PLACE && whole.upper > KNOWN - PLACE, "{whole:?}");
     let spoilt: Vec<_> = (0..found.fit.coefficients.len()).step_by(17).collect();
     for (by, least) in [(1e-6, 3e-10), (1e-4, 3e-7)] {
         let kept = found.fit.coefficients.clone();
         spoilt.iter().for_each(|&k| found.fit.coefficients[k].re += by);
-        let bracket = bounds::bracket(&setup, &found);
+        let bracket = proof::bracket(&setup, &found);
         let holds = bracket.lower < KNOWN + PLACE && KNOWN - PLACE < bracket.upper;
         assert!(
             !bracket.reserve.is_empty() || holds && bracket.width() > least * KNOWN.abs(),
@@ -278,5 +278,5 @@ fn brackets_of_spoilt_solutions_hold_or_are_not_guaranteed() {
     }
     let family = &mut found.fit.functions.families[0];
     family.inwards = -family.inwards;
-    assert!(!bounds::bracket(&setup, &found).reserve.is_empty());
+    assert!(!proof::bracket(&setup, &found).reserve.is_empty());
 }

@@ -1,10 +1,10 @@
 //! v and its slopes at the Gauss points of a cell, and bounds of them on all of it.
 
 use super::cells::{POINTS, ProofCell, legendre};
-use super::field::PlaneNode;
 use super::moduli::Moduli;
 use super::psi_errors::PsiErrors;
 use crate::machine::simd::vectorised;
+use crate::spectral::plane::field::PlaneNode;
 use std::sync::LazyLock;
 
 /// Weights of all cells.

@@ -10,11 +10,11 @@
 //! Next to a split all is a sum of powers of the distance r from it times analytic functions; there the variable is
 //! log r, in which powers are entire, and the ellipse lies between two circles round the split.
 
-use super::boundary::Walk;
 use super::moduli::{Disc, room_of_psi};
-use super::psi::Psi;
 use crate::problem::complex::Complex;
 use crate::spectral::curve::Curve;
+use crate::spectral::plane::boundary::Walk;
+use crate::spectral::plane::psi::Psi;
 use crate::spectral::rule::{GaussNode, cut, gauss};
 
 /// Gauss points of a cell.

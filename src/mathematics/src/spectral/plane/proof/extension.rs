@@ -24,10 +24,10 @@
 //! descent to zero between `least` and twice that. Two such surroundings are kept apart by rho = range / least within
 //! `2 least` of the split.
 
-use super::boundary::Walk;
 use super::cells::ProofCell;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::distance;
+use crate::spectral::plane::boundary::Walk;
 use crate::spectral::rule::halved;
 use std::f64::consts::{LN_2, PI};
 

@@ -1,19 +1,19 @@
 //! A harmonic function h of few terms next to `g = v - psi`, by which rounding errors of v count less in the energy.
 //!
 //! By Green's second identity `oint h_n g - h g_n = 0`, where the index n is the derivative along the normal. With half
-//! of this integral the energy by the integrals of [`energy`](super::energy) is the same, but its derivatives by v and
+//! of this integral the energy by the integrals of [`energy`](crate::spectral::plane::energy) is the same, but its derivatives by v and
 //! by dv/dn, `-g_n / 2` and `g / 2`, become those of g - h.
 
 use super::cells::ProofCell;
-use super::field::PlaneNode;
-use super::fit::Fit;
-use super::functions::{Functions, Hole, SpotSum, Values};
-use super::lanes::TOGETHER;
-use super::least_squares::Columns;
 use super::moduli::{Disc, Moduli, of_polynomial};
-use super::panels::Spot;
 use super::samples::Sampled;
 use crate::problem::complex::Complex;
+use crate::spectral::plane::field::PlaneNode;
+use crate::spectral::plane::fit::Fit;
+use crate::spectral::plane::functions::{Functions, Hole, SpotSum, Values};
+use crate::spectral::plane::lanes::TOGETHER;
+use crate::spectral::plane::least_squares::Columns;
+use crate::spectral::plane::panels::Spot;
 
 /// The function h: a polynomial, and powers and a logarithm for each hole.
 pub(super) struct HarmonicFit {

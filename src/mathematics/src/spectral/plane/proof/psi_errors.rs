@@ -3,9 +3,9 @@
 //! The position of a point seen from a curve is off by two units of its distance D from the origin of the curve, a
 //! fifth of which stands beside the factors that are small next to the curve, so that 16 units cover both.
 
-use super::psi::Psi;
 use crate::problem::complex::Complex;
 use crate::spectral::curve::{Arc, Polar};
+use crate::spectral::plane::psi::Psi;
 use crate::spectral::potential::{Jump, Potential};
 use std::f64::consts::TAU;
 

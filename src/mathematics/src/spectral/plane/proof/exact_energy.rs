@@ -5,15 +5,15 @@
 //! among those errors. That is nearly all of the distance of the two bounds of most solutions; so the integrals are
 //! such that these derivatives are small ([`green`](super::green)).
 
-use super::boundary::State;
+use super::Proof;
 use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
-use super::energy::Integrals;
 use super::green::{HarmonicFit, HarmonicNode};
 use super::moduli::{Moduli, of_f, of_psi};
-use super::proof::Proof;
 use super::samples::Sampled;
-use super::setup::Setup;
 use crate::spectral::jumps::JumpEdge;
+use crate::spectral::plane::boundary::State;
+use crate::spectral::plane::energy::Integrals;
+use crate::spectral::plane::setup::Setup;
 use crate::spectral::rule::gauss;
 
 /// Energy with a bound of its error.

@@ -1,13 +1,13 @@
 //! v, its slopes, their rounding errors, and bounds of their moduli on cells.
 
+use super::Proof;
 use super::cells::{POINTS, ProofCell};
-use super::field::node;
-use super::functions::{Power, SpotSum};
 use super::moduli::{Disc, Moduli, TURNS, of_f, of_functions, of_polynomial, of_psi};
-use super::panels::Spot;
-use super::proof::Proof;
 use super::samples::{CellModuli, Sampled};
 use crate::problem::complex::Complex;
+use crate::spectral::plane::field::node;
+use crate::spectral::plane::functions::{Power, SpotSum};
+use crate::spectral::plane::panels::Spot;
 use crate::spectral::rule::gauss;
 
 impl Proof<'_> {

@@ -1,11 +1,11 @@
 //! By how much v misses the conditions on the boundary, cell by cell, and what follows from it for the functions whose
 //! extensions the bounds of the energy need.
 
-use super::boundary::State;
+use super::Proof;
 use super::exact_energy::Leftover;
-use super::field::Sizes;
-use super::proof::Proof;
 use super::samples::{Deficit, Quantity, Sampled, Test};
+use crate::spectral::plane::boundary::State;
+use crate::spectral::plane::field::Sizes;
 use std::f64::consts::TAU;
 
 /// Sign of v that belongs to a flux at an end of the law.

@@ -29,22 +29,22 @@
 //! [`exact_energy`](super::exact_energy) the error of J. Where one of them does not succeed, the bounds are of samples:
 //! J(v) itself, or J(v + delta) under the paper's law, and a trace constant of twice the diameter.
 
-use super::PlaneBracket;
-use super::boundary::State;
+use super::Proof;
 use super::cells::ProofCell;
 use super::exact_energy::{Leftover, bounded_energy};
 use super::extension::Room;
-use super::field::PlaneNode;
-use super::proof::Proof;
-use super::psi::Psi;
 use super::residual::{Distances, FluxBalance, hole_logs, uncertain};
 use super::samples::Sampled;
-use super::search::PlaneFound;
-use super::setup::Setup;
 use crate::problem::law::Law;
+use crate::spectral::plane::PlaneBracket;
+use crate::spectral::plane::boundary::State;
+use crate::spectral::plane::field::PlaneNode;
+use crate::spectral::plane::psi::Psi;
+use crate::spectral::plane::search::PlaneFound;
+use crate::spectral::plane::setup::Setup;
 
 /// Bounds of a solution.
-pub(super) fn bracket(setup: &Setup, found: &PlaneFound) -> PlaneBracket {
+pub(in crate::spectral::plane) fn bracket(setup: &Setup, found: &PlaneFound) -> PlaneBracket {
     /// Distance of proved bounds, over the energy, from which on samples say more.
     const WIDE: f64 = 1e-5;
     let reason = match proved(setup, found) {

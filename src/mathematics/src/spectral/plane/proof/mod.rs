@@ -1,24 +1,36 @@
-//! v, its slopes and bounds of their moduli on cells of all of the boundary.
+//! Proof of the two bounds of the energy: v, its slopes and bounds of their moduli on cells of all of the boundary.
 
-use super::cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
-use super::extension::{Chord, share};
+mod bounds;
+mod cells;
+mod exact_energy;
+mod extension;
+mod green;
+mod moduli;
+mod on_cells;
+mod psi_errors;
+mod residual;
+mod samples;
+
 use super::fit::Fit;
 use super::functions::Family;
 use super::setup::Setup;
 use crate::problem::complex::Complex;
 use crate::spectral::jumps::JumpEdge;
+pub(super) use bounds::bracket;
+use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
+use extension::{Chord, share};
 use std::f64::consts::PI;
 
 /// All that is needed to bound v on the boundary.
-pub(super) struct Proof<'a> {
-    pub setup: &'a Setup,
-    pub fit: &'a Fit,
+struct Proof<'a> {
+    setup: &'a Setup,
+    fit: &'a Fit,
     singular: Singular<'a>,
     /// Surroundings of the ends of intervals, if they are splits towards which cells get short.
-    pub near: Vec<[Option<Surroundings>; 2]>,
-    pub chords: Vec<Chord>,
+    near: Vec<[Option<Surroundings>; 2]>,
+    chords: Vec<Chord>,
     /// Additions to the coefficients of the logarithms of holes.
-    pub logs: Vec<f64>,
+    logs: Vec<f64>,
 }
 
 /// Largest share of the distance within which nothing else is singular, and of that from other sides.
@@ -33,7 +45,7 @@ impl<'a> Proof<'a> {
     ///
     /// # Errors
     /// Part that is not proved.
-    pub(super) fn new(setup: &'a Setup, fit: &'a Fit) -> Result<Self, &'static str> {
+    fn new(setup: &'a Setup, fit: &'a Fit) -> Result<Self, &'static str> {
         let mut points = Vec::new();
         for (k, split) in fit.walk.splits.iter().enumerate() {
             if split.depth() < 1.0 {
@@ -118,7 +130,7 @@ impl<'a> Proof<'a> {
     ///
     /// # Errors
     /// Part that is not proved.
-    pub(super) fn cells(&self) -> Result<Vec<ProofCell>, &'static str> {
+    fn cells(&self) -> Result<Vec<ProofCell>, &'static str> {
         let mut cells = Vec::new();
         for interval in 0..self.fit.walk.intervals.len() {
             for side in [0, 1] {
@@ -131,7 +143,7 @@ impl<'a> Proof<'a> {
     }
 
     /// The halves of a cell.
-    pub(super) fn halves(&self, own: ProofCell) -> Option<[ProofCell; 2]> {
+    fn halves(&self, own: ProofCell) -> Option<[ProofCell; 2]> {
         let halves = self.stretch(own.interval, own.side).halves(own.cell)?;
         Some(halves.map(|cell| ProofCell { cell, ..own }))
     }
