@@ -153,7 +153,7 @@ const rightHandSide = (() => {
     if (ofSize > 0 && !(ofSize >= LEAST && ofSize < GREATEST)) throw outOfScale("the integral of |f|", ofSize);
     if (ofF < -ROUNDING * ofSize) return;
     const shown = Math.abs(ofF) <= ROUNDING * ofSize ? "0" : shortened(ofF);
-    throw new Error(`the integral of f is ${shown}, but (2) asks for a negative one; lower f somewhere`);
+    throw new Error(`the integral of f is ${shown}, but the flux through the boundary can only balance a negative one; lower f somewhere`);
   }
 
   // Four digits, without an exponent from 1e-3 to 1e5.

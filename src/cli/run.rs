@@ -219,7 +219,7 @@ impl RunArgs {
         Ok(())
     }
 
-    /// Says which solves ended without a solution.
+    /// Says which solves ended without a solution, and what is to be doubted of the others.
     fn talk_of_run(
         &self,
         workplace: &Workplace,
@@ -234,15 +234,12 @@ impl RunArgs {
             for scene in workplace.project.select(scenes)? {
                 let artifact =
                     |task: &str, name: &str| outcomes_of(workplace, summary, (task, name));
-                if let Some(line) = study::without_solution(scene, artifact) {
-                    talk(&line);
-                }
                 let outcomes = |task: &str| artifact(task, solve::OUTCOMES);
-                if !is_as_published(scene)
-                    && let Some(line) = solve::without_solution(scene, outcomes)
-                {
-                    talk(&line);
+                let mut lines = study::remarks(scene, artifact);
+                if !is_as_published(scene) {
+                    lines.extend(solve::remarks(scene, outcomes));
                 }
+                lines.iter().for_each(|line| talk(line));
             }
         }
         Ok(())

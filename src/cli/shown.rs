@@ -1,13 +1,6 @@
 //! Numbers and times as people read them.
 
-use signorini_mathematics::problem::text::plain;
 use std::time::Duration;
-
-/// As [`plain`], with a plus before a positive number.
-pub(super) fn signed(number: f64, digits: usize) -> String {
-    let sign = if number > 0.0 { "+" } else { "" };
-    format!("{sign}{}", plain(number, digits))
-}
 
 /// Returns a time in a unit that fits, with two digits or more.
 pub(super) fn brief(time: Duration) -> String {
@@ -25,11 +18,6 @@ pub(super) fn brief(time: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn positive_numbers_have_a_plus() {
-        assert_eq!(["+0.50", "-0.50", "0"], [0.5, -0.5, -0.0].map(|number| signed(number, 2)));
-    }
 
     #[test]
     fn times_have_a_unit_that_fits() {

@@ -3,12 +3,10 @@
 //! Central is [`solve`]: read the problem, solve, judge, print, write.
 
 mod adapting;
-mod advice;
 mod answer;
 mod bound;
 mod clock;
 mod files;
-mod judging;
 mod points;
 mod request;
 mod save;

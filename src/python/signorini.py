@@ -18,6 +18,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,7 +33,7 @@ class Refused(Exception):
 
 @dataclass(frozen=True)
 class Solution:
-    """A solution, with N nodes of which C in a cell."""
+    """A solution, with N nodes of which C in a cell; if there is a `failure`, what the solver reached without it."""
 
     energy: float
     #: Guaranteed bracket of the energy, and bounds of the error in the energy norm; None where there are none.
@@ -50,8 +51,12 @@ class Solution:
     v: np.ndarray
     #: Flux over the boundary at the nodes, N; 0 inside.
     multiplier: np.ndarray
-    #: Mean of f on each cell, M.
+    #: f in each cell, M: on the square its value at the centre, on a mesh its mean.
     f: np.ndarray
+    #: Doubts about the solution, a sentence each.
+    warnings: list[str]
+    #: Reason why this is no solution, or not as accurate as asked; None if it is.
+    failure: str | None
     #: All that `signorini solve --json` says.
     answer: dict
 
@@ -59,14 +64,15 @@ class Solution:
 def solve(f: str, **options) -> Solution:
     """Solves one problem, as `signorini solve --f F` with these options does.
 
-    Raises Refused, with the line that the program prints.
+    Raises Refused, with the sentence that the program prints, if there is nothing to show. What the solver reached
+    without a solution, or without the accuracy that was asked for, is returned with its `failure`.
     """
+    _refuse_out(options)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "solution.npz"
-        text = _run(["--f", f, *_words(options), "--json", "--out", str(file)])
+        answer = json.loads(_run(["--f", f, *_words(options), "--json", "--out", str(file)]))
         with np.load(file) as arrays:
             arrays = {name: arrays[name] for name in arrays.files}
-    answer = json.loads(text)
     if "points" not in arrays:
         arrays.update(_square(arrays["v"].shape[0] - 1))
     bound = answer.get("bound") or {}
@@ -81,30 +87,37 @@ def solve(f: str, **options) -> Solution:
         v=arrays["v"].ravel(),
         multiplier=arrays["multiplier"].ravel(),
         f=arrays["f"].ravel(),
+        warnings=answer["warnings"],
+        failure=answer["failure"],
         answer=answer,
     )
 
 
-def study(vary: dict[str, list], f: str, **options) -> dict[str, np.ndarray]:
+def study(vary: dict, f: str | None = None, **options) -> dict[str, np.ndarray]:
     """Solves one problem for each combination of values, beside each other; returns the table by its columns.
 
-    `vary` has the values of options, or of names in f: {"R": [0.1, 0.2]} with f="disc(0,0,$R)=4; else=-1". Where a
-    member has no solution, its numbers are nan, and `reason` says why.
+    `vary` has the values of options, or of names in f: {"R": [0.1, 0.2]} with f="disc(0,0,$R)=4; else=-1"; f may be
+    one of the options. Where a member has no solution, `reason` says why, and its numbers are nan, or those where the
+    solver ended; `warnings` has a list of sentences for each member.
     """
-    words = []
+    _refuse_out(options)
+    words = [] if f is None else ["--f", f]
     for name, values in vary.items():
-        texts = [str(value) for value in values]
-        divider = "|" if any("," in text for text in texts) else ","
-        words += ["--vary", f"{name}={divider.join(texts)}"]
-    lines = _run(["--f", f, *_words(options), *words, "--json"], may_fail=True).splitlines()
-    rows = [json.loads(line) for line in lines]
+        texts = [_text(value) for value in (values if _is_list(values) else [values])]
+        divided = "|".join(texts) + "|" if any("," in text for text in texts) else ",".join(texts)
+        words.append(f"--vary={name}={divided}")
+    if not vary:
+        raise Refused('nothing is varied; name an option with its values, as {"friction": [0.2, 0.4]}')
+    rows = [json.loads(line) for line in _run([*words, *_words(options), "--json"]).splitlines()]
     names = [name.replace("-", "_") for name in vary]
     found = [name for name in rows[0] if name not in [*names, "schema"]]
     return {name: _column([row[name] for row in rows]) for name in [*names, *found]}
 
 
 class Picture(str):
-    """An SVG, which notebooks draw."""
+    """An SVG, which notebooks draw; if there is a `failure`, of what the solver reached without a solution."""
+
+    failure: str | None = None
 
     def _repr_svg_(self) -> str:
         return str(self)
@@ -113,16 +126,29 @@ class Picture(str):
         return f"<picture, {self.split('<title>')[1].split('</title>')[0]}>"
 
 
+#: Kinds of pictures.
+_VIEWS = ("map", "surface", "mesh")
+
+
 def picture(f: str, view: str = "map", **options) -> Picture:
     """Draws a solution: a `view` of "map", "surface" or "mesh"."""
+    _refuse_out(options)
+    if view not in _VIEWS:
+        raise Refused(f"view {view!r}: choose one of {', '.join(_VIEWS)}")
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.svg"
-        _run(["--f", f, *_words(options), "--" + view, "--out", str(file)])
-        return Picture(file.read_text(encoding="utf-8"))
+        answer = json.loads(_run(["--f", f, *_words(options), "--" + view, "--json", "--out", str(file)]))
+        drawn = Picture(file.read_text(encoding="utf-8"))
+    drawn.failure = answer["failure"]
+    return drawn
 
 
 def _column(values: list) -> np.ndarray:
-    """Numbers, with nan where there are none, or texts."""
+    """Numbers, with nan where there are none, or texts, or lists of them."""
+    if any(isinstance(value, list) for value in values):
+        column = np.empty(len(values), dtype=object)
+        column[:] = values
+        return column
     if any(isinstance(value, str) for value in values):
         return np.array(["" if value is None else str(value) for value in values])
     if all(isinstance(value, int) for value in values):
@@ -139,17 +165,44 @@ def _square(n: int) -> dict[str, np.ndarray]:
     return {"points": np.column_stack([x.ravel(), y.ravel()]), "cells": cells}
 
 
+def _refuse_out(options: dict) -> None:
+    """Refuses a file for the answer, which is returned."""
+    if "out" in options:
+        raise Refused("out: the answer is returned; leave it out, and write what is returned")
+
+
+def _is_list(value: object) -> bool:
+    """True for lists, tuples, arrays and the like."""
+    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, dict))
+
+
+def _text(value: object) -> str:
+    """A value as an option has it; numbers, as of a point, with commas between them."""
+    return ",".join(str(number) for number in value) if _is_list(value) else str(value)
+
+
 def _words(options: dict) -> list[str]:
-    """Options as words; a list gives an option several times, and True gives one without a value."""
+    """Options as words; True gives an option without a value.
+
+    A list of texts or lists gives an option several times, and so does a dictionary, as {"hole": (0, 0, 1)} of curves.
+    """
     words = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
         if value is True:
             words.append(option)
         elif value is not None and value is not False:
-            several = value if isinstance(value, (list, tuple)) else [value]
-            words += [f"{option}={one}" for one in several]
+            words += [f"{option}={text}" for text in _texts(value)]
     return words
+
+
+def _texts(value: object) -> list[str]:
+    """Values of an option, one for each time that it is given."""
+    if isinstance(value, dict):
+        return [f"{part}={_text(numbers)}" for part, numbers in value.items()]
+    values = list(value) if _is_list(value) else [value]
+    is_one = not any(isinstance(one, str) or _is_list(one) for one in values)
+    return [_text(values)] if is_one else [_text(one) for one in values]
 
 
 def _program() -> str:
@@ -160,10 +213,33 @@ def _program() -> str:
     return named or str(built)
 
 
-def _run(words: list[str], may_fail: bool = False) -> str:
-    """Standard output of `solve`. A study with members, but without a solution, may fail."""
-    done = subprocess.run([_program(), "solve", *words], capture_output=True, text=True, check=False)
-    if done.returncode != 0 and not (may_fail and done.stdout):
-        last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-        raise Refused(last[0].removeprefix("error: "))
+#: Exit code of the program for an answer that is not what was asked for.
+_NOT_AS_ASKED = 3
+
+
+def _run(words: list[str]) -> str:
+    """Standard output of `solve`."""
+    command = [_program(), "solve", *words]
+    # The program reads and writes UTF-8, whatever the locale.
+    encoded = [word.encode("utf-8", "surrogateescape") for word in command] if os.name == "posix" else command
+    try:
+        done = subprocess.run(encoded, capture_output=True, encoding="utf-8", check=False)
+    except OSError as error:
+        reason = error.strerror or error
+        raise Refused(f"{command[0]}: {reason}; name the program by the variable SIGNORINI") from error
+    has_answer = done.returncode == 0 or (done.returncode == _NOT_AS_ASKED and done.stdout)
+    if not has_answer:
+        raise Refused(_sentence(done.stderr) or f"exit code {done.returncode}")
     return done.stdout
+
+
+def _sentence(stderr: str) -> str:
+    """The error of the program, with the values to choose from and the tip."""
+    _, _, error = ("\n" + stderr).partition("\nerror: ")
+    lines = []
+    for line in error.splitlines():
+        if line.startswith(("Usage:", "For more information")):
+            break
+        line = line.strip()
+        lines += [("; " if line.startswith("tip: ") else " ") + line] if line else []
+    return "".join(lines).strip()

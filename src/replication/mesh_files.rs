@@ -4,9 +4,10 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::is_plain;
 use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles};
+use crate::replication::fields::table::Voice;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::statement::{Domain, Statement, StatementError};
+use signorini_mathematics::statement::{Domain, Statement};
 use std::path::Path;
 
 /// Folder of the project from which scenes name their meshes.
@@ -47,19 +48,28 @@ pub(crate) fn find_mesh(
 
 /// Returns the coarsest mesh of a statement of a scene, read from these files; none on the square.
 pub(crate) fn mesh(statement: &Statement, files: &InputFiles) -> Result<Option<AnyMesh>> {
+    mesh_in(Voice::Keys, statement, files)
+}
+
+/// As [`mesh`], of a statement in these words.
+fn mesh_in(voice: Voice, statement: &Statement, files: &InputFiles) -> Result<Option<AnyMesh>> {
     let file = path_of(&statement.domain).and_then(|path| files.get(&path));
-    statement.mesh(file.map(InputFile::bytes).transpose()?).map_err(|e| of_keys(&e))
+    statement.mesh(file.map(InputFile::bytes).transpose()?).map_err(|e| voice.stated(&e))
 }
 
 /// Returns the problem of a statement of a scene, whose mesh is read from these files.
 pub(crate) fn problem(statement: &Statement, files: &InputFiles) -> Result<Problem> {
-    let mesh = mesh(statement, files)?;
-    statement.problem(mesh.as_ref(), &|_| ()).map_err(|e| of_keys(&e))
+    problem_in(Voice::Keys, statement, files)
 }
 
-/// Returns the error of a statement in the words of a scene.
-fn of_keys(error: &StatementError) -> Error {
-    Error::input(error.to_string())
+/// As [`problem`], of a statement in these words.
+pub(crate) fn problem_in(
+    voice: Voice,
+    statement: &Statement,
+    files: &InputFiles,
+) -> Result<Problem> {
+    let mesh = mesh_in(voice, statement, files)?;
+    statement.problem(mesh.as_ref(), &|_| ()).map_err(|e| voice.stated(&e))
 }
 
 /// Checks that there is a problem, and that its meshes are of a sensible size; `coarsest` is what [`mesh`] has read.
@@ -73,12 +83,13 @@ pub(crate) fn check(statement: &Statement, coarsest: Option<&AnyMesh>) -> Result
             )));
         }
     }
-    statement.checked(coarsest).map_err(|e| of_keys(&e))
+    statement.checked(coarsest).map_err(|e| Voice::Keys.stated(&e))
 }
 
 /// Returns how often the coarsest mesh of a statement is refined, to meshes of the usual size for an accuracy, and how
 /// many nodes there are then, about.
 pub(crate) fn size(statement: &Statement, coarsest: &AnyMesh) -> Result<(usize, f64)> {
-    let times = statement.on_usual_meshes().refinements(coarsest).map_err(|e| of_keys(&e))?;
+    let times = statement.on_usual_meshes().refinements(coarsest);
+    let times = times.map_err(|e| Voice::Keys.stated(&e))?;
     Ok((times, coarsest.nodes_after(times)))
 }

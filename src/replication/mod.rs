@@ -10,6 +10,7 @@ pub(crate) mod numbers;
 pub mod output;
 pub mod paper;
 pub mod project;
+pub(crate) mod record;
 pub mod scene;
 pub(crate) mod scenes;
 pub(crate) mod stages;

@@ -1,22 +1,16 @@
 //! Numbers of a solution: a row of the table of a study.
 
+use crate::replication::record::Record;
+use crate::replication::record::advice::Warning;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use signorini_mathematics::bounds::{Accuracy, Bounds};
-use signorini_mathematics::discrete::contact::ContactArc;
+use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::Statement;
 
-/// Columns that only bounds give.
-const OF_BOUNDS: [&str; 3] = ["energy_lower", "energy_upper", "error_relative"];
-
-/// True if a column needs bounds.
-pub(crate) fn is_of_bounds(column: &str) -> bool {
-    OF_BOUNDS.contains(&column)
-}
-
 /// Columns of the numbers, in their order.
-pub(crate) const COLUMNS: [&str; 15] = [
+pub(crate) const COLUMNS: [&str; 21] = [
     "energy",
     "energy_lower",
     "energy_upper",
@@ -30,7 +24,13 @@ pub(crate) const COLUMNS: [&str; 15] = [
     "force",
     "nodes",
     "iterations",
+    "iterations_per_grid",
+    "stop",
+    "kkt_relative",
     "solver",
+    "reserve",
+    "warnings",
+    "remedy",
     "reason",
 ];
 
@@ -51,37 +51,37 @@ pub(crate) struct Numbers {
     /// Least and greatest nodal value.
     v_least: Option<f64>,
     v_greatest: Option<f64>,
-    /// Length of the boundary in contact, in space its area: on the square with ends within the cell, elsewhere that of
-    /// the nodes in contact.
+    /// Length of the boundary in contact, with ends within the cell; in space the area of the nodes in contact.
     contact_length: Option<f64>,
     /// Contact force: the flux through the boundary where the law holds.
     force: Option<f64>,
     nodes: Option<usize>,
     iterations: Option<usize>,
+    /// Iterations on each of the nested grids or meshes of a saddle-point method, coarsest first.
+    iterations_per_grid: Option<Vec<usize>>,
+    /// Name of the end of the solver.
+    stop: Option<String>,
+    /// KKT residual over the largest load; none of a true solution.
+    kkt_relative: Option<f64>,
     /// Solver that found it.
     solver: String,
-    /// Reason for which there is no solution.
+    /// Approximations that the bounds leave out; none if there are none.
+    reserve: Option<String>,
+    /// Warnings that `solve` gives, a sentence each.
+    warnings: Vec<String>,
+    /// Remedy for them, or for the failure.
+    remedy: Option<String>,
+    /// Reason for which there is no solution, or not the accuracy that was asked for; other numbers are then those
+    /// where the solver ended.
     reason: Option<String>,
 }
 
 impl Numbers {
-    /// Numbers of the answer to a statement, with bounds if they are wanted or were made for an accuracy; without a
-    /// solution, the reason alone.
-    pub(crate) fn of(statement: &Statement, solved: &Solved, with_bounds: bool) -> Self {
+    /// Numbers of the answer to a statement; of what is no solution without bounds.
+    pub(crate) fn of(statement: &Statement, solved: &Solved, record: &Record) -> Self {
         let accuracy = statement.accuracy();
-        if let Some(last) = solved.ends().last()
-            && last.judged(accuracy.is_some()).is_failure()
-        {
-            let level = solved.problem.name(solved.problem.finest());
-            return Self::without(
-                statement,
-                format!("{} on {level}", last.name().replace('-', " ")),
-            );
-        }
-        let bounds = match with_bounds || accuracy.is_some() {
-            true => solved.bounds().last().and_then(|bounds| bounds.as_ref().ok()),
-            false => None,
-        };
+        let bounds = solved.bounds().last().and_then(|bounds| bounds.as_ref().ok());
+        let bounds = bounds.filter(|_| record.failure.is_none());
         let of_v = solved.energy();
         let energy = match (accuracy, bounds) {
             (Some(Accuracy::Energy(_)), Some(bounds)) => bounds.nearest_energy(of_v),
@@ -90,8 +90,15 @@ impl Numbers {
         let relative = bounds.map(Bounds::relative).filter(|relative| relative.is_finite());
         let (run, errors) = (solved.run(), solved.errors());
         let (last, truth) = (run.map(Run::last), solved.truth());
+        let stop = last.map_or(CONVERGED, |last| match accuracy {
+            // A guaranteed bound that was asked for holds for any vector.
+            Some(_) => last.end.stop.name(),
+            None => last.name(),
+        });
+        let counts = solved.ends().iter().map(|end| end.end.iterations);
+        let reserves = solved.reserves().into_iter().map(Reserve::name).collect::<Vec<_>>();
         Self {
-            energy: Some(energy),
+            energy: Some(energy).filter(|energy| energy.is_finite()),
             energy_lower: bounds.map(|bounds| bounds.energy[0]),
             energy_upper: bounds.map(|bounds| bounds.energy[1]),
             error_relative: relative,
@@ -100,18 +107,34 @@ impl Numbers {
             error_max: errors.map(|errors| errors.max),
             v_least: last.map(|last| last.range[0]),
             v_greatest: last.map(|last| last.range[1]),
-            contact_length: contact_length(solved),
-            force: Some(solved.force()),
+            contact_length: Some(solved.contact_length()),
+            force: Some(zero_of(solved.force(), solved)),
             nodes: last.map(|last| last.nodes),
             iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
+            iterations_per_grid: statement.solver.is_nested().then(|| counts.collect()),
+            stop: Some(stop.into()),
+            kkt_relative: last.map(|last| last.kkt.relative),
             solver: run.map_or(statement.solver, |run| run.solver).to_string(),
-            reason: None,
+            reserve: (bounds.is_some() && !reserves.is_empty()).then(|| reserves.join(" ")),
+            warnings: record.facts(),
+            remedy: record.remedy(),
+            reason: record.refusal().map(Warning::sentence),
         }
     }
 
     /// Row of a statement without a solution, for this reason.
     pub(crate) fn without(statement: &Statement, reason: String) -> Self {
         Self { solver: statement.solver.to_string(), reason: Some(reason), ..Self::default() }
+    }
+
+    /// Warnings, a sentence each.
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Remedy for the warnings.
+    pub(crate) fn remedy(&self) -> Option<&str> {
+        self.remedy.as_deref()
     }
 
     /// Reason for which there is no solution.
@@ -142,53 +165,27 @@ fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
+        Value::Array(values) if values.iter().all(Value::is_number) => {
+            values.iter().map(Value::to_string).collect::<Vec<_>>().join(" ")
+        }
+        Value::Array(sentences) => {
+            sentences.iter().filter_map(Value::as_str).collect::<Vec<_>>().join("; ")
+        }
         other => other.to_string(),
     }
 }
 
-/// Length of the boundary in contact, in space its area.
-fn contact_length(solved: &Solved) -> Option<f64> {
-    if solved.problem.lattices().is_some() {
-        let arcs = solved.contact()?;
-        return Some(arcs.iter().map(length_on_square).fold(0.0, |sum, length| sum + length));
-    }
-    let judgement = &solved.run()?.judgement;
-    let nodes = judgement.contact.iter().zip(judgement.in_contact());
-    Some(nodes.filter(|(_, is_held)| *is_held).fold(0.0, |sum, (node, _)| sum + node.measure))
+/// A term of the balance of the flux with f, a sum of rounding errors as zero.
+fn zero_of(term: f64, solved: &Solved) -> f64 {
+    if term.abs() <= solved.problem.levels().facts().rounding() { 0.0 } else { term }
 }
 
-/// Length of an arc on the boundary of the square, anticlockwise.
-fn length_on_square(arc: &ContactArc) -> f64 {
-    const SIDES: f64 = 4.0;
-    if arc.closed {
-        return SIDES;
-    }
-    (along_square(arc.to) - along_square(arc.from)).rem_euclid(SIDES)
-}
-
-/// Way along the boundary of the square from its lower left corner, anticlockwise.
-fn along_square([x, y]: [f64; 2]) -> f64 {
-    match () {
-        () if y <= -0.5 => x + 0.5,
-        () if x >= 0.5 => y + 1.5,
-        () if y >= 0.5 => 2.5 - x,
-        () => 3.5 - y,
-    }
-}
+/// Name of the end of the spectral solver.
+pub(crate) const CONVERGED: &str = "converged";
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lengths_are_measured_anticlockwise() {
-        let arc = |from, to| length_on_square(&ContactArc::new([from, to], 0.0));
-        assert_eq!(arc([-0.25, -0.5], [0.25, -0.5]), 0.5);
-        assert_eq!(arc([0.25, -0.5], [-0.25, -0.5]), 3.5);
-        assert_eq!(arc([-0.5, -0.25], [-0.25, -0.5]), 0.5);
-        assert_eq!(arc([0.5, 0.25], [0.25, 0.5]), 0.5);
-        assert_eq!(arc([0.5, 0.5], [0.5, 0.5]), 4.0);
-    }
 
     #[test]
     fn every_column_is_a_field() {

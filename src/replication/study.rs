@@ -2,7 +2,8 @@
 
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::table::{Reading, Refused};
-use crate::replication::numbers::{COLUMNS, Numbers, is_of_bounds};
+use crate::replication::numbers::{COLUMNS, Numbers};
+use crate::replication::record::Grouped;
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -44,11 +45,16 @@ pub(crate) struct Axes {
 /// Columns of a table in Markdown and LaTeX behind those of what is varied: as many as a page has room for.
 const USUAL: [&str; 4] = ["energy", "error_relative", "contact_length", "force"];
 
-/// Column that every table in CSV has.
-const REASON: &str = "reason";
+/// Columns that every table in CSV has.
+const ALWAYS: [&str; 2] = [WARNINGS, "reason"];
+/// Column with sentences in CSV and JSON, and their number in other tables.
+pub(crate) const WARNINGS: &str = "warnings";
+/// Column that marks what is no solution.
+const STOP: &str = "stop";
 
 /// Columns of texts, which no axis shows.
-const TEXTS: [&str; 2] = ["solver", REASON];
+const TEXTS: [&str; 7] =
+    ["iterations_per_grid", STOP, "solver", "reserve", WARNINGS, "remedy", "reason"];
 
 impl Study {
     /// Study without members, which varies these names.
@@ -103,17 +109,12 @@ impl Study {
         }
     }
 
-    /// True if a column of the table, or an axis of the chart, needs bounds.
-    pub(crate) fn needs_bounds(&self) -> bool {
-        let on_axis = self.chart.iter().flat_map(|axes| &axes.columns);
-        let mut shown = self.columns.iter().chain(on_axis);
-        self.columns.is_empty() || shown.any(|column| is_of_bounds(of_axis(column).0))
-    }
-
     /// Columns of what was found that the table in CSV has.
     fn tabulated(&self) -> Vec<&'static str> {
         let mut columns = self.found();
-        columns.retain(|column| self.columns.is_empty() || *column == REASON || self.shows(column));
+        columns.retain(|column| {
+            self.columns.is_empty() || ALWAYS.contains(column) || self.shows(column)
+        });
         columns
     }
 
@@ -156,18 +157,55 @@ impl Study {
         rows
     }
 
-    /// Returns a line for each reason for which members have no solution, for the first `most` of them.
-    pub(crate) fn reasons(&self, all: &[Numbers], most: usize) -> String {
-        let (mut text, mut count) = (String::new(), 0);
-        for (member, numbers) in self.members.iter().zip(all) {
-            let Some(reason) = numbers.reason() else { continue };
-            count += 1;
-            if count <= most {
-                text += &format!("no solution with {}: {reason}\n", self.in_words(&member.values));
+    /// Columns that mark members in a table for people: the number of warnings if there are any, and the end of the solver
+    /// if one has ended without a solution.
+    pub(crate) fn marks(all: &[Numbers]) -> Vec<&'static str> {
+        let mut marks = Vec::new();
+        let is_no_solution = |of: &Numbers| of.reason().is_some() && of.number("nodes").is_some();
+        marks.extend(all.iter().any(is_no_solution).then_some(STOP));
+        marks.extend(all.iter().any(|of| !of.warnings().is_empty()).then_some(WARNINGS));
+        marks
+    }
+
+    /// Returns a table with the number of warnings in place of their sentences.
+    pub(crate) fn counted(&self, table: &Table, all: &[Numbers]) -> Table {
+        let mut table = table.clone();
+        if let Some(place) = table.head.iter().position(|column| column == WARNINGS) {
+            for (row, numbers) in table.rows.iter_mut().zip(all) {
+                row[place] = count_of(numbers);
             }
         }
-        if count > most {
-            text += &format!("no solution of {} more\n", count - most);
+        table
+    }
+
+    /// Returns the reasons for which members have no solution, and the warnings of the others, each once with the
+    /// members, for the first `most` of both.
+    pub(crate) fn remarks(&self, all: &[Numbers], most: usize) -> String {
+        let (mut reasons, mut warnings) = (Grouped::default(), Grouped::default());
+        for (member, numbers) in self.members.iter().zip(all) {
+            let whom = self.in_words(&member.values);
+            match (numbers.reason(), numbers.warnings()) {
+                (Some(reason), _) => reasons.add(reason.to_owned(), whom),
+                (None, []) => {}
+                (None, sentences) => {
+                    let remedy = numbers.remedy().map_or(String::new(), |text| format!("; {text}"));
+                    warnings.add(sentences.join("; ") + &remedy, whom);
+                }
+            }
+        }
+        let mut text = String::new();
+        for (grouped, what) in [(reasons, "no solution"), (warnings, "warning")] {
+            for (sentence, members) in grouped.first(most) {
+                let more = match members.len() {
+                    1 => String::new(),
+                    count => format!(" ({count} members)"),
+                };
+                text += &format!("{what} with {}{more}: {sentence}\n", members[0]);
+            }
+            let more = grouped.beyond(most);
+            if more > 0 {
+                text += &format!("{what} for {more} more reasons\n");
+            }
         }
         text
     }
@@ -195,6 +233,14 @@ impl Study {
     pub(crate) fn in_words(&self, values: &[String]) -> String {
         let pairs = self.names.iter().zip(values);
         pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Number of warnings as a table has it; empty without.
+pub(crate) fn count_of(numbers: &Numbers) -> String {
+    match numbers.warnings().len() {
+        0 => String::new(),
+        count => count.to_string(),
     }
 }
 

@@ -1,16 +1,66 @@
-//! Words for an accuracy, as a scene or an option asks for it, and for the ways to it that end elsewhere.
+//! Refusals of statements and solvers, in the words in which a user has asked; words for an accuracy, and for the ways
+//! to it that end elsewhere.
 
+use super::record::Judge;
+use super::record::advice::{Remedy, Warning};
 use crate::pipeline::error::Error;
 use crate::replication::fields::table::Voice;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::problem::text::plain;
-use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, Solved, takes_spectral};
-use signorini_mathematics::statement::Statement;
+use signorini_mathematics::solvers::{
+    MOST_CELLS, ReachEnd, Refusal, Solved, Solver, takes_spectral,
+};
+use signorini_mathematics::statement::{Statement, StatementError};
 
 impl Voice {
+    /// Returns the error of a statement that states no problem.
+    pub(crate) fn stated(self, error: &StatementError) -> Error {
+        Error::input(match (self, error) {
+            (Self::Keys, _) => error.to_string(),
+            (_, StatementError::Field { field, value, reason }) => {
+                format!("{}: {reason}", self.with_value(field, value).trim_end())
+            }
+            _ => error.to_string(),
+        })
+    }
+
+    /// Returns the error of a solver that refuses the problem of a statement.
+    pub(crate) fn refused(self, statement: &Statement, refusal: &Refusal) -> Error {
+        if let Some(error) = self.refused_accuracy(statement, refusal) {
+            return error;
+        }
+        let multigrid = self.with_text("solver", Solver::Multigrid.entry().name);
+        let is_multigrid = statement.solver == Solver::Multigrid;
+        match refusal {
+            // The integral of f has been judged before.
+            Refusal::Unbalanced { level, sum_load, .. } => {
+                let judge = Judge { statement, voice: self, is_papers: false };
+                Error::Stage(vec![judge.unbalanced(level, *sum_load).sentence()])
+            }
+            Refusal::GridSize(e) => Error::input(format!("{}: {e}", self.name("h"))),
+            Refusal::NotInSpace(_) => {
+                let solver = self.name("solver");
+                Error::input(format!("{solver} {refusal}; choose another solver"))
+            }
+            Refusal::Spectral(e) if e.is_of_input() => {
+                Error::input(format!("{e}; use {multigrid}, or change f"))
+            }
+            Refusal::Spectral(e) => {
+                let more = match (e.is_of_touch(), self) {
+                    (false, _) => String::new(),
+                    (true, Self::Keys) => ", accuracy_energy = 1e-6".into(),
+                    (true, _) => " --accuracy-energy 1e-6".into(),
+                };
+                Error::Stage(vec![format!("{e}; use {multigrid}{more}")])
+            }
+            _ if is_multigrid => Error::input(format!("{refusal}; check f")),
+            _ => Error::input(format!("{refusal}; check f, or use {multigrid}")),
+        }
+    }
+
     /// Returns the error of a way to the accuracy of a statement; none if it is of the solver, or no accuracy is asked
     /// for.
-    pub(crate) fn refused(self, statement: &Statement, refusal: &Refusal) -> Option<Error> {
+    fn refused_accuracy(self, statement: &Statement, refusal: &Refusal) -> Option<Error> {
         let asked = self.accuracy(statement.accuracy()?);
         let text = match (refusal, statement.domain.is_square()) {
             (Refusal::Interrupted, _) => return Some(Error::Interrupted),
@@ -29,7 +79,7 @@ impl Voice {
     }
 
     /// Returns why an answer is not as accurate as asked; none if it is, or is no solution.
-    pub(crate) fn shortfall(self, accuracy: Accuracy, solved: &Solved) -> Option<Shortfall> {
+    pub(crate) fn shortfall(self, accuracy: Accuracy, solved: &Solved) -> Option<Warning> {
         let reached = solved.reached.as_ref()?;
         let asked = self.accuracy(accuracy);
         let [less_or_spectral, needs_no_grid] = match self {
@@ -69,19 +119,7 @@ impl Voice {
                 (fact, remedy(end, solved, less))
             }
         };
-        Some(Shortfall { fact: format!("{asked} {fact}"), remedy })
-    }
-}
-
-/// Fact that an accuracy is not reached, with the remedy.
-pub(crate) struct Shortfall {
-    pub(crate) fact: String,
-    pub(crate) remedy: &'static str,
-}
-
-impl From<Shortfall> for Error {
-    fn from(Shortfall { fact, remedy }: Shortfall) -> Self {
-        Self::input(format!("{fact}; {remedy}"))
+        Some(Warning::new(format!("{asked} {fact}"), Remedy::of_words(remedy)))
     }
 }
 

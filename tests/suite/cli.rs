@@ -361,7 +361,7 @@ fn solve_refuses_in_one_line() {
         (&["--f", "halfplane(3,1,0)=1; else=-1"], "the integral of f is 0, "),
         (
             &["--domain", "cube", "--f", "halfspace(3,1,2,0)=1; else=-1"],
-            "(2) asks for a negative one",
+            "can only balance a negative one",
         ),
         (&["--f", "else=nan"], "give a decimal"),
         (&["--f", "rect(0,1,0,1)=-1"], "without `else=value` for where no piece is; write e.g. '"),

@@ -459,7 +459,7 @@ fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
         ("name = \"disc\"", "name = \"scenes/a.toml/\"", "by its shortest path"),
         ("name = \"disc\"", "name = \"scenes/a.toml\"", "does not begin with $MeshFormat"),
         ("{ name = \"disc\", refine = 3 }", "3", "a table such as { name = \"disc\""),
-        ("else=1", "else=7", "(2) asks for a negative one"),
+        ("else=1", "else=7", "can only balance a negative one"),
         ("else=1", "els=1", "cannot read `els=1`"),
         ("r = [10, 1]", "r = []", "`r` and `stop` must not be empty"),
         (

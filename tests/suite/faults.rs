@@ -513,8 +513,8 @@ fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
     let mistakes = [
         (TABLE.replace("title", "titel"), "line 1: unknown field `titel`"),
         (TABLE.to_owned() + "colour = 3\n", "line 9: unknown field `colour`, expected one of"),
-        (TABLE.replace("else=-1", "else=1"), "(2) asks for a negative one; lower f somewhere"),
-        (TABLE.replace("else=-1", "else=0"), "(2) asks for a negative one"),
+        (TABLE.replace("else=-1", "else=1"), "can only balance a negative one; lower f somewhere"),
+        (TABLE.replace("else=-1", "else=0"), "can only balance a negative one"),
         (
             TABLE.replace("else=-1", "else=nan"),
             "is not a finite number; give a decimal such as -1.5",

@@ -456,7 +456,7 @@ fn python_raises_the_line_of_the_program() {
     let Some(output) = python(&["-c", program]) else { return };
     let said = Said::from(output);
     let want = [
-        "the integral of f is 1.000, but (2) asks for a negative one; lower f somewhere",
+        "the integral of f is 1.000, but the flux through the boundary can only balance a negative one; lower f somewhere",
         "True (81,) (81,)",
         "[nan] the integral of",
     ];

@@ -1,11 +1,12 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
-use super::advice::{self, Warning, combined, remedies};
 use super::bound::{self, BoundaryWords};
 use super::clock::Part;
 use super::request::Request;
 use super::{points, truth};
 use crate::cli::output::{in_columns, paragraph};
+use crate::replication::record::advice::{self, Warning};
+use crate::replication::record::{Record, load_misses};
 use crate::replication::written::reason;
 use crate::table::Table;
 use serde_json::{Value, json};
@@ -51,29 +52,22 @@ pub(super) struct Answer {
     pub force: f64,
     /// v and its gradient at the points that are asked for.
     pub values: Vec<PointValue>,
-    pub warnings: Vec<Warning>,
-    /// Reason why the answer is no solution.
-    pub failure: Option<Warning>,
-    /// Reason why the solution is not as accurate as asked.
-    pub shortfall: Option<Warning>,
+    /// Warnings and failure.
+    record: Record,
 }
 
 impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
         let (contact, force) = (solved.contact(), solved.force());
-        let (warnings, failure, shortfall) = (Vec::new(), None, None);
         let values = solved.values_at(&request.points);
-        let mut answer = Self { solved, contact, force, values, warnings, failure, shortfall };
-        if answer.solved.run().is_some() {
-            answer.judge(request);
+        let mut record = request.judge().record(&solved);
+        if solved.run().is_some() {
             request.clock.ended(Part::Bounds);
         }
-        if let Some(found) = answer.solved.truth() {
-            let notes = &answer.solved.problem.levels().facts().notes;
-            let facts = notes.iter().chain(&found.note).cloned();
-            answer.warnings = facts.map(Warning::fact).collect();
+        for refusal in record.failure.iter_mut().chain(&mut record.shortfall) {
+            refusal.fact = format!("{}: {}", request.name, refusal.fact);
         }
-        answer
+        Self { solved, contact, force, values, record }
     }
 
     /// Guaranteed bounds on the finest level, if there are any.
@@ -126,7 +120,7 @@ impl Answer {
     pub(super) fn json(&self, request: &Request) -> Value {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
         let (levels, law) = (problem.levels(), problem.law());
-        let warnings = self.warnings.iter().map(|warning| warning.fact.clone());
+        let warnings = self.record.facts().into_iter();
         let mut json = json!({
             "schema": 1,
             "scene": request.name,
@@ -139,7 +133,7 @@ impl Answer {
             "force": self.force,
             "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
             "failure": self.refusal().map(|failure| &failure.fact),
-            "remedy": self.remedy(),
+            "remedy": self.record.remedy(),
             "seconds": request.clock.json(),
         });
         if !law.is_signorini() {
@@ -234,16 +228,7 @@ impl Answer {
 
     /// Reason why the answer is not what was asked for.
     pub(super) fn refusal(&self) -> Option<&Warning> {
-        self.failure.as_ref().or(self.shortfall.as_ref())
-    }
-
-    /// Returns the advice that the text gives, in one line for all warnings; what is no solution has its own.
-    fn remedy(&self) -> Option<String> {
-        let of_end = self.refusal().into_iter().flat_map(|failure| failure.remedies.clone());
-        let of_warnings =
-            if self.failure.is_some() { Vec::new() } else { remedies(&self.warnings) };
-        let all: Vec<_> = of_end.chain(of_warnings).collect();
-        (!all.is_empty()).then(|| combined(&all))
+        self.record.refusal()
     }
 
     /// Returns the answer, then how it was found; with `recover`, the recovered solution is part of the answer.
@@ -252,7 +237,7 @@ impl Answer {
         let (name, f) = (&request.name, &levels.facts().f);
         let integral = plain(self.integral(), 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
-        if self.failure.is_some() {
+        if self.record.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
         }
         match (self.solved.truth(), self.solved.run()) {
@@ -268,7 +253,7 @@ impl Answer {
         }
         let digits = if self.solved.truth().is_some() { 10 } else { 6 };
         text += &points::text(&self.values, digits);
-        text + &advice::lines(&self.warnings, self.failure.is_some())
+        text + &advice::lines(&self.record.warnings, self.record.failure.is_some())
     }
 
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
@@ -312,7 +297,7 @@ impl Answer {
         if problem.domain(problem.finest()).has_fixed_part() {
             text += "fixed parts carry the difference\n";
         }
-        if self.load_misses(last) {
+        if load_misses(problem, last) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");
         }

@@ -1,14 +1,12 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
-use super::advice::{Remedy, Warning};
-use super::request::Request;
+use crate::replication::record::{CONTACT_FORCE, FLUX};
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{interval, plain};
-use signorini_mathematics::solvers::{Solved, Solver};
+use signorini_mathematics::solvers::Solved;
 
 /// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`.
 pub(super) fn text(solved: &Solved, recovered: bool) -> String {
@@ -69,51 +67,20 @@ pub(super) fn json(solved: &Solved) -> Value {
     json
 }
 
-/// Returns warnings if the bounds contradict the `energy` of an answer, or if its error may be large.
-pub(super) fn warnings(bound: &Bounds, energy: f64, request: &Request) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    let ([low, high], [_, most]) = (bound.energy, bound.error);
-    // The energy of v is above the true one by half the square of the error.
-    let explained = most * most;
-    if !(low - explained <= energy && energy <= high + explained) {
-        let fact = "the energy is further from the true one than the error explains: the load vector is not that of f";
-        warnings.push(Warning::new(fact.into(), request.remedies.load));
-    }
-    let relative = bound.relative();
-    if relative >= POOR {
-        let error = match relative < 1.0 {
-            true => format!("{:.0} % of the solution", 100.0 * relative),
-            false => "as large as the solution".into(),
-        };
-        let remedy = match request.statement.solver {
-            Solver::Multigrid => Remedy::new("refine the grid", ""),
-            _ => Remedy::new("refine the grid, or try --solver multigrid", "--solver multigrid"),
-        };
-        warnings.push(Warning::new(format!("the error may be {error}"), remedy));
-    }
-    warnings
-}
-
 /// Words for the boundary under a law.
 pub(super) struct BoundaryWords {
     /// Verb or noun for boundary nodes at zero.
     holds: &'static str,
     /// Integral of dv/dn over the boundary.
     total: &'static str,
-    /// Difference from the solution if the flux does not balance the load.
-    difference: &'static str,
 }
 
 impl BoundaryWords {
     pub(super) fn of(law: Law) -> Self {
         if law.is_signorini() {
-            Self { holds: "contact", total: "contact force", difference: "contact set is not that" }
+            Self { holds: "contact", total: CONTACT_FORCE }
         } else {
-            Self {
-                holds: "sticks",
-                total: "flux through the boundary",
-                difference: "nodes that stick are not those",
-            }
+            Self { holds: "sticks", total: FLUX }
         }
     }
 
@@ -121,15 +88,6 @@ impl BoundaryWords {
     pub(super) fn force(&self, sums: [f64; 2], rounding: f64, digits: usize) -> String {
         let [force, minus_integral] = sums.map(|sum| balance(sum, rounding, digits));
         format!("{} {force}, minus the integral of f {minus_integral}\n", self.total)
-    }
-
-    /// Returns the message that the total flux does not balance the load.
-    pub(super) fn unbalanced(&self, force: f64, load: f64) -> String {
-        let Self { total, difference, .. } = self;
-        let [force, load] = [force, load].map(|sum| plain(sum, 5));
-        format!(
-            "the {total} {force} does not balance the load, {load}, so the {difference} of the solution"
-        )
     }
 
     /// Returns, as text, the place and the force of an arc at zero.
@@ -151,9 +109,6 @@ fn balance(term: f64, rounding: f64, digits: usize) -> String {
     plain(if term.abs() <= rounding { 0.0 } else { term }, digits)
 }
 
-/// Error over the solution from which on a warning is given.
-const POOR: f64 = 0.5;
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,7 +118,7 @@ mod tests {
         let rounding = 3e-12;
         let words = BoundaryWords::of(Law::SIGNORINI);
         for (force, shown) in [(-3.69843e-15, "force 0\n"), (2e-11, "force 2.00000e-11\n")] {
-            let arc = ContactArc::new([[0.0, 0.0], [1.0, 0.0]], force);
+            let arc = ContactArc::new([[0.0, 0.0], [1.0, 0.0]], force, 1.0);
             let text = words.arc(&arc, rounding, 6);
             assert!(text.ends_with(shown), "{text}");
         }

@@ -2,11 +2,9 @@
 
 use super::SolveArgs;
 use super::adapting::of_meshes;
-use super::advice::{Remedy, Warning};
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
 use crate::cli::output::{OutputFile, warn_of_outside};
-use crate::cli::shown::signed;
 use crate::figures::Print;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
@@ -14,6 +12,7 @@ use crate::replication::fields::Fields;
 use crate::replication::fields::read::overridden;
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
+use crate::replication::record::Judge;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
 use serde_json::Value;
@@ -21,9 +20,9 @@ use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, PointValue};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, StopRule};
-use signorini_mathematics::solvers::{Memory, Refusal, SaddleSettings, Solved, Solver, Watcher};
-use signorini_mathematics::statement::{Domain, Fineness, Statement, StatementError};
+use signorini_mathematics::saddle::Pair;
+use signorini_mathematics::solvers::{Memory, Refusal, SaddleSettings, Solved, Watcher};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -38,8 +37,6 @@ pub(super) struct Request {
     /// Kind of a picture, and its form in print.
     view: PictureKind,
     print: Print,
-    /// Remedies in the words of the options that the domain has.
-    pub remedies: Remedies,
     /// Statement of the options or of the scene.
     pub statement: Statement,
     /// Way in which the accuracy is written.
@@ -58,44 +55,6 @@ pub(super) struct Request {
     pub clock: Clock,
 }
 
-/// Remedy for a load vector that misses some of f at its jumps.
-pub(super) const EXACT_LOAD: Remedy = Remedy::new("use --load exact", "--load exact");
-/// Remedy for a load that moves jumps of f.
-pub(super) const BILINEAR_LOAD: Remedy = Remedy::new("use --load bilinear", "--load bilinear");
-
-/// Remedies in the words of the options that a domain has.
-pub(super) struct Remedies {
-    /// For a load vector that no discrete solution balances, under the paper's law and under others.
-    unbalanced: [&'static str; 2],
-    /// For a multigrid that has reached its limit; none where a choice of solver is the remedy.
-    limit: Option<Remedy>,
-    /// For an energy beyond the bounds.
-    pub load: Remedy,
-    /// For a quadrature that misses some of f.
-    pub quadrature: Remedy,
-}
-
-impl Remedies {
-    const ON_THE_SQUARE: Self = Self {
-        unbalanced: [
-            "use --load exact, another --h, or a lower f",
-            "use --load exact, another --h, or a wider law",
-        ],
-        limit: Some(Remedy::new("choose another --h", "")),
-        load: EXACT_LOAD,
-        quadrature: Remedy::new("choose a smaller --h", ""),
-    };
-    const ON_MESHES: Self = Self {
-        unbalanced: ["lower f somewhere", "change f, or widen the law"],
-        limit: Some(Remedy::new(
-            "its cells are stretched too much; mesh with smaller aspects, or with fewer cells",
-            "",
-        )),
-        load: Remedy::new("refine the grid", ""),
-        quadrature: Remedy::new("write jumps of f as shapes, or refine the mesh", ""),
-    };
-}
-
 impl Request {
     /// Reads and checks the arguments and the scene that they name; returns the problem as well, for an accuracy the
     /// one with which it begins.
@@ -106,8 +65,8 @@ impl Request {
         args.check_file_options(&statement)?;
         args.check_most_nodes(&statement)?;
         let voice = match scene {
-            Some(_) if args.fields.accuracy().is_none() => Voice::Keys,
-            _ => Voice::Options,
+            Some(_) => Voice::OverScene,
+            None => Voice::Options,
         };
         let memory = Memory::new(machine::available_memory());
         let memory = if args.out.is_some() { memory.with_files(args.recover) } else { memory };
@@ -122,7 +81,7 @@ impl Request {
         let steps = |step| clock.ended_step(step);
         let problem = statement.problem(coarsest.as_ref(), &steps);
         let on = args.scene.as_deref().unwrap_or(&statement.domain.name);
-        let problem = problem.map_err(|e| match (of_options(&e), &coarsest) {
+        let problem = problem.map_err(|e| match (Voice::Options.stated(&e), &coarsest) {
             (Error::Input(text), Some(_)) => Error::input(format!("{on}: {text}")),
             (other, _) => other,
         })?;
@@ -143,7 +102,6 @@ impl Request {
             title,
             view: args.view().unwrap_or(usual),
             print: Print { width: args.width.clone(), title: !args.no_title },
-            remedies: if is_square { Remedies::ON_THE_SQUARE } else { Remedies::ON_MESHES },
             statement,
             voice,
             is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
@@ -162,30 +120,17 @@ impl Request {
         let steps = |step| self.clock.ended_step(step);
         let solved = statement.solve(problem, self.memory, watcher, &steps);
         let solved = solved.map_err(|e| self.refused(&e))?;
-        self.check_diverged(&solved)?;
+        if let Some(diverged) = self.judge().diverged(&solved) {
+            return Err(Error::Stage(vec![format!("{}: {}", self.name, diverged.sentence())]));
+        }
         let shortfall = statement.accuracy().and_then(|of| voice.shortfall(of, &solved));
         match shortfall {
             // The last of the adapted meshes has an answer.
-            Some(shortfall) if of_meshes(statement).is_none() => Err(shortfall.into()),
+            Some(shortfall) if of_meshes(statement).is_none() => {
+                Err(Error::input(shortfall.sentence()))
+            }
             _ => Ok(solved),
         }
-    }
-
-    /// Refuses values that are not finite.
-    fn check_diverged(&self, solved: &Solved) -> Result<()> {
-        let (name, solver) = (&self.name, self.statement.solver);
-        let Some(last) = solved.ends().last().filter(|last| last.end.has_diverged()) else {
-            return Ok(());
-        };
-        let first = solved.run().map_or(0, |run| run.first_level);
-        let grid = solved.problem.name(first + solved.ends().len() - 1);
-        Err(Error::Stage(vec![match solver.is_nested() {
-            true => format!(
-                "{name}: {solver} diverged on {grid} after {} iterations; choose a smaller r or scale f down",
-                last.end.iterations
-            ),
-            false => format!("{name}: the solver diverged; scale f down"),
-        }]))
     }
 
     /// Writes a file with a solution on the finest level of a problem.
@@ -202,9 +147,10 @@ impl Request {
         written
     }
 
-    /// Line that the load of a problem moves jumps of f; none for a published table, whose load is the paper's.
-    pub(super) fn note_on_jumps(&self, problem: &Problem) -> Option<String> {
-        if self.is_papers { None } else { problem.note_on_jumps() }
+    /// Judge of the answer.
+    pub(super) fn judge(&self) -> Judge<'_> {
+        let Self { statement, voice, is_papers, .. } = self;
+        Judge { statement, voice: *voice, is_papers: *is_papers }
     }
 
     /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
@@ -223,35 +169,6 @@ impl Request {
             (_, 1) => "refined once".into(),
             (_, times) => format!("refined {times} times"),
         })
-    }
-
-    /// Returns advice for a smaller residual; each option in it goes with those that are given.
-    pub(super) fn closer(&self) -> Remedy {
-        const MULTIGRID: &str = "--solver multigrid";
-        let Statement { solver, saddle, tolerance, .. } = self.statement;
-        match (solver, saddle.map(|settings| settings.stop)) {
-            (Solver::Multigrid, _) if self.statement.accuracy().is_some() => {
-                Remedy::new("ask for a smaller accuracy", "")
-            }
-            (Solver::Multigrid, _) if tolerance.is_some() => {
-                Remedy::new("ask for a smaller --tolerance", "")
-            }
-            (Solver::Multigrid, _) => Remedy::new("use --solver active-set", "--solver active-set"),
-            (_, Some(StopRule::PrintedDual)) => Remedy::new("use --solver multigrid", MULTIGRID),
-            (_, Some(_)) => {
-                Remedy::new("use --stop printed-dual, or --solver multigrid", MULTIGRID)
-            }
-            _ => Remedy::new("use --solver multigrid", MULTIGRID),
-        }
-    }
-
-    /// Returns advice after a limit on iterations.
-    pub(super) fn after_limit(&self) -> Remedy {
-        if self.statement.solver.is_nested() {
-            let words = "raise --max-iterations, or use --solver multigrid";
-            return Remedy::new(words, "--solver multigrid");
-        }
-        self.remedies.limit.unwrap_or_else(|| self.closer())
     }
 
     /// Returns the settings, by name, on which the answer depends besides f, the solver and the levels.
@@ -277,40 +194,18 @@ impl Request {
         settings
     }
 
-    /// Returns the message that no nodal vector solves the discrete problem on the level with this name, for a load
-    /// vector with this sum.
-    pub(super) fn without_solution(&self, level: &str, sum_load: f64) -> Warning {
-        let [papers, others] = self.remedies.unbalanced;
-        let remedy = if self.statement.law.is_none() { papers } else { others };
-        let (name, sum_load) = (&self.name, signed(sum_load, 4));
-        let fact = format!(
-            "{name}: the load vector sums to {sum_load} on {level}, where the discrete problem has no solution"
-        );
-        Warning::new(fact, Remedy::new(remedy, ""))
-    }
-
+    /// Refusal of the solver, behind the name of what it refuses.
     fn refused(&self, refusal: &Refusal) -> Error {
-        if let Some(error) = self.voice.refused(&self.statement, refusal) {
-            return error;
-        }
-        let place = self.scene.as_deref().unwrap_or("--f");
-        match refusal {
-            // The integral of f has been judged before.
-            Refusal::Unbalanced { level, sum_load, .. } => {
-                Error::Stage(vec![self.without_solution(level, *sum_load).sentence()])
+        let error = self.voice.refused(&self.statement, refusal);
+        match (error, refusal) {
+            (Error::Stage(texts), _) => {
+                Error::Stage(texts.iter().map(|text| format!("{}: {text}", self.name)).collect())
             }
-            Refusal::GridSize(e) => Error::input(format!("--h: {e}")),
-            Refusal::NotInSpace(_) => {
-                Error::input(format!("--solver {refusal}; choose another solver"))
-            }
-            Refusal::Spectral(e) if e.is_of_input() => {
-                Error::input(format!("{}: {e}; use --solver multigrid, or change f", self.name))
-            }
-            Refusal::Spectral(e) => {
-                let more = if e.is_of_touch() { " --accuracy-energy 1e-6" } else { "" };
-                Error::Stage(vec![format!("{}: {e}; use --solver multigrid{more}", self.name)])
-            }
-            _ => Error::input(format!("{place}: {refusal}; check f")),
+            (
+                Error::Input(text),
+                Refusal::Spectral(_) | Refusal::Input(_) | Refusal::Problem(_),
+            ) if !text.starts_with("--") => Error::input(format!("{}: {text}", self.name)),
+            (other, _) => other,
         }
     }
 }
@@ -335,27 +230,16 @@ pub(super) fn coarsest(statement: &Statement, scene: Option<&Scene>) -> Result<O
     let path = &statement.domain.name;
     let file = statement.domain.is_file().then(|| std::fs::read(found(Path::new(path))));
     let file = file.transpose().map_err(|e| match e.kind() {
-        ErrorKind::NotFound => of_options(&statement.domain.unknown()),
+        ErrorKind::NotFound => Voice::Options.stated(&statement.domain.unknown()),
         _ => Error::input(format!("{path}: {e}")),
     })?;
-    statement.mesh(file.as_deref()).map_err(|e| of_options(&e))
+    statement.mesh(file.as_deref()).map_err(|e| Voice::Options.stated(&e))
 }
 
 /// Returns the name of the file with the mesh, without folders, if there is one.
 fn file_name(statement: &Statement) -> Option<&str> {
     let Domain { name, .. } = &statement.domain;
     statement.domain.is_file().then(|| Path::new(name).file_name()?.to_str()).flatten()
-}
-
-/// Returns the error of a statement in the words of options.
-fn of_options(error: &StatementError) -> Error {
-    Error::input(match error {
-        StatementError::Field { field, value, reason } => {
-            let given = Voice::Options.with_value(field, value);
-            format!("{}: {reason}", given.trim_end())
-        }
-        _ => error.to_string(),
-    })
 }
 
 /// Refuses grids and meshes that take too much memory, or are too fine for the solver or the domain.
@@ -373,7 +257,7 @@ pub(super) fn check_fineness(
 
 /// Refuses a grid of the square that takes too much memory, or is too fine for the solver.
 fn check_grid(statement: &Statement, voice: Voice, memory: Memory) -> Result<()> {
-    let grids = statement.grids().map_err(|e| of_options(&e))?;
+    let grids = statement.grids().map_err(|e| Voice::Options.stated(&e))?;
     let cells = grids.last().map_or(0, |grid| grid.cells());
     let asked = match statement.accuracy() {
         Some(accuracy) => format!("{}: grid 1/{cells}", voice.accuracy(accuracy)),
@@ -398,7 +282,7 @@ fn check_mesh(mesh: &AnyMesh, statement: &Statement, voice: Voice, memory: Memor
 /// Refuses refinements that take more memory than there is, or more nodes than the solver can do with.
 fn check_size(mesh: &AnyMesh, statement: &Statement, memory: Memory) -> Result<()> {
     let solver = statement.solver;
-    let times = statement.refinements(mesh).map_err(|e| of_options(&e))?;
+    let times = statement.refinements(mesh).map_err(|e| Voice::Options.stated(&e))?;
     let Err(too_large) = memory.check_mesh(solver, mesh, times) else { return Ok(()) };
     // The option by which the levels of the domain are chosen.
     let option = |fewer: usize| match statement.fineness {

@@ -15,7 +15,7 @@ use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
 use crate::replication::stages::study::AskedNumbers;
-use crate::replication::study::{Member, Study};
+use crate::replication::study::{Member, Study, WARNINGS, count_of};
 use crate::table::Table;
 use crate::timing::machine;
 use indicatif::ProgressBar;
@@ -28,8 +28,8 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// Most members whose reasons are printed.
-const MOST_REASONS: usize = 5;
+/// Most reasons, and most warnings, that are printed.
+const MOST_REMARKS: usize = 5;
 
 /// Members to be solved.
 pub(super) struct Asked<'a> {
@@ -38,6 +38,8 @@ pub(super) struct Asked<'a> {
     study: Study,
     /// Files of the meshes.
     files: InputFiles,
+    /// Way in which reasons and remedies name fields.
+    voice: Voice,
     /// Scene to be written if some member has a solution.
     saved: Option<NewScene<'a>>,
 }
@@ -63,7 +65,9 @@ impl<'a> Asked<'a> {
             (None, false) => varied(args, scene)?,
         };
         args.refuse_files_of_one()?;
-        let mut asked = Self { title: String::new(), study, files: InputFiles::new(), saved: None };
+        let voice = if scene.is_some() { Voice::OverScene } else { Voice::Options };
+        let files = InputFiles::new();
+        let mut asked = Self { title: String::new(), study, files, voice, saved: None };
         asked.check(args, scene)?;
         let first = &asked.study.members[0].statement;
         let f = args.fields.f.as_deref().unwrap_or(&first.f);
@@ -79,7 +83,6 @@ impl<'a> Asked<'a> {
 
     /// Refuses members that take too much memory, each kind of grid or mesh once, and finds their meshes.
     fn check(&mut self, args: &SolveArgs, scene: Option<&Scene>) -> Result<()> {
-        let voice = if scene.is_some() { Voice::OverScene } else { Voice::Options };
         let memory = Memory::new(machine::available_memory());
         let mut checked = BTreeSet::new();
         for Member { statement, .. } in &self.study.members {
@@ -89,7 +92,7 @@ impl<'a> Asked<'a> {
                 continue;
             }
             let mesh = coarsest(statement, scene)?;
-            check_fineness(mesh.as_ref(), statement, voice, memory)?;
+            check_fineness(mesh.as_ref(), statement, self.voice, memory)?;
             let Some(path) = path_of(&statement.domain).filter(|_| args.scene.is_none()) else {
                 continue;
             };
@@ -108,8 +111,8 @@ impl<'a> Asked<'a> {
         }
         let never = AtomicBool::new(false);
         let solved = self.study.members.par_iter().map(|member| {
-            let asked = AskedNumbers { statement: member.statement.clone(), with_bounds: true };
-            let numbers = asked.numbers(&self.files, &never);
+            let asked = AskedNumbers { statement: member.statement.clone() };
+            let numbers = asked.numbers(self.voice, &self.files, &never);
             bar.iter().for_each(|bar| bar.inc(1));
             numbers
         });
@@ -159,7 +162,7 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     } else {
         let head = paragraph(&format!("{}\n", asked.title));
         say(&(head + &in_columns(&for_people(study, &solved))))?;
-        tell(&paragraph(&study.reasons(&solved, MOST_REASONS)))
+        tell(&paragraph(&study.remarks(&solved, MOST_REMARKS)))
     }?;
     csv.transpose()?;
     if let Some(file) = file.filter(|_| !args.json) {
@@ -210,6 +213,8 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
     let mut head = study.names.clone();
     head.extend(["energy", "error"].map(str::to_owned));
     head.extend(SHOWN[1..].iter().map(|(_, name, _)| (*name).to_owned()));
+    let marks = Study::marks(solved);
+    head.extend(marks.iter().map(|&name| name.to_owned()));
     let mut table = Table::new(head, &[]);
     for (member, numbers) in study.members.iter().zip(solved) {
         let mut cells = Vec::new();
@@ -224,6 +229,11 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
         let error =
             error.map_or_else(String::new, |error| format!("{} %", plain(100.0 * error, 3)));
         cells.insert(1, error);
+        let mark = |name: &&str| match *name {
+            WARNINGS => count_of(numbers),
+            name => numbers.cells(&[name]).concat(),
+        };
+        cells.extend(marks.iter().map(mark));
         table.rows.push([member.values.clone(), cells].concat());
     }
     table.with_columns(|_| true)

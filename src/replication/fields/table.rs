@@ -352,6 +352,16 @@ impl Voice {
         }
     }
 
+    /// Field with a text as its value, as it is to be written.
+    pub(crate) fn with_text(self, field: &str, text: &str) -> String {
+        match (self, field) {
+            (Self::Keys, "load") => format!("load = {{ rule = \"{text}\" }}"),
+            (Self::Keys, "stop") => format!("stop = [\"{text}\"]"),
+            (Self::Keys, _) => format!("{field} = \"{text}\""),
+            _ => self.with_value(field, text),
+        }
+    }
+
     /// An accuracy, as the user wrote it.
     pub(crate) fn accuracy(self, accuracy: Accuracy) -> String {
         let field = match accuracy {

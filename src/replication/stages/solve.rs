@@ -8,6 +8,8 @@ use crate::pipeline::error::{Error, Failure, Result as Read};
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
+pub(super) use crate::replication::numbers::CONVERGED;
+use crate::replication::record::{Grouped, Judge, Record};
 use crate::replication::scene::{Output, RuleAndR, Scene};
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
@@ -33,6 +35,9 @@ pub(super) struct Cell {
     keep_pair: bool,
     /// True if the history of residuals is drawn.
     keep_history: bool,
+    /// True for a scene of a published table.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_papers: bool,
 }
 
 /// Contents of the artifact [`OUTCOMES`].
@@ -63,10 +68,14 @@ pub(super) struct Outcomes {
     /// Accuracy of a true solution's energy, over the energy: the difference at two resolutions, or of the bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) accuracy: Option<f64>,
+    /// Warnings that `solve` gives.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) warnings: Vec<String>,
+    /// Remedy for them, and for a failure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) remedy: Option<String>,
 }
 
-/// Name of the end of the spectral solver.
-pub(super) const CONVERGED: &str = "converged";
 /// Artifact with an [`Outcomes`].
 pub(crate) const OUTCOMES: &str = "outcomes.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
@@ -118,7 +127,7 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     let drawn = cell(scene, scene.drawn(scene.first_rule()));
-    let (_, Recorder { pairs, .. }) = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
+    let (_, Recorder { pairs, .. }, _) = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
     Ok(scene.grids().into_iter().zip(pairs).collect())
 }
 
@@ -131,6 +140,7 @@ fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
             && ((is_first_rule && (scene.wants(Output::Surface) || scene.wants(Output::Map)))
                 || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && is_first_rule,
+        is_papers: scene.paper_table.is_some(),
     }
 }
 
@@ -141,41 +151,42 @@ fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     .with_files(files)
 }
 
-/// Solves a statement of which no more is kept than its answer; a mesh is read from these files.
+/// Solves a statement; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted. A
+/// refusal is written in this voice.
 pub(super) fn solved(
-    statement: &Statement,
+    (statement, voice): (&Statement, Voice),
     files: &InputFiles,
-    interrupted: &AtomicBool,
+    recorder: &mut Recorder<'_>,
 ) -> Read<Solved> {
-    let cell = Cell { statement: statement.clone(), keep_pair: false, keep_history: false };
-    Ok(cell.run(files, interrupted)?.0)
+    let problem = mesh_files::problem_in(voice, statement, files)?;
+    let memory = Memory::new(machine::available_memory());
+    let solved = statement.solve(problem, memory, recorder, &|_| ());
+    let solved = solved.map_err(|e| voice.refused(statement, &e))?;
+    match solved.reached.as_ref().map(|way| way.end) {
+        Some(ReachEnd::Interrupted { .. }) => Err(Error::Interrupted),
+        _ => Ok(solved),
+    }
 }
 
 impl Cell {
-    /// Solves; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted.
+    /// Solves; a mesh is read from these files.
     fn run<'a>(
         &self,
         files: &InputFiles,
         interrupted: &'a AtomicBool,
-    ) -> Read<(Solved, Recorder<'a>)> {
-        let (history, pairs) = (Vec::new(), Vec::new());
+    ) -> Read<(Solved, Recorder<'a>, Record)> {
         let mut recorder =
-            Recorder { keep_history: self.keep_history, history, pairs, interrupted };
-        let problem = mesh_files::problem(&self.statement, files)?;
-        let memory = Memory::new(machine::available_memory());
-        let solved = self.statement.solve(problem, memory, &mut recorder, &|_| ());
-        let solved = solved.map_err(|e| {
-            let of_accuracy = Voice::Keys.refused(&self.statement, &e);
-            let text = format!("{e}; choose another `solver`, or change f");
-            of_accuracy.unwrap_or_else(|| Error::input(text))
-        })?;
-        if let Some(ReachEnd::Interrupted { .. }) = solved.reached.as_ref().map(|way| way.end) {
-            return Err(Error::Interrupted);
+            Recorder { keep_history: self.keep_history, ..Recorder::new(interrupted) };
+        let (statement, voice) = (&self.statement, Voice::Keys);
+        let solved = solved((statement, voice), files, &mut recorder)?;
+        let judge = Judge { statement, voice, is_papers: self.is_papers };
+        if let Some(diverged) = judge.diverged(&solved) {
+            return Err(Error::Stage(vec![diverged.sentence()]));
         }
-        let accuracy = self.statement.accuracy();
-        match accuracy.and_then(|accuracy| Voice::Keys.shortfall(accuracy, &solved)) {
-            Some(shortfall) => Err(shortfall.into()),
-            None => Ok((solved, recorder)),
+        let record = judge.record(&solved);
+        match &record.shortfall {
+            Some(shortfall) => Err(Error::input(shortfall.sentence())),
+            None => Ok((solved, recorder, record)),
         }
     }
 
@@ -184,13 +195,17 @@ impl Cell {
         files: &InputFiles,
         interrupted: &AtomicBool,
     ) -> Result<Artifacts, Failure> {
-        let (solved, Recorder { mut pairs, history, .. }) = self.run(files, interrupted)?;
+        let (solved, Recorder { mut pairs, history, .. }, record) = self.run(files, interrupted)?;
         // A saddle-point method has a multiplier of its own.
         if self.keep_pair && pairs.is_empty() {
             pairs.push(solved.pair());
         }
-        let outcomes = self.outcomes(&solved);
-        let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair))?;
+        let outcomes = Outcomes {
+            warnings: record.facts(),
+            remedy: record.remedy(),
+            ..self.outcomes(&solved)
+        };
+        let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair));
         if let Some(marks) = solved.reached.and_then(|reached| reached.marks) {
             artifacts.insert(MARKS.into(), marks_bytes(&marks));
         }
@@ -231,28 +246,13 @@ impl Cell {
 }
 
 impl Outcomes {
-    /// Artifacts with these outcomes, and the last pair if it is drawn; fails if the iteration diverged.
-    fn artifacts(&self, drawn: Option<&Pair>) -> Result<Artifacts, Failure> {
-        if let Some(last) = self.levels.last().filter(|last| last.end.has_diverged()) {
-            let place = match last.cells {
-                Some(cells) => format!("grid 1/{cells}"),
-                None => format!("the mesh of {} nodes", last.nodes),
-            };
-            let (r, remedy) = match self.r {
-                Some(r) => (format!(" at r = {r}"), "choose a smaller r or scale f down"),
-                None => (String::new(), "scale f down"),
-            };
-            return Err(format!(
-                "diverged on {place} after {} iterations{r}; {remedy}",
-                last.end.iterations
-            )
-            .into());
-        }
+    /// Artifacts with these outcomes, and the last pair if it is drawn.
+    fn artifacts(&self, drawn: Option<&Pair>) -> Artifacts {
         let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(self))]);
         if let Some(pair) = drawn {
             artifacts.insert(PAIR.into(), pair_bytes(pair));
         }
-        Ok(artifacts)
+        artifacts
     }
 
     /// Name of the end on the finest level, or of that of the spectral solver.
@@ -283,11 +283,18 @@ impl Outcomes {
 }
 
 /// Monitor that records the last pair of a saddle-point method on each level and, if asked, all iterations.
-struct Recorder<'a> {
+pub(super) struct Recorder<'a> {
     keep_history: bool,
     history: Vec<Vec<Iteration>>,
     pairs: Vec<Pair>,
     interrupted: &'a AtomicBool,
+}
+
+impl<'a> Recorder<'a> {
+    /// Recorder that keeps no history.
+    pub(super) fn new(interrupted: &'a AtomicBool) -> Self {
+        Self { keep_history: false, history: Vec::new(), pairs: Vec::new(), interrupted }
+    }
 }
 
 impl Watcher for Recorder<'_> {
@@ -395,49 +402,73 @@ pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
     }
 }
 
-/// Number of solves that a line names.
+/// Number of solves that a line names, and of lines of warnings.
 const MOST_NAMED: usize = 3;
 
-/// Returns a line on the solves of a scene that ended without a solution on the finest level, if there are any, with a
-/// command that shows one of them; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a task that is
-/// not concerned.
-pub(crate) fn without_solution(
-    scene: &Scene,
-    outcomes: impl Fn(&str) -> Option<Vec<u8>>,
-) -> Option<String> {
-    let mut ends: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+/// Returns lines on the solves of a scene that ended without a solution on the finest level, with a command that shows
+/// one of them, and on the warnings of the others; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a
+/// task that is not concerned.
+pub(crate) fn remarks(scene: &Scene, outcomes: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
+    let (mut ends, mut warned) = (BTreeMap::new(), Grouped::default());
     let mut command = None;
-    for rule in scene.rules() {
-        for run in scene.runs(rule) {
-            let Some(bytes) = outcomes(&id_of(scene, run)) else { continue };
-            let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
-            if outcomes.no_solution(scene).is_none() {
-                continue;
-            }
-            let places = ends.entry(outcomes.end()).or_default();
-            let mut command_of_run = format!("signorini solve {}", scene.name);
-            if let Some(RuleAndR { rule, r }) = run {
-                let mut place = format!("r = {r}");
-                command_of_run += &format!(" --r {r}");
-                if Some(rule) != scene.first_rule() {
-                    place += &format!(" under {rule}");
-                    command_of_run += &format!(" --stop {rule}");
-                }
-                places.push(place);
-            }
-            command.get_or_insert(command_of_run);
+    for run in scene.rules().into_iter().flat_map(|rule| scene.runs(rule)) {
+        let Some(bytes) = outcomes(&id_of(scene, run)) else { continue };
+        let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
+        let (place, of_run) = named(scene, run);
+        if outcomes.no_solution(scene).is_some() {
+            let places: &mut Vec<String> = ends.entry(outcomes.end()).or_default();
+            places.extend(place);
+            command.get_or_insert(of_run);
+            continue;
+        }
+        let remedy = outcomes.remedy.iter().map(|remedy| format!("; {remedy}"));
+        let remedy = remedy.collect::<String>();
+        for (k, fact) in outcomes.warnings.iter().enumerate() {
+            let is_last = k + 1 == outcomes.warnings.len();
+            let text = format!("{fact}{}", if is_last { &remedy } else { "" });
+            warned.add(text, place.clone().unwrap_or_default());
         }
     }
-    let mut parts = Vec::new();
-    for (end, mut places) in ends {
-        let more = places.split_off(places.len().min(MOST_NAMED)).len();
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        parts.push(match places.is_empty() {
-            true => end.to_owned(),
-            false => format!("{end} with {}{more}", places.join(", ")),
-        });
+    let mut lines = Vec::new();
+    if let Some(command) = command {
+        let ends = ends.into_iter().map(|(end, places)| format!("{end}{}", with(&places)));
+        let ends = ends.collect::<Vec<_>>().join("; ");
+        lines.push(format!("{}: {ends}; `{command}` says why", scene.name));
     }
-    Some(format!("{}: {}; `{}` says why", scene.name, parts.join("; "), command?))
+    for (warning, places) in warned.first(MOST_NAMED) {
+        let places = if places[0].is_empty() { String::new() } else { with(places) };
+        lines.push(format!("{}: warning{places}: {warning}", scene.name));
+    }
+    let more = warned.beyond(MOST_NAMED);
+    if more > 0 {
+        lines.push(format!("{}: {more} more warnings", scene.name));
+    }
+    lines
+}
+
+/// Returns the name of a run of a scene, if it has several, and the command that solves it.
+fn named(scene: &Scene, run: Option<RuleAndR>) -> (Option<String>, String) {
+    let mut command = format!("signorini solve {}", scene.name);
+    let place = run.map(|RuleAndR { rule, r }| {
+        let mut place = format!("r = {r}");
+        command += &format!(" --r {r}");
+        if Some(rule) != scene.first_rule() {
+            place += &format!(" under {rule}");
+            command += &format!(" --stop {rule}");
+        }
+        place
+    });
+    (place, command)
+}
+
+/// Returns the first places, and the number of the others; nothing of none.
+fn with(places: &[String]) -> String {
+    let named = &places[..places.len().min(MOST_NAMED)];
+    let more = match places.len() - named.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    if named.is_empty() { String::new() } else { format!(" with {}{more}", named.join(", ")) }
 }
 
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the

@@ -1,11 +1,14 @@
 //! Tasks of a study: one for each member, the table of all, and its chart.
 
-use super::{from_json, solve, tabulate, to_json};
+use super::solve::{self, Recorder};
+use super::{from_json, tabulate, to_json};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
 use crate::pipeline::error::Error;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
+use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
+use crate::replication::record::Judge;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::study::{Axes, Member, Study, number, of_axis};
 use serde::{Deserialize, Serialize};
@@ -19,13 +22,12 @@ const NUMBERS: &str = "numbers.json";
 /// Returns the tasks of a study.
 pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
     let mut tasks = Vec::new();
-    let with_bounds = scene.study.as_ref().is_some_and(Study::needs_bounds);
     for (member, task) in members(scene) {
         let Member { statement, .. } = member;
         let path = path_of(&statement.domain);
         let file = path.and_then(|path| scene.files.get_key_value(&path));
         let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
-        let asked = AskedNumbers { statement: statement.clone(), with_bounds };
+        let asked = AskedNumbers { statement: statement.clone() };
         tasks.push(Task::new(task, &asked, Vec::new(), AskedNumbers::made).with_files(files));
     }
     if scene.wants(Output::Table) {
@@ -71,28 +73,31 @@ fn digest(text: &str) -> String {
 #[derive(Serialize, Deserialize)]
 pub(crate) struct AskedNumbers {
     pub(crate) statement: Statement,
-    /// True if bounds are among the numbers.
-    pub(crate) with_bounds: bool,
 }
 
 impl AskedNumbers {
     fn made(&self, inputs: &Inputs) -> Made {
-        let numbers = self.numbers(inputs.files, inputs.interrupted)?;
+        let numbers = self.numbers(Voice::Keys, inputs.files, inputs.interrupted)?;
         Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]))
     }
 
-    /// Returns the numbers, or the reason for which there is no solution; a mesh is read from these files.
+    /// Returns the numbers, or the reason for which there is no solution, in this voice; a mesh is read from these files.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
     pub(crate) fn numbers(
         &self,
+        voice: Voice,
         files: &InputFiles,
         interrupted: &AtomicBool,
     ) -> Result<Numbers, Error> {
         let statement = &self.statement;
-        match solve::solved(statement, files, interrupted) {
-            Ok(solved) => Ok(Numbers::of(statement, &solved, self.with_bounds)),
+        let mut recorder = Recorder::new(interrupted);
+        match solve::solved((statement, voice), files, &mut recorder) {
+            Ok(solved) => {
+                let record = Judge { statement, voice, is_papers: false }.record(&solved);
+                Ok(Numbers::of(statement, &solved, &record))
+            }
             Err(Error::Interrupted) => Err(Error::Interrupted),
             Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
         }
@@ -106,8 +111,8 @@ struct Tabulated {
     study: Study,
 }
 
-/// Most members whose reasons stand below a table.
-const MOST_REASONS: usize = 3;
+/// Most reasons, and most warnings, that stand below a table.
+const MOST_REMARKS: usize = 3;
 
 impl Tabulated {
     /// The task that makes the table of a study.
@@ -123,10 +128,12 @@ impl Tabulated {
         let study = &self.study;
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
-        let shown = tabulate::with_few_digits(&table, study.names.len());
-        let shown = shown.with_columns(|column| study.shows(column));
-        // Reasons are sentences, and stand below.
-        let note = study.reasons(&all, MOST_REASONS);
+        let counted = study.counted(&table, &all);
+        let shown = tabulate::with_few_digits(&counted, study.names.len());
+        let marks = Study::marks(&all);
+        let shown = shown.with_columns(|column| study.shows(column) || marks.contains(&column));
+        // Reasons and warnings are sentences, and stand below.
+        let note = study.remarks(&all, MOST_REMARKS);
         Ok(tabulate::files(&self.name, &table, &shown, &note))
     }
 }
@@ -142,26 +149,33 @@ pub(super) fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Value,
     Ok(json!(study.rows(&all_numbers(inputs, scene, study)?)))
 }
 
-/// Returns a line on the members of a study that have no solution, if there are any; `outcome` reads the artifact of
-/// this name of a task, or returns `None` for a task that is not concerned.
-pub(crate) fn without_solution(
+/// Returns a line on the members of a study that have no solution, and one on those with warnings; `outcome` reads the
+/// artifact of this name of a task, or returns `None` for a task that is not concerned.
+pub(crate) fn remarks(
     scene: &Scene,
     outcome: impl Fn(&str, &str) -> Option<Vec<u8>>,
-) -> Option<String> {
-    let (mut without, mut count) = (0, 0);
+) -> Vec<String> {
+    let (mut without, mut warned, mut count) = (0, 0, 0);
     for (_, task) in members(scene) {
         count += 1;
-        let Some(bytes) = outcome(&task, NUMBERS) else { continue };
-        let numbers = serde_json::from_slice::<Numbers>(&bytes).ok()?;
-        without += usize::from(numbers.reason().is_some());
+        let numbers = outcome(&task, NUMBERS);
+        let numbers = numbers.and_then(|bytes| serde_json::from_slice::<Numbers>(&bytes).ok());
+        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason().is_some()));
+        warned += usize::from(numbers.is_some_and(|of| !of.warnings().is_empty()));
     }
     let says = match scene.wants(Output::Table) {
-        true => format!("{}/{} says why", tabulate::FOLDER, tabulate::file(scene)),
-        false => format!("`signorini solve {}` says why", scene.name),
+        true => format!("{}/{}", tabulate::FOLDER, tabulate::file(scene)),
+        false => format!("`signorini solve {}`", scene.name),
     };
-    let name = &scene.name;
-    (without > 0)
-        .then(|| format!("{name}: {without} of {count} members without a solution; {says}"))
+    let line = |number, what, says_what| {
+        (number > 0)
+            .then(|| format!("{}: {number} of {count} members {what}; {says_what}", scene.name))
+    };
+    let lines = [
+        line(without, "without a solution", format!("{says} says why")),
+        line(warned, "with warnings", format!("{says} has them")),
+    ];
+    lines.into_iter().flatten().collect()
 }
 
 /// Draws the chart of a study: a curve for each of the other values that are varied.
@@ -180,7 +194,8 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
             curves.len() - 1
         });
         let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
-        curves[place].1.extend(x.zip(y));
+        // Numbers where a solver ended without a solution are none of a solution.
+        curves[place].1.extend(x.zip(y).filter(|_| numbers.reason().is_none()));
         reason = reason.or_else(|| numbers.reason().map(str::to_owned));
     }
     for (_, points) in &mut curves {

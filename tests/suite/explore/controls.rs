@@ -81,7 +81,11 @@ fn the_controls_do_what_they_say() {
         ("own", "Done: ", ["", ""]),
         ("disc", "Done: ", ["", ""]),
         ("nonsense", "`disc` takes x,y,radius, e.g. disc(0,0,0.25).", ["true", ""]),
-        ("no solution", "the integral of f is 1.000, but (2) asks for a negative", ["true", ""]),
+        (
+            "no solution",
+            "the integral of f is 1.000, but the flux through the boundary can only balance a negative",
+            ["true", ""],
+        ),
         ("huge", "the largest value of |f| is 1e131, outside 1e-130 to 1e130", ["true", ""]),
         ("good again", "Done: ", ["", ""]),
         ("r = 0", "r must be a number from 0.001 to 1000000000.", ["", "true"]),

@@ -104,6 +104,12 @@ impl Judgement {
         force
     }
 
+    /// Length or area of the boundary at the nodes in contact.
+    pub fn area_in_contact(&self) -> f64 {
+        let nodes = self.contact.iter().zip(self.in_contact());
+        nodes.filter(|(_, is_held)| *is_held).fold(0.0, |sum, (node, _)| sum + node.measure)
+    }
+
     /// Length or area of the boundary where the law holds.
     pub fn perimeter(&self) -> f64 {
         self.contact.iter().map(|contact| contact.measure).sum()

@@ -91,7 +91,8 @@ impl CurvePlace<'_> {
         }
         if count as usize == curve.nodes.len() {
             let point = curve.points[self.further(0)];
-            return ContactArc { part: self.names(0..count), ..ContactArc::new([point; 2], sum) };
+            let arc = ContactArc::new([point; 2], sum, curve.length);
+            return ContactArc { part: self.names(0..count), ..arc };
         }
         let last = count - 1;
         let mut beyond = [[-1, -2], [last + 1, last + 2]].map(|next| {
@@ -106,7 +107,8 @@ impl CurvePlace<'_> {
         let ends = places.map(|place| curve.point(place));
         // The edge after the last node is not in contact, unless it is all that there is.
         let part = if last == 0 { self.names([0, -1]) } else { self.names(0..last) };
-        ContactArc { part, ..ContactArc::new(ends, sum) }
+        let [from, to] = places.map(|place| curve.along(place));
+        ContactArc { part, ..ContactArc::new(ends, sum, (to - from).min(curve.length)) }
     }
 
     /// Names of the parts, where the law holds, of the edges after the nodes so many edges further; none on the square.

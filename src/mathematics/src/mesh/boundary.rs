@@ -42,6 +42,17 @@ impl ClosedCurve {
         let [a, b] = [0, 1].map(|k| self.points[(edges as usize + k) % count]);
         std::array::from_fn(|d| a[d] + edges.fract() * (b[d] - a[d]))
     }
+
+    /// Way along the curve from its first node to that point; it goes on growing behind a whole turn.
+    pub(super) fn along(&self, edges: f64) -> f64 {
+        let count = self.points.len();
+        let turns = (edges / count as f64).floor();
+        let edges = edges - turns * count as f64;
+        let edge = (edges as usize).min(count - 1);
+        let next = self.places.get(edge + 1).copied().unwrap_or(self.length);
+        let way = self.places[edge] + (edges - edge as f64) * (next - self.places[edge]);
+        turns * self.length + way
+    }
 }
 
 /// Returns the boundary of the square, from the lower left corner on.

@@ -172,6 +172,17 @@ impl Solved {
         }
     }
 
+    /// Length of the boundary in contact, that of the arcs of [`Solved::contact`]; in space the area of the nodes in
+    /// contact.
+    pub fn contact_length(&self) -> f64 {
+        match (self.contact(), self.run()) {
+            (None, Some(run)) => run.judgement.area_in_contact(),
+            (arcs, _) => {
+                arcs.iter().flatten().map(|arc| arc.length).fold(0.0, |sum, length| sum + length)
+            }
+        }
+    }
+
     /// Total contact force; under another law than the paper's the flux through all of the boundary.
     pub fn force(&self) -> f64 {
         match &self.found {

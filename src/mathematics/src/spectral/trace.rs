@@ -199,12 +199,12 @@ impl Trace {
     pub(super) fn arcs(&self, total: f64) -> Vec<ContactArc> {
         if self.ends.places.is_empty() {
             let corner = BoundaryPlace { corner: 3, t: 0.0 }.point().coordinates();
-            return vec![ContactArc::new([corner; 2], total)];
+            return vec![ContactArc::on_square([corner; 2], total)];
         }
         let mut arcs = Vec::with_capacity(self.ends.arcs());
         for (k, ends) in self.ends.places.chunks_exact(2).enumerate() {
             let [from, to] = [ends[0], ends[1]].map(|place| place.point().coordinates());
-            arcs.push(ContactArc::new([from, to], self.force(k + 1)));
+            arcs.push(ContactArc::on_square([from, to], self.force(k + 1)));
         }
         arcs
     }

@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     fn arc(from: [f64; 2], to: [f64; 2]) -> ContactArc {
-        ContactArc::new([from, to], 1.0)
+        ContactArc::on_square([from, to], 1.0)
     }
 
     #[test]

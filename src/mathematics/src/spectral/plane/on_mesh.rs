@@ -161,7 +161,10 @@ impl PlaneTruth {
             let names = lawful.iter().map(|&side| &mesh.parts()[sides[side].part].names);
             let part = Some(Names::all(names));
             let points = [sides[first].at(start), sides[last].at(end)];
-            let arc = ContactArc::new(points, self.height * force);
+            let whole: f64 = lawful.iter().map(|&side| sides[side].length()).sum();
+            let length = whole - start - (sides[last].length() - end);
+            let length = if *closed { whole } else { length };
+            let arc = ContactArc::new(points, self.height * force, length);
             arcs.push(ContactArc { closed: *closed, part, ..arc });
         }
         arcs
