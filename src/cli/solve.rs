@@ -34,7 +34,7 @@ use signorini_mathematics::statement::Statement;
 use std::path::PathBuf;
 
 #[derive(Args)]
-#[command(group = ArgGroup::new("problem").required(true).args(["scene", "f"]))]
+#[command(group = ArgGroup::new("problem").args(["scene", "f"]))]
 pub(super) struct SolveArgs {
     /// A scene of the project
     ///
@@ -127,6 +127,15 @@ impl SolveArgs {
         Ok(Some((OutputFile::check(&path)?, format)))
     }
 
+    /// Refuses arguments without a problem.
+    fn check_problem(&self) -> Result<()> {
+        let is_there = self.scene.is_some() || self.fields.f.is_some();
+        match is_there || self.vary.iter().any(|list| list.name == "f") {
+            true => Ok(()),
+            false => Err(Error::input("nothing to solve; give the name of a scene, or --f F")),
+        }
+    }
+
     /// Refuses, of a study, options about the file, the points or the meshes of one solution.
     fn refuse_files_of_one(&self) -> Result<()> {
         let given = [
@@ -194,6 +203,7 @@ impl SolveArgs {
 }
 
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
+    args.check_problem()?;
     let scene = args.scene.as_deref().map(super::scene).transpose()?;
     if let Some(asked) = study::Asked::read(args, scene.as_ref())? {
         return study::solve(args, &asked);

@@ -12,7 +12,7 @@ pub fn is_forbidden(c: char) -> bool {
 }
 
 /// Reads a finite number, or a fraction of two such as `-1/3`.
-pub(super) fn number(text: &str) -> Option<f64> {
+pub fn number(text: &str) -> Option<f64> {
     let value = match text.split_once('/') {
         Some((above, below)) => decimal(above)? / decimal(below)?,
         None => decimal(text)?,
