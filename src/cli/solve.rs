@@ -35,6 +35,8 @@ use std::path::PathBuf;
 
 #[derive(Args)]
 #[command(group = ArgGroup::new("problem").args(["scene", "f"]))]
+// That one of them may be missing is for studies of f.
+#[command(override_usage = "signorini solve [OPTIONS] <SCENE|--f <F>>")]
 pub(super) struct SolveArgs {
     /// A scene of the project
     ///
@@ -58,9 +60,10 @@ pub(super) struct SolveArgs {
     json: bool,
     /// Solve with each of these values of an option, or of a $NAME in f, and print a table [may be given several times]
     ///
-    /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. Values with commas are divided
-    /// by |. --json prints a line for each member. One without a solution is a row that says why. With --save NAME,
-    /// `run NAME` keeps the results, and makes the table, report/tables/NAME.csv, also in LaTeX, and a chart.
+    /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. FIRST:LAST:STEP is a range of
+    /// numbers. Values with commas end with |, as grids=4,8|8,16|. A $NAME is a number. --json prints a line for each
+    /// member. One without a solution is a row that says why. With --save NAME, `run NAME` keeps the results, and makes
+    /// the table, report/tables/NAME.csv, also in LaTeX, and a chart.
     #[arg(long, value_name = "NAME=A,B,..", value_parser = varied)]
     vary: Vec<Varied>,
     /// With --vary, write the table with all digits

@@ -13,7 +13,7 @@ use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Args, Command, FromArgMatches};
 use serde::{Deserialize, Deserializer, de};
-use signorini_mathematics::problem::text::number;
+use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::statement::Statement;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error as _;
@@ -206,11 +206,11 @@ fn refused(voice: Voice, name: &str, value: Option<&Value>, reason: &str) -> Ref
 /// Reads the number of a name in f.
 fn number_of(voice: Voice, name: &str, value: &Value) -> Reading<f64> {
     let read = match value {
-        Value::Float(_) | Value::Integer(_) | Value::String(_) => number(&text(value)),
+        Value::Float(_) | Value::Integer(_) | Value::String(_) => text(value).parse().ok(),
         _ => None,
     };
     // A negative zero is zero.
-    read.map(|number| number + 0.0).ok_or_else(|| {
+    read.map(|Written(number)| number + 0.0).ok_or_else(|| {
         let reason = "a name in f is a number, such as 0.25 or 1/4; what is no number varies as a field, as f does";
         refused(voice, name, Some(value), reason)
     })

@@ -1,6 +1,7 @@
 //! Texts that users give: the characters that they may have, and their numbers.
 
 use std::fmt;
+use std::str::FromStr;
 
 /// True if no line of text may have the character: a control character, or one of Unicode's noncharacters.
 ///
@@ -12,7 +13,7 @@ pub fn is_forbidden(c: char) -> bool {
 }
 
 /// Reads a finite number, or a fraction of two such as `-1/3`.
-pub fn number(text: &str) -> Option<f64> {
+pub(super) fn number(text: &str) -> Option<f64> {
     let value = match text.split_once('/') {
         Some((above, below)) => decimal(above)? / decimal(below)?,
         None => decimal(text)?,
@@ -36,6 +37,15 @@ impl fmt::Display for Written {
         } else {
             write!(out, "{value:e}")
         }
+    }
+}
+
+/// Reads a finite number or a fraction of two, as f has them.
+impl FromStr for Written {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        number(text).map(Self).ok_or(())
     }
 }
 
