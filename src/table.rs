@@ -173,6 +173,14 @@ pub(crate) fn in_markdown(text: &str) -> String {
     shown
 }
 
+/// Returns a name of the user as code in Markdown.
+pub(crate) fn code_in_markdown(name: &str) -> String {
+    match name.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c)) {
+        true => format!("`{name}`"),
+        false => format!("<code>{}</code>", in_markdown(name)),
+    }
+}
+
 /// Returns a cell in LaTeX: a number in its mathematics, a text with its signs escaped.
 fn in_tex(cell: &str) -> String {
     let is_number = cell.parse::<f64>().is_ok_and(f64::is_finite);

@@ -16,7 +16,7 @@ use crate::pipeline::place::{TAKEN, place};
 use crate::pipeline::{InputFiles, LockFile, Plan, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::stages::{files_of, report};
-use crate::table::in_markdown;
+use crate::table::{code_in_markdown, in_markdown};
 use crate::timing::machine::COMPILER;
 use checkout::{Checkout, without_places};
 use clap::Args;
@@ -266,5 +266,6 @@ fn render(template: &str, context: &Context) -> String {
         serde_json::json!(text).to_string()
     });
     tera.register_filter("text", |text: String, _: Kwargs, _: &State| in_markdown(&text));
+    tera.register_filter("code", |text: String, _: Kwargs, _: &State| code_in_markdown(&text));
     tera.render_str(template, context, false).expect("the template is tested")
 }

@@ -2,9 +2,9 @@
 
 use crate::pipeline;
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::files::{folder_of, write_atomically};
+use crate::pipeline::files::{folder_of, link_target, write_atomically};
 use crate::pipeline::names::in_shell;
-use crate::pipeline::place::{link_target, own_place, place, real, without_dots};
+use crate::pipeline::place::{own_place, place, real, without_dots};
 use crate::replication::project::Project;
 use crate::table::Table;
 use std::fs::{self, OpenOptions};

@@ -127,6 +127,8 @@ impl Workplace {
         // What is used is read.
         self.store.known = KnownHashes::default();
         let root = &self.project.root;
+        // All is run again, and overwritten, that does not depend on a task that fails.
+        let options = Options { keep_going: options.keep_going || options.force, ..options };
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
             summary.differences = known.differences(&summary.lock_file);

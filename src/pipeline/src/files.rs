@@ -1,6 +1,5 @@
 //! Files as bytes: read whole if they are files, written whole or not at all.
 
-use super::place::link_target;
 use crate::error::{IoContext, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -34,6 +33,24 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     write().context("write", &target)?;
     Ok(())
 }
+
+/// Returns the end of a chain of links, which need not exist; the path itself if it is no link.
+///
+/// # Errors
+/// If the links form a circle.
+pub fn link_target(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&target) {
+            Ok(next) => target = folder_of(&target).join(next),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(io::Error::new(ErrorKind::Unsupported, "Too many levels of symbolic links"))
+}
+
+/// Number of links in a chain beyond which systems take it for a circle.
+const MOST_LINKS: usize = 40;
 
 /// Writes a whole file or nothing, with the temporary name in a folder that exists, on the same file system.
 ///

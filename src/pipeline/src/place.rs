@@ -3,10 +3,9 @@
 //! Central is [`place`]: whatever a run writes or removes has a place in the project by its real path, not by its
 //! text, so that no link of a project that somebody else has made leads a run to other files.
 
-use super::files::{folder_of, write_atomically};
+use super::files::{folder_of, link_target, write_atomically};
 use crate::error::{Error, IoContext, Result};
 use std::fs;
-use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
 /// Folders of a project in which nothing is written but what has its place there: inputs of runs, and the history.
@@ -73,24 +72,6 @@ pub fn without_dots(path: &Path) -> PathBuf {
     }
     plain
 }
-
-/// Returns the end of a chain of links, which need not exist; the path itself if it is no link.
-///
-/// # Errors
-/// If the links form a circle.
-pub fn link_target(path: &Path) -> io::Result<PathBuf> {
-    let mut target = path.to_path_buf();
-    for _ in 0..MOST_LINKS {
-        match fs::read_link(&target) {
-            Ok(next) => target = folder_of(&target).join(next),
-            Err(_) => return Ok(target),
-        }
-    }
-    Err(io::Error::new(ErrorKind::Unsupported, "it links to itself"))
-}
-
-/// Number of links in a chain beyond which systems take it for a circle.
-const MOST_LINKS: usize = 40;
 
 /// Returns the path without links, `.` and `..`; its last parts need not exist.
 pub fn real(path: &Path) -> PathBuf {

@@ -59,7 +59,10 @@ pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Art
         .filter(|name| !shown.head.iter().any(|one| one == name))
         .collect();
     if !left_out.is_empty() {
-        tex += &format!("% {name}.csv has these columns as well: {}.\n", left_out.join(", "));
+        tex += &format!(
+            "% {name}.csv has all columns that the scene keeps; not here: {}.\n",
+            left_out.join(", ")
+        );
     }
     for line in note.lines() {
         markdown += &format!("\n{}\n", in_markdown(line));
