@@ -95,10 +95,7 @@ impl<'a> WalkResults<'a> {
 
     /// Returns the copies that tasks are expected to make which are to run: those of their last run or, without a
     /// cache, those on record that bear the name of the task.
-    fn expected<'r>(
-        &self,
-        recorded: impl Iterator<Item = &'r String> + Clone,
-    ) -> Result<Vec<Export<'a>>> {
+    fn expected<'r>(&self, recorded: impl Iterator<Item = &'r String> + Clone) -> Vec<Export<'a>> {
         let mut expected = Vec::new();
         for (task, folder) in self.to_run() {
             let name = task.id.rsplit('/').next().unwrap_or_default();
@@ -117,7 +114,7 @@ impl<'a> WalkResults<'a> {
                 artifacts.iter().map(|artifact| Export::new(task, (folder, artifact), None));
             expected.extend(exports);
         }
-        Ok(expected)
+        expected
     }
 
     /// Returns the paths of all files on which a verdict rests: inputs, artifacts and their copies in the project.
@@ -172,7 +169,7 @@ impl Exports {
     ) -> Result<Self> {
         let mut plan = Self { written: Written::read(project)?, ..Self::default() };
         let mut exports = results.exports();
-        exports.extend(results.expected(locked.keys().chain(plan.written.0.keys()))?);
+        exports.extend(results.expected(locked.keys().chain(plan.written.0.keys())));
         for (_, folder) in results.to_run() {
             own_place(project, folder)?;
         }

@@ -121,7 +121,7 @@ impl Store {
             }
             if lines.len() < stored.len() {
                 let fewer = (stored.len() - lines.len()) as u64;
-                let records = stored.iter().filter(|&&byte| byte == b'\n').count() - kept.len();
+                let records = all.len() - kept.len();
                 needed.shorter.insert(file.clone(), Shortened { lines, fewer, records });
             }
             needed.files.insert(file);

@@ -5,7 +5,6 @@
 
 use super::files::{folder_of, link_target, write_atomically};
 use crate::error::{Error, IoContext, Result};
-use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 /// Folders of a project in which nothing is written but what has its place there: inputs of runs, and the history.
@@ -95,6 +94,7 @@ pub fn real(path: &Path) -> PathBuf {
 #[cfg(unix)]
 mod tests {
     use super::*;
+    use std::fs;
     use std::os::unix::fs::symlink;
 
     #[test]
