@@ -352,7 +352,7 @@ fn file_name(statement: &Statement) -> Option<&str> {
 }
 
 /// Returns the error of a statement in the words of options.
-fn of_options(error: &StatementError) -> Error {
+pub(super) fn of_options(error: &StatementError) -> Error {
     Error::input(match error {
         StatementError::Field { field, value, reason } => {
             let given = Voice::Options.with_value(field, value);

@@ -5,13 +5,13 @@ use super::request::Request;
 use crate::cli::output::talk;
 use crate::cli::project_root;
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::files::write_atomically;
-use crate::pipeline::names::refuse_forbidden_name;
+use crate::pipeline::names::{in_shell, refuse_forbidden_name};
+use crate::pipeline::place::{own_place, write_own};
 use crate::replication::fields::member::Member;
 use crate::replication::fields::write;
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::scene::{Output, Scene};
-use crate::replication::scenes::SCENES;
+use crate::replication::scenes::{SCENES, taken, why_no_scene};
 use crate::replication::study::Study;
 use signorini_mathematics::statement::Statement;
 use std::fs;
@@ -60,14 +60,16 @@ impl<'a> NewScene<'a> {
     fn new(name: &'a str) -> Result<Self> {
         refuse_forbidden_name("scene", name)?;
         let mut place = Self { name, root: PathBuf::new(), text: String::new() };
-        if name.contains(['/', '\\']) || name.starts_with('.') {
-            return Err(place.refused("give a name without folders, such as plate"));
+        if let Some(reason) = why_no_scene(name) {
+            return Err(place.refused(&format!("{reason}; give another name, such as plate")));
         }
         place.root = project_root().map_err(|e| place.refused(&e.to_string()))?;
-        if place.root.join(place.path()).exists() {
-            let text = format!("there is {} already; choose another name", place.path());
+        let taken = taken(&place.root, name)?;
+        if let Some(taken) = taken {
+            let text = format!("there is {taken} already; choose another name");
             return Err(place.refused(&text));
         }
+        own_place(&place.root, &place.path())?;
         Ok(place)
     }
 
@@ -101,8 +103,8 @@ impl<'a> NewScene<'a> {
     /// Writes the scene.
     pub(super) fn write(&self) -> Result<()> {
         let path = self.path();
-        write_atomically(&self.root.join(&path), self.text.as_bytes())?;
-        talk(&format!("wrote {path}; `signorini run {}` solves and draws it", self.name));
+        write_own(&self.root, &path, self.text.as_bytes())?;
+        talk(&format!("wrote {path}; `signorini run {}` solves and draws it", in_shell(self.name)));
         Ok(())
     }
 }

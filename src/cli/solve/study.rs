@@ -3,7 +3,7 @@
 //! Central is [`solve`]: the statements of all members, each checked and solved beside others, and their table.
 
 use super::SolveArgs;
-use super::request::{check_fineness, coarsest, statement};
+use super::request::{check_fineness, coarsest, of_options, statement};
 use super::save::{self, NewScene};
 use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
 use crate::pipeline::error::{Error, Result};
@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use serde_json::json;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Memory;
+use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -91,13 +92,16 @@ impl<'a> Asked<'a> {
         let memory = Memory::new(machine::available_memory());
         let mut checked = BTreeSet::new();
         for Member { statement, .. } in &self.study.members {
-            let kind =
-                format!("{:?} {:?} {}", statement.domain, statement.fineness, statement.solver);
+            let Statement { domain, fineness, solver, f, .. } = statement;
+            let kind = format!("{domain:?} {fineness:?} {solver} {f}");
             if !checked.insert(kind) {
                 continue;
             }
             let mesh = coarsest(statement, scene)?;
             check_fineness(mesh.as_ref(), statement, voice, memory)?;
+            if let Some(mesh) = &mesh {
+                statement.check_f(mesh).map_err(|e| of_options(&e))?;
+            }
             let Some(path) = path_of(&statement.domain).filter(|_| args.scene.is_none()) else {
                 continue;
             };
@@ -177,14 +181,17 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
 
 /// Returns the file of a table in CSV.
 fn checked_csv(path: &Path) -> Result<OutputFile> {
-    match path.extension().and_then(OsStr::to_str) {
-        Some("tex" | "md") => Err(Error::input(format!(
-            "--csv {}: the table is in CSV; add --save NAME for a scene, of which `run NAME` writes the table in \
-             LaTeX and Markdown",
-            path.display()
-        ))),
-        _ => OutputFile::check(path),
-    }
+    let ending = path.extension().and_then(OsStr::to_str).map(str::to_lowercase);
+    let remedy = match ending.as_deref() {
+        Some("csv") => return OutputFile::check(path),
+        Some("tex" | "md") => {
+            "add --save NAME for a scene, of which `run NAME` writes the table in LaTeX and Markdown"
+        }
+        // A device, such as the standard output.
+        None if path.exists() && !path.is_file() => return OutputFile::check(path),
+        _ => "let the name end with .csv, or print the rows by --json",
+    };
+    Err(Error::input(format!("--csv {}: the table is in CSV; {remedy}", path.display())))
 }
 
 /// Returns a line of JSON for each member: its values, and all columns.

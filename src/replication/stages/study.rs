@@ -3,6 +3,7 @@
 use super::{from_json, solve, tabulate, to_json};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
 use crate::pipeline::error::Error;
+use crate::pipeline::names::in_shell;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
 use crate::replication::fields::member::Member;
 use crate::replication::mesh_files::path_of;
@@ -125,10 +126,13 @@ impl Tabulated {
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
         let shown = tabulate::with_few_digits(&table, study.names.len());
-        let shown = shown.with_columns(|column| study.shows(column));
+        let mut page = shown.with_columns(|column| study.shows(column));
+        if page.head.is_empty() {
+            page = shown.with_columns(|column| study.names.iter().any(|name| name == column));
+        }
         // Reasons are sentences, and stand below.
         let note = study.reasons(&all, MOST_REASONS);
-        Ok(tabulate::files(&self.name, &table, &shown, &note))
+        Ok(tabulate::files(&self.name, &table, &page, &note))
     }
 }
 
@@ -158,7 +162,7 @@ pub(crate) fn without_solution(
     }
     let says = match scene.wants(Output::Table) {
         true => format!("{}/{} says why", tabulate::FOLDER, tabulate::file(scene)),
-        false => format!("`signorini solve {}` says why", scene.name),
+        false => format!("`signorini solve {}` says why", in_shell(&scene.name)),
     };
     let name = &scene.name;
     (without > 0)
