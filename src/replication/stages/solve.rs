@@ -5,6 +5,7 @@
 
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
+use crate::pipeline::names::in_shell;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
@@ -448,7 +449,7 @@ pub(crate) fn remarks(scene: &Scene, outcomes: impl Fn(&str) -> Option<Vec<u8>>)
 
 /// Returns the name of a run of a scene, if it has several, and the command that solves it.
 fn named(scene: &Scene, run: Option<RuleAndR>) -> (Option<String>, String) {
-    let mut command = format!("signorini solve {}", scene.name);
+    let mut command = format!("signorini solve {}", in_shell(&scene.name));
     let place = run.map(|RuleAndR { rule, r }| {
         let mut place = format!("r = {r}");
         command += &format!(" --r {r}");
