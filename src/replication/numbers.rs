@@ -108,7 +108,7 @@ impl Numbers {
             v_least: last.map(|last| last.range[0]),
             v_greatest: last.map(|last| last.range[1]),
             contact_length: Some(solved.contact_length()),
-            force: Some(zero_of(solved.force(), solved)),
+            force: Some(solved.force()),
             nodes: last.map(|last| last.nodes),
             iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
             iterations_per_grid: statement.solver.is_nested().then(|| counts.collect()),
@@ -173,11 +173,6 @@ fn cell(value: &Value) -> String {
         }
         other => other.to_string(),
     }
-}
-
-/// A term of the balance of the flux with f, a sum of rounding errors as zero.
-fn zero_of(term: f64, solved: &Solved) -> f64 {
-    if term.abs() <= solved.problem.levels().facts().rounding() { 0.0 } else { term }
 }
 
 /// Name of the end of the spectral solver.

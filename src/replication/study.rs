@@ -170,11 +170,12 @@ impl Study {
 
     /// Columns that mark members in a table for people: the number of warnings if there are any, and the end of the solver
     /// if one has ended without a solution.
-    pub(crate) fn marks(all: &[Numbers]) -> Vec<&'static str> {
+    pub(crate) fn marks(&self, all: &[Numbers]) -> Vec<&'static str> {
         let mut marks = Vec::new();
         let is_no_solution = |of: &Numbers| of.reason().is_some() && of.number("nodes").is_some();
         marks.extend(all.iter().any(is_no_solution).then_some(STOP));
         marks.extend(all.iter().any(|of| !of.warnings().is_empty()).then_some(WARNINGS));
+        marks.retain(|mark| !self.names.iter().any(|name| name == mark));
         marks
     }
 

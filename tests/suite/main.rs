@@ -82,4 +82,5 @@ mod triangulations;
 mod truth;
 mod values;
 mod verdicts;
+mod voices;
 mod whole;

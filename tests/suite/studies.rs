@@ -409,7 +409,7 @@ fn pictures_for_print_have_a_width_and_no_title() {
 }
 
 /// Runs Python with the module of this project and the program that the tests built; none without NumPy.
-fn python(args: &[&str]) -> Option<Output> {
+pub(crate) fn python(args: &[&str]) -> Option<Output> {
     let run = |args: &[&str]| {
         let mut command = Command::new("python3");
         command.args(args).current_dir(ROOT).env("PYTHONDONTWRITEBYTECODE", "1");

@@ -90,8 +90,9 @@ impl Answer {
 
     /// Integral of f: of a true solution over the domain, else over the finest level.
     fn integral(&self) -> f64 {
-        let of_levels = self.solved.problem.levels().facts().integral;
-        self.solved.truth().map_or(of_levels, |found| found.integral)
+        let facts = self.solved.problem.levels().facts();
+        let integral = self.solved.truth().map_or(facts.integral, |found| found.integral);
+        facts.without_rounding(integral)
     }
 
     /// Energy that answers, which has the accuracy of the energy that was asked for.

@@ -220,7 +220,7 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
     let mut head = study.names.clone();
     head.extend(["energy", "error"].map(str::to_owned));
     head.extend(SHOWN[1..].iter().map(|(_, name, _)| (*name).to_owned()));
-    let marks = Study::marks(solved);
+    let marks = study.marks(solved);
     head.extend(marks.iter().map(|&name| name.to_owned()));
     let mut table = Table::new(head, &[]);
     for (member, numbers) in study.members.iter().zip(solved) {

@@ -82,7 +82,9 @@ fn checks(checks: &TrueChecks) -> String {
             }
         }
         TrueChecks::Plane(PlaneChecks { residual, balance, flux, sign, .. }) => {
-            let [flux, sign] = [*flux, *sign].map(|least| plain(least, 2));
+            // Both are relative: what is as small is a rounding error.
+            let zero = |least: f64| if least.abs() < f64::EPSILON { 0.0 } else { least };
+            let [flux, sign] = [*flux, *sign].map(|least| plain(zero(least), 2));
             text += &format!(
                 "checks: least room of the flux {flux}, least value {sign}\n  \
                 zero but for the error: v in contact {residual:.1e}, balance {balance:.1e}"

@@ -300,10 +300,17 @@ fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     Ok(match solve::no_solution(inputs, scene, rule)? {
         _ if title.is_empty() => String::new(),
         Some(end) => format!("{title} ({end})"),
-        None if rule.is_some() && scene.paper_table.is_none() => {
-            format!("{title}, where the rule stops")
+        None => {
+            let mut title = title.clone();
+            if rule.is_some() && scene.paper_table.is_none() {
+                title += ", where the rule stops";
+            }
+            match solve::warnings(inputs, scene)?.len() {
+                0 => title,
+                1 => title + " (a warning)",
+                count => format!("{title} ({count} warnings)"),
+            }
         }
-        None => title.clone(),
     })
 }
 

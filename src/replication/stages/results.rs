@@ -107,7 +107,7 @@ impl Solves {
 /// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
 /// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
-/// all grids but the finest. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
+/// all grids but the finest. `warnings` are those of `solve`, on the finest grid. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
 /// [`Outcome`].
 #[derive(Clone, Debug)]
@@ -211,6 +211,8 @@ struct GridSolve<'a> {
     bounds: Option<Bounds>,
     /// Approximations that the bounds leave out.
     reserve: String,
+    /// Warnings that `solve` gives, on the last grid.
+    warnings: String,
 }
 
 impl GridSolve<'_> {
@@ -249,7 +251,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
             let energies: Vec<f64> =
                 (0..solved.levels.len()).map(|level| solved.energy_on(level)).collect();
             let last_bounds = solved.last_bounds().cloned();
-            let Outcomes { levels, bounds, reserve, iterations, energy, .. } = solved;
+            let Outcomes { levels, bounds, reserve, iterations, energy, warnings, .. } = solved;
             let reserve: Vec<_> = reserve.into_iter().map(Reserve::name).collect();
             let reserve = reserve.join(" ");
             let on_grid = GridSolve {
@@ -261,7 +263,9 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                 energy,
                 bounds: last_bounds.filter(|_| levels.is_empty()),
                 reserve,
+                warnings: if levels.is_empty() { warnings.join("; ") } else { String::new() },
             };
+            let finest = levels.len();
             if levels.is_empty() {
                 solves.push(on_grid);
                 continue;
@@ -277,6 +281,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
                     energy,
                     bounds,
                     reserve,
+                    warnings: if level == finest { warnings.join("; ") } else { String::new() },
                     ..on_grid
                 });
             }
@@ -324,6 +329,9 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "f" => column(solves, |solve| &*solve.scene.f),
         "law" => column(solves, |solve| solve.scene.law_and_parameter().0),
         "law_parameter" => column(solves, |solve| solve.scene.law_and_parameter().1),
+        "warnings" => column(solves, |solve| {
+            (!solve.warnings.is_empty()).then_some(&*solve.warnings)
+        }),
     )
 }
 

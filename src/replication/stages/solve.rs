@@ -360,10 +360,20 @@ pub(super) fn state(
     })
 }
 
-/// Returns the guaranteed bounds of a scene in a sentence with a space behind it; nothing if it has none.
+/// Returns the warnings of a scene under its first rule, with the r that is drawn; those of a published table are in
+/// the book.
+pub(super) fn warnings(inputs: &Inputs, scene: &Scene) -> Result<Vec<String>, String> {
+    let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
+    Ok(if scene.paper_table.is_some() { Vec::new() } else { outcomes.warnings })
+}
+
+/// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has
+/// none.
 pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
-    let Some(bounds) = outcomes.last_bounds() else { return Ok(String::new()) };
+    let warnings = warnings(inputs, scene)?;
+    let warnings: String = warnings.iter().map(|text| format!("Warning: {text}. ")).collect();
+    let Some(bounds) = outcomes.last_bounds() else { return Ok(warnings) };
     let [_, most] = bounds.error;
     let is_sampled = outcomes.reserve.contains(&Reserve::Sampled);
     let mut reserves = String::from(match is_sampled {
@@ -382,7 +392,7 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
         _ => String::new(),
     };
     Ok(format!(
-        "{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
+        "{warnings}{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
         interval(bounds.energy),
         plain(most, 4)
     ))

@@ -132,7 +132,7 @@ impl Tabulated {
         let table = study.table(&all);
         let counted = study.counted(&table, &all);
         let shown = tabulate::with_few_digits(&counted, study.names.len());
-        let marks = Study::marks(&all);
+        let marks = study.marks(&all);
         let mut page = shown.with_columns(|column| study.shows(column) || marks.contains(&column));
         if page.head.is_empty() {
             page = shown.with_columns(|column| study.names.iter().any(|name| name == column));

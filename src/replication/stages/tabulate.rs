@@ -4,6 +4,7 @@ use super::from_json;
 use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::comparison::Row;
+use crate::replication::record::Grouped;
 use crate::replication::scene::Scene;
 use crate::table::{Table, in_markdown};
 use serde::{Deserialize, Serialize};
@@ -106,6 +107,8 @@ struct Tabulated {
     name: String,
     /// In the order of the rows.
     solves: Vec<TabulatedSolve>,
+    /// True for a published table, whose warnings the book explains.
+    is_papers: bool,
 }
 
 /// Solve of which a table has a row, or each level one.
@@ -122,7 +125,8 @@ pub(crate) fn task(scene: &Scene) -> Task {
         solves.push(TabulatedSolve { task, rule: run.map(|run| run.rule) });
     }
     let needs = solves.iter().map(|solve| solve.task.clone()).collect();
-    let tabulated = Tabulated { name: scene.name.clone(), solves };
+    let is_papers = scene.paper_table.is_some();
+    let tabulated = Tabulated { name: scene.name.clone(), solves, is_papers };
     Task::new(id(scene), &tabulated, needs, Tabulated::made).exported_to(FOLDER)
 }
 
@@ -142,7 +146,28 @@ impl Tabulated {
             None => (table.with_columns(|column| USUAL.contains(&column)), String::new()),
             Some(_) => without_ends(&table),
         };
+        let note = note + &self.warnings(inputs)?;
         Ok(files(&self.name, &table, &with_few_digits(&shown, 0), &note))
+    }
+}
+
+impl Tabulated {
+    /// Returns the warnings of the solves, each once in a line.
+    fn warnings(&self, inputs: &Inputs) -> Result<String, String> {
+        let mut warned = Grouped::default();
+        for TabulatedSolve { task, rule } in self.solves.iter().filter(|_| !self.is_papers) {
+            let outcomes: Outcomes = from_json(inputs, task, solve::OUTCOMES)?;
+            let rule = rule.map_or(String::new(), |rule| rule.to_string());
+            let r = outcomes.r.map_or(String::new(), |r| format!(", r = {r}"));
+            for warning in outcomes.warnings {
+                warned.add(warning, format!("{rule}{r}"));
+            }
+        }
+        let line = |(warning, whom): &(String, Vec<String>)| match &whom[0][..] {
+            "" => format!("warning: {warning}\n"),
+            _ => format!("warning ({}): {warning}\n", whom.join("; ")),
+        };
+        Ok(warned.first(usize::MAX).iter().map(line).collect())
     }
 }
 

@@ -167,6 +167,11 @@ pub struct Drawing {
 pub(crate) const ROUNDING: f64 = 1e-12;
 
 impl Facts {
+    /// An integral of f, or a sum that balances one; zero for a sum of rounding errors.
+    pub fn without_rounding(&self, sum: f64) -> f64 {
+        if sum.abs() <= self.rounding() { 0.0 } else { sum }
+    }
+
     /// Bound of the rounding error of the integral of f, and of each sum that balances it.
     pub fn rounding(&self) -> f64 {
         ROUNDING * self.size.abs()

@@ -183,12 +183,14 @@ impl Solved {
         }
     }
 
-    /// Total contact force; under another law than the paper's the flux through all of the boundary.
+    /// Total contact force; under another law than the paper's the flux through all of the boundary. A sum of rounding
+    /// errors is zero.
     pub fn force(&self) -> f64 {
-        match &self.found {
+        let force = match &self.found {
             FoundSolution::Vector(run) => run.judgement.force(),
             FoundSolution::Truth(found) => found.force,
-        }
+        };
+        self.problem.levels().facts().without_rounding(force)
     }
 
     /// Errors of v on the finest level; none if the solution is not known.

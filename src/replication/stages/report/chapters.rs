@@ -241,7 +241,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         // Accuracy of the energy of a true solution, over the energy.
         "accuracy": outcomes.accuracy.map(f64::abs),
         "f": facts.f,
-        "integral_f": facts.integral,
+        "integral_f": facts.without_rounding(facts.integral),
         // The exact solution in LaTeX, if it is known.
         "exact": exact,
         // On the finest level, as `solve` names it.

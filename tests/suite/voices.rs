@@ -1,0 +1,389 @@
+//! One answer in all voices: `solve`, a study, a scene that is run, and Python say the same warnings, failure and remedy.
+
+use crate::common::{Dice, Project, TABLE};
+use crate::studies::python;
+use serde_json::{Value, json};
+use std::fs;
+
+/// What options are called in a scene.
+const AS_KEYS: [(&str, &str); 9] = [
+    ("--load exact --solver multigrid", "load = { rule = \"exact\" }, solver = \"multigrid\""),
+    ("--load exact", "load = { rule = \"exact\" }"),
+    ("--load bilinear", "load = { rule = \"bilinear\" }"),
+    ("--solver multigrid", "solver = \"multigrid\""),
+    ("--solver active-set", "solver = \"active-set\""),
+    ("--stop printed-dual", "stop = [\"printed-dual\"]"),
+    ("--max-iterations", "`max_iterations`"),
+    ("--tolerance 1e-17", "tolerance = 1e-17"),
+    ("another --h", "another `h`"),
+];
+
+/// Statement as options, and as keys of a scene besides f.
+struct Stated {
+    f: String,
+    options: Vec<(&'static str, String)>,
+    keys: String,
+}
+
+impl Stated {
+    /// Statement on the square or, refined so often, on a domain.
+    fn random(dice: &mut Dice) -> Self {
+        let size = dice.between(0.05, 4.0);
+        let peak = |integral: f64| format!("quadrant(ll)=7; else={:.4}", (integral - 1.75) / 0.75);
+        let integral = -size / 100.0;
+        let [cells, times] = [["1/8", "1/16"], ["1", "2"]].map(|of| of[dice.below(2) as usize]);
+        let h = (vec![("h", cells.to_owned())], format!("h = \"{cells}\"\n"));
+        let mut stated = match dice.below(8) {
+            0 => Self::of(peak(integral), h, &[("load", "nodal")]),
+            1 => Self::of(peak(integral / 4.0), h, &[("load", "nodal")]),
+            2 => Self::of(format!("else={size:.4}"), h, &[]),
+            3 => Self::of(format!("else=-{size:.4}"), h, &[("friction", "0.01")]),
+            4 => Self::of(
+                format!("formula({size:.4}*x^2 - 3 + 400*exp(-4000*(x^2+y^2)))"),
+                h,
+                &[("load", "nodal")],
+            ),
+            5 => Self::of(format!("else=-{size:.4}"), h, &[("tolerance", "1e-17")]),
+            6 => Self::of(
+                peak(integral),
+                h,
+                &[("solver", "arrow-hurwicz"), ("load", "nodal"), ("max_iterations", "7")],
+            ),
+            _ => {
+                let refine = (vec![("refine", times.to_owned())], String::new());
+                let f = format!("rect(-1,0,-1,0)={size:.4}; else={:.4}", dice.between(-2.0, 0.5));
+                let mut of = Self::of(f, refine, &[]);
+                of.options.push(("domain", "lshape".into()));
+                of.keys += &format!("domain = {{ name = \"lshape\", refine = {times} }}\n");
+                of
+            }
+        };
+        if dice.below(8) == 0
+            && stated.option("solver").is_none()
+            && stated.option("tolerance").is_none()
+        {
+            stated.options.push(("solver", "active-set".into()));
+            stated.keys = "solver = \"active-set\"\n".to_owned() + &stated.keys;
+        }
+        stated
+    }
+
+    fn of(
+        f: String,
+        (mut options, fineness): (Vec<(&'static str, String)>, String),
+        more: &[(&'static str, &str)],
+    ) -> Self {
+        let (mut keys, mut tables) = (fineness, String::new());
+        for &(name, value) in more {
+            options.push((name, value.into()));
+            match name {
+                "load" => keys += &format!("load = {{ rule = \"{value}\" }}\n"),
+                "friction" => tables += &format!("[law]\nfriction = {value}\n"),
+                "solver" => {
+                    keys += &format!("solver = \"{value}\"\nr = [10]\nstop = [\"printed\"]\n")
+                }
+                _ => keys += &format!("{name} = {value}\n"),
+            }
+        }
+        Self { f, options, keys: keys + &tables }
+    }
+
+    fn option(&self, name: &str) -> Option<&str> {
+        self.options.iter().find(|(known, _)| *known == name).map(|(_, value)| &**value)
+    }
+
+    /// Arguments of `solve`; how fine is the list of a study, if it is `varied`.
+    fn arguments(&self, varied: bool) -> Vec<String> {
+        let mut arguments = vec!["solve".into(), "--json".into(), "--f".into(), self.f.clone()];
+        for (name, value) in &self.options {
+            let option = name.replace('_', "-");
+            let is_list = varied && ["h", "refine"].contains(name);
+            let vary = || format!("--vary={name}={value}");
+            arguments.push(if is_list { vary() } else { format!("--{option}={value}") });
+        }
+        arguments
+    }
+
+    fn scene(&self) -> String {
+        let (top, law) = self.keys.split_once("[law]").unwrap_or((&self.keys, ""));
+        let law = if law.is_empty() { String::new() } else { format!("[law]{law}") };
+        format!("title = \"t\"\nf = \"{}\"\noutputs = [\"table\"]\n{top}{law}", self.f)
+    }
+}
+
+/// What a voice says of a statement.
+#[derive(Debug, PartialEq)]
+struct Spoken {
+    warnings: Value,
+    remedy: Value,
+    /// Reason for which there is no solution.
+    reason: Option<String>,
+}
+
+/// Reason without the name of the problem before it.
+fn bare(text: &str) -> String {
+    let text = text.trim().trim_start_matches("error: ");
+    let known = ["square: ", "lshape: "];
+    known.iter().fold(text, |text, name| text.trim_start_matches(name)).to_owned()
+}
+
+fn with_keys(text: &str) -> String {
+    AS_KEYS.iter().fold(text.to_owned(), |text, (option, key)| text.replace(option, key))
+}
+
+/// Refused statements, and all others, of so many random ones that are said in all voices.
+fn said_in_all_voices(count: u64) -> [usize; 3] {
+    let (project, mut dice, mut kinds) = (Project::with(TABLE), Dice(7), [0; 3]);
+    let (mut calls, mut expected) = (Vec::new(), Vec::new());
+    for number in 0..count {
+        let stated = Stated::random(&mut dice);
+        let run = |arguments: Vec<String>| {
+            project.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+        };
+        let alone = run(stated.arguments(false));
+        let answer: Value = serde_json::from_str(&alone.out).unwrap_or_default();
+        let reason = (alone.code != Some(0)).then(|| bare(alone.err.lines().last().unwrap()));
+        let of_solve = Spoken {
+            warnings: answer.get("warnings").cloned().unwrap_or(json!([])),
+            remedy: answer["remedy"].clone(),
+            reason,
+        };
+        let kind = if answer.is_null() { 0 } else { 1 + usize::from(of_solve.reason.is_none()) };
+        kinds[kind] += usize::from(kind < 2 || of_solve.warnings != json!([]));
+        // What was tried is no remedy.
+        let advice = format!("{:?} {:?}", of_solve.remedy, of_solve.reason);
+        for name in ["solver", "load"] {
+            let tried = stated.option(name).map(|value| format!("--{name} {value}"));
+            assert!(!tried.is_some_and(|tried| advice.contains(&tried)), "{advice}");
+        }
+        let row = run(stated.arguments(true));
+        let row: Value = serde_json::from_str(&row.out).unwrap_or_else(|_| panic!("{row:?}"));
+        let of_study = Spoken {
+            warnings: row["warnings"].clone(),
+            remedy: row["remedy"].clone(),
+            reason: row["reason"].as_str().map(str::to_owned),
+        };
+        assert_eq!(of_study, of_solve, "{:?}", stated.arguments(true));
+        assert_run(&project, number, &stated, &of_solve);
+        let mut options: serde_json::Map<String, Value> =
+            stated.options.iter().map(|(name, value)| ((*name).into(), json!(value))).collect();
+        options.insert("f".into(), json!(stated.f));
+        calls.push(options);
+        let failure = answer["failure"].as_str().map(bare);
+        expected.push(json!([of_solve.warnings, failure.or(of_solve.reason)]));
+    }
+    assert_python(&calls, &expected);
+    kinds
+}
+
+/// Checks what `run` says of a statement.
+fn assert_run(project: &Project, number: u64, stated: &Stated, of_solve: &Spoken) {
+    let name = format!("s{number}");
+    project.scene(&name, &stated.scene());
+    let said = project.run(&["run", &name]);
+    let scene = project.path(&format!("pipeline/scenes/{name}.toml"));
+    let table = fs::read_to_string(project.path(&format!("report/tables/{name}.md")));
+    fs::remove_file(scene).unwrap();
+    match &of_solve.reason {
+        // A run without a solution that has counts keeps them, and names the command that says why.
+        Some(_) if said.code == Some(0) => assert!(said.err.contains("says why"), "{said:?}"),
+        Some(reason) => assert!(said.err.contains(&with_keys(reason)), "{said:?}: {reason}"),
+        None => {
+            let table = table.unwrap_or_else(|_| panic!("{said:?}"));
+            for warning in of_solve.warnings.as_array().unwrap() {
+                let warning = with_keys(warning.as_str().unwrap());
+                assert!(said.err.contains(&warning), "{said:?}: {warning}");
+                assert!(table.contains(&warning), "{table}: {warning}");
+            }
+            let remedy = of_solve.remedy.as_str().map(with_keys).unwrap_or_default();
+            assert!(said.err.contains(&remedy), "{said:?}: {remedy}");
+        }
+    }
+}
+
+/// Checks warnings and failures in Python.
+fn assert_python(calls: &[serde_json::Map<String, Value>], expected: &[Value]) {
+    let program = "import json, sys, signorini\n\
+        for options in json.loads(sys.argv[1]):\n\
+        \x20   try:\n\
+        \x20       answer = signorini.solve(**options)\n\
+        \x20       print(json.dumps([answer.warnings, answer.failure]))\n\
+        \x20   except signorini.Refused as refused: print(json.dumps([[], str(refused)]))\n";
+    let Some(output) = python(&["-c", program, &json!(calls).to_string()]) else { return };
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(text.lines().count(), expected.len(), "{}", String::from_utf8_lossy(&output.stderr));
+    for (line, expected) in text.lines().zip(expected) {
+        let mut said: Value = serde_json::from_str(line).unwrap();
+        if let Some(failure) = said[1].as_str().map(bare) {
+            said[1] = failure.into();
+        }
+        assert_eq!(said, *expected);
+    }
+}
+
+#[test]
+fn all_voices_say_the_same_of_an_answer() {
+    let [refused, failed, warned] = said_in_all_voices(24);
+    assert!(refused > 4 && failed > 0 && warned > 2, "{refused}, {failed}, {warned}");
+}
+
+#[test]
+#[ignore = "takes some minutes; run with --ignored"]
+fn all_voices_say_the_same_of_many_answers() {
+    let [refused, failed, warned] = said_in_all_voices(700);
+    assert!(refused + failed >= 300 && warned > 60, "{refused}, {failed}, {warned}");
+}
+
+/// Line of JSON of a study with one member.
+fn member(arguments: &[&str]) -> Value {
+    let said = Project::with(TABLE).run(&[&["solve", "--json"], arguments].concat());
+    serde_json::from_str(&said.out).unwrap_or_else(|_| panic!("{said:?}"))
+}
+
+#[test]
+fn a_table_marks_members_with_warnings_and_says_each_once() {
+    let project = Project::with(TABLE);
+    let f = "quadrant(ll)=-6; else=1.998";
+    let arguments = [
+        "solve",
+        "--f",
+        f,
+        "--load",
+        "nodal",
+        "--h",
+        "1/16",
+        "--vary",
+        "solver=multigrid,active-set",
+    ];
+    let said = project.run(&arguments);
+    let lines = said.lines();
+    assert!(
+        lines[1].ends_with("warnings") && lines[2].ends_with('1') && lines[3].ends_with('1'),
+        "{said:?}"
+    );
+    assert_eq!(said.out.matches("values at the").count(), 1, "{said:?}");
+    assert!(
+        said.out.contains("warning with solver = multigrid (2 members): the load vector"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn a_member_without_a_solution_keeps_its_counts() {
+    let f = "quadrant(ll)=-6; else=1.998";
+    let method = ["--f", f, "--solver", "arrow-hurwicz", "--load", "nodal", "--r", "0.5"];
+    let row = member(&[&method[..], &["--vary", "h=1/64"]].concat());
+    let project = Project::with(TABLE);
+    let alone = project.run(&[&["solve", "--json", "--h", "1/64"], &method[..]].concat());
+    assert_eq!(alone.code, Some(3), "{alone:?}");
+    let alone = alone.json();
+    for (column, key) in [
+        ("iterations_per_grid", "iterations_per_grid"),
+        ("iterations", "iterations"),
+        ("stop", "stop"),
+        ("energy", "energy"),
+        ("v_least", "v_least"),
+        ("remedy", "remedy"),
+    ] {
+        assert_eq!(row[column], alone[key], "{column}");
+        assert!(!row[column].is_null(), "{column}");
+    }
+    assert_eq!(row["kkt_relative"], alone["kkt"]["relative"]);
+    assert!(
+        row["reason"].as_str().unwrap().contains(bare(alone["failure"].as_str().unwrap()).as_str())
+    );
+}
+
+#[test]
+fn the_length_in_contact_is_that_of_the_arcs_on_every_domain() {
+    let f = "rect(-1,0,-1,0)=3; else=-2";
+    let length = |more: &[&str]| {
+        let row =
+            member(&[&["--domain", "lshape", "--f", f, "--vary", "friction=1"], more].concat());
+        row["contact_length"].as_f64().unwrap()
+    };
+    let (truth, found) = (length(&["--solver", "spectral"]), length(&["--refine", "4"]));
+    assert!((truth - 7.0803).abs() < 1e-3 && (truth - found).abs() < 0.05, "{truth} {found}");
+    let square = |more: &[&str]| {
+        let row = member(
+            &[&["--f", "halfplane(1,0,0)=8; else=-9", "--vary", "friction=1"], more].concat(),
+        );
+        row["contact_length"].as_f64().unwrap()
+    };
+    let (truth, found) = (square(&["--solver", "spectral"]), square(&["--h", "1/128"]));
+    assert!((truth - found).abs() < 0.02, "{truth} {found}");
+}
+
+#[test]
+fn a_picture_and_a_result_say_that_there_are_warnings() {
+    let lines = "title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\nh = \"1/16\"\nload = { rule = \"nodal\" }\n\
+        outputs = [\"table\", \"map\"]\n";
+    let project = Project::with(lines);
+    project.run(&["run"]).lines();
+    let map = fs::read_to_string(project.path("figures/a-map.svg")).unwrap();
+    assert!(
+        map.contains("t (a warning)") && map.contains("Warning: the load vector sums to"),
+        "{map}"
+    );
+    let results = fs::read_to_string(project.path("report/results.csv")).unwrap();
+    assert!(results.lines().nth(1).unwrap().contains("the load vector sums to"), "{results}");
+}
+
+#[test]
+fn sums_of_rounding_errors_are_zero_in_every_voice() {
+    let f = "halfplane(1,0,0)=3; else=-3";
+    let options = ["--domain", "annulus", "--f", f, "--fixed", "inner", "--refine"];
+    let alone = Project::with(TABLE).run(&[&["solve"], &options[..], &["2"]].concat());
+    assert!(alone.lines()[0].ends_with("integral 0"), "{alone:?}");
+    let row = member(&["--f", f, "--friction", "1", "--vary", "h=1/16"]);
+    assert_eq!(row["force"].as_f64(), Some(0.0), "{row}");
+}
+
+#[test]
+fn python_says_what_is_wrong_and_returns_what_is_reached() {
+    let program = "import os, signorini\n\
+        def said(call, *names, **options):\n\
+        \x20   try: print(call(*names, **options))\n\
+        \x20   except signorini.Refused as refused: print(refused)\n\
+        f = 'else=-1'\n\
+        said(signorini.solve, f=f, hh=8)\n\
+        said(signorini.solve, f=f, solver='multgrid')\n\
+        said(signorini.picture, f=f, view='contour')\n\
+        said(signorini.study, {}, f=f)\n\
+        said(signorini.solve, f=f, out='v.svg')\n\
+        partial = signorini.solve(f=f, domain='disc', accuracy=1e-4, most_nodes=500)\n\
+        print(partial.failure[:16], partial.v.shape[0] < 500)\n\
+        print(signorini.study({'solver': 'multigrid'}, f=f, h='1/8')['solver'])\n\
+        print(signorini.study({'R': 0.1}, f='disc(0,0,$R)=1; else=-1', h='1/8')['R'])\n\
+        print(signorini.study({'f': ['else=-1', 'else=-2']}, h='1/8')['f'])\n\
+        print(signorini.study({'grids': ['4,8']}, f=f)['nodes'])\n\
+        at = signorini.solve(f=f, h='1/8', at=[(0.1, 0.2), (0, 0)]).answer['values']\n\
+        print([value['point'] for value in at])\n\
+        print(signorini.solve(f=f, domain='annulus', refine=1, curve={'inner': (0, 0, 0.5)}).failure)\n\
+        os.environ['SIGNORINI'] = '/none'\n\
+        said(signorini.solve, f=f)\n";
+    let Some(output) = python(&["-c", program]) else { return };
+    let text = String::from_utf8(output.stdout).unwrap();
+    let want = [
+        "unexpected argument '--hh' found; tip: a similar argument exists: '--h'",
+        "invalid value 'multgrid' for '--solver <SOLVER>' [possible values: arrow-hurwicz, uzawa, uzawa-proximal, \
+         active-set, multigrid, spectral]; tip: a similar value exists: 'multigrid'",
+        "view 'contour': choose one of map, surface, mesh",
+        "nothing is varied; name an option with its values, as {\"friction\": [0.2, 0.4]}",
+        "out: the answer is returned; leave it out, and write what is returned",
+        "disc: --accuracy True",
+        "['multigrid']",
+        "[0.1]",
+        "['else=-1' 'else=-2']",
+        "[81]",
+        "[[0.1, 0.2], [0.0, 0.0]]",
+        "None",
+        "/none: No such file or directory; name the program by the variable SIGNORINI",
+    ];
+    assert_eq!(
+        text.lines().collect::<Vec<_>>(),
+        want,
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
