@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::identify::Questions;
 
-/// Record of the searches: questions that every run answers again, and results of longer searches.
+/// IdentifiedRecord of the searches: questions that every run answers again, and results of longer searches.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Record {
+pub(crate) struct IdentifiedRecord {
     /// Commit whose program made the longer searches, by their commands: this one tries two values on quadrants only.
     pub program: String,
     /// Questions that the stage `identify` answers.
@@ -77,7 +77,7 @@ pub(crate) struct SearchRecord {
     pub outcome: String,
 }
 
-impl Record {
+impl IdentifiedRecord {
     /// The f that are compared for this table.
     pub(crate) fn alternatives(&self, table: u8) -> &[[f64; 4]] {
         self.problem.iter().find(|p| p.table == table).map_or(&[], |p| &p.alternatives)

@@ -9,31 +9,6 @@ use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::Statement;
 
-/// Columns of the numbers, in their order.
-pub(crate) const COLUMNS: [&str; 21] = [
-    "energy",
-    "energy_lower",
-    "energy_upper",
-    "error_relative",
-    "error_l2",
-    "error_h1",
-    "error_max",
-    "v_least",
-    "v_greatest",
-    "contact_length",
-    "force",
-    "nodes",
-    "iterations",
-    "iterations_per_grid",
-    "stop",
-    "kkt_relative",
-    "solver",
-    "reserve",
-    "warnings",
-    "remedy",
-    "reason",
-];
-
 /// Numbers of a solution, or the reason for which there is none; what a solver does not have is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Numbers {
@@ -137,6 +112,11 @@ impl Numbers {
         self.remedy.as_deref()
     }
 
+    /// True for what is no solution, with the numbers where the solver ended.
+    pub(crate) fn is_no_solution(&self) -> bool {
+        self.reason.is_some() && self.nodes.is_some()
+    }
+
     /// Reason for which there is no solution.
     pub(crate) fn reason(&self) -> Option<&str> {
         self.reason.as_deref()
@@ -181,6 +161,7 @@ pub(crate) const CONVERGED: &str = "converged";
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replication::columns::COLUMNS;
 
     #[test]
     fn every_column_is_a_field() {

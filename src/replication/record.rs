@@ -9,7 +9,7 @@ pub(crate) use judging::{CONTACT_FORCE, FLUX, Judge, load_misses};
 
 use advice::{Remedy, Warning, combined, remedies};
 
-/// What is to be said of an answer besides its numbers.
+/// Warnings and failure of an answer, beside its numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Record {
     pub(crate) warnings: Vec<Warning>,

@@ -1,9 +1,10 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
+use crate::replication::columns::COLUMNS;
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Reading, Refused};
-use crate::replication::numbers::{COLUMNS, Numbers};
+use crate::replication::numbers::Numbers;
 use crate::replication::record::Grouped;
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
@@ -168,12 +169,11 @@ impl Study {
         rows
     }
 
-    /// Columns that mark members in a table for people: the number of warnings if there are any, and the end of the solver
-    /// if one has ended without a solution.
+    /// Columns that mark members in a table for people: the number of warnings if there are any, and the end of the
+    /// solver if one has ended without a solution.
     pub(crate) fn marks(&self, all: &[Numbers]) -> Vec<&'static str> {
         let mut marks = Vec::new();
-        let is_no_solution = |of: &Numbers| of.reason().is_some() && of.number("nodes").is_some();
-        marks.extend(all.iter().any(is_no_solution).then_some(STOP));
+        marks.extend(all.iter().any(Numbers::is_no_solution).then_some(STOP));
         marks.extend(all.iter().any(|of| !of.warnings().is_empty()).then_some(WARNINGS));
         marks.retain(|mark| !self.names.iter().any(|name| name == mark));
         marks

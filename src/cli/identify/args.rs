@@ -2,7 +2,7 @@
 
 use crate::cli::threads;
 use crate::pipeline::error::{Error, Result, from_record};
-use crate::replication::identified::Record;
+use crate::replication::identified::IdentifiedRecord;
 use crate::replication::project::{IDENTIFIED, Project};
 use clap::Args;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -85,7 +85,7 @@ fn tables(args: &IdentifyArgs, project: &Project) -> Result<Vec<Published>> {
             "no published table is in pipeline/paper.toml; add one to explain",
         ));
     }
-    let mut record: Option<Record> = None;
+    let mut record: Option<IdentifiedRecord> = None;
     if let Some(file) = project.files.get(IDENTIFIED) {
         record = Some(from_record(IDENTIFIED, file.bytes()?)?);
     }

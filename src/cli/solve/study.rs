@@ -236,11 +236,12 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
         let error =
             error.map_or_else(String::new, |error| format!("{} %", plain(100.0 * error, 3)));
         cells.insert(1, error);
-        let mark = |name: &&str| match *name {
-            WARNINGS => count_of(numbers),
-            name => numbers.cells(&[name]).concat(),
-        };
-        cells.extend(marks.iter().map(mark));
+        for &mark in &marks {
+            cells.push(match mark {
+                WARNINGS => count_of(numbers),
+                mark => numbers.cells(&[mark]).concat(),
+            });
+        }
         table.rows.push(study.values(member).map(|value| value.to_string()).chain(cells).collect());
     }
     table.with_columns(|_| true)

@@ -8,7 +8,7 @@ use super::lists::{EXAMPLE, MOST_MEMBERS, Varied, product_of, products};
 use super::member::{Member, Varying, in_words};
 use super::names::{is_name, names, with_numbers};
 use super::table::{FIELDS, Field, Reading, Refused, Voice, field, text};
-use crate::replication::numbers::COLUMNS;
+use crate::replication::columns::COLUMNS;
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Args, Command, FromArgMatches};

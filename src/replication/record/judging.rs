@@ -75,7 +75,6 @@ impl Judge<'_> {
     /// Returns the warnings and the failure that follow from the verdict on the finest level.
     fn verdict(self, solved: &Solved, last: &Outcome) -> (Vec<Warning>, Option<Warning>) {
         let grid = solved.problem.name(solved.problem.finest());
-        let closer = || self.closer(solved);
         let failure = match self.judged(last) {
             Verdict::NoSolution => self.no_solution(solved),
             Verdict::CutOff(Stop::Diverged) => return (Vec::new(), self.diverged(solved)),
@@ -84,12 +83,12 @@ impl Judge<'_> {
             }
             Verdict::NotSolved(violation) => Warning::new(
                 format!("the solver stopped as asked on {grid}, but {violation}"),
-                closer(),
+                self.closer(solved),
             ),
             Verdict::Rough => {
                 let relative = last.kkt.relative;
                 let fact = format!("the KKT residual on {grid} is {relative:.2} of the load");
-                return (vec![Warning::new(fact, closer())], None);
+                return (vec![Warning::new(fact, self.closer(solved))], None);
             }
             Verdict::Solved => return (Vec::new(), None),
         };
@@ -177,7 +176,8 @@ impl Judge<'_> {
         Remedy::new(format!("{words}{multigrid}"), multigrid)
     }
 
-    /// Returns advice for a smaller residual; each option in it goes with those that are given, and none has been tried.
+    /// Returns advice for a smaller residual; each option in it goes with those that are given, and none has been
+    /// tried.
     fn closer(self, solved: &Solved) -> Remedy {
         let Statement { solver, saddle, tolerance, .. } = self.statement;
         let tried = solved.run().map(|run| run.solver);

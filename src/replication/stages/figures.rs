@@ -114,6 +114,9 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
         if [Output::Surface, Output::Contact].contains(kind) {
             picture.note = bounds(inputs, scenes)?;
         }
+        if let (Output::Map, [scene]) = (kind, &scenes[..]) {
+            picture.note = solve::warnings_in_words(inputs, scene)?;
+        }
         let caption = KINDS.iter().find(|one| one.output == *kind).map_or("", |one| one.caption);
         let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
         made(inputs, &format!("{caption}: {}", titles.join("; ")), picture)

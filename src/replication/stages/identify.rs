@@ -3,7 +3,7 @@
 use super::{sharing, to_json};
 use crate::pipeline::error::{Error, Result, from_record};
 use crate::pipeline::{Artifacts, Task};
-use crate::replication::identified::Record;
+use crate::replication::identified::IdentifiedRecord;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ pub(super) fn tasks(project: &Project, scenes: &[&Scene]) -> Result<Vec<Task>> {
     asking.extend(scenes.iter().copied().filter(own));
     let file = project.files.get(IDENTIFIED).filter(|_| !asking.is_empty());
     let record = file.map(|file| from_record(IDENTIFIED, file.bytes()?));
-    let record: Option<Record> = record.transpose()?;
+    let record: Option<IdentifiedRecord> = record.transpose()?;
     asking.into_iter().map(|scene| task(project, scene, record.as_ref())).collect()
 }
 
@@ -38,7 +38,7 @@ struct Asked {
     questions: Questions,
 }
 
-fn task(project: &Project, scene: &Scene, record: Option<&Record>) -> Result<Task> {
+fn task(project: &Project, scene: &Scene, record: Option<&IdentifiedRecord>) -> Result<Task> {
     let (Some(table), Some(record)) = (scene.paper_table, record) else {
         return Err(Error::input(format!(
             "scene `{}` asks for `identify`, which needs {}; restore it, or drop the output",

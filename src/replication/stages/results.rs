@@ -107,7 +107,8 @@ impl Solves {
 /// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
 /// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
-/// all grids but the finest. `warnings` are those of `solve`, on the finest grid. `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
+/// all grids but the finest. `warnings` are those of `solve`, on the finest grid.
+/// `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
 /// if its stopping rule was met, even without a solution. The other columns carry the names of the fields of
 /// [`Outcome`].
 #[derive(Clone, Debug)]
@@ -325,13 +326,13 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "kkt_relative" => column(solves, |solve| Some(solve.outcome?.kkt.relative)),
         "published" => column(solves, |solve| solve.published_count(paper)),
         "published_delta_a" => column(solves, |solve| solve.published_delta_a(paper)),
+        "warnings" => column(solves, |solve| {
+            (!solve.warnings.is_empty()).then_some(&*solve.warnings)
+        }),
         "domain" => column(solves, |solve| &*solve.scene.domain),
         "f" => column(solves, |solve| &*solve.scene.f),
         "law" => column(solves, |solve| solve.scene.law_and_parameter().0),
         "law_parameter" => column(solves, |solve| solve.scene.law_and_parameter().1),
-        "warnings" => column(solves, |solve| {
-            (!solve.warnings.is_empty()).then_some(&*solve.warnings)
-        }),
     )
 }
 

@@ -367,12 +367,16 @@ pub(super) fn warnings(inputs: &Inputs, scene: &Scene) -> Result<Vec<String>, St
     Ok(if scene.paper_table.is_some() { Vec::new() } else { outcomes.warnings })
 }
 
+/// Returns these warnings in sentences with a space behind them.
+pub(super) fn warnings_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
+    Ok(warnings(inputs, scene)?.iter().map(|text| format!("Warning: {text}. ")).collect())
+}
+
 /// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has
 /// none.
 pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
-    let warnings = warnings(inputs, scene)?;
-    let warnings: String = warnings.iter().map(|text| format!("Warning: {text}. ")).collect();
+    let warnings = warnings_in_words(inputs, scene)?;
     let Some(bounds) = outcomes.last_bounds() else { return Ok(warnings) };
     let [_, most] = bounds.error;
     let is_sampled = outcomes.reserve.contains(&Reserve::Sampled);

@@ -83,7 +83,8 @@ impl AskedNumbers {
         Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]))
     }
 
-    /// Returns the numbers, or the reason for which there is no solution, in this voice; a mesh is read from these files.
+    /// Returns the numbers, or the reason for which there is no solution, in this voice; a mesh is read from these
+    /// files.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
@@ -172,15 +173,16 @@ pub(crate) fn remarks(
         true => format!("{}/{}", tabulate::FOLDER, tabulate::file(scene)),
         false => format!("`signorini solve {}`", in_shell(&scene.name)),
     };
-    let line = |number, what, says_what| {
-        (number > 0)
-            .then(|| format!("{}: {number} of {count} members {what}; {says_what}", scene.name))
-    };
-    let lines = [
-        line(without, "without a solution", format!("{says} says why")),
-        line(warned, "with warnings", format!("{says} has them")),
-    ];
-    lines.into_iter().flatten().collect()
+    let mut lines = Vec::new();
+    for (number, what, verb) in
+        [(without, "without a solution", "says why"), (warned, "with warnings", "has them")]
+    {
+        if number > 0 {
+            lines
+                .push(format!("{}: {number} of {count} members {what}; {says} {verb}", scene.name));
+        }
+    }
+    lines
 }
 
 /// Draws the chart of a study: a curve for each of the other values that are varied.

@@ -163,11 +163,14 @@ impl Tabulated {
                 warned.add(warning, format!("{rule}{r}"));
             }
         }
-        let line = |(warning, whom): &(String, Vec<String>)| match &whom[0][..] {
-            "" => format!("warning: {warning}\n"),
-            _ => format!("warning ({}): {warning}\n", whom.join("; ")),
-        };
-        Ok(warned.first(usize::MAX).iter().map(line).collect())
+        let mut text = String::new();
+        for (warning, whom) in warned.first(usize::MAX) {
+            text += &match &whom[0][..] {
+                "" => format!("warning: {warning}\n"),
+                _ => format!("warning ({}): {warning}\n", whom.join("; ")),
+            };
+        }
+        Ok(text)
     }
 }
 

@@ -29,7 +29,8 @@ pub enum LoadRule {
         /// Side from which f is taken at a node on a jump.
         #[serde(default)]
         tie: Tie,
-        /// Diagonals that cut the squares into triangles.
+        /// Diagonals that cut the squares into triangles; the usual one unless it is named, as in options.
+        #[serde(default = "usual_diagonal", with = "diagonal_or_none")]
         diagonal: Option<Diagonal>,
     },
     /// The integral itself: exact for constant pieces, degree 5 quadrature for smooth f.
@@ -116,6 +117,39 @@ impl fmt::Display for LoadRule {
 
 /// Word for a nodal rule that cuts no squares.
 const NO_DIAGONAL: &str = "none";
+
+/// The diagonal of a nodal rule that names none.
+#[expect(clippy::unnecessary_wraps, reason = "the field has an option")]
+fn usual_diagonal() -> Option<Diagonal> {
+    Some(Diagonal::default())
+}
+
+/// A diagonal by its name, or [`NO_DIAGONAL`].
+mod diagonal_or_none {
+    use super::{Diagonal, NO_DIAGONAL};
+    use serde::{Deserialize, Deserializer, Serializer, de};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+    pub(super) fn serialize<S: Serializer>(
+        diagonal: &Option<Diagonal>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(diagonal.map_or(NO_DIAGONAL, Diagonal::name))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<Diagonal>, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        match Diagonal::named(&name) {
+            None if name == NO_DIAGONAL => Ok(None),
+            None => Err(de::Error::custom(format!(
+                "unknown diagonal `{name}`; write rising, falling or {NO_DIAGONAL}"
+            ))),
+            known => Ok(known),
+        }
+    }
+}
 
 impl FromStr for LoadRule {
     type Err = String;

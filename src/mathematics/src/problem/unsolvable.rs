@@ -8,7 +8,8 @@ use super::text::{Written, plain};
 pub enum Unsolvable {
     /// The integral of f is not negative, which the paper's law asks for.
     #[error(
-        "the integral of f{} is {}, but the flux through the boundary can only balance a negative one; lower f somewhere{}",
+        "the integral of f{} is {}, but the flux through the boundary can only balance a negative one; lower f \
+         somewhere{}",
         over(*component),
         plain(*integral, 4),
         if *has_parts { ", or fix a part of the boundary" } else { "" }

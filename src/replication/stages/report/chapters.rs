@@ -8,7 +8,7 @@ use crate::pipeline::names::in_shell;
 use crate::replication::comparison::TableComparison;
 use crate::replication::fields::described::described;
 use crate::replication::fields::write;
-use crate::replication::identified::Record;
+use crate::replication::identified::IdentifiedRecord;
 use crate::replication::project::{IDENTIFIED, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::diff::{self, DIFF};
@@ -41,7 +41,7 @@ pub(super) fn context(
         tables.push(from_json(inputs, &diff::id(scene), DIFF)?);
     }
     let text = inputs.file(IDENTIFIED)?.ok_or("no record of the search")?;
-    let record: Record = from_record(IDENTIFIED, text)?;
+    let record: IdentifiedRecord = from_record(IDENTIFIED, text)?;
     let grids: Vec<usize> = problems[0].statement.fineness.cells();
 
     let mut context = Context::new();
