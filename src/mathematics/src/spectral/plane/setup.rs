@@ -126,14 +126,23 @@ impl Setup {
         })
     }
 
-    /// Sets f beside the intervals of a walk.
+    /// Sets f beside the intervals of a walk: on each loop from f beside the interval that is farthest from jumps.
     pub(super) fn set_f(&self, walk: &mut Walk) {
-        for k in 0..walk.intervals.len() {
-            let spot = walk.spot(k, 0, 0.4142 * walk.intervals[k].length, 0.0);
-            let room = self.jumps.edges.iter().map(|edge| edge.arc.curve.distance(spot.z).abs());
-            let step = room.filter(|&room| room > 1e-12).fold(1e-6, f64::min);
-            let z = spot.z + spot.tangent.turned().scaled(0.5 * step);
-            walk.intervals[k].f = self.jumps.psi.source(z);
+        for ring in 0..self.rings.len() {
+            let mut farthest = (-1.0, 0, Complex::default());
+            for (k, own) in walk.intervals.iter().enumerate().filter(|(_, own)| own.ring == ring) {
+                let spot = walk.spot(k, 0, 0.4142 * own.length, 0.0);
+                let edges = self.jumps.edges.iter();
+                let room = edges
+                    .map(|edge| edge.arc.curve.distance(spot.z).abs())
+                    .fold(0.5 * own.length, f64::min);
+                if room > farthest.0 {
+                    let inwards = spot.tangent.turned().scaled(0.5 * room.min(1e-6));
+                    farthest = (room, k, spot.z + inwards);
+                }
+            }
+            let (_, known, z) = farthest;
+            walk.set_f(ring, known, self.jumps.psi.source(z));
         }
     }
 }
