@@ -23,16 +23,16 @@ impl Frame {
         Self { unit: libm::exp2(libm::log2(0.5 * domain.diameter()).round()) }
     }
 
-    pub(super) fn seen(&self, [x, y]: [f64; 2]) -> Complex {
+    pub(super) fn seen(self, [x, y]: [f64; 2]) -> Complex {
         Complex::new(x, y).scaled(1.0 / self.unit)
     }
 
     /// Point with these coordinates.
-    pub(super) fn outside(&self, z: Complex) -> [f64; 2] {
+    pub(super) fn outside(self, z: Complex) -> [f64; 2] {
         z.scaled(self.unit).coordinates()
     }
 
-    fn side(&self, side: &PlaneSide) -> PlaneSide {
+    fn side(self, side: &PlaneSide) -> PlaneSide {
         let Arc { curve, span, ends } = side.arc;
         let curve = Curve {
             origin: self.seen(curve.origin.coordinates()),
@@ -43,12 +43,12 @@ impl Frame {
     }
 
     /// Constant pieces in these coordinates.
-    fn pieces(&self, f: &Source) -> Source {
+    fn pieces(self, f: &Source) -> Source {
         pieces_seen(f, [0.0; 2], self.unit)
     }
 
     /// The problem in these coordinates.
-    pub(super) fn problem(&self, problem: &PlaneProblem) -> PlaneProblem {
+    pub(super) fn problem(self, problem: &PlaneProblem) -> PlaneProblem {
         let loops = problem.domain.loops.iter();
         let domain = PlaneDomain {
             loops: loops.map(|sides| sides.iter().map(|side| self.side(side)).collect()).collect(),
@@ -76,12 +76,12 @@ impl Frame {
     }
 
     /// Place on a side in these coordinates.
-    pub(super) fn place(&self, SidePlace { side, s }: SidePlace) -> SidePlace {
+    pub(super) fn place(self, SidePlace { side, s }: SidePlace) -> SidePlace {
         SidePlace { side, s: s / self.unit }
     }
 
     /// The start in these coordinates.
-    pub(super) fn start(&self, start: &PlaneStart) -> PlaneStart {
+    pub(super) fn start(self, start: &PlaneStart) -> PlaneStart {
         let loops = start.loops.iter().map(|own| LoopStart {
             arcs: own.arcs.iter().map(|ends| ends.map(|place| self.place(place))).collect(),
             gaps: own.gaps.iter().map(|flux| flux / self.unit).collect(),
