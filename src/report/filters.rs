@@ -20,8 +20,8 @@ pub(super) fn register(tera: &mut Tera) {
         with_digits(&grouped(n), &n.to_string())
     });
     tera.register_filter("word", |n: usize, _: Kwargs, _: &State| word(n));
-    tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {
-        equation(kwargs, format!("1/{cells}"), 1.0 / cells as f64)
+    tera.register_filter("step", |cells: f64, kwargs: Kwargs, _: &State| {
+        equation(kwargs, format!("1/{cells}"), 1.0 / cells)
     });
     // For the scripts of a page: text, lists and numbers as JSON; numbers in the form of JavaScript.
     tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));

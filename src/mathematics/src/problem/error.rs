@@ -98,7 +98,8 @@ pub enum SourceError {
     Region(String),
     /// A region that the mesh has not.
     #[error(
-        "f names the region `{name}`, which the mesh has not; its regions are {regions}; where a converter lost the names, save the mesh with Gmsh"
+        "f names the region `{name}`, which the mesh has not; its regions are {regions}; where a converter lost the \
+         names, save the mesh with Gmsh"
     )]
     UnknownRegion {
         /// Name asked for.
