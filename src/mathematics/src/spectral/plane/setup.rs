@@ -3,6 +3,7 @@
 use super::boundary::{PlaneRing, Walk};
 use super::images::{Image, images};
 use super::jumps::PlaneJumps;
+use super::medial::{MedialDisc, medial_discs};
 use super::{PlaneDomain, PlaneError, PlaneProblem};
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
@@ -18,8 +19,8 @@ pub(super) struct Setup {
     pub centre: Complex,
     pub diameter: f64,
     pub perimeter: f64,
-    /// True if the boundary lies before itself, as in a slot.
-    pub narrow: bool,
+    /// Discs outside of the domain between parts of the boundary that lie before each other, as in a slot.
+    pub medial: Vec<MedialDisc>,
 }
 
 /// Resolution.
@@ -36,7 +37,7 @@ pub(super) struct Level {
     pub degree: usize,
     /// Powers of holes.
     pub hole: usize,
-    /// Poles per diameter behind the sides; zero for none.
+    /// Poles on the medial axis outside of the domain, per radius of the discs there; zero for none.
     pub poles: f64,
     /// Gauss points of a panel, and length of the shortest, in halves of an interval.
     pub nodes: usize,
@@ -56,7 +57,7 @@ impl Level {
         image: 2,
         degree: 12,
         hole: 8,
-        poles: 0.0,
+        poles: 2.0,
         nodes: 5,
         shortest: 1e-4,
         found: 1e-5,
@@ -71,7 +72,7 @@ impl Level {
             image: 5,
             degree: 32,
             hole: 16,
-            poles: 0.0,
+            poles: 4.5,
             nodes: 6,
             shortest: 1e-4,
             found: 1e-7,
@@ -84,7 +85,7 @@ impl Level {
             image: 6,
             degree: 44,
             hole: 24,
-            poles: 0.0,
+            poles: 6.0,
             nodes: 6,
             shortest: 1e-4,
             found: 1e-7,
@@ -107,12 +108,6 @@ impl Setup {
         let PlaneProblem { domain, law, source } = problem;
         let jumps = PlaneJumps::new(domain, source)?;
         let (diameter, [[left, right], [low, high]]) = (domain.diameter(), domain.extent());
-        let narrow = domain.loops[0].iter().any(|side| {
-            [0.2, 0.5, 0.8].into_iter().any(|part| {
-                let s = part * side.length();
-                domain.exit(side.point(s), -side.tangent(s).turned()).is_finite()
-            })
-        });
         Ok(Self {
             images: images(domain, &jumps.singular, diameter),
             rings: domain.loops.iter().map(|sides| PlaneRing::new(sides)).collect(),
@@ -122,7 +117,7 @@ impl Setup {
             law: *law,
             jumps,
             diameter,
-            narrow,
+            medial: medial_discs(domain),
         })
     }
 
