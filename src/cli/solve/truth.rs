@@ -86,7 +86,8 @@ fn checks(checks: &TrueChecks) -> String {
             let zero = |least: f64| if least.abs() < f64::EPSILON { 0.0 } else { least };
             let [flux, sign] = [*flux, *sign].map(|least| plain(zero(least), 2));
             text += &format!(
-                "checks: least room of the flux {flux}, least value {sign}\n  \
+                "checks: least distance of the flux to the limits of the law {flux}, \
+                least v of the right sign {sign}\n  \
                 zero but for the error: v in contact {residual:.1e}, balance {balance:.1e}"
             );
         }
