@@ -4,14 +4,12 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::files::is_plain;
 use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles};
-use crate::replication::fields::table::Voice;
+use crate::replication::fields::table::{FOLDER, Voice};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::statement::{Domain, Statement};
 use std::path::Path;
 
-/// Folder of the project from which scenes name their meshes.
-pub(crate) const FOLDER: &str = "pipeline";
 /// Most nodes of a mesh of a scene; the method of the paper takes days on it.
 const MOST_NODES: f64 = 1e7;
 

@@ -148,7 +148,7 @@ fn a_list_of_tables_is_one_product_after_the_other() {
         .collect();
     assert_eq!(pairs, ["1 1/8", "1 1/16", "2 1/4"]);
     let markdown = fs::read_to_string(project.path("report/tables/s.md")).unwrap();
-    assert!(markdown.starts_with("| friction | energy |\n"), "{markdown}");
+    assert!(markdown.starts_with("| friction | energy | warnings |\n"), "{markdown}");
 }
 
 /// Study of so many members.

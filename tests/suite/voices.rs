@@ -29,13 +29,12 @@ impl Stated {
     /// Statement on the square or, refined so often, on a domain.
     fn random(dice: &mut Dice) -> Self {
         let size = dice.between(0.05, 4.0);
-        let peak = |integral: f64| format!("quadrant(ll)=7; else={:.4}", (integral - 1.75) / 0.75);
         let integral = -size / 100.0;
         let [cells, times] = [["1/8", "1/16"], ["1", "2"]].map(|of| of[dice.below(2) as usize]);
         let h = (vec![("h", cells.to_owned())], format!("h = \"{cells}\"\n"));
         let mut stated = match dice.below(8) {
-            0 => Self::of(peak(integral), h, &[("load", "nodal")]),
-            1 => Self::of(peak(integral / 4.0), h, &[("load", "nodal")]),
+            0 => Self::of(peak_with(integral), h, &[("load", "nodal")]),
+            1 => Self::of(peak_with(integral / 4.0), h, &[("load", "nodal")]),
             2 => Self::of(format!("else={size:.4}"), h, &[]),
             3 => Self::of(format!("else=-{size:.4}"), h, &[("friction", "0.01")]),
             4 => Self::of(
@@ -45,7 +44,7 @@ impl Stated {
             ),
             5 => Self::of(format!("else=-{size:.4}"), h, &[("tolerance", "1e-17")]),
             6 => Self::of(
-                peak(integral),
+                peak_with(integral),
                 h,
                 &[("solver", "arrow-hurwicz"), ("load", "nodal"), ("max_iterations", "7")],
             ),
@@ -98,8 +97,8 @@ impl Stated {
         for (name, value) in &self.options {
             let option = name.replace('_', "-");
             let is_list = varied && ["h", "refine"].contains(name);
-            let vary = || format!("--vary={name}={value}");
-            arguments.push(if is_list { vary() } else { format!("--{option}={value}") });
+            let named = if is_list { format!("vary={name}") } else { option };
+            arguments.push(format!("--{named}={value}"));
         }
         arguments
     }
@@ -111,7 +110,12 @@ impl Stated {
     }
 }
 
-/// What a voice says of a statement.
+/// f that is 7 on a quarter of the square, with this integral.
+fn peak_with(integral: f64) -> String {
+    format!("quadrant(ll)=7; else={:.4}", (integral - 1.75) / 0.75)
+}
+
+/// Words of a voice on a statement.
 #[derive(Debug, PartialEq)]
 struct Spoken {
     warnings: Value,
@@ -137,10 +141,10 @@ fn said_in_all_voices(count: u64) -> [usize; 3] {
     let (mut calls, mut expected) = (Vec::new(), Vec::new());
     for number in 0..count {
         let stated = Stated::random(&mut dice);
-        let run = |arguments: Vec<String>| {
+        let [alone, row] = [false, true].map(|varied| {
+            let arguments = stated.arguments(varied);
             project.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
-        };
-        let alone = run(stated.arguments(false));
+        });
         let answer: Value = serde_json::from_str(&alone.out).unwrap_or_default();
         let reason = (alone.code != Some(0)).then(|| bare(alone.err.lines().last().unwrap()));
         let of_solve = Spoken {
@@ -156,7 +160,6 @@ fn said_in_all_voices(count: u64) -> [usize; 3] {
             let tried = stated.option(name).map(|value| format!("--{name} {value}"));
             assert!(!tried.is_some_and(|tried| advice.contains(&tried)), "{advice}");
         }
-        let row = run(stated.arguments(true));
         let row: Value = serde_json::from_str(&row.out).unwrap_or_else(|_| panic!("{row:?}"));
         let of_study = Spoken {
             warnings: row["warnings"].clone(),

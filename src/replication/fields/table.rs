@@ -55,6 +55,9 @@ impl Domains {
     }
 }
 
+/// Folder of the project from which scenes name their meshes.
+pub(crate) const FOLDER: &str = "pipeline";
+
 /// Way in which fields are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Voice {

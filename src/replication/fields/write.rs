@@ -2,7 +2,7 @@
 
 use super::member::Varying;
 use super::table::FIELDS;
-use crate::replication::mesh_files::FOLDER;
+use super::table::FOLDER;
 use crate::replication::output::Output;
 use signorini_mathematics::statement::Statement;
 use std::borrow::Cow;
