@@ -94,7 +94,7 @@ fn scenes_whose_files_are_one_elsewhere_are_refused() {
         let before = project.files("pipeline/scenes");
         let save = format!("--save={name}");
         let said = project.run(&["solve", "--f", "else=-1", "--h", "4", &save]);
-        assert!(said.refusal().contains("give another name, such as plate"), "{name}: {said:?}");
+        assert!(said.refusal().contains(", such as plate"), "{name}: {said:?}");
         assert!(project.files("pipeline/scenes") == before, "{name}");
     }
     project.scene("-x", TABLE);
@@ -146,7 +146,7 @@ fn a_mistake_in_f_is_wrong_input_wherever_it_stands() {
     for f in ["-1", "4", "sin(x)-1", "circle(0,0,1)=2"] {
         let said = project.run(&["solve", "--f", f]);
         let refusal = said.refusal();
-        assert!(refusal.contains("'else=-1' or 'formula(3*x*y - 1.1)'"), "{f}: {said:?}");
+        assert!(refusal.contains("' or 'else=-1'"), "{f}: {said:?}");
     }
     let long = format!("{}else=-1; elsewhere", "disc(0,0,0.1)=1; ".repeat(4000));
     let said = project.run(&["solve", "--f", &long]);
