@@ -188,3 +188,39 @@ fn lines_of_explain_are_short_and_gc_names_what_it_removes() {
     let said = project.run(&["gc"]);
     assert!(said.lines()[0].contains(" records of runs, "), "{said:?}");
 }
+
+#[test]
+fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
+    let parts = include_str!("../../report/templates/parts.tera");
+    let page = "# One\n\n{% <figure fig={fig} alt={title}> %}\nText.\n{% </figure> %}\n\n\
+        <span id=\"made-{{ fig.name | address }}\"></span>[{{ title | text }}](<figures/{{ fig.name | address }}.svg>)\n";
+    for name in ["plate-map", "a b#1?-map", "100%20 \"x\" <b>(1)*&$-map", "größe-map"] {
+        let fig = serde_json::json!({ "name": name, "file": format!("{name}.svg"), "data": format!("figures/{name}.csv"),
+            "width": 600, "height": 400, "command": "signorini run" });
+        let mut context = tera::Context::new();
+        context.insert("fig", &fig);
+        context.insert("title", "*Q* [x](y) $5 `z`");
+        let templates = [("parts.tera", parts), ("one.md.tera", page)];
+        let templates = templates.map(|(name, text)| (name.to_owned(), text.to_owned()));
+        let pages = report::pages(&templates.into(), &context).unwrap();
+        let mut files: std::collections::BTreeMap<String, Vec<u8>> =
+            pages.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
+        files.insert("book.toml".into(), b"title = \"T\"\n".to_vec());
+        files.insert(
+            "src/SUMMARY.md".into(),
+            b"- [One](one.md)\n- [Provenance](provenance.md)\n".to_vec(),
+        );
+        files.insert("src/provenance.md".into(), b"# P\n".to_vec());
+        for ending in ["svg", "csv"] {
+            files.insert(format!("src/figures/{name}.{ending}"), b"<svg/>".to_vec());
+        }
+        let scratch = tempfile::tempdir().unwrap();
+        let book = report::build(&files, scratch.path()).unwrap();
+        let html = String::from_utf8_lossy(&book["one.html"]).into_owned();
+        assert!(html.contains(">Figure 1.1</a>") && html.contains("*Q* [x](y) $5 `z`"), "{html}");
+        for address in html.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            let file = percent_encoding::percent_decode_str(address).decode_utf8().unwrap();
+            assert!(!file.starts_with("figures/") || book.contains_key(&*file), "{address}");
+        }
+    }
+}
