@@ -132,6 +132,7 @@ pub(super) struct PlaneInterval {
 }
 
 /// All of the boundary for one contact set.
+#[cfg_attr(test, derive(Clone))]
 pub(super) struct Walk {
     pub splits: Vec<Split>,
     /// In walking order, loop by loop.

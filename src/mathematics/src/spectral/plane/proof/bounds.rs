@@ -67,7 +67,7 @@ pub(in crate::spectral::plane) fn bracket(setup: &Setup, found: &PlaneFound) -> 
 ///
 /// # Errors
 /// Part that is not proved.
-fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
+pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     /// Halvings of cells where signs are not certain.
     const ROUNDS: usize = 8;
     /// Largest part of f that dv/dn does not balance.

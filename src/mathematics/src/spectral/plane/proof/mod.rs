@@ -187,3 +187,6 @@ fn is_outside(setup: &Setup, fit: &Fit, family: &Family) -> bool {
 fn is_clear(setup: &Setup, z: Complex) -> bool {
     setup.domain.distance(z) > 1e-9 && !setup.domain.holds(z)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,5 @@
+//! Tests of the proof: solutions whose energy is known by other means, as they are and spoilt by known amounts, and
+//! setups that must be refused.
+
+pub(super) mod known;
+pub(super) mod spoilt;
