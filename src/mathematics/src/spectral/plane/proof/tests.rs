@@ -1,5 +1,7 @@
 //! Tests of the proof: solutions whose energy is known by other means, as they are and spoilt by known amounts, and
 //! setups that must be refused.
 
+mod ends;
 pub(super) mod known;
+mod refused;
 pub(super) mod spoilt;

@@ -176,7 +176,7 @@ fn bounds_of_cells_hold_at_many_points_and_are_near_to_the_largest() {
                         wide += bound;
                         narrow += most;
                     }
-                    if constant < 0.0 && largest > 1e-6 && !is_log {
+                    if constant == -2.0 * largest && largest > 1e-6 && !is_log {
                         assert!(deficit.room > 0.3 * largest, "{facts}");
                     }
                 }

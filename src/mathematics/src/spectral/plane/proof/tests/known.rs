@@ -5,6 +5,7 @@ use crate::problem::law::Law;
 use crate::spectral::domain::{PlaneCircle, PlaneDomain, PlaneSide};
 use crate::spectral::plane::boundary::RingContact;
 use crate::spectral::plane::fit::Fit;
+use crate::spectral::plane::polynomial::Polynomial;
 use crate::spectral::plane::problem::{PlaneProblem, PlaneSource};
 use crate::spectral::plane::search::PlaneFound;
 use crate::spectral::plane::setup::{Level, Setup};
@@ -297,6 +298,13 @@ pub(in crate::spectral::plane::proof) fn all_known() -> Vec<KnownEnergy> {
     let half = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.75_f64.sqrt()]];
     let half = vec![polygon(&half, &[Contact, Free, Contact])];
     all.push(known("half triangle", half, one("else=-1"), vec![sticks()], 0.5 * torsion));
+    // v = -(1 - x^2) (1 - y^2).
+    let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let square = vec![polygon(&square, &[Contact; 4])];
+    let f = |[x, y]: [f64; 2]| -2.0 * (2.0 - x * x - y * y);
+    let polynomial = Polynomial::fitted(f, &PlaneDomain::new(square.clone()).unwrap());
+    let source = (papers, PlaneSource::Polynomial(polynomial));
+    all.push(known("square", square, source, vec![sticks()], -128.0 / 45.0));
     let bar = [[0.0, 0.0], [1.5, 0.0], [1.5, 1.0], [0.0, 1.0]];
     let open = vec![polygon(&bar, &[Fixed, Contact, Contact, Contact])];
     all.push(known("bar with gaps", open, one("else=1"), vec![slips(0.0)], -0.25));
