@@ -106,8 +106,9 @@ fn functions_of_corners_and_holes_are_bounded_on_discs() {
     let half = family(vec![Power::plain(0.5)], vec![0.7]);
     let Moduli { value, slope } = half.families[0].moduli(disc, &[one]);
     let most = largest(&half, &[one, Complex::default()], &inside(disc));
+    let least = 1.0 - 1e-12;
     assert!(
-        value >= most.value && slope >= most.slope && slope < 3.0 * most.slope,
+        value >= least * most.value && slope >= most.slope && slope < 3.0 * most.slope,
         "{value} {slope} {most:?}"
     );
     // A tip in the disc.

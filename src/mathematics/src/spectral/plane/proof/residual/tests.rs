@@ -142,7 +142,7 @@ fn distances_are_the_largest_of_all_cells() {
 fn the_flux_is_balanced_and_all_that_is_missed_counts() {
     for (name, powers) in [
         ("disc under friction", &[(1, 0.0935)][..]),
-        ("disc under a limit", &[(2, 0.0468)]),
+        ("disc under a limit", &[(1, 0.0935)]),
         ("bar with gaps", &[(2, 1e-5), (1, 1e-5)]),
         ("bar that slips up", &[(2, 1e-5), (3, 1e-5)]),
         ("gap round a fixed hole", &[(0, 1e-3), (2, 1e-3)]),
@@ -251,13 +251,13 @@ fn check_balance(name: &str, proof: &Proof, samples: &[Sampled], error: f64) {
         found.moved
     );
     // What lies closer to splits than all cells counts in all.
-    let more = Leftover { interval: 0, variation: 1e-4, ..Leftover::of(proof, &samples[0]) };
+    let more = Leftover { interval: 0, variation: 1e-6, ..Leftover::of(proof, &samples[0]) };
     let other = FluxBalance::new(proof, samples, &[more], flux).unwrap();
     assert!(
-        other.missed - found.missed >= 0.99e-4 && other.moved - found.moved >= 0.99e-4,
+        other.missed - found.missed >= 0.99e-6 && other.moved - found.moved >= 0.99e-6,
         "{name}"
     );
-    assert!(other.range - found.range >= 1.99e-4, "{name}");
+    assert!(other.range - found.range >= 1.99e-6, "{name}");
     // And the extension that it asks for is no less than that of a function with this range.
     let cells: Vec<_> = samples.iter().map(|own| own.own).collect();
     let room = Room::new(&proof.fit.walk, &proof.chords, &cells);

@@ -51,7 +51,7 @@ fn brackets_with_ends_of_contact_hold_the_energy_of_the_closed_form() {
             "{bounds:?}"
         );
         assert!(bounds[1] - bounds[0] < 1e-10 * energy.abs(), "{bounds:?}");
-        for (split, c) in ends.iter().zip([1e-5, -1e-6].into_iter().cycle()) {
+        for (split, c) in ends.iter().zip([2e-7, -2e-8].into_iter().cycle()) {
             for turn in [-0.7, 0.7] {
                 let spoiling = Spoiling::Root(*split, 0.2, Complex::unit(turn).scaled(c));
                 let kept = found.fit.clone();
