@@ -141,8 +141,7 @@ fn circles_of_the_density_meet_their_own_piece_alone_whose_slopes_count() {
         let own = solved(name);
         let walk = &own.found.fit.walk;
         let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
-        // Cells in log r of all sizes look alike.
-        let mut cells = proof.cells().unwrap();
+        let cells = proof.cells().unwrap();
         let room = Room::new(walk, &proof.chords, &cells);
         let pieces = pieces(walk);
         let points = points(walk, &cells);
@@ -197,6 +196,5 @@ fn circles_of_the_density_meet_their_own_piece_alone_whose_slopes_count() {
                 "{name}: {own:?} {delta} {nearest}"
             );
         }
-        cells.clear();
     }
 }
