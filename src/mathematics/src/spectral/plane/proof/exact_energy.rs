@@ -17,6 +17,7 @@ use crate::spectral::plane::setup::Setup;
 use crate::spectral::rule::gauss;
 
 /// Energy with a bound of its error.
+#[derive(Default)]
 pub(super) struct BoundedEnergy {
     pub energy: f64,
     pub error: f64,

@@ -73,14 +73,13 @@ fn rounding_errors_count_by_the_derivatives_of_the_energy() {
                         }
                     }
                     let change = (energy(&own, &spoilt, &harmonic) - before).abs();
-                    let empty = BoundedEnergy { energy: 0.0, error: 0.0, terms: 0.0, cells: 1 };
-                    let mut sum = BoundedEnergy { ..empty };
+                    let mut sum = BoundedEnergy::default();
                     for (h, errors) in nodes.iter_mut().zip(&harmonic) {
                         h.errors = errors.errors;
                     }
                     sum.add_rounding(&proof, sampled, &nodes);
                     nodes.iter_mut().for_each(|h| h.errors = [0.0; 2]);
-                    let mut none = BoundedEnergy { ..empty };
+                    let mut none = BoundedEnergy::default();
                     sampled.rounding.fill([0.0; 2]);
                     sampled.psi.fill(PsiErrors::default());
                     none.add_rounding(&proof, sampled, &nodes);

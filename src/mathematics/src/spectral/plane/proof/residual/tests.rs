@@ -35,7 +35,7 @@ fn in_order(proof: &Proof, samples: &[Sampled], ring: usize) -> Vec<usize> {
 
 #[test]
 fn both_ends_of_the_law_are_asked() {
-    let sizes = Sizes { flux: 1.0, value: 1.0, residual: 0.0 };
+    let all_sizes = Sizes { flux: 1.0, value: 1.0, residual: 0.0 };
     // The flux is -1/2 under friction up to 0.6, and 1/2 under a limit of 0.6.
     for (name, sizes) in [("disc under friction", [0.3, -0.3]), ("disc under a limit", [0.3, -0.3])]
     {
@@ -63,7 +63,7 @@ fn both_ends_of_the_law_are_asked() {
                 integral += dense;
             }
             assert!(integral > 0.1, "{name}");
-            assert!(samples.iter().any(|own| uncertain(&proof, own, sizes)), "{name}");
+            assert!(samples.iter().any(|own| uncertain(&proof, own, all_sizes)), "{name}");
         }
     }
     let own = solved("ring that slips down");

@@ -1,12 +1,13 @@
 //! Setups for which the argument does not hold, each with the part that is not proved.
 
-use super::known::{KnownEnergy, all_known, circle, solved};
+use super::known::{KnownEnergy, SolvedKnown, all_known, circle, solved};
 use super::spoilt::Spoiling;
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use crate::spectral::plane::functions::{Family, Power};
 use crate::spectral::plane::proof::Proof;
 use crate::spectral::plane::proof::bounds::proved;
+use crate::spectral::plane::search::PlaneFound;
 use std::f64::consts::PI;
 
 /// Cuts that begin at a point, in a problem that is proved without them.
@@ -140,9 +141,13 @@ fn a_flux_without_room_in_the_law_is_refused() {
 
 #[test]
 fn f_that_the_flux_does_not_balance_is_refused() {
-    for (name, by) in [("disc in contact", 1e-3), ("ring in contact", -1e-3)] {
-        let mut own = solved(name);
-        own.found.integrals.source += by;
-        assert!(proved(&own.setup, &own.found).is_err(), "{name}");
+    for (name, by) in
+        [("disc in contact", 1e-3), ("ring in contact", -1e-3), ("bar with gaps", 1e-3)]
+    {
+        let SolvedKnown { setup, mut found, .. } = solved(name);
+        // f beside one interval is not that of psi.
+        found.fit.walk.intervals[0].f += by;
+        let other = PlaneFound::known(&setup, &found.contact, found.fit);
+        assert!(proved(&setup, &other).is_err(), "{name}");
     }
 }
