@@ -95,6 +95,11 @@ pub(super) struct Distances {
 }
 
 impl Distances {
+    /// Range of W, which is between -delta and delta.
+    pub(super) fn range(&self) -> f64 {
+        2.0 * self.delta
+    }
+
     pub(super) fn new(proof: &Proof, samples: &[Sampled], left: &[Leftover]) -> Self {
         let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
         let (mut delta, mut rooms) = (0.0f64, Vec::with_capacity(samples.len()));

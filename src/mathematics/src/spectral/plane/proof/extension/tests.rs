@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::spectral::plane::proof::Proof;
-use crate::spectral::plane::proof::tests::known::solved;
+use crate::spectral::plane::proof::tests::bench::solved;
 
 /// Names of problems with all kinds of splits and pieces.
-const NAMES: [&str; 7] = [
+const NAMES: [&str; 8] = [
+    "thin bar",
     "disc in contact",
     "ring in contact",
     "half disc",
@@ -78,11 +79,25 @@ fn bounds_next_to_splits_count_each_doubling_of_the_distance_and_the_circles_rou
             };
         }
         assert!(bound > least * (1.0 - 1e-9) && bound < 1.6 * least, "{name}: {bound} {least}");
+        // Without slopes nothing but the range counts, once for each doubling.
+        let flat = vec![0.0; cells.len()];
+        let bound = room.integral(&cells, [range, 0.0], &flat);
+        let mut sum = graded.clone().count() as f64 * 4.0 * PI * range * range;
+        for (own, delta) in cells.iter().zip(&room.deltas) {
+            let (many, length) = match own.cell.is_log {
+                true => (libm::log2(own.cell.span[1] / own.cell.span[0]).ceil(), 1.0),
+                false => (1.0, own.cell.length()),
+            };
+            let density = range / delta;
+            sum += many * density * density * (2.0 * delta * length + PI * delta * delta);
+        }
+        assert!((bound / sum - 1.0).abs() < 1e-9, "{name}: {bound} {sum}");
         // What varies next to splits: interpolated there, and in the range.
         let near = 0.1;
-        let more = room.integral(&cells, [range, near], &slopes);
+        let more = room.integral(&cells, [range, near], &flat);
         let own = graded.map(|split| interpolated(split.angle, 0.25, 4.5)).sum::<f64>();
-        let least = (least.sqrt() + near * own.sqrt()).powi(2);
+        let all = room.integral(&cells, [range + near, 0.0], &flat);
+        let least = (all.sqrt() + near * own.sqrt()).powi(2);
         assert!(more >= least, "{name}: {more} {least}");
     }
 }

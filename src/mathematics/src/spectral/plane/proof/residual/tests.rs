@@ -3,10 +3,11 @@
 use super::*;
 use crate::problem::complex::Complex;
 use crate::spectral::plane::proof::extension::Room;
-use crate::spectral::plane::proof::tests::known::{SolvedKnown, solved};
+use crate::spectral::plane::proof::tests::bench::solved;
+use crate::spectral::plane::proof::tests::known::SolvedKnown;
 use crate::spectral::plane::proof::tests::spoilt::Spoiling;
 
-fn sampled<'a>(own: &'a SolvedKnown) -> (Proof<'a>, Vec<Sampled>) {
+fn sampled(own: &SolvedKnown) -> (Proof<'_>, Vec<Sampled>) {
     let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
     let samples = proof.samples(&proof.cells().unwrap());
     (proof, samples)
@@ -149,6 +150,14 @@ fn the_flux_is_balanced_and_all_that_is_missed_counts() {
     ] {
         let own = spoilt(name, powers);
         let (mut proof, mut samples) = sampled(&own);
+        if name == "gap round a hole" {
+            // Cells so short that errors of all of them are more than one of them has.
+            let mut cells: Vec<_> = samples.iter().map(|own| own.own).collect();
+            for _ in 0..3 {
+                cells = cells.iter().filter_map(|own| proof.halves(*own)).flatten().collect();
+            }
+            samples = proof.samples(&cells);
+        }
         proof.logs = hole_logs(&proof, &samples);
         samples.iter_mut().for_each(|own| proof.add_logs(own));
         for error in [0.0, 1e-6] {

@@ -5,7 +5,8 @@ use crate::problem::complex::Complex;
 use crate::spectral::plane::field::nodes_at;
 use crate::spectral::plane::panels::Spot;
 use crate::spectral::plane::proof::Proof;
-use crate::spectral::plane::proof::tests::known::{SolvedKnown, solved};
+use crate::spectral::plane::proof::tests::bench::solved;
+use crate::spectral::plane::proof::tests::known::SolvedKnown;
 use crate::spectral::plane::proof::tests::spoilt::Spoiling;
 use crate::spectral::rule::gauss;
 use std::f64::consts::TAU;
@@ -84,11 +85,11 @@ fn rounding_errors_at_the_points_are_bounded_between_them() {
         own.rounding.iter_mut().for_each(|errors| errors[which] = error);
         let [lower, upper] = own.bounds(Test::of(quantity), 0.0);
         assert!(upper >= most * error && lower <= -most * error, "{quantity:?}: {upper}");
-        for k in 0..POINTS {
+        for (k, size) in sizes.iter().enumerate() {
             own.rounding.fill([0.0; 2]);
             own.rounding[k][which] = error;
             let [_, upper] = own.bounds(Test::of(quantity), 0.0);
-            assert!(upper >= sizes[k].max(1.0) * error, "{quantity:?} {k}: {upper}");
+            assert!(upper >= size.max(1.0) * error, "{quantity:?} {k}: {upper}");
             let noise = own.noise(quantity) / if which == 1 { own.own.cell.length() } else { 1.0 };
             assert!(noise >= error, "{quantity:?} {k}: {noise}");
         }
@@ -194,6 +195,9 @@ fn positions_that_are_off_count_by_the_slopes_of_what_is_computed() {
     let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
     let unit = f64::EPSILON;
     for sampled in proof.samples(&proof.cells().unwrap()) {
+        let spots: Vec<Spot> = sampled.nodes.iter().map(|node| node.spot).collect();
+        let fit = &proof.fit;
+        let sums = fit.functions.bounded_sums(&fit.all_coefficients(), &spots);
         for (i, node) in sampled.nodes.iter().enumerate() {
             let slope = node.flux.hypot(sampled.slopes[i]);
             // Second derivatives of the power, less those of psi and the rest.
@@ -208,7 +212,12 @@ fn positions_that_are_off_count_by_the_slopes_of_what_is_computed() {
                 "{derivative} {bend}"
             );
             let psi = sampled.psi[i];
-            assert!(value > psi.value && derivative > psi.slope, "{psi:?}");
+            // On top of those of g and psi.
+            let [of_value, of_derivative] = sums[i].errors;
+            let [more, steeper] =
+                [value - of_value - psi.value, derivative - of_derivative - psi.slope];
+            assert!(more >= 1.9 * unit * slope, "{more:e} {slope}");
+            assert!(steeper >= 1.9 * unit * bend, "{steeper:e} {bend}");
         }
         for test in [Test::of(Quantity::Flux), Test::of(Quantity::Slope)] {
             // Largest second derivative along the circle of radius 1.
@@ -229,4 +238,57 @@ fn positions_that_are_off_count_by_the_slopes_of_what_is_computed() {
             assert!(bend >= most - 0.1 && bend < 20.0 * (most + 1.0), "{bend} {most}");
         }
     }
+}
+
+#[test]
+fn moduli_on_ellipses_are_those_at_both_ends() {
+    let own = solved("bar with gaps");
+    let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
+    let mut all = proof.samples(&proof.cells().unwrap());
+    let sampled =
+        all.iter_mut().find(|own| own.own.cell.is_log && own.own.cell.span[0] > 1e-9).unwrap();
+    let (to, [near, far]) = (sampled.own.cell.span[1], sampled.own.cell.distances);
+    sampled.moduli =
+        CellModuli { value: vec![[1.5, 2.0]], slope: vec![[0.5, 2.0]], ..CellModuli::default() };
+    for power in [0.0, 1.0, 3.0] {
+        let scale = |r: f64| libm::pow(r / to, power);
+        for r in [near, (near * far).sqrt(), far] {
+            // 2 r^1.5, and r times the slope 2 r^0.5.
+            let value = 2.0 * libm::pow(r, 1.5) * scale(r);
+            let slope = 2.0 * libm::pow(r, -0.5) * scale(r);
+            let constant = 3.0 * scale(r);
+            let least = 1.0 - 1e-12;
+            assert!(sampled.modulus(Test::of(Quantity::Value), power) >= least * value);
+            assert!(sampled.modulus(Test::of(Quantity::Flux), power) >= least * slope);
+            let shifted = Test { constant: -3.0, ..Test::of(Quantity::Slope) };
+            assert!(sampled.modulus(shifted, power) >= least * (slope + constant));
+        }
+    }
+}
+
+#[test]
+fn moduli_of_functions_of_a_split_hold_at_the_points() {
+    let mut own = solved("ends of contact on a disc");
+    let walk = &own.found.fit.walk;
+    let end = walk.splits.iter().position(|split| split.end.is_some()).unwrap();
+    Spoiling::Root(end, 0.3, Complex::new(50.0, 20.0)).spoil(&mut own.found.fit);
+    let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
+    let mut seen = 0;
+    for sampled in proof.samples(&proof.cells().unwrap()) {
+        let at = own.found.fit.walk.intervals[sampled.own.interval].splits[sampled.own.side];
+        if !sampled.own.cell.is_log || at != end {
+            continue;
+        }
+        seen += 1;
+        for ((node, slope), &r) in sampled.nodes.iter().zip(&sampled.slopes).zip(&sampled.distances)
+        {
+            let sum = |terms: &[[f64; 2]]| {
+                terms.iter().map(|[power, m]| m * libm::pow(r, *power)).sum::<f64>()
+            };
+            let (value, rate) = (sum(&sampled.moduli.value), sum(&sampled.moduli.slope));
+            assert!(value >= node.value.abs(), "{:?}: {value} {}", sampled.own, node.value);
+            assert!(rate >= r * node.flux.hypot(*slope), "{:?}: {rate} {}", sampled.own, node.flux);
+        }
+    }
+    assert!(seen > 4, "{seen}");
 }

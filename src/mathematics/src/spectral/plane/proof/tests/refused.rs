@@ -1,6 +1,7 @@
 //! Setups for which the argument does not hold, each with the part that is not proved.
 
-use super::known::{KnownEnergy, SolvedKnown, all_known, circle, solved};
+use super::bench::{all_known, solved};
+use super::known::{KnownEnergy, SolvedKnown, circle};
 use super::spoilt::Spoiling;
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
