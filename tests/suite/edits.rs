@@ -368,7 +368,7 @@ fn edit_and_check(seed: u64, edits: usize) {
 }
 
 /// Number in the environment.
-fn number(name: &str, usual: u64) -> u64 {
+pub(crate) fn number(name: &str, usual: u64) -> u64 {
     let given = std::env::var(name).ok();
     given.map_or(usual, |text| text.parse().unwrap_or_else(|_| panic!("{name} is no number")))
 }
