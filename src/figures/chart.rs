@@ -130,11 +130,12 @@ pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
     entries
 }
 
-/// Returns the points of all curves but references.
+/// Returns the points of all curves but references, each with the first line of the title of its panel.
 fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
     for Chart { title, axes: [across, up], curves, .. } in panels {
         for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
+            let title = title.lines().next().unwrap_or_default();
             let names = [title, &*across.name, &up.name, &curve.label];
             add(&mut csv, &names, curve.points.iter().map(|&point| point.into()));
         }

@@ -3,11 +3,12 @@
 //!
 //! `SIGNORINI_STUDIES` is the number of random studies, 12 without it; `SIGNORINI_SEED` is the seed of the first.
 
-use crate::common::{Dice, Project, Said, TABLE};
+use crate::common::{Dice, Project, Said, TABLE, interrupt, wait_for_handler};
 use crate::edits::number;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
+use std::process::Stdio;
 
 /// Right-hand sides on any domain in the plane, with their names.
 const TEMPLATES: [(&str, &[&str]); 8] = [
@@ -98,9 +99,11 @@ impl Study {
             {
                 continue;
             }
-            match dice.below(3) {
+            // How fine is always said: the usual meshes take a while.
+            let is_fineness = line == &fields[0];
+            match dice.below(if is_fineness { 2 } else { 3 }) {
                 0 if lists.len() < 3 => lists.push((name, some_of(dice, values))),
-                1 if !is_of_parts => others.push(option(name, one_of(dice, values))),
+                0 | 1 if !is_of_parts => others.push(option(name, one_of::<&str>(dice, values))),
                 _ => {}
             }
         }
@@ -177,10 +180,7 @@ fn check(study: &Study, project: &Project) -> usize {
     let lists: Vec<String> = study
         .lists
         .iter()
-        .map(|(name, values)| {
-            let ended: String = values.iter().map(|value| format!("{value}|")).collect();
-            format!("--vary={name}={ended}")
-        })
+        .map(|(name, values)| format!("--vary={name}={}|", values.join("|")))
         .collect();
     let said = study.solve(project, study.f, &lists);
     let shown = format!("{} {} {:?} {lists:?}", study.domain, study.f, study.others);
@@ -457,4 +457,45 @@ fn a_width_may_be_a_number_and_keys_of_tables_are_told_where_they_belong() {
         let said = scene(line);
         assert!(said.refusal().contains(words), "{line}: {said:?}");
     }
+}
+
+#[test]
+fn columns_have_the_order_in_which_they_are_given() {
+    let project = saved();
+    let path = project.path("pipeline/scenes/s.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, format!("{text}columns = [\"force\", \"h\", \"energy\"]\n")).unwrap();
+    project.run(&["run", "s"]).lines();
+    let table = fs::read_to_string(project.path("report/tables/s.md")).unwrap();
+    assert!(table.starts_with("| force | h | energy |"), "{table}");
+    fs::write(&path, format!("{text}columns = [\"force\", \"force\"]\n")).unwrap();
+    assert!(project.run(&["run", "s"]).refusal().contains("`force` is there twice"));
+}
+
+#[test]
+fn an_interrupted_study_keeps_the_rows_that_it_has() {
+    let project = Project::with(TABLE);
+    let values: Vec<_> = (1..=400).map(|k| format!("{}", 1.0 + f64::from(k) / 1000.0)).collect();
+    let vary = format!("friction={}", values.join(","));
+    let args = [
+        "solve",
+        "--f",
+        "halfplane(1,0,0)=8; else=-9",
+        "--h",
+        "1/256",
+        "--vary",
+        &vary,
+        "--csv",
+        "t.csv",
+    ];
+    let mut command = project.command(&args);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for_handler(&child);
+    interrupt(&child);
+    let said = Said::from(child.wait_with_output().unwrap());
+    assert!(said.code == Some(130) && said.err.contains("finishing what has begun"), "{said:?}");
+    let csv = fs::read_to_string(project.path("t.csv")).unwrap();
+    let interrupted =
+        csv.lines().filter(|row| row.ends_with("interrupted; solve it again")).count();
+    assert!(csv.lines().count() == 401 && interrupted > 0, "{csv}");
 }

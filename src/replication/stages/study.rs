@@ -126,7 +126,7 @@ impl Tabulated {
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
         let shown = tabulate::with_few_digits(&table, study.names.len());
-        let mut page = shown.with_columns(|column| study.shows(column));
+        let mut page = shown.with_columns(|column| study.shows(column)).in_order(&study.columns);
         if page.head.is_empty() {
             page = shown.with_columns(|column| study.names.iter().any(|name| name == column));
         }
