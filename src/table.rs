@@ -85,17 +85,13 @@ impl Table {
 
     /// Returns the table in Markdown, each cell as `shown`: by [`in_markdown`], unless it is Markdown already.
     pub(crate) fn markdown(&self, shown: impl Fn(&str) -> String) -> String {
-        let line = |cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|cell| shown(cell)).collect();
-            format!("| {} |\n", cells.join(" | "))
-        };
-        let mut text = line(&self.head) + "|";
+        let mut text = line_in_markdown(&self.head, &shown) + "|";
         for k in 0..self.head.len() {
             text += if self.left.contains(&k) { "---|" } else { "---:|" };
         }
         text.push('\n');
         for row in &self.rows {
-            text += &line(row);
+            text += &line_in_markdown(row, &shown);
         }
         text
     }
@@ -122,10 +118,22 @@ impl Table {
         kept.retain(|&k| {
             is_wanted(&self.head[k]) && self.rows.iter().any(|row| !row[k].is_empty())
         });
+        self.of(&kept)
+    }
+
+    /// Returns the table with its columns in the order of these names, behind those without.
+    pub(crate) fn in_order(&self, names: &[String]) -> Self {
+        let mut order: Vec<usize> = (0..self.head.len()).collect();
+        order.sort_by_key(|&k| names.iter().position(|name| *name == self.head[k]));
+        self.of(&order)
+    }
+
+    /// Table of these columns, in this order.
+    fn of(&self, kept: &[usize]) -> Self {
         let left = kept.iter().enumerate().filter(|(_, k)| self.left.contains(k));
         Self {
-            head: cells(&self.head, &kept),
-            rows: self.rows.iter().map(|row| cells(row, &kept)).collect(),
+            head: cells(&self.head, kept),
+            rows: self.rows.iter().map(|row| cells(row, kept)).collect(),
             left: left.map(|(place, _)| place).collect(),
         }
     }
@@ -144,6 +152,12 @@ impl Table {
     fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
         Some(&self.head).filter(|head| !head.is_empty()).into_iter().chain(&self.rows)
     }
+}
+
+/// Returns a line of a table in Markdown, each cell as `shown`.
+fn line_in_markdown(cells: &[String], shown: impl Fn(&str) -> String) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| shown(cell)).collect();
+    format!("| {} |\n", cells.join(" | "))
 }
 
 /// Returns some cells of a line.

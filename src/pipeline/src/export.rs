@@ -1,7 +1,7 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
 use super::files::{is_plain, leftovers, read, remove_from};
-use super::place::{is_no_link, own_place, write_own};
+use super::place::{INPUTS, is_no_link, own_place, write_own};
 use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, Task, hash};
 use crate::error::{Error, Result, SCHEMA, conflict, newer};
 use rayon::prelude::*;
@@ -99,15 +99,12 @@ impl<'a> WalkResults<'a> {
         let mut expected = Vec::new();
         for (task, folder) in self.to_run() {
             let name = task.id.rsplit('/').next().unwrap_or_default();
-            let is_own = |artifact: &str| {
-                artifact.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '/']))
-            };
             let artifacts: BTreeSet<String> = match self.store.manifests(&task.id).first() {
                 Some(last) => last.outputs.keys().cloned().collect(),
                 None => {
                     let below = recorded.clone().filter_map(|path| path.strip_prefix(folder));
                     let below = below.filter_map(|path| path.strip_prefix('/'));
-                    below.filter(|artifact| is_own(artifact)).map(str::to_owned).collect()
+                    below.filter(|artifact| bears(artifact, name)).map(str::to_owned).collect()
                 }
             };
             let exports =
@@ -137,6 +134,11 @@ impl<'a> Export<'a> {
     fn new(task: &'a Task, (folder, artifact): (&str, &str), hash: Option<&'a String>) -> Self {
         Self { task, artifact: artifact.into(), path: format!("{folder}/{artifact}"), hash }
     }
+}
+
+/// True if an artifact, a file or in a folder, bears the name of its task.
+fn bears(artifact: &str, name: &str) -> bool {
+    artifact.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '/']))
 }
 
 /// Files to write and to remove so that the project folder has the current artifacts.
@@ -223,7 +225,7 @@ impl Exports {
     }
 
     /// Plans to remove the files that are on record and that no task makes any more. Somebody may have edited a record:
-    /// files outside the folders of exports, those to which a link leads, and inputs of tasks stay.
+    /// files outside the folders of exports, those to which a link leads, and inputs stay.
     fn remove_old(&mut self, project: &Path, results: &WalkResults, locked: &Hashes) -> Result<()> {
         let mut remove = BTreeSet::new();
         // Nearly always the lock file has the exports of today.
@@ -234,6 +236,7 @@ impl Exports {
                 || !FOLDERS.contains(&folder)
                 || !is_plain(path)
                 || !is_no_link(project, path)
+                || INPUTS.iter().any(|inputs| Path::new(path).starts_with(inputs))
                 || results.plan.tasks().iter().any(|task| task.files.contains_key(path))
             {
                 continue;
