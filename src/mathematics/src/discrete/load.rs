@@ -129,7 +129,7 @@ mod diagonal_or_none {
     use super::{Diagonal, NO_DIAGONAL};
     use serde::{Deserialize, Deserializer, Serializer, de};
 
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+    #[expect(clippy::ref_option, clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
     pub(super) fn serialize<S: Serializer>(
         diagonal: &Option<Diagonal>,
         serializer: S,
