@@ -93,40 +93,21 @@ def solve(f: str, **options) -> Solution:
     )
 
 
-<<<<<<< HEAD
 def study(vary: dict, f: str | None = None, **options) -> dict[str, np.ndarray]:
     """Solves one problem for each combination of values, beside each other; returns the table by its columns.
 
     `vary` has the values of options, or of names in f: {"R": [0.1, 0.2]} with f="disc(0,0,$R)=4; else=-1"; f may be
-    one of the options. Where a member has no solution, `reason` says why, and its numbers are nan, or those where the
+    one of the options, and a value of several parts or grids is a list: {"fixed": [["top", "left"], "top"]}. Where a member has no solution, `reason` says why, and its numbers are nan, or those where the
     solver ended; `warnings` has a list of sentences for each member.
     """
     _refuse_out(options)
     words = [] if f is None else ["--f", f]
     for name, values in vary.items():
-        texts = [_text(value) for value in (values if _is_list(values) else [values])]
-        divided = "|".join(texts) + "|" if any("," in text for text in texts) else ",".join(texts)
-        words.append(f"--vary={name}={divided}")
-    if not vary:
-        raise Refused('nothing is varied; name an option with its values, as {"friction": [0.2, 0.4]}')
-    rows = [json.loads(line) for line in _run([*words, *_words(options), "--json"]).splitlines()]
-=======
-def study(vary: dict[str, list], f: str | None = None, **options) -> dict[str, np.ndarray]:
-    """Solves one problem for each combination of values, beside each other; returns the table by its columns.
-
-    `vary` has the values of options, or of names in f: {"R": [0.1, 0.2]} with f="disc(0,0,$R)=4; else=-1", and of f
-    itself if f is not given. A value of several parts or grids is a list: {"fixed": [["top", "left"], "top"]}. Where a
-    member has no solution, its numbers are nan, and `reason` says why.
-    """
-    if not vary:
-        raise Refused("nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)")
-    words = [] if f is None else ["--f", f]
-    for name, values in vary.items():
-        texts = [_value(name, value) for value in ([values] if np.isscalar(values) else values)]
+        texts = [_value(name, value) for value in (values if _is_list(values) else [values])]
         words += ["--vary", f"{name}={''.join(text + '|' for text in texts)}"]
-    lines = _run([*words, *_words(options), "--json"], may_fail=True).splitlines()
-    rows = [json.loads(line) for line in lines]
->>>>>>> main
+    if not vary:
+        raise Refused('nothing is varied; give the values of an option, as in study({"friction": [0.2, 0.4]}, f=F)')
+    rows = [json.loads(line) for line in _run([*words, *_words(options), "--json"]).splitlines()]
     names = [name.replace("-", "_") for name in vary]
     found = [name for name in rows[0] if name not in [*names, "schema"]]
     return {name: _column([row[name] for row in rows]) for name in [*names, *found]}

@@ -4,13 +4,9 @@ use crate::replication::columns::COLUMNS;
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Reading, Refused};
-<<<<<<< HEAD
 use crate::replication::numbers::Numbers;
 use crate::replication::record::Grouped;
-=======
-use crate::replication::numbers::{COLUMNS, Numbers, is_of_bounds};
 use crate::replication::scene::repeated;
->>>>>>> main
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

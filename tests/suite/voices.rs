@@ -403,7 +403,7 @@ fn python_says_what_is_wrong_and_returns_what_is_reached() {
         "invalid value 'multgrid' for '--solver <SOLVER>' [possible values: arrow-hurwicz, uzawa, uzawa-proximal, \
          active-set, multigrid, spectral]; tip: a similar value exists: 'multigrid'",
         "view 'contour': choose one of map, surface, mesh",
-        "nothing is varied; name an option with its values, as {\"friction\": [0.2, 0.4]}",
+        "nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)",
         "out: the answer is returned; leave it out, and write what is returned",
         "disc: --accuracy True",
         "['multigrid']",

@@ -122,20 +122,13 @@ impl<'a> Asked<'a> {
         if let Some(bar) = &bar {
             bar.set_length(self.study.members.len() as u64);
         }
-<<<<<<< HEAD
-        let never = AtomicBool::new(false);
-        let solved = self.study.members.par_iter().map(|member| {
-            let asked = AskedNumbers { statement: member.statement.clone() };
-            let numbers = asked.numbers(self.voice, &self.files, &never);
-=======
         let (_at_work, interrupt) = (at_work(), interrupted());
         let solved = self.study.members.par_iter().map(|Member { statement, .. }| {
-            let asked = AskedNumbers { statement: statement.clone(), with_bounds: true };
+            let asked = AskedNumbers { statement: statement.clone() };
             let numbers = match interrupt.is_asked() {
                 true => Err(Error::Interrupted),
-                false => asked.numbers(&self.files, interrupt.flag()),
+                false => asked.numbers(self.voice, &self.files, interrupt.flag()),
             };
->>>>>>> main
             bar.iter().for_each(|bar| bar.inc(1));
             match numbers {
                 Err(Error::Interrupted) => {

@@ -131,15 +131,14 @@ impl Tabulated {
         let study = &self.study;
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
-<<<<<<< HEAD
         let counted = study.counted(&table, &all);
         let shown = tabulate::with_few_digits(&counted, study.names.len());
         let marks = study.marks(&all);
-        let mut page = shown.with_columns(|column| study.shows(column) || marks.contains(&column));
-=======
-        let shown = tabulate::with_few_digits(&table, study.names.len());
-        let mut page = shown.with_columns(|column| study.shows(column)).in_order(&study.columns);
->>>>>>> main
+        let order =
+            [study.columns.clone(), marks.iter().map(ToString::to_string).collect()].concat();
+        let mut page = shown
+            .with_columns(|column| study.shows(column) || marks.contains(&column))
+            .in_order(&order);
         if page.head.is_empty() {
             page = shown.with_columns(|column| study.names.iter().any(|name| name == column));
         }
@@ -206,13 +205,9 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
             curves.len() - 1
         });
         let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
-<<<<<<< HEAD
         // Numbers where a solver ended without a solution are none of a solution.
         curves[place].1.extend(x.zip(y).filter(|_| numbers.reason().is_none()));
-=======
-        curves[place].1.extend(x.zip(y));
         left_out += usize::from(x.zip(y).is_none() && numbers.reason().is_none());
->>>>>>> main
         reason = reason.or_else(|| numbers.reason().map(str::to_owned));
     }
     for (_, points) in &mut curves {
