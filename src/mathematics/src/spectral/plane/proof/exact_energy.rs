@@ -82,7 +82,7 @@ pub(super) struct Leftover {
     /// Bound of the integrals of the energy there.
     pub integrals: f64,
     /// Bound of the sum of the integrals of the moduli of g and dg/dn.
-    around: f64,
+    pub around: f64,
 }
 
 impl Leftover {
@@ -310,3 +310,6 @@ impl BoundedEnergy {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;
