@@ -217,7 +217,7 @@ fn regions_of_a_file_are_as_shapes_with_their_borders() {
         let energy = |f: String| {
             let solved = statement(domain.clone(), &f).solved(Some(&file));
             let solved = solved.unwrap_or_else(|e| panic!("{f}: {e}"));
-            let note = solved.truth().and_then(|truth| truth.note.clone()).unwrap_or_default();
+            let note = solved.truth().map(|truth| truth.notes.join("; ")).unwrap_or_default();
             let is_round = f.starts_with("region") && domain.name == "disc.msh";
             assert_eq!(note.contains("circle"), is_round, "{f}: {note}");
             solved.energy()

@@ -11,16 +11,16 @@ use super::{
 use crate::discrete::contact::ContactArc;
 use crate::mesh::{Condition, Names, PlaneMesh, boundary_curves, centroid};
 use crate::problem::complex::Complex;
+use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::text::plain;
 
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
 const SIDES: f64 = 20.0;
-/// Largest error of a polynomial in place of f, over the largest value of f.
-const FITTED: f64 = 1e-10;
-/// Error of a polynomial that is rounding alone, over the largest value of f.
-const ROUNDING: f64 = 1e-13;
+/// Distance of the bounds, over the energy, from which on they are wide.
+const WIDE: f64 = 1e-6;
 
 /// True solution on the domain of a mesh.
 pub(crate) struct PlaneTruth {
@@ -83,15 +83,10 @@ impl PlaneTruth {
         self.height * self.height * self.solution.energy
     }
 
-    /// Bounds of the energy.
-    pub(crate) fn bracket(&self) -> [f64; 2] {
-        let PlaneBracket { lower, upper, .. } = self.solution.bracket;
-        [lower, upper].map(|end| self.height * self.height * end)
-    }
-
-    /// True if the bounds rest on samples.
-    pub(crate) fn is_sampled(&self) -> bool {
-        !self.solution.bracket.reserve.is_empty()
+    /// Bounds of the energy, or the step of their proof that does not apply.
+    pub(crate) fn bracket(&self) -> Result<[f64; 2], &'static str> {
+        let PlaneBracket { lower, upper, .. } = self.solution.bracket?;
+        Ok([lower, upper].map(|end| self.height * self.height * end))
     }
 
     /// Integral of dv/dn over the boundary where the law holds.
@@ -119,19 +114,27 @@ impl PlaneTruth {
         self.solution.checks
     }
 
-    /// Remark on f, if what took its place is not f but for rounding.
-    pub(crate) fn note(&self) -> Option<String> {
-        match &self.problem.source {
-            PlaneSource::Polynomial(fitted) if fitted.error > ROUNDING => Some(format!(
-                "f is a polynomial that differs from the formula by {:.1e} of it at most, where looked at",
-                fitted.error
-            )),
-            PlaneSource::Regions(regions) if regions.has_arcs() => Some(
-                "borders of regions along a circle are arcs of it, where elements have polygons"
-                    .into(),
-            ),
-            _ => None,
+    /// Remarks: on borders of regions, and on bounds that are wide.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let PlaneSource::Regions(regions) = &self.problem.source
+            && regions.has_arcs()
+        {
+            let text =
+                "borders of regions along a circle are arcs of it, where elements have polygons";
+            notes.push(text.into());
         }
+        if let Ok(bracket) = self.solution.bracket {
+            let relative = bracket.relative(self.solution.energy);
+            if relative > WIDE {
+                let PlaneBracket { cause, .. } = bracket;
+                let share = plain(100.0 * relative, 2);
+                notes.push(format!(
+                    "the bounds of the energy are {share} % of it apart: mostly {cause}"
+                ));
+            }
+        }
+        notes
     }
 
     /// Distance of a point from the domain.
@@ -278,12 +281,15 @@ fn source(
         if !first.is_smooth() {
             return Ok(PlaneSource::Pieces(in_unit(first, height)));
         }
-        let fitted = Polynomial::fitted(|point| first.at(point) / height, domain);
-        return match fitted.error {
-            error if error <= FITTED => Ok(PlaneSource::Polynomial(fitted)),
-            error => Err(PlaneError::Source(format!(
-                "f is no polynomial, and the nearest is off by {error:.1e} of it"
-            ))),
+        return match first {
+            Source::Formula(formula) => {
+                let f = Polynomial::of_formula(formula, height, domain)?;
+                Ok(PlaneSource::Polynomial(f))
+            }
+            Source::Exact(Known::Square(Exact::Torsion)) => {
+                Ok(PlaneSource::Pieces(Source::constant(first.at([0.0; 2]) / height)))
+            }
+            _ => Err(PlaneError::Source("f is no polynomial in x and y".into())),
         };
     }
     if in_use.iter().any(|&region| f[usize::from(region)].is_smooth()) {

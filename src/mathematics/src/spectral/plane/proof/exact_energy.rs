@@ -13,6 +13,7 @@ use super::samples::Sampled;
 use crate::spectral::jumps::JumpEdge;
 use crate::spectral::plane::boundary::State;
 use crate::spectral::plane::energy::Integrals;
+use crate::spectral::plane::psi::Psi;
 use crate::spectral::plane::setup::Setup;
 use crate::spectral::rule::gauss;
 
@@ -143,17 +144,29 @@ impl BoundedEnergy {
             let far = z.norm().max(2.0 * square.sqrt());
             let by_value = 0.5 * (sign * l + node.psi_flux - 2.0 * q + h.flux).abs() + slope;
             let by_slope = 0.5 * (sign * v - node.psi - h.value).abs();
-            let by_psi = 0.5 * ((l + h.flux).abs() + 0.5 * f * far);
-            let by_psi_slope = 0.5 * ((v + h.value).abs() + f * square);
+            // Of the part of the energy that is an integral of f and psi alone: its derivatives, its terms, its rounding.
+            let [of_psi, of_slope, of_f, rounded] = match &proof.setup.jumps.psi {
+                Psi::Jumps(_) => {
+                    let rest = square * (node.psi_flux.abs() + 0.25 * f * far);
+                    [0.5 * f * far, f * square, f * (0.5 * node.psi.abs() * far + rest), 0.0]
+                }
+                Psi::Polynomial(f) => {
+                    let product = z.norm() * f.product_modulus(z.norm());
+                    let rounding = f.units() * f64::EPSILON * product;
+                    [0.0, 0.0, product, rounding + z.norm() * f.product_error]
+                }
+            };
+            let by_psi = 0.5 * ((l + h.flux).abs() + of_psi);
+            let by_psi_slope = 0.5 * ((v + h.value).abs() + of_slope);
             let terms = v.abs() * (1.5 * l.abs() + 0.5 * node.psi_flux.abs() + q.abs())
-                + 0.5 * node.psi.abs() * (l.abs() + 0.5 * f * far)
-                + 0.5 * f * square * (node.psi_flux.abs() + 0.25 * f * far)
+                + 0.5 * (node.psi.abs() * l.abs() + of_f)
                 + 0.5 * (h.flux * g).abs()
                 + 0.5 * (h.value * rate).abs();
             let error = value * by_value
                 + slope * by_slope
                 + psi.value * by_psi
                 + psi.slope * by_psi_slope
+                + 0.5 * rounded
                 + 0.5 * (h.errors[0] * rate.abs() + h.errors[1] * g.abs())
                 + weights * terms;
             self.error += node.spot.weight * error;
