@@ -8,6 +8,7 @@
 pub(crate) mod described;
 pub(crate) mod keys;
 pub(crate) mod lists;
+pub(crate) mod member;
 mod names;
 pub(crate) mod read;
 pub(crate) mod table;
@@ -27,6 +28,9 @@ use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::Solver;
 use values::{LoadParser, Suggested, prolongation_parser, solver_parser};
 use vary::Vary;
+
+/// Fields about parts of the boundary, by their names.
+const PARTS: [&str; 2] = ["free", "fixed"];
 
 /// Fields that are given.
 #[derive(Args, Clone, Debug, Default, Deserialize)]
@@ -117,7 +121,7 @@ pub(crate) struct DomainFields {
     /// A file, of formats 2.0 to 4.1, holds triangles or tetrahedra; physical groups name regions, for
     /// `region(name)=value` in --f, in quotes if the name has = or ;, and parts of the boundary. In space f is made of
     /// box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and halfspace(a,b,c,d).
-    #[arg(id = "domain", long = "domain", value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
+    #[arg(id = "domain", long = "domain", value_name = "NAME|FILE", hide_possible_values = true,
         value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
     pub name: Option<String>,
     /// Number of refinements of the mesh [default: up to 20 000 nodes]

@@ -58,6 +58,7 @@ mod mesh_loads;
 mod meshes;
 mod multigrid;
 mod pages;
+mod places;
 mod plain_code;
 mod plane;
 mod reading;

@@ -4,7 +4,8 @@
 //! times. Central is the time that the file system itself sets at every change, and that no program can set back. A
 //! copy of a project has other numbers and times, and is read again.
 
-use super::files::{folder_of, hash_if_there, hash_of, read, write_atomically};
+use super::files::{folder_of, hash_if_there, hash_of, read};
+use super::place::write_own;
 use crate::error::Result;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -101,7 +102,7 @@ impl KnownHashes {
         if read(&path).is_ok_and(|there| there == bytes) {
             return Ok(());
         }
-        write_atomically(&path, &bytes)
+        write_own(project, PATH, &bytes)
     }
 
     /// Returns what to note of a file on this device whose last change was before `now`, if it can be read and, where

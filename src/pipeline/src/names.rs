@@ -51,6 +51,19 @@ pub fn found(path: &Path) -> PathBuf {
     place
 }
 
+/// True if two names are one where file names ignore capitals, or write accents the other way.
+pub fn are_alike(one: &str, other: &str) -> bool {
+    composed(one).to_lowercase() == composed(other).to_lowercase()
+}
+
+/// Returns a word of a command as a shell reads it.
+pub fn in_shell(word: &str) -> String {
+    match !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "/._=-".contains(c)) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
 /// Refuses a text with a character that no line of text may have; `what` names the text.
 ///
 /// # Errors

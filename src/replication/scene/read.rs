@@ -6,7 +6,7 @@ use crate::pipeline::error::{Error, Result, from_toml};
 use crate::replication::fields::Fields;
 use crate::replication::fields::table::{Reading, Refused, Voice};
 use crate::replication::output::Output;
-use crate::replication::study::{Member, Study};
+use crate::replication::study::Study;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{SaddleSettings, Solver};
@@ -79,17 +79,16 @@ impl Scene {
                 "the published tables are of one problem each; leave out `vary`, or `paper_table`";
             return Err(Refused::new("vary", text));
         }
-        let (mut study, mut first) = (Study::of(&vary.names), None);
-        for (values, fields) in vary.members.iter().zip(vary.fields(fields, Voice::Keys)?) {
-            let member = Self::of(name, &fields).and_then(Self::of_one_run);
-            let member = member.map_err(|refused| study.refused(values, refused))?;
-            study
-                .members
-                .push(Member { values: values.clone(), statement: member.statement.clone() });
+        let mut first = None;
+        let members = vary.members(fields, Voice::Keys, |fields| {
+            let member = Self::of(name, fields).and_then(Self::of_one_run)?;
+            let statement = member.statement.clone();
             first.get_or_insert(member);
-        }
+            Ok(statement)
+        })?;
         let first =
             first.ok_or_else(|| Refused::new("vary", "`vary` has no members; add values"))?;
+        let mut study = Study::of(&vary.names, members);
         let is_drawn = first.wants(Output::Chart);
         study.chart = is_drawn.then(|| study.axes(fields.chart.as_ref())).transpose()?;
         study.columns = study.columns(fields.columns.as_deref())?;
