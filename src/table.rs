@@ -85,17 +85,13 @@ impl Table {
 
     /// Returns the table in Markdown, each cell as `shown`: by [`in_markdown`], unless it is Markdown already.
     pub(crate) fn markdown(&self, shown: impl Fn(&str) -> String) -> String {
-        let line = |cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|cell| shown(cell)).collect();
-            format!("| {} |\n", cells.join(" | "))
-        };
-        let mut text = line(&self.head) + "|";
+        let mut text = line_in_markdown(&self.head, &shown) + "|";
         for k in 0..self.head.len() {
             text += if self.left.contains(&k) { "---|" } else { "---:|" };
         }
         text.push('\n');
         for row in &self.rows {
-            text += &line(row);
+            text += &line_in_markdown(row, &shown);
         }
         text
     }
@@ -144,6 +140,12 @@ impl Table {
     fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
         Some(&self.head).filter(|head| !head.is_empty()).into_iter().chain(&self.rows)
     }
+}
+
+/// Returns a line of a table in Markdown, each cell as `shown`.
+fn line_in_markdown(cells: &[String], shown: impl Fn(&str) -> String) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| shown(cell)).collect();
+    format!("| {} |\n", cells.join(" | "))
 }
 
 /// Returns some cells of a line.

@@ -22,7 +22,7 @@ mod solve;
 mod status;
 
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::names::composed;
+use crate::pipeline::names::{composed, shortened};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
@@ -246,22 +246,10 @@ fn ended(result: Result<u8>) -> ExitCode {
 
 /// Writes the line on the error that ends the program.
 fn fail(why: &str) {
-    talk(&format!("{}: {}", styled("error", anstyle::AnsiColor::Red), shortened(why)));
-}
-
-/// Returns a text without its middle, if it is long: the beginning names the mistake, the end the remedy.
-fn shortened(text: &str) -> String {
-    /// Number of characters of a text that is printed whole.
-    const LONG: usize = 4000;
-    /// Number of characters at each end that are kept of a longer one.
-    const KEPT: usize = 500;
-    let (start, end) = (text.char_indices().nth(KEPT), text.char_indices().nth_back(KEPT - 1));
-    match (start, end) {
-        (Some((start, _)), Some((end, _))) if text.len() > LONG => {
-            format!("{} ... {}", &text[..start], &text[end..])
-        }
-        _ => text.to_owned(),
-    }
+    /// Characters of an error: the beginning names the mistake, the end the remedy.
+    const MOST: usize = 4000;
+    let why = shortened(why, MOST);
+    talk(&format!("{}: {why}", styled("error", anstyle::AnsiColor::Red)));
 }
 
 fn panicked(panic: &PanicHookInfo) -> String {

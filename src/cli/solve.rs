@@ -17,11 +17,12 @@ mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
-use super::output::{OutputFile, say_json, talk, tell};
+use super::output::{OutputFile, quoted, say_json, talk, tell};
 use crate::figures::Width;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
 use crate::replication::fields::lists::{Varied, varied};
+use crate::replication::scene::Scene;
 use adapting::ShownMeshes;
 use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -31,7 +32,7 @@ use request::Request;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::solvers::{Solver, recovered};
 use signorini_mathematics::statement::Statement;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 #[command(group = ArgGroup::new("problem").args(["scene", "f"]))]
@@ -205,9 +206,20 @@ impl SolveArgs {
     }
 }
 
+/// Returns the scene with this name; whoever names a mesh is told how.
+fn named_scene(name: &str) -> Result<Scene> {
+    super::scene(name).map_err(|e| match e {
+        Error::Unknown(text) if Path::new(name).is_file() => Error::Unknown(format!(
+            "{text}; to solve on the mesh of a file, use --domain {}",
+            quoted(Path::new(name))
+        )),
+        other => other,
+    })
+}
+
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     args.check_problem()?;
-    let scene = args.scene.as_deref().map(super::scene).transpose()?;
+    let scene = args.scene.as_deref().map(named_scene).transpose()?;
     if let Some(asked) = study::Asked::read(args, scene.as_ref())? {
         return study::solve(args, &asked);
     }

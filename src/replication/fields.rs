@@ -43,7 +43,7 @@ pub(crate) struct Fields {
     #[arg(skip)]
     pub paper_table: Option<u8>,
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub f: Option<String>,
     #[command(flatten)]
     #[serde(deserialize_with = "name_or_table")]

@@ -60,11 +60,13 @@ pub fn build(
         );
     };
     let listed = listed(summary)?;
-    let is_missing = |path: &&str| !pages.contains_key(format!("src/{path}").as_str());
-    if let Some(path) = listed.iter().map(|page| page.path.as_str()).find(is_missing) {
-        return Err(format!(
-            "report/templates/SUMMARY.md lists `{path}`, and there is no such file; add it, or take it from the list"
-        ));
+    for path in listed.iter().map(|page| &page.path) {
+        if !pages.contains_key(format!("src/{path}").as_str()) {
+            return Err(format!(
+                "report/templates/SUMMARY.md lists `{path}`, and there is no such file; add it, or take it from the \
+                 list"
+            ));
+        }
     }
     let labels = Labels::of(&pages, &listed)?;
     for name in pages.keys() {

@@ -99,15 +99,12 @@ impl<'a> WalkResults<'a> {
         let mut expected = Vec::new();
         for (task, folder) in self.to_run() {
             let name = task.id.rsplit('/').next().unwrap_or_default();
-            let is_own = |artifact: &str| {
-                artifact.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '/']))
-            };
             let artifacts: BTreeSet<String> = match self.store.manifests(&task.id).first() {
                 Some(last) => last.outputs.keys().cloned().collect(),
                 None => {
                     let below = recorded.clone().filter_map(|path| path.strip_prefix(folder));
                     let below = below.filter_map(|path| path.strip_prefix('/'));
-                    below.filter(|artifact| is_own(artifact)).map(str::to_owned).collect()
+                    below.filter(|artifact| bears(artifact, name)).map(str::to_owned).collect()
                 }
             };
             let exports =
@@ -137,6 +134,11 @@ impl<'a> Export<'a> {
     fn new(task: &'a Task, (folder, artifact): (&str, &str), hash: Option<&'a String>) -> Self {
         Self { task, artifact: artifact.into(), path: format!("{folder}/{artifact}"), hash }
     }
+}
+
+/// True if an artifact, a file or in a folder, bears the name of its task.
+fn bears(artifact: &str, name: &str) -> bool {
+    artifact.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '/']))
 }
 
 /// Files to write and to remove so that the project folder has the current artifacts.

@@ -64,6 +64,16 @@ pub fn in_shell(word: &str) -> String {
     }
 }
 
+/// Returns a text of at most about `most` characters: of a longer one, such as an f of many pieces, without its middle.
+pub fn shortened(text: &str, most: usize) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    if letters.len() <= most {
+        return text.to_owned();
+    }
+    let [start, end] = [&letters[..most / 2], &letters[letters.len() - most / 2..]];
+    format!("{} ... {}", String::from_iter(start), String::from_iter(end))
+}
+
 /// Refuses a text with a character that no line of text may have; `what` names the text.
 ///
 /// # Errors
