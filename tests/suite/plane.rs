@@ -283,6 +283,34 @@ fn values_at_nodes_and_files_are_those_of_the_true_solution() {
 }
 
 #[test]
+fn points_of_the_boundary_lie_in_the_domain() {
+    // v = (|x|^2 - 1) / 4 on the unit disc.
+    for (name, points) in [
+        ("disc", vec![[1.0, 0.0], [-1.0, 0.0], [0.6, 0.8], [-0.28, 0.96]]),
+        (
+            "lshape",
+            vec![[0.0, 0.0], [-1.0, -1.0], [1.0, 0.5], [0.0, -0.5], [-1.0, 0.3], [0.5, 0.0]],
+        ),
+    ] {
+        let solved = statement(Domain::named(name), "else=-1").solved(None).unwrap();
+        let outside = [[1.001, 0.0], [0.9, -0.9]];
+        let all = points.iter().chain(&outside).map(|point| point.to_vec());
+        let values = solved.values_at(&all.collect::<Vec<_>>());
+        let (on, off) = values.split_at(points.len());
+        assert!(off.iter().all(|own| own.v.is_none()), "{off:?}");
+        for own in on {
+            let gradient = own.gradient.clone().unwrap();
+            assert!(
+                own.v == Some(0.0) && gradient.iter().all(|slope| slope.is_finite()),
+                "{own:?}"
+            );
+            let radial = gradient.iter().zip(&own.point).map(|(slope, x)| slope - 0.5 * x);
+            assert!(name != "disc" || radial.into_iter().all(|off| off.abs() < 1e-9), "{own:?}");
+        }
+    }
+}
+
+#[test]
 fn what_is_not_served_gets_one_line() {
     let project = Project::with(TABLE);
     let circle: Vec<_> = (0..100).map(|k| 0.02 * std::f64::consts::PI * f64::from(k)).collect();

@@ -22,6 +22,9 @@ const SIDES: f64 = 20.0;
 /// Distance of the bounds, over the energy, from which on they are wide.
 const WIDE: f64 = 1e-6;
 
+/// Distances from corners, over the length of the side, at which v, and its derivatives, are taken for them.
+const BESIDE: [f64; 2] = [1e-15, 1e-6];
+
 /// True solution on the domain of a mesh.
 pub(crate) struct PlaneTruth {
     /// Unit of f, of dv/dn and of v.
@@ -188,29 +191,44 @@ impl PlaneTruth {
         values.into_iter().map(|v| self.height * v).collect()
     }
 
-    /// v and its gradient at a point; none outside of the domain, or as near to its boundary as rounding errors.
+    /// v and its gradient at a point of the closed domain; in a corner, where the gradient may be infinite, that a
+    /// little beside it; none outside of the domain.
     pub(crate) fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
         let &[x, y] = point else { return None };
-        let is_inside = self.problem.domain.contains([x, y]);
-        is_inside.then(|| {
-            let gradient = self.solution.gradient([x, y]).map(|slope| self.height * slope);
-            (self.height * self.solution.value([x, y]), gradient)
-        })
+        let (domain, z) = (&self.problem.domain, Complex::new(x, y));
+        // Coordinates of points of the boundary are rounded.
+        let (value, seen) = match domain.distance(z) {
+            away if away <= 8.0 * f64::EPSILON * (domain.diameter() + z.norm()) => {
+                let (ring, place) = domain.nearest(z);
+                let beside = self.beside_corners(ring, place, BESIDE[1]);
+                (self.on_boundary([x, y])[0], domain.loops()[ring][beside.side].at(beside.s))
+            }
+            _ if domain.holds(z) => (self.height * self.solution.value([x, y]), [x, y]),
+            _ => return None,
+        };
+        Some((value, self.solution.gradient(seen).map(|slope| self.height * slope)))
+    }
+
+    /// Place no nearer to the ends of its side than this part of it.
+    fn beside_corners(
+        &self,
+        ring: usize,
+        SidePlace { side, s }: SidePlace,
+        part: f64,
+    ) -> SidePlace {
+        let length = self.problem.domain.loops()[ring][side].length();
+        SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) }
     }
 
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
     /// beside it.
     pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
-        /// Distances from corners, over the length of the side, at which v and dv/dn are taken.
-        const BESIDE: [f64; 2] = [1e-15, 1e-6];
         let [x, y] = point;
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
-        let (ring, SidePlace { side, s }) = self.problem.domain.nearest(z);
-        let length = loops[ring][side].length();
-        let [of_value, of_flux] = BESIDE.map(|part| {
-            let place = SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) };
-            self.solution.on_boundary(ring, place)
-        });
+        let (ring, place) = self.problem.domain.nearest(z);
+        let SidePlace { side, s } = place;
+        let [of_value, of_flux] = BESIDE
+            .map(|part| self.solution.on_boundary(ring, self.beside_corners(ring, place, part)));
         let ([value, _], [_, flux]) = (of_value, of_flux);
         // On one of both sides of each condition the number is known without error.
         let law = self.problem.law;

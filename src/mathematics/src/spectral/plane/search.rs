@@ -116,9 +116,11 @@ impl PlaneFound {
 
     /// Reason for which the checks do not pass.
     fn refusal(&self) -> PlaneError {
+        let balance = (self.integrals.force + self.integrals.source).abs();
         PlaneError::NotFound(format!(
-            "a check failed: residual {:.1e} of {:.1e}, integral of f {:.10} against {:.10} by dv/dn",
-            self.sizes.residual, self.sizes.value, self.integrals.source, -self.integrals.force
+            "a check failed: v in contact is zero but for {:.1e} of v, and dv/dn balances f but for {:.1e} of it",
+            share(self.sizes.residual, self.sizes.value),
+            share(balance, self.integrals.force.abs().max(self.sizes.flux))
         ))
     }
 }

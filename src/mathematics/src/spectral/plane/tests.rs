@@ -129,6 +129,33 @@ fn polygons_and_discs_have_the_digits_of_two_levels() {
 }
 
 #[test]
+fn a_formula_of_degree_sixteen_has_a_bracket_that_holds_the_known_energy() {
+    // v = -(1 - x^16)(1 - y^2) is zero on the boundary, and dv/dn is not negative.
+    let domain = polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]);
+    let f = Formula::read("-240*x^14*(1 - y^2) - 2*(1 - x^16)", 2).unwrap();
+    let source = PlaneSource::Polynomial(Polynomial::of_formula(&f, 1.0, &domain).unwrap());
+    let along = 256.0 * 2.0 / 31.0 * 16.0 / 15.0;
+    let across = 8.0 / 3.0 * 2.0 * (1.0 - 2.0 / 17.0 + 1.0 / 33.0);
+    let known: f64 = -0.5 * (along + across);
+    let found = solved(domain, source, &[]);
+    let PlaneBracket { lower, upper, .. } = found.bracket.unwrap();
+    let place = 4.0 * f64::EPSILON * known.abs();
+    assert!(lower <= known + place && known - place <= upper, "{lower} {known} {upper}");
+    assert!((found.value([0.0; 2]) + 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn without_f_nothing_moves_under_friction() {
+    let law = Law::friction(2.0).unwrap();
+    let domain = lshape();
+    let start = start(&domain, &[(&[], 0.0)]);
+    let problem = PlaneProblem { domain, law, source: pieces("else=0") };
+    let found = solve(&problem, &start, &mut Effort::default()).unwrap();
+    let PlaneBracket { lower, upper, .. } = found.bracket.unwrap();
+    assert_eq!([found.energy, lower, upper, found.value([0.5, 0.5])], [0.0; 4]);
+}
+
+#[test]
 fn holes_and_friction_have_the_digits_of_two_levels() {
     let outer = [[-0.5510441, 0.8344761], [0.8789100, 0.4769876]];
     for (condition, energy) in [(Condition::Fixed, -0.693480313), (Condition::Free, -1.042053659)] {
