@@ -1,6 +1,7 @@
 //! Problems on the domains of meshes, solved from their finite element solutions.
 
 use super::fit::Effort;
+use super::frame::Origin;
 use super::outline::outline;
 use super::regions::regions;
 use super::start::MeshSolution;
@@ -29,9 +30,11 @@ const BESIDE: [f64; 2] = [1e-15, 1e-6];
 pub(crate) struct PlaneTruth {
     /// Unit of f, of dv/dn and of v.
     height: f64,
-    /// Domain, f and law in this unit.
+    /// Place from which domain and f are seen.
+    origin: Origin,
+    /// Domain, f and law, seen from there in this unit.
     problem: PlaneProblem,
-    /// Solution in this unit.
+    /// Its solution.
     solution: PlaneSolution,
 }
 
@@ -45,7 +48,8 @@ pub(crate) fn solve_on_mesh(
     law: Law,
 ) -> Result<PlaneTruth, PlaneError> {
     let height = height(mesh, f);
-    let problem = problem(mesh, f, law, height)?;
+    let origin = Origin::of(mesh);
+    let problem = problem(mesh, f, law, (height, origin))?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
     let sides = problem.domain.loops().iter().map(Vec::len).sum::<usize>() as f64;
     let mut effort = Effort::default();
@@ -53,9 +57,9 @@ pub(crate) fn solve_on_mesh(
         // Short sides want short edges.
         let most_nodes = nodes * (sides / SIDES).max(1.0).powi(2);
         let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
-        match solve(&problem, &solution.start(&problem), &mut effort) {
+        match solve(&problem, &solution.start(&problem, origin), &mut effort) {
             Err(failed) => error = failed,
-            Ok(solution) => return Ok(PlaneTruth { height, problem, solution }),
+            Ok(solution) => return Ok(PlaneTruth { height, origin, problem, solution }),
         }
     }
     Err(error)
@@ -66,7 +70,7 @@ pub(crate) fn solve_on_mesh(
 /// # Errors
 /// [`PlaneError`].
 pub(crate) fn check_on_mesh(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), PlaneError> {
-    problem(mesh, f, law, height(mesh, f)).map(|_| ())
+    problem(mesh, f, law, (height(mesh, f), Origin::of(mesh))).map(|_| ())
 }
 
 /// Power of two next to the largest value of f in the middle of a cell, or on a piece: a unit that changes no digit.
@@ -117,19 +121,12 @@ impl PlaneTruth {
         self.solution.checks
     }
 
-    /// Remarks: on borders of regions, and on bounds that are wide.
+    /// Remark on bounds that are wide.
     pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        if let PlaneSource::Regions(regions) = &self.problem.source
-            && regions.has_arcs()
-        {
-            let text =
-                "borders of regions along a circle are arcs of it, where elements have polygons";
-            notes.push(text.into());
-        }
         if let Ok(bracket) = self.solution.bracket {
             let relative = bracket.relative(self.solution.energy);
-            if relative > WIDE {
+            if relative > WIDE && self.solution.energy != 0.0 {
                 let PlaneBracket { cause, .. } = bracket;
                 let share = plain(100.0 * relative, 2);
                 notes.push(format!(
@@ -141,7 +138,8 @@ impl PlaneTruth {
     }
 
     /// Distance of a point from the domain.
-    pub(crate) fn distance(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(crate) fn distance(&self, point: [f64; 2]) -> f64 {
+        let [x, y] = self.origin.seen(point);
         let (domain, z) = (&self.problem.domain, Complex::new(x, y));
         if domain.holds(z) { 0.0 } else { domain.distance(z) }
     }
@@ -167,6 +165,7 @@ impl PlaneTruth {
             let names = lawful.iter().map(|&side| &mesh.parts()[sides[side].part].names);
             let part = Some(Names::all(names));
             let points = [sides[first].at(start), sides[last].at(end)];
+            let points = points.map(|point| self.origin.outside(point));
             let arc = ContactArc::new(points, self.height * force);
             arcs.push(ContactArc { closed: *closed, part, ..arc });
         }
@@ -182,12 +181,14 @@ impl PlaneTruth {
 
     /// Cuts of the functions, from and to.
     pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
-        self.solution.cuts()
+        let cuts = self.solution.cuts().into_iter();
+        cuts.map(|cut| cut.map(|point| self.origin.outside(point))).collect()
     }
 
     /// v at points of the domain.
     pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        let values = self.solution.values(points);
+        let points: Vec<_> = points.iter().map(|point| self.origin.seen(*point)).collect();
+        let values = self.solution.values(&points);
         values.into_iter().map(|v| self.height * v).collect()
     }
 
@@ -195,13 +196,15 @@ impl PlaneTruth {
     /// little beside it; none outside of the domain.
     pub(crate) fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
         let &[x, y] = point else { return None };
-        let (domain, z) = (&self.problem.domain, Complex::new(x, y));
+        let (domain, size) = (&self.problem.domain, x.hypot(y));
+        let [x, y] = self.origin.seen([x, y]);
+        let z = Complex::new(x, y);
         // Coordinates of points of the boundary are rounded.
         let (value, seen) = match domain.distance(z) {
-            away if away <= 8.0 * f64::EPSILON * (domain.diameter() + z.norm()) => {
+            away if away <= 8.0 * f64::EPSILON * (domain.diameter() + size) => {
                 let (ring, place) = domain.nearest(z);
                 let beside = self.beside_corners(ring, place, BESIDE[1]);
-                (self.on_boundary([x, y])[0], domain.loops()[ring][beside.side].at(beside.s))
+                (self.seen_on_boundary([x, y])[0], domain.loops()[ring][beside.side].at(beside.s))
             }
             _ if domain.holds(z) => (self.height * self.solution.value([x, y]), [x, y]),
             _ => return None,
@@ -223,7 +226,11 @@ impl PlaneTruth {
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
     /// beside it.
     pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
-        let [x, y] = point;
+        self.seen_on_boundary(self.origin.seen(point))
+    }
+
+    /// That at a point in the coordinates of the problem.
+    fn seen_on_boundary(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
         let (ring, place) = self.problem.domain.nearest(z);
         let SidePlace { side, s } = place;
@@ -256,7 +263,7 @@ impl PlaneTruth {
     }
 }
 
-/// Returns the problem on the domain of a mesh, in a unit of f.
+/// Returns the problem on the domain of a mesh, in a unit of f and seen from a place.
 ///
 /// # Errors
 /// [`PlaneError`] if the boundary is neither straight nor on circles, or f is of a kind that is not served.
@@ -264,44 +271,46 @@ fn problem(
     mesh: &PlaneMesh,
     f: &[Source],
     law: Law,
-    height: f64,
+    (height, origin): (f64, Origin),
 ) -> Result<PlaneProblem, PlaneError> {
-    let circles: Vec<_> = mesh.parts().iter().map(|part| part.curve).collect();
+    let seen = origin.mesh(mesh);
+    let circles: Vec<_> = seen.parts().iter().map(|part| part.curve).collect();
     let mut loops = Vec::new();
-    for curve in boundary_curves(mesh) {
+    for curve in boundary_curves(&seen) {
         loops.push(outline(&curve, &circles)?);
     }
     let domain = PlaneDomain::new(loops)?;
-    let source = source(mesh, f, &domain, height)?;
+    let source = source(&seen, f, &domain, (height, origin))?;
     let [lo, hi] = [law.lo(), law.hi()].map(|flux| flux / height);
     Ok(PlaneProblem { domain, law: Law::new(lo, hi).unwrap_or(law), source })
 }
 
-/// Returns constant pieces in a unit of f.
-fn in_unit(f: &Source, height: f64) -> Source {
-    let Source::Pieces { background, pieces } = f else { return f.clone() };
-    let pieces = pieces.iter().map(|(shape, value)| (*shape, value / height));
+/// Returns constant pieces in a unit of f, seen from a place.
+fn in_unit(f: &Source, (height, origin): (f64, Origin)) -> Source {
+    let Source::Pieces { background, pieces } = origin.pieces(f) else { return f.clone() };
+    let pieces = pieces.into_iter().map(|(shape, value)| (shape, value / height));
     Source::Pieces { background: background / height, pieces: pieces.collect() }
 }
 
-/// Returns f as the solver takes it.
+/// Returns f, on a mesh that is seen from a place, as the solver takes it.
 fn source(
     mesh: &PlaneMesh,
     f: &[Source],
     domain: &PlaneDomain,
-    height: f64,
+    unit: (f64, Origin),
 ) -> Result<PlaneSource, PlaneError> {
+    let (height, _) = unit;
     let mut in_use = mesh.regions().to_vec();
     in_use.sort_unstable();
     in_use.dedup();
     let first = &f[usize::from(in_use[0])];
     if in_use.iter().all(|&region| f[usize::from(region)] == *first) {
         if !first.is_smooth() {
-            return Ok(PlaneSource::Pieces(in_unit(first, height)));
+            return Ok(PlaneSource::Pieces(in_unit(first, unit)));
         }
         return match first {
             Source::Formula(formula) => {
-                let f = Polynomial::of_formula(formula, height, domain)?;
+                let f = Polynomial::of_formula(formula, unit, domain)?;
                 Ok(PlaneSource::Polynomial(f))
             }
             Source::Exact(Known::Square(Exact::Torsion)) => {
@@ -314,6 +323,6 @@ fn source(
         let text = "f has a formula on one region beside another f on the next".into();
         return Err(PlaneError::Source(text));
     }
-    let pieces: Vec<Source> = f.iter().map(|f| in_unit(f, height)).collect();
+    let pieces: Vec<Source> = f.iter().map(|f| in_unit(f, unit)).collect();
     Ok(PlaneSource::Regions(regions(mesh, pieces)?))
 }

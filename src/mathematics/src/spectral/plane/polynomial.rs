@@ -1,7 +1,7 @@
 //! Polynomial right-hand sides, with psi and the integrals of both.
 
 use super::expansion::{Expansion, expanded};
-use super::frame::Frame;
+use super::frame::{Frame, Origin};
 use super::{PlaneDomain, PlaneError};
 use crate::problem::complex::Complex;
 use crate::problem::formula::Formula;
@@ -32,13 +32,13 @@ pub(crate) struct Polynomial {
 }
 
 impl Polynomial {
-    /// Polynomial that a formula is, over a power of two, in the frame of a domain.
+    /// Polynomial that a formula is, over a power of two, in the frame of a domain that is seen from an origin.
     ///
     /// # Errors
     /// [`PlaneError::Source`] if it is none, or of too high a degree.
     pub(crate) fn of_formula(
         formula: &Formula,
-        height: f64,
+        (height, Origin([x, y])): (f64, Origin),
         domain: &PlaneDomain,
     ) -> Result<Self, PlaneError> {
         let frame = Frame::of(domain);
@@ -46,7 +46,7 @@ impl Polynomial {
         let seen = xs.into_iter().flat_map(|x| ys.map(|y| frame.seen([x, y]).norm()));
         // Arcs are seen in a hundred points.
         let radius = 1.01 * seen.fold(0.0, f64::max);
-        let expansion = Expansion { origin: frame.origin, unit: frame.unit, radius };
+        let expansion = Expansion { origin: Complex::new(x, y), unit: frame.unit, radius };
         let (f, error) = expanded(formula, &expansion).map_err(PlaneError::Source)?;
         let f = f.weighted(|_, _| 1.0 / height);
         Ok(Self::new(f, error / height, radius))
@@ -245,8 +245,10 @@ mod tests {
     use super::super::tests::square;
     use super::*;
 
+    const UNIT: (f64, Origin) = (1.0, Origin([0.0; 2]));
+
     fn polynomial(text: &str) -> Polynomial {
-        Polynomial::of_formula(&Formula::read(text, 2).unwrap(), 1.0, &square()).unwrap()
+        Polynomial::of_formula(&Formula::read(text, 2).unwrap(), UNIT, &square()).unwrap()
     }
 
     #[test]
@@ -306,7 +308,7 @@ mod tests {
             ("(x^9*y)^1000", "degree 10000"),
         ] {
             let formula = Formula::read(text, 2).unwrap();
-            let Err(error) = Polynomial::of_formula(&formula, 1.0, &square()) else {
+            let Err(error) = Polynomial::of_formula(&formula, UNIT, &square()) else {
                 panic!("{text}")
             };
             assert!(error.to_string().contains(words), "{error}");
@@ -315,12 +317,13 @@ mod tests {
 
     #[test]
     fn the_error_of_an_expansion_is_bounded_far_from_the_origin_too() {
-        let far = super::super::tests::polygon(&[[1e3, 0.0], [1001.0, 0.0], [1001.0, 1.0]]);
+        let far = super::super::tests::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
         let formula = Formula::read("(x - 1000)^8 - y/3", 2).unwrap();
-        let f = Polynomial::of_formula(&formula, 1.0, &far).unwrap();
+        let origin = Origin([1000.0, 0.0]);
+        let f = Polynomial::of_formula(&formula, (1.0, origin), &far).unwrap();
         let frame = Frame::of(&far);
         for point in [[1000.1, 0.05], [1000.75, 0.5], [1001.0, 1.0]] {
-            let off = (f.value(frame.seen(point)) - formula.at(&point)).abs();
+            let off = (f.value(frame.seen(origin.seen(point))) - formula.at(&point)).abs();
             assert!(off <= f.error + 1e-14 && f.error < 1e-9, "{off} {}", f.error);
         }
     }

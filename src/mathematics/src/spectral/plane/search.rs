@@ -82,9 +82,9 @@ impl PlaneFound {
         if self.level.degree == finest.degree {
             return None;
         }
-        let level = Level { poles: self.level.poles, ..finest };
         let mut contact = self.contact.clone();
-        let found = Self::on(setup, &mut contact, level, &mut Effort::default(), POINTS[1]).ok()?;
+        let found =
+            Self::on(setup, &mut contact, finest, &mut Effort::default(), POINTS[1]).ok()?;
         let steps = self.steps + found.steps;
         (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
@@ -149,16 +149,13 @@ pub(super) fn search(
     effort: &mut Effort,
 ) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
-    let poles = if setup.narrow { 12.0 } else { 0.0 };
     let first = contact.clone();
-    let coarse =
-        PlaneFound::on(setup, &mut contact, Level { poles, ..Level::COARSE }, effort, POINTS[0]);
+    let coarse = PlaneFound::on(setup, &mut contact, Level::COARSE, effort, POINTS[0]);
     // What is not found on a coarse level may be on a fine one.
     contact = coarse.map_or(first, |found| found.contact);
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
-        let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
-        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, effort, POINTS[1]) {
+        match PlaneFound::on(setup, &mut contact, level, effort, POINTS[1]) {
             Ok(found) => {
                 let better =
                     best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());

@@ -57,13 +57,7 @@ pub(in crate::spectral::plane) fn bracket(
 ) -> Result<PlaneBracket, &'static str> {
     /// Halvings of cells where signs are not certain.
     const ROUNDS: usize = 8;
-    /// Largest part of f that dv/dn does not balance.
-    const BALANCED: f64 = 1e-7;
     let fit = &found.fit;
-    let balance = (found.integrals.force + found.integrals.source).abs();
-    if balance > BALANCED * found.sizes.flux * setup.perimeter {
-        return Err("the balance of the flux with f");
-    }
     let mut proof = Proof::new(setup, fit)?;
     let mut samples = proof.samples(&proof.cells()?);
     proof.logs = hole_logs(&proof, &samples);
