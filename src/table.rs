@@ -118,10 +118,22 @@ impl Table {
         kept.retain(|&k| {
             is_wanted(&self.head[k]) && self.rows.iter().any(|row| !row[k].is_empty())
         });
+        self.of(&kept)
+    }
+
+    /// Returns the table with its columns in the order of these names, behind those without.
+    pub(crate) fn in_order(&self, names: &[String]) -> Self {
+        let mut order: Vec<usize> = (0..self.head.len()).collect();
+        order.sort_by_key(|&k| names.iter().position(|name| *name == self.head[k]));
+        self.of(&order)
+    }
+
+    /// Table of these columns, in this order.
+    fn of(&self, kept: &[usize]) -> Self {
         let left = kept.iter().enumerate().filter(|(_, k)| self.left.contains(k));
         Self {
-            head: cells(&self.head, &kept),
-            rows: self.rows.iter().map(|row| cells(row, &kept)).collect(),
+            head: cells(&self.head, kept),
+            rows: self.rows.iter().map(|row| cells(row, kept)).collect(),
             left: left.map(|(place, _)| place).collect(),
         }
     }

@@ -19,7 +19,7 @@ pub(crate) mod write;
 use crate::figures::Print;
 use crate::replication::output::Output;
 use clap::{ArgAction, Args};
-use keys::{ChartFields, curves, law, name_or_table};
+use keys::{ChartFields, curves, law, name_or_table, width};
 use serde::Deserialize;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
@@ -55,6 +55,7 @@ pub(crate) struct Fields {
     ///
     /// 0.00390625, and 256 cells per side, are the same width.
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
+    #[serde(deserialize_with = "width")]
     pub h: Option<String>,
     /// Cells per side of the nested grids of the square, coarsest first, as 4,8,16 [default: the scene's, or all of h]
     #[arg(long, value_name = "N,..", hide_short_help = true, value_delimiter = ',', num_args = 1,

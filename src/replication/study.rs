@@ -4,6 +4,7 @@ use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Reading, Refused};
 use crate::replication::numbers::{COLUMNS, Numbers, is_of_bounds};
+use crate::replication::scene::repeated;
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -89,13 +90,17 @@ impl Study {
         Ok(Axes { columns: chosen, log })
     }
 
-    /// Returns the columns that are given for a table on a page.
+    /// Returns the columns that are given for a table on a page, in their order there.
     ///
     /// # Errors
-    /// [`Refused`] if there is no such column.
+    /// [`Refused`] if there is no such column, or one is there twice.
     pub(crate) fn columns(&self, given: Option<&[String]>) -> Reading<Vec<String>> {
         let known: Vec<&str> = self.names.iter().map(String::as_str).chain(self.found()).collect();
         let given = given.unwrap_or_default();
+        if let Some(column) = repeated(given) {
+            let text = format!("`columns`: `{column}` is there twice; remove one");
+            return Err(Refused::new("columns", text));
+        }
         match given.iter().find(|column| !known.contains(&column.as_str())) {
             None => Ok(given.to_vec()),
             Some(unknown) => {

@@ -52,6 +52,7 @@ mod links;
 mod load_symmetry;
 mod loads;
 mod maps;
+mod members;
 mod merges;
 mod mesh_files;
 mod mesh_loads;

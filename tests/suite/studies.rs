@@ -442,6 +442,36 @@ fn the_python_of_the_page_prints_what_it_shows() {
 }
 
 #[test]
+fn python_varies_values_of_any_kind() {
+    let program = "import signorini\n\
+        f = 'disc(0,0,$R)=4; else=-1'\n\
+        print(signorini.study({'R': 0.1, 'h': [8, '1/16']}, f=f)['h'])\n\
+        print(signorini.study({'grids': ['4,8']}, f='else=-1')['grids'])\n\
+        print(signorini.study({'solver': 'multigrid'}, f='else=-1', h=8)['solver'])\n\
+        print(signorini.study({'f': ['else=-1', 'formula(min(x,y) - 1)']}, h=8)['f'])\n\
+        print(signorini.study({'fixed': [['inner', 'outer'], []]}, f='else=-1', domain='annulus', refine=0)['fixed'])\n\
+        a = signorini.study({'a': [-2, 3]}, f='formula($a^2 - 6)', h=8)\n\
+        print(a['a'], a['energy'][0] == signorini.solve(f='formula(4 - 6)', h=8).energy)\n\
+        for vary in [{}, {'R': ['a|b']}, {'R': [None]}]:\n\
+        \x20   try: signorini.study(vary, f=f)\n\
+        \x20   except signorini.Refused as e: print(e)\n";
+    let Some(output) = python(&["-c", program]) else { return };
+    let said = Said::from(output);
+    let want = [
+        "[0.125  0.0625]",
+        "['4,8']",
+        "['multigrid']",
+        "['else=-1' 'formula(min(x, y) - 1)']",
+        "['inner,outer' '']",
+        "[-2  3] True",
+        "nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)",
+        "R: a value with | cannot be varied; solve it alone",
+        "--vary R=None: a name in f is a number, such as 0.25 or 1/4; what is no number varies as a field, as f does",
+    ];
+    assert_eq!(said.lines(), want);
+}
+
+#[test]
 fn python_raises_the_line_of_the_program() {
     let program = "import signorini\n\
         try: signorini.solve(f='else=1')\n\

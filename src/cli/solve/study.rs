@@ -5,6 +5,7 @@
 use super::SolveArgs;
 use super::request::{check_fineness, coarsest, of_options, statement};
 use super::save::{self, NewScene};
+use crate::cli::interrupt::{at_work, interrupted};
 use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
@@ -28,7 +29,6 @@ use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 /// Most members whose reasons are printed.
 const MOST_REASONS: usize = 5;
@@ -112,18 +112,27 @@ impl<'a> Asked<'a> {
         Ok(())
     }
 
-    /// Solves the members, beside each other; returns their numbers in their order.
+    /// Solves the members, beside each other; returns their numbers in their order. After a first signal none is begun,
+    /// and those that have none say so.
     fn solve(&self) -> Result<Vec<Numbers>> {
         let bar = bar("[{bar:30}] {pos} of {len}  {elapsed}");
         if let Some(bar) = &bar {
             bar.set_length(self.study.members.len() as u64);
         }
-        let never = AtomicBool::new(false);
-        let solved = self.study.members.par_iter().map(|member| {
-            let asked = AskedNumbers { statement: member.statement.clone(), with_bounds: true };
-            let numbers = asked.numbers(&self.files, &never);
+        let (_at_work, interrupt) = (at_work(), interrupted());
+        let solved = self.study.members.par_iter().map(|Member { statement, .. }| {
+            let asked = AskedNumbers { statement: statement.clone(), with_bounds: true };
+            let numbers = match interrupt.is_asked() {
+                true => Err(Error::Interrupted),
+                false => asked.numbers(&self.files, interrupt.flag()),
+            };
             bar.iter().for_each(|bar| bar.inc(1));
-            numbers
+            match numbers {
+                Err(Error::Interrupted) => {
+                    Ok(Numbers::without(statement, "interrupted; solve it again".into()))
+                }
+                numbers => numbers,
+            }
         });
         let solved = solved.collect();
         bar.iter().for_each(ProgressBar::finish_and_clear);
@@ -152,7 +161,7 @@ fn varied(args: &SolveArgs, scene: Option<&Scene>) -> Result<Study> {
 /// Solves a study, prints its table, and writes the file that is asked for.
 ///
 /// # Errors
-/// [`Error::Stage`] if no member has a solution.
+/// [`Error::Stage`] if no member has a solution, [`Error::Interrupted`] if some were not solved.
 pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     let file = args.csv.as_deref().map(checked_csv).transpose()?;
     let (study, solved) = (&asked.study, asked.solve()?);
@@ -168,6 +177,9 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     csv.transpose()?;
     if let Some(file) = file.filter(|_| !args.json) {
         tell(&format!("wrote {}\n", file.path().display()))?;
+    }
+    if interrupted().is_asked() {
+        return Err(Error::Interrupted);
     }
     match solved.iter().map(Numbers::reason).collect::<Option<Vec<_>>>() {
         Some(reasons) => {

@@ -4,7 +4,7 @@ use super::{Runs, Scene};
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::replication::fields::Fields;
-use crate::replication::fields::table::{Reading, Refused, Voice};
+use crate::replication::fields::table::{Reading, Refused, Voice, field};
 use crate::replication::output::Output;
 use crate::replication::study::Study;
 use signorini_mathematics::discrete::load::LoadRule;
@@ -22,7 +22,7 @@ impl Scene {
     /// [`Error::Input`] with the line of the mistake. [`Scene::check`] tells whether there is a problem to be solved.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
-        let fields: Fields = from_toml(&what, text)?;
+        let fields: Fields = from_toml(&what, text).map_err(with_table)?;
         let scene = match fields.vary {
             Some(_) => Self::of_study(name, &fields),
             None => Self::of(name, &fields),
@@ -110,6 +110,18 @@ impl Scene {
         self.check_on_domain()?;
         Ok(Self { runs: None, ..self })
     }
+}
+
+/// Returns the error of an unknown key with the table to which the key belongs, if there is one.
+fn with_table(error: Error) -> Error {
+    let text = error.to_string();
+    let unknown = text.split_once("unknown field `");
+    let belongs = unknown.and_then(|(place, rest)| {
+        let (name, _) = rest.split_once('`')?;
+        let table = field(name)?.table?;
+        Some(format!("{place}`{name}` belongs to `{table}`; write {table} = {{ {name} = .. }}"))
+    });
+    belongs.map_or(error, Error::input)
 }
 
 /// The statement with what a published table has in place of the usual.

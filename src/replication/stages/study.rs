@@ -126,7 +126,7 @@ impl Tabulated {
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
         let shown = tabulate::with_few_digits(&table, study.names.len());
-        let mut page = shown.with_columns(|column| study.shows(column));
+        let mut page = shown.with_columns(|column| study.shows(column)).in_order(&study.columns);
         if page.head.is_empty() {
             page = shown.with_columns(|column| study.names.iter().any(|name| name == column));
         }
@@ -174,8 +174,8 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
     let study = scene.study.as_ref().ok_or("a chart is of a study")?;
     let axes = study.chart.as_ref().ok_or("the study has no chart")?;
     let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    // Reason of the first member without a solution.
-    let mut reason = None;
+    // Reason of the first member without a solution, and number of those with one that are not on the axes.
+    let (mut reason, mut left_out) = (None, 0);
     for (member, task) in members(scene) {
         let numbers: Numbers = from_json(inputs, &task, NUMBERS)?;
         let label = axes.label(study, member);
@@ -186,6 +186,7 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
         });
         let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
         curves[place].1.extend(x.zip(y));
+        left_out += usize::from(x.zip(y).is_none() && numbers.reason().is_none());
         reason = reason.or_else(|| numbers.reason().map(str::to_owned));
     }
     for (_, points) in &mut curves {
@@ -201,6 +202,9 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
             return Err(format!(
                 "no member has {across} and {up} to be drawn; on a logarithmic axis only what is positive is"
             ));
+        }
+        _ if left_out > 0 => {
+            title += &format!("\nnot on these axes: {left_out} of {} members", study.members.len());
         }
         _ => {}
     }
