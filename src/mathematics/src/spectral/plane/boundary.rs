@@ -152,6 +152,7 @@ pub(super) struct JoinedCrossing {
 }
 
 /// All of the boundary for one contact set.
+#[cfg_attr(test, derive(Clone))]
 pub(super) struct Walk {
     pub splits: Vec<Split>,
     /// All crossings, in order at each split.

@@ -36,7 +36,7 @@ impl Polynomial {
     ///
     /// # Errors
     /// [`PlaneError::Source`] if it is none, or of too high a degree.
-    pub(crate) fn of_formula(
+    pub(super) fn of_formula(
         formula: &Formula,
         (height, Origin([x, y])): (f64, Origin),
         domain: &PlaneDomain,

@@ -55,6 +55,19 @@ pub(in crate::spectral::plane) fn bracket(
     setup: &Setup,
     found: &PlaneFound,
 ) -> Result<PlaneBracket, &'static str> {
+    let ([lower, upper], cause) = proved(setup, found)?;
+    // J(0) = 0.
+    Ok(PlaneBracket { lower, upper: upper.min(0.0), cause })
+}
+
+/// Both ends by the argument above, with what most of their distance comes from.
+///
+/// # Errors
+/// Step of the proof that does not apply.
+pub(super) fn proved(
+    setup: &Setup,
+    found: &PlaneFound,
+) -> Result<([f64; 2], &'static str), &'static str> {
     /// Halvings of cells where signs are not certain.
     const ROUNDS: usize = 8;
     let fit = &found.fit;
@@ -81,29 +94,21 @@ pub(in crate::spectral::plane) fn bracket(
     let distances = Distances::new(&proof, &samples, &left);
     let balance = FluxBalance::new(&proof, &samples, &left, found.sizes.flux)?;
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
-    let of_w = 0.5 * room.integral(&cells, [2.0 * distances.delta, near], &distances.slopes);
-    let of_e = 0.5 * room.integral(&cells, [balance.range, near], &balance.slopes);
-    let moved = distances.delta * (balance.moved + balance.missed);
+    let of_w = room.integral(&cells, [distances.range(), near], &distances.slopes);
+    let of_e = room.integral(&cells, [balance.range, near], &balance.slopes);
     let change = SourceChange::new(setup, &samples, distances.delta + near);
-    let lower_of_e = 0.5 * ((2.0 * of_e).sqrt() + change.field).powi(2);
-    let lower =
-        exact.energy - exact.error - change.of_v - distances.delta * balance.moved - lower_of_e;
-    let upper = exact.energy
-        + exact.error
-        + change.of_v
-        + change.of_w
-        + distances.delta * balance.missed
-        + of_w;
+    let both = ends([exact.energy, exact.error], &distances, &balance, &change, [of_w, of_e]);
+    let moved = distances.delta * (balance.moved + balance.missed);
     let terms = [
         ("rounding in the integrals of the energy", 2.0 * exact.error),
-        ("v on the boundary", moved + of_w),
-        ("the flux through the boundary", of_e),
+        ("v on the boundary", moved + 0.5 * of_w),
+        ("the flux through the boundary", 0.5 * of_e),
         ("rounding of the coefficients of f", 2.0 * change.of_v),
     ];
     let (cause, _) =
         terms.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or_default();
-    if lower.is_finite() && upper.is_finite() {
-        Ok(PlaneBracket { lower, upper: upper.min(0.0), cause })
+    if both.into_iter().all(f64::is_finite) {
+        Ok((both, cause))
     } else {
         Err("bounds of v next to corners")
     }
@@ -137,6 +142,21 @@ impl SourceChange {
     }
 }
 
+/// Both ends, from the energy with its error and bounds of the Dirichlet integrals of W and E.
+fn ends(
+    [energy, error]: [f64; 2],
+    distances: &Distances,
+    balance: &FluxBalance,
+    change: &SourceChange,
+    [of_w, of_e]: [f64; 2],
+) -> [f64; 2] {
+    let of_e = (of_e.sqrt() + change.field).powi(2);
+    let lower = energy - error - change.of_v - distances.delta * balance.moved - 0.5 * of_e;
+    let missed = distances.delta * balance.missed;
+    let upper = energy + error + change.of_v + change.of_w + missed + 0.5 * of_w;
+    [lower, upper]
+}
+
 /// Boundary closer to splits than all cells.
 fn leftovers(proof: &Proof, samples: &[Sampled]) -> Vec<Leftover> {
     let mut left = Vec::new();
@@ -151,4 +171,27 @@ fn leftovers(proof: &Proof, samples: &[Sampled]) -> Vec<Leftover> {
         }
     }
     left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_are_those_of_the_argument() {
+        let distances = Distances { delta: 0.5, slopes: Vec::new() };
+        let slopes = Vec::new();
+        let balance = FluxBalance { range: 0.0, slopes, moved: 2e-2, missed: 2e-3 };
+        let none = SourceChange { of_v: 0.0, of_w: 0.0, field: 0.0 };
+        let [lower, upper] = ends([1.0, 1e-6], &distances, &balance, &none, [2e-4, 2e-5]);
+        assert!((1.0 - lower - 1.0011e-2).abs() < 1e-13, "{lower}");
+        assert!((upper - 1.0 - 1.101e-3).abs() < 1e-13, "{upper}");
+        let change = SourceChange { of_v: 1e-3, of_w: 1e-4, field: 3e-2 };
+        let moved = ends([1.0, 1e-6], &distances, &balance, &change, [2e-4, 1.6e-3]);
+        let field = 0.5 * (4e-2f64 + 3e-2).powi(2);
+        assert!((1.0 - moved[0] - 1.1001e-2 - field).abs() < 1e-13, "{moved:?}");
+        assert!((moved[1] - 1.0 - 2.201e-3).abs() < 1e-13, "{moved:?}");
+        // W is v or part of it, with either sign.
+        assert_eq!(distances.range(), 1.0);
+    }
 }

@@ -83,7 +83,7 @@ pub(super) struct Leftover {
     /// Bound of the integrals of the energy there.
     pub integrals: f64,
     /// Bound of the sum of the integrals of the moduli of g and dg/dn.
-    around: f64,
+    pub around: f64,
 }
 
 impl Leftover {
@@ -120,9 +120,17 @@ impl EnergyFactors {
         let far = (disc.centre - proof.setup.centre).norm() + disc.radius;
         let f = of_f(&proof.setup.jumps.psi, interval.f, disc);
         let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
-        let far = 1.0 + far + disc.centre.norm();
         let Moduli { value, slope } = own.moduli.psi;
-        let constants = 8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + value + slope);
+        let constants = match &proof.setup.jumps.psi {
+            Psi::Polynomial(f) => {
+                let far = disc.centre.norm() + disc.radius;
+                2.0 * far * f.product_modulus(far)
+            }
+            Psi::Jumps(_) => {
+                let far = 1.0 + far + disc.centre.norm();
+                8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + value + slope)
+            }
+        };
         Self { constants, rate: slope + q }
     }
 }
@@ -137,10 +145,9 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let size = EnergyFactors::of(proof, own);
     // The normal of an arc, continued, is longer than 1.
     let green = h.value * slope + 1.8 * h.slope * value * r;
-    if let Psi::Polynomial(f) = &proof.setup.jumps.psi {
-        let far = cell.disc.centre.norm() + cell.disc.radius;
-        let product = 2.0 * r * far * f.product_modulus(far);
-        return 4.0 * (value + moduli.psi.value) * (slope + size.rate * r) + product + green;
+    if let Psi::Polynomial(_) = &proof.setup.jumps.psi {
+        let of_v = 4.0 * (value + moduli.psi.value) * (slope + size.rate * r);
+        return of_v + size.constants * r + green;
     }
     size.constants * (value + 1.0) * (slope + size.rate * r) + green
 }
@@ -328,3 +335,6 @@ impl BoundedEnergy {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;
