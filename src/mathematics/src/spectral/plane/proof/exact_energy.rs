@@ -180,7 +180,11 @@ impl BoundedEnergy {
         let far = (cell.disc.centre - proof.setup.centre).norm() + cell.disc.centre.norm();
         let of_source = f * (far + 2.0 * cell.disc.radius);
         for (node, [_, slope]) in own.nodes.iter().zip(&own.rounding) {
-            let terms = node.flux.abs() + of_source;
+            let here = match &proof.setup.jumps.psi {
+                Psi::Polynomial(f) => node.spot.z.norm() * f.moduli(node.spot.z.norm())[0],
+                Psi::Jumps(_) => of_source,
+            };
+            let terms = node.flux.abs() + here;
             self.unbalanced += node.spot.weight * (slope + (units + weights) * terms);
         }
         let slopes = own.moduli.slope.iter();

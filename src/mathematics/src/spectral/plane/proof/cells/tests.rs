@@ -21,7 +21,7 @@ fn chebyshev(degree: usize, x: f64) -> f64 {
     own
 }
 
-/// Its largest modulus on an ellipse.
+/// Largest modulus of that on an ellipse.
 fn modulus(degree: usize, rho: f64) -> f64 {
     let size = libm::pow(rho, degree as f64);
     0.5 * (size + 1.0 / size)

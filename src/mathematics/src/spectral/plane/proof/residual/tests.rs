@@ -1,4 +1,4 @@
-//! What v misses, against sums over many points.
+//! Distances of v and its flux from what they should be, against sums over many points.
 
 use super::*;
 use crate::problem::complex::Complex;
