@@ -151,10 +151,9 @@ fn ends(
     [of_w, of_e]: [f64; 2],
 ) -> [f64; 2] {
     let of_e = (of_e.sqrt() + change.field).powi(2);
-    let lower = energy - error - change.of_v - distances.delta * balance.moved - 0.5 * of_e;
-    let missed = distances.delta * balance.missed;
-    let upper = energy + error + change.of_v + change.of_w + missed + 0.5 * of_w;
-    [lower, upper]
+    let lower = energy - error - distances.delta * balance.moved - 0.5 * of_e;
+    let upper = energy + error + distances.delta * balance.missed + 0.5 * of_w;
+    [lower - change.of_v, upper + change.of_v + change.of_w]
 }
 
 /// Boundary closer to splits than all cells.
