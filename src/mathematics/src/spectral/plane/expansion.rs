@@ -132,13 +132,9 @@ impl Expansion {
             && degree <= DEGREE
         {
             let sizes = [p, q].map(|own| own.size(self.radius));
-            // Complex products, and as many additions as the shorter factor has terms.
-            let many = 2 * p.terms().min(q.terms());
-            let rounding = if is_exact(p, q) { 0.0 } else { (2 + many) as f64 * f64::EPSILON };
-            error = rounding * sizes[0] * sizes[1]
-                + a.error * (sizes[1] + b.error)
-                + b.error * sizes[0];
-            polynomial = Some(p.times(q));
+            let (product, rounding) = p.times(q, self.radius);
+            error = rounding + a.error * (sizes[1] + b.error) + b.error * sizes[0];
+            polynomial = Some(product);
         }
         Expanded { degree, polynomial, error }
     }
@@ -177,12 +173,4 @@ impl Expansion {
         }
         Ok(product)
     }
-}
-
-/// True if one of two factors is 1, or another power of two.
-fn is_exact(p: &RealPolynomial, q: &RealPolynomial) -> bool {
-    [p, q].into_iter().any(|own| {
-        let c = own.constant().abs();
-        own.degree() == 0 && c > 0.0 && libm::frexp(c).0 == 0.5
-    })
 }

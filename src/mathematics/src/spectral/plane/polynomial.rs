@@ -47,9 +47,21 @@ impl Polynomial {
         // Arcs are seen in a hundred points.
         let radius = 1.01 * seen.fold(0.0, f64::max);
         let expansion = Expansion { origin: Complex::new(x, y), unit: frame.unit, radius };
-        let (f, error) = expanded(formula, &expansion).map_err(PlaneError::Source)?;
+        Self::in_coordinates(formula, height, &expansion)
+    }
+
+    /// Polynomial that a formula is, over a power of two, in some coordinates.
+    ///
+    /// # Errors
+    /// As [`Polynomial::of_formula`].
+    pub(super) fn in_coordinates(
+        formula: &Formula,
+        height: f64,
+        expansion: &Expansion,
+    ) -> Result<Self, PlaneError> {
+        let (f, error) = expanded(formula, expansion).map_err(PlaneError::Source)?;
         let f = f.weighted(|_, _| 1.0 / height);
-        Ok(Self::new(f, error / height, radius))
+        Ok(Self::new(f, error / height, expansion.radius))
     }
 
     /// With a bound of the error of its coefficients on a disc.
@@ -61,7 +73,7 @@ impl Polynomial {
         let rounding = (6 + 2 * f.terms()) as f64 * f64::EPSILON;
         Self {
             radial: f.weighted(by_degree),
-            radial_with_psi: f.times(&psi).weighted(by_degree),
+            radial_with_psi: f.times(&psi, radius).0.weighted(by_degree),
             product_error: rounding * sizes[0] * sizes[1],
             // Coefficients of psi are rounded twice.
             error: error + 2.0 * f64::EPSILON * sizes[0],
@@ -183,19 +195,20 @@ impl RealPolynomial {
         (sum, rounded)
     }
 
-    /// Product: `Re a Re b = 1/2 Re(a b) + 1/2 Re(a conj b)`.
-    pub(super) fn times(&self, other: &Self) -> Self {
-        let mut product = Self::default();
+    /// Product by `Re a Re b = 1/2 Re(a b) + 1/2 Re(a conj b)`, and a bound of its error by rounding for |z| up to a
+    /// radius: the sum of all remainders, which are known.
+    pub(super) fn times(&self, other: &Self, radius: f64) -> (Self, f64) {
+        let (mut product, mut error) = (Self::default(), 0.0);
         for (k, m, a) in self.all().filter(|(_, _, a)| *a != Complex::default()) {
             for (l, n, b) in other.all().filter(|(_, _, b)| *b != Complex::default()) {
-                let [plain, turned] = [a * b, if m < n { a.conj() * b } else { a * b.conj() }];
-                let own = product.at(k + l, m + n);
-                *own = *own + plain.scaled(0.5);
-                let own = product.at(k + l + m.min(n), m.abs_diff(n));
-                *own = *own + turned.scaled(0.5);
+                let size = libm::pow(radius, (2 * (k + l) + m + n) as f64);
+                let turned = if m < n { [a.conj(), b] } else { [a, b.conj()] };
+                error += size * add_half(product.at(k + l, m + n), [a, b]);
+                error += size * add_half(product.at(k + l + m.min(n), m.abs_diff(n)), turned);
             }
         }
-        product
+        // The sum of remainders is rounded too.
+        (product, 1.01 * error)
     }
 
     /// Coefficient by k and m, which is zero if it was not there.
@@ -238,6 +251,30 @@ impl RealPolynomial {
         }
         slopes.conj() + z.scaled(along)
     }
+}
+
+/// Adds half of a product, and returns the sum of the moduli of all remainders of rounding.
+fn add_half(sum: &mut Complex, [a, b]: [Complex; 2]) -> f64 {
+    let [re, of_re] = add_products(sum.re, [a.re, b.re], [-a.im, b.im]);
+    let [im, of_im] = add_products(sum.im, [a.re, b.im], [a.im, b.re]);
+    *sum = Complex::new(re, im);
+    of_re + of_im
+}
+
+/// A number and half of two products, and the sum of the moduli of the remainders.
+fn add_products(sum: f64, [a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    let [one, other] = [a * b, c * d];
+    let remainders = libm::fma(a, b, -one).abs() + libm::fma(c, d, -other).abs();
+    let [both, of_both] = two_sum(one, other);
+    let [all, of_all] = two_sum(sum, 0.5 * both);
+    [all, 0.5 * (remainders + of_both.abs()) + of_all.abs()]
+}
+
+/// Sum of two numbers and its remainder, which is a number (Knuth).
+fn two_sum(a: f64, b: f64) -> [f64; 2] {
+    let sum = a + b;
+    let of_b = sum - a;
+    [sum, (a - (sum - of_b)) + (b - of_b)]
 }
 
 #[cfg(test)]
