@@ -7,6 +7,8 @@ use crate::problem::formula::Formula;
 use crate::problem::law::Law;
 use std::f64::consts::PI;
 
+mod narrow;
+
 pub(super) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
     let side = |k: usize| {
         PlaneSide::segment([points[k], points[(k + 1) % points.len()]], Condition::Contact, 0)
