@@ -33,7 +33,7 @@
 //! the difference there is a field `r = -x int g(t x) t dt` with `-div r = g` and `|r| <= d R / 2`; p becomes `grad v +
 //! rot E + r`, whose flux is off by no more than `d R / 2`, which counts among the errors of l. So both ends move by
 //! `int |g v|`, the upper one by `int |g W|` more, and in the lower one `|grad E|` becomes `|grad E| + |r|`. By the
-//! maximum principle `|v|` is at most its bound on the boundary and `max |f| R^2 / 4` more.
+//! maximum principle for `v - psi`, `|v|` is at most its bound on the boundary and twice that of psi more.
 
 use super::Proof;
 use super::cells::ProofCell;
@@ -131,8 +131,8 @@ impl SourceChange {
             return Self { of_v: 0.0, of_w: 0.0, field: 0.0 };
         };
         let on_boundary = samples.iter().map(|own| own.most(Test::of(Quantity::Value)));
-        let [size, ..] = f.moduli(f.radius);
-        let of_v = on_boundary.fold(0.0, f64::max) + of_w + 0.25 * size * f.radius * f.radius;
+        let [_, psi, _] = f.moduli(f.radius);
+        let of_v = on_boundary.fold(0.0, f64::max) + of_w + 2.0 * psi;
         let area = PI * f.radius * f.radius;
         Self {
             of_v: f.error * area * of_v,
