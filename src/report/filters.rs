@@ -2,6 +2,7 @@
 
 use super::data::{as_shown, with_digits};
 use crate::table::in_markdown;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use tera::{Kwargs, State, Tera, TeraResult, Value};
 
 pub(super) fn register(tera: &mut Tera) {
@@ -35,7 +36,15 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
     // Two numbers that are shown alike are compared as they are shown.
     tera.register_filter("shown", |text: String, _: Kwargs, _: &State| as_shown(&text));
+    // Of a file in a link, and of a part of a page.
+    tera.register_filter("address", |text: String, _: Kwargs, _: &State| address(&text));
     tera.register_filter("text", |text: String, _: Kwargs, _: &State| in_markdown(&text));
+}
+
+/// Returns a name of the user as a part of an address, which has no sign with a meaning in Markdown or in tags.
+fn address(name: &str) -> String {
+    const KEPT: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'/');
+    utf8_percent_encode(name, KEPT).to_string()
 }
 
 /// Returns the number of digits that a page asks for under this name, or the usual one.

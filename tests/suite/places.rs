@@ -81,15 +81,23 @@ fn no_link_leads_to_a_file_that_is_removed() {
     let text = fs::read_to_string(beside.project.path(record)).unwrap();
     let line = text.lines().find(|line| line.contains(figure)).unwrap();
     let hashes = text.split_once(line).unwrap().1.split_once(']').unwrap().0;
-    let added: String = ["figures/sub/out/v.svg", "figures/sub/in/v.svg", "figures/old.svg"]
-        .map(|path| format!("{}{hashes}],", line.replace(figure, path)))
-        .concat();
+    let added: String = [
+        "figures/sub/out/v.svg",
+        "figures/sub/in/v.svg",
+        "figures/old.svg",
+        "report/templates/v.bak",
+    ]
+    .map(|path| format!("{}{hashes}],", line.replace(figure, path)))
+    .concat();
     beside.project.write(record, text.replace(line, &format!("{added}{line}")));
     beside.project.write("figures/old.svg", &bytes);
+    // No task reads a backup.
+    beside.project.write("report/templates/v.bak", &bytes);
     beside.run(&["run"]).lines();
     assert!(!beside.project.path("figures/old.svg").exists(), "what the record rightly names");
     assert_eq!(beside.outside(), ["v.svg"]);
     assert!(beside.project.path("notes/v.svg").exists());
+    assert!(beside.project.path("report/templates/v.bak").exists());
 }
 
 #[test]
@@ -200,4 +208,21 @@ fn force_goes_on_after_a_task_that_fails() {
     let said = project.run(&["run", "--force", "-j", "1"]);
     assert_eq!(said.code, Some(3), "{said:?}");
     assert_ne!(fs::read(project.path("figures/a-source.svg")).unwrap(), b"mine", "{said:?}");
+}
+
+#[test]
+fn gc_removes_nothing_to_which_a_link_leads() {
+    let beside = Beside::with("[\"table\"]");
+    beside.run(&["run"]).lines();
+    let hash = "ab".repeat(32);
+    for folder in ["home/objects/ab", "home/ab"] {
+        fs::create_dir_all(beside.folder.path(folder)).unwrap();
+        fs::write(beside.folder.path(folder).join(&hash), "mine").unwrap();
+    }
+    fs::create_dir(beside.project.path(".signorini/v3")).unwrap();
+    for (link, to) in [("v0", ""), ("v3/objects", ""), ("v2/objects/cd", "ab")] {
+        beside.lead(&format!(".signorini/{link}"), to);
+    }
+    beside.run(&["gc"]).lines();
+    assert_eq!(beside.outside().len(), 2);
 }

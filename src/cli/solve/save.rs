@@ -61,7 +61,11 @@ impl<'a> NewScene<'a> {
         refuse_forbidden_name("scene", name)?;
         let mut place = Self { name, root: PathBuf::new(), text: String::new() };
         if let Some(reason) = why_no_scene(name) {
-            return Err(place.refused(&format!("{reason}; give another name, such as plate")));
+            let without = match name.contains(['/', '\\']) {
+                true => "a name without folders",
+                false => "another name",
+            };
+            return Err(place.refused(&format!("{reason}; give {without}, such as plate")));
         }
         place.root = project_root().map_err(|e| place.refused(&e.to_string()))?;
         let taken = taken(&place.root, name)?;

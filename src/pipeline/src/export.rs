@@ -1,7 +1,7 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
 use super::files::{is_plain, leftovers, read, remove_from};
-use super::place::{is_no_link, own_place, write_own};
+use super::place::{INPUTS, is_no_link, own_place, write_own};
 use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, Task, hash};
 use crate::error::{Error, Result, SCHEMA, conflict, newer};
 use rayon::prelude::*;
@@ -225,7 +225,7 @@ impl Exports {
     }
 
     /// Plans to remove the files that are on record and that no task makes any more. Somebody may have edited a record:
-    /// files outside the folders of exports, those to which a link leads, and inputs of tasks stay.
+    /// files outside the folders of exports, those to which a link leads, and inputs stay.
     fn remove_old(&mut self, project: &Path, results: &WalkResults, locked: &Hashes) -> Result<()> {
         let mut remove = BTreeSet::new();
         // Nearly always the lock file has the exports of today.
@@ -236,6 +236,7 @@ impl Exports {
                 || !FOLDERS.contains(&folder)
                 || !is_plain(path)
                 || !is_no_link(project, path)
+                || INPUTS.iter().any(|inputs| Path::new(path).starts_with(inputs))
                 || results.plan.tasks().iter().any(|task| task.files.contains_key(path))
             {
                 continue;

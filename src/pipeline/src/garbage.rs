@@ -140,9 +140,10 @@ impl Store {
     fn ours(&self) -> Result<Vec<PathBuf>> {
         let mut ours = Vec::new();
         let mut layouts = list(&self.cache)?;
-        layouts.retain(|path| is_layout(name(path)));
+        // A link may lead to other files, whatever their names.
+        layouts.retain(|path| is_layout(name(path)) && !path.is_symlink());
         for layout in layouts {
-            for path in list(&layout)? {
+            for path in list(&layout)?.into_iter().filter(|path| !path.is_symlink()) {
                 match name(&path) {
                     OBJECTS => collect(&path, &mut ours, &|path| {
                         let two = path.parent().map_or("", name);

@@ -22,7 +22,8 @@ const PATH: &str = "pipeline/.hashes";
 const HEADER: &[u8] = b"signorini: hashes of files, 1\n";
 
 /// State of a file: its number, its size, and the times in nanoseconds at which its bytes and anything of it were last
-/// changed. Whoever writes to a file changes it.
+/// changed. Whoever writes to a file by a call of the system changes it. A second write to a page that a program has
+/// mapped into its memory need not; `run --locked` and `status --verify`, which read all files, notice it.
 type FileState = [u8; 32];
 
 /// Noted hash: a state, and the hash of the bytes at that time.

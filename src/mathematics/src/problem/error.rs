@@ -13,9 +13,7 @@ pub const SCALE: Range<f64> = 1e-130..1e130;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SourceError {
     /// Not of the grammar.
-    #[error(
-        "cannot read `{text}` in f; write e.g. '{example}', 'else=-1' or 'formula(3*x*y - 1.1)'"
-    )]
+    #[error("cannot read `{text}` in f; write e.g. '{example}' or 'else=-1'")]
     Syntax {
         /// Text that is not read.
         text: String,

@@ -33,7 +33,7 @@ impl Psi {
             Self::Polynomial(f) => {
                 let moduli = points.iter().map(|z| f.moduli(z.norm()));
                 let errors = moduli.map(|[_, value, slope]| PsiErrors { value, slope, bend: 0.0 });
-                errors.map(|own| own.scaled(UNITS * f64::EPSILON)).collect()
+                errors.map(|own| own.scaled(f.units() * f64::EPSILON)).collect()
             }
         }
     }
