@@ -41,7 +41,7 @@ impl Judge<'_> {
         let facts = solved.problem.levels().facts();
         let notes = facts.notes.iter().cloned().map(Warning::fact);
         let Some(last) = solved.ends().last() else {
-            let of_truth = solved.truth().and_then(|found| found.note.clone());
+            let of_truth = solved.truth().into_iter().flat_map(|found| found.notes.clone());
             let warnings = notes.chain(of_truth.map(Warning::fact)).collect();
             return Record { warnings, ..Record::default() };
         };
