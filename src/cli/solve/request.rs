@@ -251,6 +251,10 @@ impl Request {
             let words = "raise --max-iterations, or use --solver multigrid";
             return Remedy::new(words, "--solver multigrid");
         }
+        // Its steps have been followed by those of the active set already.
+        if self.statement.solver == Solver::Multigrid && self.remedies.limit.is_none() {
+            return Remedy::new("take a mesh whose elements are less stretched", "");
+        }
         self.remedies.limit.unwrap_or_else(|| self.closer())
     }
 
