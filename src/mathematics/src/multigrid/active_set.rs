@@ -368,3 +368,26 @@ impl StateProblem<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrete::kkt::Judgement;
+    use crate::mesh::{AnyMesh, assemble, gmsh, mesh_load, on_regions};
+
+    #[test]
+    fn states_that_go_round_in_a_circle_on_flat_cells_end_at_the_solution() {
+        let file = include_bytes!("../../../../tests/meshes/flat22.msh");
+        let AnyMesh::Space(mesh) = gmsh::read(file).unwrap() else { panic!("a mesh in space") };
+        let f = "region(a)=0.343176; region(b)=-0.432909";
+        let f = on_regions::<3>(f, mesh.region_names(), mesh.extent()).unwrap();
+        let (network, load) = (assemble(&mesh), mesh_load(&mesh, &f[..]).unwrap().load);
+        let (y, end) = active_set_on(&network, Law::SIGNORINI, &load).unwrap();
+        let Judgement { energy, kkt, .. } = judge(&network, Law::SIGNORINI, &y, &load);
+        assert!(
+            matches!(end.stop, Stop::Converged | Stop::RoundingFloor),
+            "{end:?} {energy} {kkt:?}"
+        );
+        assert!((energy / -1.131441804e-7 - 1.0).abs() < 1e-6, "{energy} {kkt:?}");
+    }
+}

@@ -450,3 +450,29 @@ impl Hierarchy for NetworkRun<'_> {
         work / self.nested.levels.network(self.finest()).nodes() as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{AnyMesh, gmsh, mesh_load, on_regions, refined};
+
+    #[test]
+    fn meshes_take_over_again_where_aggregates_are_slower() {
+        let file = include_bytes!("../../../../tests/meshes/plate60.msh");
+        let AnyMesh::Space(mesh) = gmsh::read(file).unwrap() else { panic!("a mesh in space") };
+        let (networks, mesh) = refined(&mesh, 2).unwrap();
+        let f = on_regions::<3>("formula(4*x-3)", mesh.region_names(), mesh.extent()).unwrap();
+        let load = mesh_load(&mesh, &f[..]).unwrap().load;
+        let law = Law::friction(0.00595).unwrap();
+        let params = MultigridParams::default();
+        let (y, end) = solve_nested_networks(&networks, law.with_load(&load), &params).unwrap();
+        let kkt = judge(&networks[2].network, law, &y, &load).kkt;
+        assert!(
+            end.stop == Stop::RoundingFloor && end.iterations < 200,
+            "{} {end:?} {kkt:?}",
+            y.len()
+        );
+        // The couplings across the plate exceed the load by so much that rounding errors are this large.
+        assert!(kkt.relative < 1e-6, "{kkt:?}");
+    }
+}
