@@ -9,8 +9,8 @@ fn refuse(size: usize) -> ! {
     // Standard error is not buffered: this takes no memory.
     let _ = writeln!(
         std::io::stderr(),
-        "error: the system refuses {size} bytes of memory; take a coarser grid, begin with a coarser mesh, or raise \
-         the limit (`ulimit -v`)"
+        "error: the system refuses {size} bytes of memory; ask for less, such as a coarser grid or mesh or a \
+         shorter page, or raise the limit (`ulimit -v`)"
     );
     exit(3)
 }

@@ -83,15 +83,15 @@ impl Table {
         text
     }
 
-    /// Returns the table in Markdown.
-    pub(crate) fn markdown(&self) -> String {
-        let mut text = format!("| {} |\n|", self.head.join(" | "));
+    /// Returns the table in Markdown, each cell as `shown`: by [`in_markdown`], unless it is Markdown already.
+    pub(crate) fn markdown(&self, shown: impl Fn(&str) -> String) -> String {
+        let mut text = line_in_markdown(&self.head, &shown) + "|";
         for k in 0..self.head.len() {
             text += if self.left.contains(&k) { "---|" } else { "---:|" };
         }
         text.push('\n');
         for row in &self.rows {
-            text += &format!("| {} |\n", row.join(" | "));
+            text += &line_in_markdown(row, &shown);
         }
         text
     }
@@ -118,10 +118,22 @@ impl Table {
         kept.retain(|&k| {
             is_wanted(&self.head[k]) && self.rows.iter().any(|row| !row[k].is_empty())
         });
+        self.of(&kept)
+    }
+
+    /// Returns the table with its columns in the order of these names, behind those without.
+    pub(crate) fn in_order(&self, names: &[String]) -> Self {
+        let mut order: Vec<usize> = (0..self.head.len()).collect();
+        order.sort_by_key(|&k| names.iter().position(|name| *name == self.head[k]));
+        self.of(&order)
+    }
+
+    /// Table of these columns, in this order.
+    fn of(&self, kept: &[usize]) -> Self {
         let left = kept.iter().enumerate().filter(|(_, k)| self.left.contains(k));
         Self {
-            head: cells(&self.head, &kept),
-            rows: self.rows.iter().map(|row| cells(row, &kept)).collect(),
+            head: cells(&self.head, kept),
+            rows: self.rows.iter().map(|row| cells(row, kept)).collect(),
             left: left.map(|(place, _)| place).collect(),
         }
     }
@@ -142,9 +154,45 @@ impl Table {
     }
 }
 
+/// Returns a line of a table in Markdown, each cell as `shown`.
+fn line_in_markdown(cells: &[String], shown: impl Fn(&str) -> String) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| shown(cell)).collect();
+    format!("| {} |\n", cells.join(" | "))
+}
+
 /// Returns some cells of a line.
 fn cells(line: &[String], columns: &[usize]) -> Vec<String> {
     columns.iter().map(|&k| line[k].clone()).collect()
+}
+
+/// Returns a text of the user in a form that shows it unchanged, in Markdown, in `<code>` there, and as the value of an
+/// attribute: signs that have a meaning in any of these, and those that are set as others, are written by number, ends
+/// of lines as spaces.
+pub(crate) fn in_markdown(text: &str) -> String {
+    let mut shown = String::new();
+    let mut last = ' ';
+    let mut left = text.chars();
+    while let Some(c) = left.next() {
+        let next = left.clone().next().unwrap_or(' ');
+        // A line below a word has no meaning within it.
+        let is_plain = c == '_' && last.is_ascii_alphanumeric() && next.is_ascii_alphanumeric();
+        let is_set_as_another = c == last && "-.".contains(c);
+        match is_set_as_another || !is_plain && "\\`*_[]{}<>&|~^$#\"'".contains(c) {
+            _ if c.is_control() => shown.push(' '),
+            true => shown += &format!("&#{};", u32::from(c)),
+            false => shown.push(c),
+        }
+        last = c;
+    }
+    shown
+}
+
+/// Returns a name of the user as code in Markdown.
+pub(crate) fn code_in_markdown(name: &str) -> String {
+    match name.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c)) {
+        true => format!("`{name}`"),
+        false => format!("<code>{}</code>", in_markdown(name)),
+    }
 }
 
 /// Returns a cell in LaTeX: a number in its mathematics, a text with its signs escaped.
@@ -217,7 +265,7 @@ mod tests {
         let mut table = Table::new(["f", "n"], &[0]);
         table.rows = vec![vec!["a,b".into(), "10".into()], vec!["c".into(), "2".into()]];
         assert_eq!(table.text(), "f     n\na,b  10\nc     2\n");
-        assert_eq!(table.markdown(), "| f | n |\n|---|---:|\n| a,b | 10 |\n| c | 2 |\n");
+        assert_eq!(table.markdown(in_markdown), "| f | n |\n|---|---:|\n| a,b | 10 |\n| c | 2 |\n");
         assert_eq!(table.csv(), "f,n\n\"a,b\",10\nc,2\n");
         let mut table = Table::new(["f", "v_least"], &[0]);
         table.rows = vec![vec!["50 %".into(), "-1.5e-7".into()], vec!["a~b".into(), "0.5".into()]];
@@ -236,5 +284,35 @@ mod tests {
         table.rows[0][0].clear();
         table.rows[1][0].clear();
         assert_eq!(table.with_columns(|name| name != "g").csv(), "v_least\n-1.5e-7\n0.5\n");
+    }
+
+    #[test]
+    fn a_text_of_the_user_is_shown_as_it_is() {
+        for text in [
+            "Price $5 and $6",
+            "x^2^ _x_ x__y a_b _ab_c_ m_|n",
+            "See [a](nope.md) ![b](c.svg)",
+            "<b>x</b> &amp; *s* _t_ ~~u~~",
+            "a | b \\ {{#include x}} `c` \"d\" 'e' -- ... #f",
+        ] {
+            let shown = in_markdown(text);
+            for markdown in [format!("**{shown}**"), format!("| a |\n| - |\n| {shown} |\n")] {
+                let mut read = String::new();
+                for event in
+                    pulldown_cmark::Parser::new_ext(&markdown, pulldown_cmark::Options::all())
+                {
+                    match event {
+                        pulldown_cmark::Event::Text(text) => read += &text,
+                        pulldown_cmark::Event::Start(_) | pulldown_cmark::Event::End(_) => {}
+                        other => panic!("{other:?}"),
+                    }
+                }
+                assert_eq!(
+                    read.strip_prefix('a').filter(|_| markdown.starts_with('|')).unwrap_or(&read),
+                    text
+                );
+            }
+            assert!(!shown.contains(['"', '<', '$', '{']), "{shown}");
+        }
     }
 }

@@ -108,7 +108,7 @@ const rightHandSide = (() => {
     const pieces = [];
     let background;
     for (const item of text.split(/[;\n]/).map(trim).filter((item) => item)) {
-      const cannotRead = new Error(`cannot read \`${item}\` in f; write e.g. '${EXAMPLE}'`);
+      const cannotRead = new Error(`cannot read \`${item}\` in f; write e.g. '${EXAMPLE}' or 'else=-1'`);
       const sides = splitOnce(item, "=");
       if (!sides) throw cannotRead;
       const [left, value] = [trim(sides[0]), number(sides[1])];

@@ -125,7 +125,8 @@ struct RecordFile {
 
 impl RecordFile {
     fn open() -> Result<Self> {
-        let path = project_root()?.join(recorded::PATH);
+        let root = project_root()?;
+        let path = root.join(recorded::PATH);
         let (peers, own_meshes) = match read_if_there(&path)? {
             Some(text) => {
                 let Timings { peer, own_mesh, .. } = Timings::parse(text)?;
@@ -133,7 +134,7 @@ impl RecordFile {
             }
             None => Default::default(),
         };
-        Ok(Self { file: OutputFile::check(&path)?, peers, own_meshes })
+        Ok(Self { file: OutputFile::own(&root, recorded::PATH)?, peers, own_meshes })
     }
 }
 

@@ -7,14 +7,16 @@ mod machine;
 
 use super::diff::comparisons;
 use super::output::{is_there, refuse_tilde, say, talk};
-use super::pipeline::{Scope, Workplace, edited, outside_report};
+use super::pipeline::{Scope, Workplace, edited};
 use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, temporary_folder};
 use crate::pipeline::names::refuse_forbidden;
+use crate::pipeline::place::{TAKEN, place};
 use crate::pipeline::{InputFiles, LockFile, Plan, Summary, hash};
 use crate::replication::comparison::TableComparison;
 use crate::replication::stages::{files_of, report};
+use crate::table::{code_in_markdown, in_markdown};
 use crate::timing::machine::COMPILER;
 use checkout::{Checkout, without_places};
 use clap::Args;
@@ -56,7 +58,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     refuse_forbidden("--name", name)?;
     let workplace = Workplace::open(&args.cache)?.verifying(true);
     let folder = args.output.clone().unwrap_or(workplace.project.root.join("codecheck"));
-    outside_report(&workplace.project.root, &folder, "the certificate")?;
+    place(&workplace.project.root, &folder, "the certificate", &TAKEN)?;
     refuse_taken(&folder)?;
     let plan = workplace.tasks(&[], None)?;
     let summary = up_to_date(&workplace, &plan)?;
@@ -263,8 +265,7 @@ fn render(template: &str, context: &Context) -> String {
     tera.register_filter("json", |text: String, _: Kwargs, _: &State| {
         serde_json::json!(text).to_string()
     });
-    tera.register_filter("cell", |text: String, _: Kwargs, _: &State| {
-        text.replace('|', "\\|").replace('\n', " ")
-    });
+    tera.register_filter("text", |text: String, _: Kwargs, _: &State| in_markdown(&text));
+    tera.register_filter("code", |text: String, _: Kwargs, _: &State| code_in_markdown(&text));
     tera.render_str(template, context, false).expect("the template is tested")
 }

@@ -9,7 +9,7 @@ use crate::replication::comparison::{RowComparison, TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::stages::Stage;
 use crate::replication::stages::diff::DIFF;
-use crate::table::Table;
+use crate::table::{Table, in_markdown};
 use anstyle::AnsiColor;
 use clap::Args;
 use serde::Serialize;
@@ -245,7 +245,8 @@ fn markdown(table: &TableComparison, grids: &[String]) -> String {
         shown.rows.push(cells);
     }
     let TableComparison { table: number, scene, .. } = table;
-    format!("**Table {number}** ({scene}): {}\n\n{}", summary(table).join("; "), shown.markdown())
+    let (scene, summary) = (in_markdown(scene), summary(table).join("; "));
+    format!("**Table {number}** ({scene}): {summary}\n\n{}", shown.markdown(str::to_owned))
 }
 
 /// Returns r, and ours and the published number of each count as `shown` writes them.

@@ -31,8 +31,12 @@ pub(super) fn gc(args: &GcArgs) -> Result<u8> {
     let _lock = if args.dry_run || !there { None } else { Some(workplace.store.lock()?) };
     let garbage = workplace.store.collect_garbage(&plan, args.keep, args.dry_run)?;
     let verb = if args.dry_run { "would remove" } else { "removed" };
+    let records = match garbage.records {
+        0 => String::new(),
+        count => format!(" and {count} records of runs"),
+    };
     say(&format!(
-        "{verb} {} files, {}; kept {} files, {}\n",
+        "{verb} {} files{records}, {}; kept {} files, {}\n",
         garbage.files,
         size(garbage.bytes),
         garbage.kept_files,

@@ -1,10 +1,9 @@
 //! `init`: begins a study, with files that the program contains.
 
-use super::output::{quoted, refuse_tilde, tell};
-use super::pipeline::outside_report;
+use super::output::{in_projects, quoted, refuse_tilde, tell};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::files::{read_if_there, real, write_atomically};
-use crate::replication::project::Project;
+use crate::pipeline::files::read_if_there;
+use crate::pipeline::place::{TAKEN, own_place, write_own};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -39,9 +38,7 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
     if folder.exists() && !folder.is_dir() {
         return Err(Error::input(format!("{} is a file; name a folder", folder.display())));
     }
-    if let Ok(root) = Project::find(&real(folder)) {
-        outside_report(&root, folder, "the study")?;
-    }
+    in_projects(folder, "the study", &TAKEN)?;
     // A study begun in another project would be a part of that one.
     let own = FILES.map(|(path, _)| path).into_iter().chain(["pipeline/scenes"]);
     for path in own.map(|path| folder.join(path)) {
@@ -52,16 +49,19 @@ pub(super) fn init(args: &InitArgs) -> Result<u8> {
             )));
         }
     }
+    for (path, _) in FILES.into_iter().chain(LINES) {
+        own_place(folder, path)?;
+    }
     let mut lines = Vec::new();
     for (path, text) in LINES {
         let there = read_if_there(&folder.join(path))?.unwrap_or_default();
         lines.push((path, with_lines(there, text)));
     }
     for (path, text) in lines {
-        write_atomically(&folder.join(path), &text).map_err(elsewhere)?;
+        write_own(folder, path, &text).map_err(elsewhere)?;
     }
     for (path, text) in FILES {
-        write_atomically(&folder.join(path), text.as_bytes()).map_err(elsewhere)?;
+        write_own(folder, path, text.as_bytes()).map_err(elsewhere)?;
     }
     tell(&format!(
         "a study with two scenes in pipeline/scenes, plate and disc,\n\

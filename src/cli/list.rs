@@ -4,6 +4,7 @@ use super::name_parser;
 use super::output::{say, say_json, talk, tell};
 use super::{project_root, scene};
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::in_shell;
 use crate::replication::fields::write::command;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
@@ -88,7 +89,7 @@ fn list_scene(name: &str, json: bool) -> Result<u8> {
     });
     let Scene { name, title, statement, study, .. } = found?;
     // The members of a study are those of its file.
-    let of_study = study.map(|_| format!("signorini solve {name}"));
+    let of_study = study.map(|_| format!("signorini solve {}", in_shell(&name)));
     let command = of_study.unwrap_or_else(|| command(&statement).join(" "));
     let shown = SceneCommand { schema: 1, name, title, command };
     match json {

@@ -22,7 +22,7 @@ mod solve;
 mod status;
 
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::names::composed;
+use crate::pipeline::names::{composed, shortened};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
@@ -246,6 +246,9 @@ fn ended(result: Result<u8>) -> ExitCode {
 
 /// Writes the line on the error that ends the program.
 fn fail(why: &str) {
+    /// Characters of an error: the beginning names the mistake, the end the remedy.
+    const MOST: usize = 4000;
+    let why = shortened(why, MOST);
     talk(&format!("{}: {why}", styled("error", anstyle::AnsiColor::Red)));
 }
 

@@ -3,6 +3,9 @@
 use crate::pipeline;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, link_target, write_atomically};
+use crate::pipeline::names::in_shell;
+use crate::pipeline::place::{own_place, place, real, without_dots};
+use crate::replication::project::Project;
 use crate::table::Table;
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -146,11 +149,7 @@ pub(super) fn cut(text: &str, width: usize) -> String {
 /// Quotes a path for a shell, to be copied into a command.
 pub(super) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
-    let text = if text.starts_with('-') { format!("./{text}") } else { text };
-    match text.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c)) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', r"'\''")),
-    }
+    in_shell(&if text.starts_with('-') { format!("./{text}") } else { text })
 }
 
 /// Refuses a path that begins with `~`: a shell replaces that by a home folder, but not after an `=` or within quotes.
@@ -178,6 +177,17 @@ pub(super) fn is_there(folder: &Path) -> Result<()> {
     )))
 }
 
+/// Refuses a place that the user named in the folders `not_in` of a project, and one to which a link leads out of a
+/// project: of that to which the path belongs, and of that in which its links end.
+pub(super) fn in_projects(path: &Path, what: &str, not_in: &[&str]) -> Result<()> {
+    for start in [without_dots(path), real(path)] {
+        if let Ok(root) = Project::find(&start) {
+            place(&root, path, what, not_in)?;
+        }
+    }
+    Ok(())
+}
+
 /// File that the user named, checked to be writable before the work whose result it will hold.
 #[derive(Debug)]
 pub(super) struct OutputFile {
@@ -188,6 +198,18 @@ impl OutputFile {
     /// Checks that `path` can be written.
     pub(super) fn check(path: &Path) -> Result<Self> {
         refuse_tilde(path)?;
+        if !path.exists() || path.is_file() {
+            in_projects(path, &path.display().to_string(), &["pipeline", ".git"])?;
+        }
+        Self::writable(path)
+    }
+
+    /// Checks that this file of the project, which the program keeps, can be written.
+    pub(super) fn own(project: &Path, path: &str) -> Result<Self> {
+        Self::writable(&own_place(project, path)?)
+    }
+
+    fn writable(path: &Path) -> Result<Self> {
         match why_not_writable(path)? {
             Some(why) => Err(Error::input(format!("cannot write {}: {why}", path.display()))),
             None => Ok(Self { path: path.to_path_buf() }),
@@ -200,10 +222,11 @@ impl OutputFile {
 
     pub(super) fn write(&self, bytes: &[u8]) -> Result<()> {
         // A pipe or a device can only be written in place.
-        if self.path.exists() && !self.path.is_file() {
-            return fs::write(&self.path, bytes).context("write", &self.path);
-        }
-        write_atomically(&self.path, bytes).map_err(|mut e| {
+        let written = match self.path.exists() && !self.path.is_file() {
+            true => fs::write(&self.path, bytes).context("write", &self.path),
+            false => write_atomically(&self.path, bytes),
+        };
+        written.map_err(|mut e| {
             if let Error::Io { source, remedy, .. } = &mut e
                 && [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::FileTooLarge]
                     .contains(&source.kind())
@@ -226,6 +249,12 @@ fn why_not_writable(path: &Path) -> Result<Option<String>> {
         Ok(target) => target,
         Err(e) => return Ok(Some(format!("{e}; remove the link, or name another file"))),
     };
+    if target != path && target.is_file() && target.extension() != path.extension() {
+        return Ok(Some(format!(
+            "it links to {}, a file of another kind; remove the link, or name another file",
+            target.display()
+        )));
+    }
     let mut folder = folder_of(&target);
     if target == path && !folder.exists() && folder_of(folder).is_dir() {
         // It is made with the file.

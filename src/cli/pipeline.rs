@@ -4,7 +4,8 @@ use super::interrupt::interrupted;
 use super::output::{for_talk, refuse_tilde};
 use super::{CacheArgs, project_root, threads};
 use crate::pipeline::error::{CONFLICT, Error, Result};
-use crate::pipeline::files::{real, remove};
+use crate::pipeline::files::remove;
+use crate::pipeline::place::{TAKEN, place};
 use crate::pipeline::{
     Editor, Exports, Interrupt, KnownHashes, LockFile, Manifest, Options, Plan, Progress, Rights,
     Store, Summary, WalkResults, execute, work,
@@ -12,7 +13,7 @@ use crate::pipeline::{
 use crate::replication::project::{Project, refuse_broken};
 use crate::replication::stages::{Stage, plan, scene_of};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Default cache of a project.
 pub(super) const CACHE: &str = ".signorini";
@@ -53,7 +54,7 @@ impl Workplace {
         cache.cache_dir.as_deref().map_or(Ok(()), refuse_tilde)?;
         let root = project_root()?;
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
-        outside_report(&root, &folder, "the cache")?;
+        place(&root, &folder, "the cache", &TAKEN)?;
         let mut project = read(root)?;
         project.commands = super::commands;
         let mut store = Store::new(&folder)?;
@@ -126,6 +127,8 @@ impl Workplace {
         // What is used is read.
         self.store.known = KnownHashes::default();
         let root = &self.project.root;
+        // All is run again, and overwritten, that does not depend on a task that fails.
+        let options = Options { keep_going: options.keep_going || options.force, ..options };
         let (mut summary, known) = self.walk(plan, scope, options, progress)?;
         if scope == Scope::Locked && summary.failed.is_empty() {
             summary.differences = known.differences(&summary.lock_file);
@@ -305,18 +308,6 @@ pub(super) fn jobs(asked: usize) -> usize {
     }
 }
 
-/// Refuses a place for files of this program in a folder with inputs or exports.
-pub(super) fn outside_report(root: &Path, path: &Path, what: &str) -> Result<()> {
-    let (root, path) = (real(root), real(path));
-    let inside = ["report", "figures", "pipeline", ".git"];
-    match inside.into_iter().find(|folder| path.starts_with(root.join(folder))) {
-        Some(folder) => Err(Error::input(format!(
-            "{what} would lie in {folder}/, which has other files; choose another place"
-        ))),
-        None => Ok(()),
-    }
-}
-
 /// Names the files that were not written because they have other bytes than signorini wrote.
 fn refuse_edited(summary: &Summary) -> Result<()> {
     let Some(first) = summary.exports.edited.first() else { return Ok(()) };
@@ -339,6 +330,9 @@ pub(super) fn edited(by: Editor, paths: &[&str]) -> String {
         Editor::Hand => format!("{files} {was} edited by hand{names}; {force}"),
         Editor::Merge => {
             format!("{files} {has} a {CONFLICT}{names}; delete {it} and run again")
+        }
+        Editor::Link => {
+            format!("a link is in the place of {files}{names}; remove {it} and run again")
         }
         Editor::Unknown => format!("nothing is on record of {files}{names}; {force}"),
     }

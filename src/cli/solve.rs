@@ -17,11 +17,12 @@ mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
-use super::output::{OutputFile, say_json, talk, tell};
+use super::output::{OutputFile, quoted, say_json, talk, tell};
 use crate::figures::Width;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::fields::Fields;
 use crate::replication::fields::lists::{Varied, varied};
+use crate::replication::scene::Scene;
 use adapting::ShownMeshes;
 use answer::Answer;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -31,10 +32,12 @@ use request::Request;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::solvers::{Solver, recovered};
 use signorini_mathematics::statement::Statement;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args)]
-#[command(group = ArgGroup::new("problem").required(true).args(["scene", "f"]))]
+#[command(group = ArgGroup::new("problem").args(["scene", "f"]))]
+// That one of them may be missing is for studies of f.
+#[command(override_usage = "signorini solve [OPTIONS] <SCENE|--f <F>>")]
 pub(super) struct SolveArgs {
     /// A scene of the project
     ///
@@ -58,9 +61,10 @@ pub(super) struct SolveArgs {
     json: bool,
     /// Solve with each of these values of an option, or of a $NAME in f, and print a table [may be given several times]
     ///
-    /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. Values with commas are divided
-    /// by |. --json prints a line for each member. One without a solution is a row that says why. With --save NAME,
-    /// `run NAME` keeps the results, and makes the table, report/tables/NAME.csv, also in LaTeX, and a chart.
+    /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. FIRST:LAST:STEP is a range of
+    /// numbers. Values with commas end with |, as grids=4,8|8,16|. A $NAME is a number. --json prints a line for each
+    /// member. One without a solution is a row that says why. With --save NAME, `run NAME` keeps the results, and makes
+    /// the table, report/tables/NAME.csv, also in LaTeX, and a chart.
     #[arg(long, value_name = "NAME=A,B,..", value_parser = varied)]
     vary: Vec<Varied>,
     /// With --vary, write the table with all digits
@@ -125,6 +129,15 @@ impl SolveArgs {
             )));
         }
         Ok(Some((OutputFile::check(&path)?, format)))
+    }
+
+    /// Refuses arguments without a problem.
+    fn check_problem(&self) -> Result<()> {
+        let is_there = self.scene.is_some() || self.fields.f.is_some();
+        match is_there || self.vary.iter().any(|list| list.name == "f") {
+            true => Ok(()),
+            false => Err(Error::input("nothing to solve; give the name of a scene, or --f F")),
+        }
     }
 
     /// Refuses, of a study, options about the file, the points or the meshes of one solution.
@@ -193,8 +206,20 @@ impl SolveArgs {
     }
 }
 
+/// Returns the scene with this name; whoever names a mesh is told how.
+fn named_scene(name: &str) -> Result<Scene> {
+    super::scene(name).map_err(|e| match e {
+        Error::Unknown(text) if Path::new(name).is_file() => Error::Unknown(format!(
+            "{text}; to solve on the mesh of a file, use --domain {}",
+            quoted(Path::new(name))
+        )),
+        other => other,
+    })
+}
+
 pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
-    let scene = args.scene.as_deref().map(super::scene).transpose()?;
+    args.check_problem()?;
+    let scene = args.scene.as_deref().map(named_scene).transpose()?;
     if let Some(asked) = study::Asked::read(args, scene.as_ref())? {
         return study::solve(args, &asked);
     }

@@ -215,7 +215,8 @@ pub(super) const LEGEND_ROW: f64 = 19.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sample {
     Line,
-    Dashed,
+    /// Line with dashes: the second, third or later one of a colour.
+    Dashed(usize),
     Ring,
     Swatch,
 }
@@ -266,10 +267,14 @@ impl Legend {
     pub(super) fn draw(&self, picture: &mut Picture, (left, top): Place) {
         for (Entry { label, color, sample }, (x, y)) in &self.entries {
             let (x, y) = (left + x, top + y);
-            let dashes: &[f64] =
-                if *sample == Sample::Line { &[0.0, 1.0] } else { &[0.0, 0.4, 0.6, 1.0] };
+            let dashes: &[f64] = match sample {
+                Sample::Dashed(0) => &[0.0, 0.4, 0.6, 1.0],
+                Sample::Dashed(1) => &[0.0, 0.14, 0.29, 0.43, 0.57, 0.71, 0.86, 1.0],
+                Sample::Dashed(_) => &[0.0, 0.4, 0.57, 0.64, 0.81, 1.0],
+                _ => &[0.0, 1.0],
+            };
             match sample {
-                Sample::Line | Sample::Dashed => dashes.chunks(2).for_each(|ends| {
+                Sample::Line | Sample::Dashed(_) => dashes.chunks(2).for_each(|ends| {
                     let places = ends.iter().map(|end| (x + STROKE * end, y));
                     picture.path(places, *color, 2.5);
                 }),

@@ -98,7 +98,7 @@ pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> Picture
 /// Returns the legend that some panels have together.
 ///
 /// If none is given, each label has an entry: with the colour of its solver, or a colour that no solver in the panels
-/// has. The second and later labels of a solver are dashed; a label whose curves are single points is a ring.
+/// has. The second and later labels of a colour are dashed, each in its own way; a label whose curves are single points is a ring.
 pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = panels.iter().flat_map(|panel| panel.legend.clone()).collect();
     if !entries.is_empty() {
@@ -118,22 +118,24 @@ pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
     for label in labels {
         let place = solver(label).unwrap_or_else(|| free.next().unwrap_or(0));
         let has_line = curves.iter().any(|curve| curve.label == label && curve.points.len() > 1);
-        let sample = match (has_line, seen.contains(&place)) {
+        let color = series(place);
+        let sample = match (has_line, seen.iter().filter(|known| **known == color).count()) {
             (false, _) => Sample::Ring,
-            (true, true) => Sample::Dashed,
-            (true, false) => Sample::Line,
+            (true, 0) => Sample::Line,
+            (true, before) => Sample::Dashed(before - 1),
         };
-        seen.push(place);
-        entries.push(Entry { label: label.into(), color: series(place), sample });
+        seen.push(color);
+        entries.push(Entry { label: label.into(), color, sample });
     }
     entries
 }
 
-/// Returns the points of all curves but references.
+/// Returns the points of all curves but references, each with the first line of the title of its panel.
 fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
     for Chart { title, axes: [across, up], curves, .. } in panels {
         for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
+            let title = title.lines().next().unwrap_or_default();
             let names = [title, &*across.name, &up.name, &curve.label];
             add(&mut csv, &names, curve.points.iter().map(|&point| point.into()));
         }
@@ -144,6 +146,21 @@ fn of_charts(panels: &[&Chart]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_two_of_many_curves_look_alike() {
+        let points = [(1.0, 0.5), (2.0, 0.25)];
+        let curves = (0..28).map(|k| Curve::new(Stroke::Marked, format!("R = {k}"), points));
+        let entries = legend(&[&Chart::new("t", ["x", "y"], curves.collect())]);
+        for (k, entry) in entries.iter().enumerate() {
+            let mut others = entries[..k].iter();
+            assert!(
+                others.all(|one| (one.color, one.sample) != (entry.color, entry.sample)),
+                "{k}"
+            );
+        }
+        assert_eq!(entries.len(), 28);
+    }
 
     #[test]
     fn charts_are_listed_point_by_point_and_commas_are_quoted() {

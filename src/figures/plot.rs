@@ -15,8 +15,9 @@ pub(super) struct Plot<'a> {
     pub(super) entries: &'a [Entry],
 }
 
-/// Attributes of the second and later lines of a solver.
-const SECOND: &str = "stroke-dasharray=\"28 16\"";
+/// Attributes of the second, third and later lines of a colour.
+const DASHED: [&str; 3] =
+    ["stroke-dasharray=\"28 16\"", "stroke-dasharray=\"8 14\"", "stroke-dasharray=\"28 14 8 14\""];
 
 impl Plot<'_> {
     /// Draws rules, numbers and names of the axes, the name of the axis up at this distance from the frame.
@@ -43,7 +44,8 @@ impl Plot<'_> {
     /// Draws curves, with dashes below solid ones, then rings, then the names of lines, and the frame around all.
     pub(super) fn draw(&self, picture: &mut Picture) {
         let below = [Stroke::Reference, Stroke::Limit, Stroke::Thin].map(Stroke::attributes);
-        for attributes in below.into_iter().chain([SECOND, Stroke::Line.attributes()]) {
+        let lines = DASHED.into_iter().chain([Stroke::Line.attributes()]);
+        for attributes in below.into_iter().chain(lines) {
             picture.group(attributes, |picture| self.lines(picture, attributes));
         }
         let mut marks = Vec::new();
@@ -74,8 +76,10 @@ impl Plot<'_> {
     /// Draws the lines with these attributes.
     fn lines(&self, picture: &mut Picture, attributes: &str) {
         for curve in self.chart.curves.iter().filter(|curve| curve.stroke != Stroke::Rings) {
-            let is_second = self.entry(curve).is_some_and(|one| one.sample == Sample::Dashed);
-            let own = if is_second { SECOND } else { curve.stroke.attributes() };
+            let own = match self.entry(curve).map(|entry| entry.sample) {
+                Some(Sample::Dashed(round)) => DASHED[round.min(DASHED.len() - 1)],
+                _ => curve.stroke.attributes(),
+            };
             if own == attributes && curve.points.len() > 1 {
                 picture.path(thinned(&self.places(curve)), self.color(curve), curve.width);
             }

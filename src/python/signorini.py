@@ -85,22 +85,32 @@ def solve(f: str, **options) -> Solution:
     )
 
 
-def study(vary: dict[str, list], f: str, **options) -> dict[str, np.ndarray]:
+def study(vary: dict[str, list], f: str | None = None, **options) -> dict[str, np.ndarray]:
     """Solves one problem for each combination of values, beside each other; returns the table by its columns.
 
-    `vary` has the values of options, or of names in f: {"R": [0.1, 0.2]} with f="disc(0,0,$R)=4; else=-1". Where a
+    `vary` has the values of options, or of names in f: {"R": [0.1, 0.2]} with f="disc(0,0,$R)=4; else=-1", and of f
+    itself if f is not given. A value of several parts or grids is a list: {"fixed": [["top", "left"], "top"]}. Where a
     member has no solution, its numbers are nan, and `reason` says why.
     """
-    words = []
+    if not vary:
+        raise Refused("nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)")
+    words = [] if f is None else ["--f", f]
     for name, values in vary.items():
-        texts = [str(value) for value in values]
-        divider = "|" if any("," in text for text in texts) else ","
-        words += ["--vary", f"{name}={divider.join(texts)}"]
-    lines = _run(["--f", f, *_words(options), *words, "--json"], may_fail=True).splitlines()
+        texts = [_value(name, value) for value in ([values] if np.isscalar(values) else values)]
+        words += ["--vary", f"{name}={''.join(text + '|' for text in texts)}"]
+    lines = _run([*words, *_words(options), "--json"], may_fail=True).splitlines()
     rows = [json.loads(line) for line in lines]
     names = [name.replace("-", "_") for name in vary]
     found = [name for name in rows[0] if name not in [*names, "schema"]]
     return {name: _column([row[name] for row in rows]) for name in [*names, *found]}
+
+
+def _value(name: str, value) -> str:
+    """A value as `--vary` has it."""
+    text = ",".join(map(str, value)) if isinstance(value, (list, tuple, np.ndarray)) else str(value)
+    if "|" in text:
+        raise Refused(f"{name}: a value with | cannot be varied; solve it alone")
+    return text
 
 
 class Picture(str):

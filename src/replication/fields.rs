@@ -8,6 +8,7 @@
 pub(crate) mod described;
 pub(crate) mod keys;
 pub(crate) mod lists;
+pub(crate) mod member;
 mod names;
 pub(crate) mod read;
 pub(crate) mod table;
@@ -18,7 +19,7 @@ pub(crate) mod write;
 use crate::figures::Print;
 use crate::replication::output::Output;
 use clap::{ArgAction, Args};
-use keys::{ChartFields, curves, law, name_or_table};
+use keys::{ChartFields, curves, law, name_or_table, width};
 use serde::Deserialize;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
@@ -27,6 +28,9 @@ use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::Solver;
 use values::{LoadParser, Suggested, prolongation_parser, solver_parser};
 use vary::Vary;
+
+/// Fields about parts of the boundary, by their names.
+const PARTS: [&str; 2] = ["free", "fixed"];
 
 /// Fields that are given.
 #[derive(Args, Clone, Debug, Default, Deserialize)]
@@ -39,7 +43,7 @@ pub(crate) struct Fields {
     #[arg(skip)]
     pub paper_table: Option<u8>,
     /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub f: Option<String>,
     #[command(flatten)]
     #[serde(deserialize_with = "name_or_table")]
@@ -51,6 +55,7 @@ pub(crate) struct Fields {
     ///
     /// 0.00390625, and 256 cells per side, are the same width.
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
+    #[serde(deserialize_with = "width")]
     pub h: Option<String>,
     /// Cells per side of the nested grids of the square, coarsest first, as 4,8,16 [default: the scene's, or all of h]
     #[arg(long, value_name = "N,..", hide_short_help = true, value_delimiter = ',', num_args = 1,
@@ -117,7 +122,7 @@ pub(crate) struct DomainFields {
     /// A file, of formats 2.0 to 4.1, holds triangles or tetrahedra; physical groups name regions, for
     /// `region(name)=value` in --f, in quotes if the name has = or ;, and parts of the boundary. In space f is made of
     /// box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and halfspace(a,b,c,d).
-    #[arg(id = "domain", long = "domain", value_name = "NAME|FILE", requires = "f", hide_possible_values = true,
+    #[arg(id = "domain", long = "domain", value_name = "NAME|FILE", hide_possible_values = true,
         value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
     pub name: Option<String>,
     /// Number of refinements of the mesh [default: up to 20 000 nodes]

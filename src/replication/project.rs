@@ -3,6 +3,7 @@
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::list_tree;
 use crate::pipeline::names::{composed, is_left_behind, refuse_forbidden_name};
+use crate::pipeline::place::own_place;
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::paper::{PAPER, Paper};
 use crate::replication::scene::Scene;
@@ -232,6 +233,9 @@ fn files_of_single_scenes(scenes: &[&Scene]) -> &'static [&'static str] {
 /// Lists the files of the book, by path in `report/`.
 fn listed_templates(root: &Path) -> Result<InputFiles> {
     let report = root.join("report");
+    for name in GENERATED {
+        own_place(root, &format!("report/{name}"))?;
+    }
     // Git keeps no empty folder.
     if !report.exists() && !report.is_symlink() {
         return Ok(InputFiles::new());

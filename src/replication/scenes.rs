@@ -2,7 +2,7 @@
 
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::read_text;
-use crate::pipeline::names::{composed, refuse_forbidden_name};
+use crate::pipeline::names::{are_alike, composed, is_left_behind, refuse_forbidden_name};
 use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::scene::Scene;
 use std::collections::BTreeMap;
@@ -85,6 +85,16 @@ impl SceneFolder {
             return Err(Error::input(format!("the name of {path} is not UTF-8; rename it")));
         }
         refuse_forbidden_name("scene", name)?;
+        if let Some(reason) = why_no_scene(name) {
+            return Err(Error::input(format!("{SCENES}/{name}{ENDING}: {reason}; rename it")));
+        }
+        if let Some(first) = self.scenes.iter().find(|one| are_alike(&one.name, name)) {
+            return Err(Error::input(format!(
+                "{SCENES}: the names of `{}` and `{name}` differ in capitals or accents alone, as files do not \
+                 everywhere; rename one",
+                first.name
+            )));
+        }
         let text = read_text(path)?;
         let mut scene = Scene::parse(name, &composed(&text))?;
         scene.find_mesh(root, &mut self.files)?;
@@ -125,6 +135,35 @@ pub(super) fn find<'a>(
     }
     let known: Vec<_> = scenes.iter().map(|scene| scene.name.as_str()).collect();
     Err(Error::Unknown(format!("no scene `{name}`; there are: {}", known.join(", "))))
+}
+
+/// Returns the reason why a file with this name, without its ending, is no scene, if there is one.
+pub(crate) fn why_no_scene(name: &str) -> Option<&'static str> {
+    match name {
+        _ if name.trim().is_empty() => Some("a scene has a name"),
+        _ if name.contains(['/', '\\']) => Some("a scene has no folder in its name"),
+        _ if name.starts_with('-') => Some("a name that begins with - is read as an option"),
+        _ if is_left_behind(&format!("{name}{ENDING}")) => {
+            Some("files of such a name are those that other programs leave, and not read")
+        }
+        _ => None,
+    }
+}
+
+/// Returns the path in the project of a scene whose name is one with this where file names ignore capitals, or write
+/// accents the other way.
+///
+/// # Errors
+/// [`Error::Io`] if the folder cannot be listed.
+pub(crate) fn taken(root: &Path, name: &str) -> Result<Option<String>> {
+    let folder = root.join(SCENES);
+    for entry in fs::read_dir(&folder).context("list", &folder)? {
+        let there = entry.context("list", &folder)?.file_name().to_string_lossy().into_owned();
+        if there.strip_suffix(ENDING).is_some_and(|there| are_alike(there, name)) {
+            return Ok(Some(format!("{SCENES}/{there}")));
+        }
+    }
+    Ok(None)
 }
 
 /// Ending of the files of scenes.

@@ -1,12 +1,13 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
 use crate::replication::fields::keys::{AxisName, ChartFields};
+use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Reading, Refused};
 use crate::replication::numbers::{COLUMNS, Numbers, is_of_bounds};
+use crate::replication::scene::repeated;
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use signorini_mathematics::statement::Statement;
 
 /// Members of a study, and the axes of its chart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,14 +23,6 @@ pub(crate) struct Study {
     /// [`USUAL`] ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) columns: Vec<String>,
-}
-
-/// One problem of a study.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Member {
-    /// Values in the order of the names, as options have them.
-    pub(crate) values: Vec<String>,
-    pub(crate) statement: Statement,
 }
 
 /// Axes of a chart.
@@ -51,9 +44,28 @@ const REASON: &str = "reason";
 const TEXTS: [&str; 2] = ["solver", REASON];
 
 impl Study {
-    /// Study without members, which varies these names.
-    pub(crate) fn of(names: &[String]) -> Self {
-        Self { names: names.to_vec(), members: Vec::new(), chart: None, columns: Vec::new() }
+    /// Study of these members, which vary these names.
+    pub(crate) fn of(names: &[String], members: Vec<Member>) -> Self {
+        Self { names: names.to_vec(), members, chart: None, columns: Vec::new() }
+    }
+
+    /// Values of what varies in a member, in the order of the names.
+    pub(crate) fn values<'a>(&'a self, member: &'a Member) -> impl Iterator<Item = Varying> + 'a {
+        let value = |name: &String| member.value(name).expect("checked: a member has what varies");
+        self.names.iter().map(value)
+    }
+
+    /// Different values of what varies, each list with its name, in the order of the members.
+    pub(crate) fn lists(&self) -> Vec<(String, Vec<Varying>)> {
+        let mut lists: Vec<_> = self.names.iter().map(|name| (name.clone(), Vec::new())).collect();
+        for member in &self.members {
+            for ((_, list), value) in lists.iter_mut().zip(self.values(member)) {
+                if !list.contains(&value) {
+                    list.push(value);
+                }
+            }
+        }
+        lists
     }
 
     /// Returns the axes that are given, or the usual ones.
@@ -78,13 +90,17 @@ impl Study {
         Ok(Axes { columns: chosen, log })
     }
 
-    /// Returns the columns that are given for a table on a page.
+    /// Returns the columns that are given for a table on a page, in their order there.
     ///
     /// # Errors
-    /// [`Refused`] if there is no such column.
+    /// [`Refused`] if there is no such column, or one is there twice.
     pub(crate) fn columns(&self, given: Option<&[String]>) -> Reading<Vec<String>> {
         let known: Vec<&str> = self.names.iter().map(String::as_str).chain(self.found()).collect();
         let given = given.unwrap_or_default();
+        if let Some(column) = repeated(given) {
+            let text = format!("`columns`: `{column}` is there twice; remove one");
+            return Err(Refused::new("columns", text));
+        }
         match given.iter().find(|column| !known.contains(&column.as_str())) {
             None => Ok(given.to_vec()),
             Some(unknown) => {
@@ -134,7 +150,8 @@ impl Study {
         left.retain(|&k| TEXTS.contains(&head[k].as_str()));
         let mut table = Table::new(head, &left);
         for (member, numbers) in self.members.iter().zip(all) {
-            table.rows.push([member.values.clone(), numbers.cells(&found)].concat());
+            let values = self.values(member).map(|value| value.to_string());
+            table.rows.push(values.chain(numbers.cells(&found)).collect());
         }
         table
     }
@@ -144,9 +161,8 @@ impl Study {
         let mut rows = Vec::new();
         for (member, numbers) in self.members.iter().zip(all) {
             let mut row = Map::new();
-            for (name, value) in self.names.iter().zip(&member.values) {
-                let number = serde_json::from_str(value).ok().filter(Value::is_number);
-                row.insert(name.clone(), number.unwrap_or_else(|| value.clone().into()));
+            for (name, value) in self.names.iter().zip(self.values(member)) {
+                row.insert(name.clone(), value.json());
             }
             for column in self.found() {
                 row.insert(column.into(), numbers.value(column));
@@ -163,7 +179,10 @@ impl Study {
             let Some(reason) = numbers.reason() else { continue };
             count += 1;
             if count <= most {
-                text += &format!("no solution with {}: {reason}\n", self.in_words(&member.values));
+                text += &format!(
+                    "no solution with {}: {reason}\n",
+                    in_words(&self.names, self.values(member))
+                );
             }
         }
         if count > most {
@@ -175,39 +194,18 @@ impl Study {
     /// Names of the columns of numbers.
     fn columns_of_numbers(&self) -> Vec<&str> {
         let mut columns = Vec::new();
-        for (place, name) in self.names.iter().enumerate() {
-            if self.members.iter().all(|member| number(&member.values[place]).is_some()) {
+        for name in &self.names {
+            let number = |member: &Member| member.value(name)?.number();
+            if self.members.iter().all(|member| number(member).is_some()) {
                 columns.push(name.as_str());
             }
         }
         columns.extend(self.found().into_iter().filter(|column| !TEXTS.contains(column)));
         columns
     }
-
-    /// Refusal of a member with these values.
-    pub(crate) fn refused(&self, values: &[String], refused: Refused) -> Refused {
-        let Refused { field, text } = refused;
-        let field = if self.names.iter().any(|name| name == field) { "vary" } else { field };
-        Refused::new(field, format!("with {}: {text}", self.in_words(values)))
-    }
-
-    /// Returns the values of a member in words, as `friction = 0.2, refine = 3`.
-    pub(crate) fn in_words(&self, values: &[String]) -> String {
-        let pairs = self.names.iter().zip(values);
-        pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
-    }
 }
 
 /// Returns the column of an axis, and true if the axis has one over its numbers.
 pub(crate) fn of_axis(chosen: &str) -> (&str, bool) {
     chosen.strip_prefix("1/").map_or((chosen, false), |column| (column, true))
-}
-
-/// Returns the number that a value is, also of a fraction such as `1/64`.
-pub(crate) fn number(value: &str) -> Option<f64> {
-    let number = match value.split_once('/') {
-        Some((above, below)) => above.parse::<f64>().ok()? / below.parse::<f64>().ok()?,
-        None => value.parse().ok()?,
-    };
-    Some(number).filter(|number| number.is_finite())
 }

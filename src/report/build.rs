@@ -60,6 +60,14 @@ pub fn build(
         );
     };
     let listed = listed(summary)?;
+    for path in listed.iter().map(|page| &page.path) {
+        if !pages.contains_key(format!("src/{path}").as_str()) {
+            return Err(format!(
+                "report/templates/SUMMARY.md lists `{path}`, and there is no such file; add it, or take it from the \
+                 list"
+            ));
+        }
+    }
     let labels = Labels::of(&pages, &listed)?;
     for name in pages.keys() {
         includes::check(name, files)?;

@@ -1,26 +1,28 @@
 //! Template filters for numbers in the book, which write LaTeX between dollars.
 
 use super::data::{as_shown, with_digits};
+use crate::table::in_markdown;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use tera::{Kwargs, State, Tera, TeraResult, Value};
 
 pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("sci", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
-        Ok(number(scientific(x, kwargs.get::<usize>("digits")?.unwrap_or(2)), x))
+        Ok(number(scientific(x, precision(&kwargs, "digits", 2)?), x))
     });
     tera.register_filter("num", |x: f64, kwargs: Kwargs, _: &State| equation(kwargs, plain(x), x));
     tera.register_filter("times", |x: f64, _: Kwargs, _: &State| number(factor(x), x));
     tera.register_filter("ratio", |x: f64, _: Kwargs, _: &State| number(ratio(x), x));
     tera.register_filter("two", |x: f64, _: Kwargs, _: &State| number(plain(two_digits(x)), x));
     tera.register_filter("fix", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
-        let places = kwargs.get::<usize>("to")?.unwrap_or(1);
+        let places = precision(&kwargs, "to", 1)?;
         Ok(number(format!("{x:.places$}"), x))
     });
     tera.register_filter("int", |n: usize, _: Kwargs, _: &State| {
         with_digits(&grouped(n), &n.to_string())
     });
     tera.register_filter("word", |n: usize, _: Kwargs, _: &State| word(n));
-    tera.register_filter("step", |cells: usize, kwargs: Kwargs, _: &State| {
-        equation(kwargs, format!("1/{cells}"), 1.0 / cells as f64)
+    tera.register_filter("step", |cells: f64, kwargs: Kwargs, _: &State| {
+        equation(kwargs, format!("1/{cells}"), 1.0 / cells)
     });
     // For the scripts of a page: text, lists and numbers as JSON; numbers in the form of JavaScript.
     tera.register_filter("json", |value: Value, _: Kwargs, _: &State| json(&value));
@@ -34,23 +36,27 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("cell", |text: String, _: Kwargs, _: &State| text.replace('|', r"\|"));
     // Two numbers that are shown alike are compared as they are shown.
     tera.register_filter("shown", |text: String, _: Kwargs, _: &State| as_shown(&text));
-    tera.register_filter("text", |text: String, _: Kwargs, _: &State| plain_text(&text));
+    // Of a file in a link, and of a part of a page.
+    tera.register_filter("address", |text: String, _: Kwargs, _: &State| address(&text));
+    tera.register_filter("text", |text: String, _: Kwargs, _: &State| in_markdown(&text));
 }
 
-/// Returns a text of the user in a form that shows it unchanged, in Markdown, in `<code>` there, and as the value of an
-/// attribute: signs that have a meaning in any of these, and those that are set as others, are written by number.
-fn plain_text(text: &str) -> String {
-    let mut shown = String::new();
-    let mut last = ' ';
-    for c in text.chars() {
-        let is_set_as_another = c == last && "-.".contains(c);
-        match is_set_as_another || "\\`*_[]{}<>&|~$#\"'".contains(c) {
-            true => shown += &format!("&#{};", u32::from(c)),
-            false => shown.push(c),
-        }
-        last = c;
+/// Returns a name of the user as a part of an address, which has no sign with a meaning in Markdown or in tags.
+fn address(name: &str) -> String {
+    const KEPT: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'/');
+    utf8_percent_encode(name, KEPT).to_string()
+}
+
+/// Returns the number of digits that a page asks for under this name, or the usual one.
+fn precision(kwargs: &Kwargs, name: &str, usual: usize) -> TeraResult<usize> {
+    /// Digits of a number in binary that a decimal has at most, behind the point.
+    const MOST: usize = 1074;
+    match kwargs.get::<usize>(name)?.unwrap_or(usual) {
+        many if many > MOST => Err(tera::Error::message(format!(
+            "`{name}` is {many}; no number has more than {MOST} digits"
+        ))),
+        digits => Ok(digits),
     }
-    shown
 }
 
 /// Function `{{ require(that=CONDITION, what="...") }}`: nothing, or an error that stops the build.
@@ -173,35 +179,6 @@ fn word(n: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_text_of_the_user_is_shown_as_it_is() {
-        for text in [
-            "Price $5 and $6",
-            "See [a](nope.md) ![b](c.svg)",
-            "<b>x</b> &amp; *s* _t_ ~~u~~",
-            "a | b \\ {{#include x}} `c` \"d\" 'e' -- ... #f",
-        ] {
-            let shown = plain_text(text);
-            for markdown in [format!("**{shown}**"), format!("| a |\n| - |\n| {shown} |\n")] {
-                let mut read = String::new();
-                for event in
-                    pulldown_cmark::Parser::new_ext(&markdown, pulldown_cmark::Options::all())
-                {
-                    match event {
-                        pulldown_cmark::Event::Text(text) => read += &text,
-                        pulldown_cmark::Event::Start(_) | pulldown_cmark::Event::End(_) => {}
-                        other => panic!("{other:?}"),
-                    }
-                }
-                assert_eq!(
-                    read.strip_prefix('a').filter(|_| markdown.starts_with('|')).unwrap_or(&read),
-                    text
-                );
-            }
-            assert!(!shown.contains(['"', '<', '$', '{']), "{shown}");
-        }
-    }
 
     #[test]
     fn numbers_read_as_in_the_paper() {

@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 
 /// Tag of a figure or a table.
 static FIGURE: LazyLock<Regex> = LazyLock::new(|| {
-    Regex::new(r#"<figure id="(figure|table)-([A-Za-z0-9_.-]+)""#).expect("the pattern is tested")
+    Regex::new(r#"<figure id="(figure|table)-([A-Za-z0-9_.%-]+)""#).expect("the pattern is tested")
 });
 
 /// Part of a page to which links may lead.

@@ -1,6 +1,6 @@
 //! The answer of `solve` as text: what was asked for comes first, in plain numbers; advice is one line.
 
-use crate::common::{Project, TABLE};
+use crate::common::{Project, TABLE, number};
 use serde_json::Value;
 
 const SOURCE: &str = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
@@ -111,7 +111,10 @@ fn arcs_have_the_names_of_their_parts_and_a_direction_where_there_are_any() {
         "{text}"
     );
     let arcs = json["contact"].as_array().unwrap();
-    assert!(arcs.iter().all(|arc| arc["part"] == "teeth" && arc["closed"] == false), "{json}");
+    assert!(
+        !arcs.is_empty() && arcs.iter().all(|arc| arc["part"] == "teeth" && arc["closed"] == false),
+        "{json}"
+    );
 
     let (text, json) = answer(&["--f", SOURCE, "--h", "1/16"]);
     assert!(text.contains(" of 64 boundary nodes; arcs anticlockwise\ncontact from ("), "{text}");
@@ -221,5 +224,64 @@ fn a_fixed_part_is_said_to_carry_what_the_contact_does_not() {
     assert!(near(forces[0], &json["force"]));
     for free in [&f[..], &[&f[..], &["--free", "inner"]].concat()] {
         assert!(!answer(free).0.contains(said));
+    }
+}
+
+#[test]
+fn each_arc_is_told_as_it_is() {
+    let of = |domain, f| ["--domain", domain, "--f", f];
+    let commands = [
+        of("square", "else=-1"),
+        of("square", SOURCE),
+        of("square", "quadrant(ll)=-6; else=1.99"),
+        of("disc", "else=-1"),
+        of("disc", "halfplane(0,1,0)=-3; else=1.5"),
+        of("annulus", "else=-1"),
+        of("annulus", "disc(0.7,0,0.2)=9; else=-1"),
+        of("lshape", "rect(-1,0,-1,0)=3; else=-2"),
+    ];
+    let mut kinds = [0, 0];
+    for command in commands {
+        let (text, json) = answer(&command);
+        let arcs = json["contact"].as_array().unwrap();
+        let closed = arcs.iter().filter(|arc| arc["closed"] == true).count();
+        let counts = [closed, arcs.len() - closed];
+        let told =
+            ["\ncontact everywhere", "\ncontact from ("].map(|words| text.matches(words).count());
+        assert_eq!(told, counts, "{text}");
+        // One that is closed holds all nodes of its part of the boundary.
+        let Value::Object(nodes) = &json["contact_nodes"] else { panic!("{json}") };
+        let is_everywhere = nodes["nodes"] == nodes["boundary_nodes"];
+        let words = text.lines().filter(|line| line.starts_with("contact in ")).collect::<Vec<_>>();
+        assert_eq!(words.len(), 1, "{text}");
+        assert!(!is_everywhere || counts[1] == 0, "{text}");
+        for (kind, count) in kinds.iter_mut().zip(counts) {
+            *kind += count;
+        }
+    }
+    assert!(kinds.into_iter().all(|count| count > 3), "{kinds:?}");
+}
+
+#[test]
+fn where_f_varies_within_cells_no_least_error_is_claimed() {
+    let project = Project::with(TABLE);
+    for (domain, f, is_claimed) in [
+        ("lshape", "else=-1", true),
+        ("lshape", "formula(x-3)", false),
+        ("lshape", "formula(-1-sin(40*x)*sin(40*y))", false),
+        ("cube", "else=-1", true),
+        ("cube", "exact(free-disc)", false),
+        ("cube", "exact(full-contact)", false),
+        ("ball", "formula(z-3)", false),
+    ] {
+        let fineness: &[&str] = if domain == "cube" { &["--h", "1/8"] } else { &["--refine", "2"] };
+        let solve = ["solve", "--json", "--domain", domain, "--f", f];
+        let json = project.run(&[&solve[..], fineness].concat()).json();
+        let [least, most] = [0, 1].map(|end| number(&json["bound"]["error"][end]));
+        assert!(least < most && (least > 0.0) == is_claimed, "{domain} {f}: {json}");
+        if let Some(h1) = json["errors"]["h1"].as_f64() {
+            let l2 = number(&json["errors"]["l2"]);
+            assert!(least <= h1 && h1 * h1 - l2 * l2 <= most * most, "{domain} {f}: {json}");
+        }
     }
 }

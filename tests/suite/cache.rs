@@ -232,6 +232,14 @@ fn gc_removes_garbage_and_nothing_else() {
     project.write(".signorini/v2/objects/thesis.txt", "mine");
     project.write(".signorini/v4", "mine");
     project.write(".signorini/CACHEDIR.TAG", "mine");
+    // Whatever the name of a file, its folder is not one of ours.
+    let hash = "ab".repeat(32);
+    let others =
+        ["mine/objects/ab", "v/objects/ab", "v2x/objects/ab", "v2/notes/ab", "v2/objects/cd"];
+    for folder in others {
+        fs::create_dir_all(project.path(".signorini").join(folder)).unwrap();
+        project.write(&format!(".signorini/{folder}/{hash}"), "mine");
+    }
     let before = project.made();
     let would = project.run(&["gc", "-n"]).lines()[0].to_owned();
     assert_same(&project.made(), &before);
@@ -243,6 +251,11 @@ fn gc_removes_garbage_and_nothing_else() {
         assert_eq!(after.remove(&name).as_deref(), Some(&b"mine"[..]), "{name}");
     }
     assert_eq!(fs::read(project.path(".signorini/v3/tasks/todo.txt")).unwrap(), b"mine");
+    for folder in others {
+        let file = format!(".signorini/{folder}/{hash}");
+        assert_eq!(fs::read(project.path(&file)).unwrap(), b"mine", "{folder}");
+        after.remove(&file);
+    }
     assert_same(&after, &clean);
     assert!(!project.path(".signorini/v0/objects").exists());
     assert!(!project.path(".signorini/v2/tasks/solve/b").exists(), "no empty folders stay behind");
@@ -309,4 +322,22 @@ fn a_locked_run_fails_on_a_difference_and_leaves_the_lock_file() {
     assert_eq!(project.run(&["run", "--locked"]).code, Some(1), "still, though nothing has to run");
     project.run(&["run"]).lines();
     assert_eq!(project.run(&["run", "--locked"]).code, Some(0));
+}
+
+#[test]
+fn status_and_a_dry_run_say_that_files_are_missing_or_old_if_they_are() {
+    let project = Project::with(&wanting("[\"source\"]"));
+    project.run(&["run"]).lines();
+    let said = |words: &str| {
+        let texts = [&["status"][..], &["run", "-n"], &["run", "-n", "a"]];
+        texts.map(|args| project.run(args).out.contains(words))
+    };
+    let (files, lock) =
+        ("files in figures/ or report/ are missing or old", "lock.toml is missing or old");
+    assert_eq!((said(files), said(lock)), ([false; 3], [false; 3]));
+    fs::remove_file(project.path("figures/a-source.svg")).unwrap();
+    assert_eq!((said(files), said(lock)), ([true; 3], [false; 3]));
+    project.run(&["run"]).lines();
+    fs::remove_file(project.path("pipeline/lock.toml")).unwrap();
+    assert_eq!((said(files), said(lock)), ([false; 3], [true; 3]));
 }

@@ -1,6 +1,6 @@
 //! The command line: what it prints where, in which format, and with which exit code.
 
-use crate::common::{PAPER, Project, Said, TABLE, commands};
+use crate::common::{PAPER, Project, Said, TABLE, commands, number};
 use crate::reference::REFERENCES;
 use expect_test::{expect, expect_file};
 use serde_json::Value;
@@ -82,8 +82,7 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     assert!(0.0025 < least && most < 0.004, "reached, with a grid hardly too fine: {json}");
     let fixed = solve(&["--solver", "multigrid", "--load", "exact", "--h", "1/512"]);
     assert!(
-        json["h"].as_f64() >= fixed["h"].as_f64()
-            && fixed["bound"]["error"][1].as_f64() < Some(0.004)
+        number(&json["h"]) >= number(&fixed["h"]) && number(&fixed["bound"]["error"][1]) < 0.004
     );
     let json = solve(&["--accuracy-energy", "1e-7", "--solver", "multigrid"]);
     let [low, high] = [0, 1].map(|k| json["bound"]["energy"][k].as_f64().unwrap());
@@ -96,17 +95,17 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     // The next grid has no lines along the borders of f, and a wider bracket, which is no sign of rounding errors.
     let aligned = ["--f", "rect(-0.2,0.3,-0.25,0.22)=4; else=-1.5", "--accuracy-energy", "1e-6"];
     let json = project.run(&[&["solve", "--json"], &aligned[..]].concat()).json();
-    assert!(json["bound"]["relative"]["energy"].as_f64() <= Some(1e-6), "{json}");
+    assert!(number(&json["bound"]["relative"]["energy"]) <= 1e-6, "{json}");
     assert_eq!(json["settings"]["accuracy-energy"], 1e-6);
     // On coarse grids the error may be larger than the solution, which is no sign of rounding errors either.
     let thin = ["--f", "rect(-0.5,0.5,-0.5,-0.499)=-3; else=0", "--accuracy-energy", "1e-2"];
     let json = project.run(&[&["solve", "--json"], &thin[..]].concat()).json();
-    assert!(json["bound"]["relative"]["energy"].as_f64() <= Some(1e-2), "{json}");
+    assert!(number(&json["bound"]["relative"]["energy"]) <= 1e-2, "{json}");
     // Single nodes where contact ends keep large residuals, which a guaranteed bound makes no matter.
     let f = "disc(0.125,0.2914,0.3053)=4; halfplane(-0.3227,-0.112,0.125)=0; quadrant(lr)=-4.09; \
         rect(0.2757,1,0,0.3331)=4; else=-1.226";
     let json = project.run(&["solve", "--f", f, "--accuracy", "0.002", "--json"]).json();
-    assert!(json["kkt"]["relative"].as_f64() > Some(0.1), "{json}");
+    assert!(number(&json["kkt"]["relative"]) > 0.1, "{json}");
     assert_eq!(json["warnings"], serde_json::json!([]));
     let cube = project
         .run(&["solve", "--domain", "cube", "--f", "else=-1", "--h", "1/8", "--json"])

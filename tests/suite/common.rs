@@ -49,6 +49,12 @@ pub(crate) fn wanting(outputs: &str) -> String {
     TABLE.replace("[\"table\"]", outputs)
 }
 
+/// The number of a value in JSON. Compared as an option, one that is missing would be less than every number.
+#[track_caller]
+pub(crate) fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
 /// A project folder with its cache inside.
 pub(crate) struct Project {
     folder: TempDir,

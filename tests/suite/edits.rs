@@ -4,6 +4,8 @@
 //! `SIGNORINI_EDITS` is the number of edits, 200 without it; `SIGNORINI_SEED` is the seed of the first study, which a
 //! failure prints.
 
+mod beside;
+
 use crate::common::{Dice, PAPER, Project, Said};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -18,19 +20,21 @@ const STUDIES_PER_BOOK: u64 = 10;
 /// Files of a study that a run reads, by path.
 pub(crate) type Files = BTreeMap<String, String>;
 
-/// Scenes that share their keys: by a saddle-point method on the square, by another solver there, on a mesh.
+/// Scenes that share their keys: by a saddle-point method on the square, by another solver there, on a mesh, and those
+/// that vary something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     Method,
     Plain,
     Mesh,
+    Varied,
 }
 
-use Kind::{Mesh, Method, Plain};
+use Kind::{Mesh, Method, Plain, Varied};
 
 /// Keys of scenes of some kinds, with values of each.
-pub(crate) const KEYS: [(&[Kind], &str, &[&str]); 19] = [
-    (&[Method, Plain, Mesh], "title", &["\"One\"", "\"Two\"", "\"Drei\""]),
+pub(crate) const KEYS: [(&[Kind], &str, &[&str]); 28] = [
+    (&[Method, Plain, Mesh, Varied], "title", &["\"One\"", "\"Two\"", "\"Drei\""]),
     (
         &[Method, Plain, Mesh],
         "f",
@@ -96,11 +100,51 @@ pub(crate) const KEYS: [(&[Kind], &str, &[&str]); 19] = [
         &["[\"history\"]", "[\"contact\", \"history\", \"surface\", \"table\"]"],
     ),
     (&[Plain, Mesh], "outputs", &["[]"]),
+    (
+        &[Varied],
+        "f",
+        &[
+            "\"disc(0,0,$R)=$b; else=-3\"",
+            "\"formula($R*x - $b^2 - 1)\"",
+            "\"halfplane($b,1,0)=-$R/2; else=-1\"",
+        ],
+    ),
+    (
+        &[Varied],
+        "vary",
+        &[
+            "{ R = [0.1, \"1/4\"], b = [1, -0.5] }",
+            "{ b = -2, R = [0.3] }",
+            "[{ R = 0.1, b = 1, h = 8 }, { h = [4, \"1/8\"], b = 2.5, R = \"2e-1\" }]",
+            "{ R = [0.1, 0.25], b = [1], solver = [\"multigrid\", \"active-set\"] }",
+            "{ R = 0.25, b = [0.5, 1], tolerance = [1e-3, 1e-6] }",
+            "{ R = [0.1, \"0.10\"], b = 1 }",
+            "{ R = 0.1, b = 1, friction = [4, 0.1] }",
+        ],
+    ),
+    (&[Varied], "outputs", &["[\"table\"]", "[\"chart\"]", "[\"chart\", \"table\"]"]),
+    (
+        &[Varied],
+        "chart",
+        &["{ x = \"R\", y = \"force\" }", "{ x = \"1/b\" }", "{ x = \"h\", log = [\"x\"] }"],
+    ),
+    (&[Varied], "columns", &["[\"R\", \"energy\"]", "[\"force\", \"error_relative\", \"b\"]"]),
+    (&[Varied], "h", &["8", "\"1/4\"", "0.125"]),
+    (&[Varied], "law", &["{ limit = 1000 }", "{ friction = 1.5 }"]),
+    (&[Varied], "solver", &["\"multigrid\"", "\"active-set\""]),
+    (
+        &[Varied],
+        "domain",
+        &["{ name = \"disc\", refine = 1 }", "{ name = \"meshes/one.msh\", refine = 1 }"],
+    ),
 ];
 
 /// Kind of a scene.
 pub(crate) fn kind(text: &str) -> Kind {
     let solves_by = |name: &str| text.contains(&format!("solver = \"{name}\""));
+    if text.contains("vary = ") {
+        return Varied;
+    }
     match text.contains("domain = ") && !text.contains("\"square\"") {
         true => Mesh,
         false if solves_by("arrow-hurwicz") || solves_by("uzawa") => Method,
@@ -119,10 +163,13 @@ pub(crate) fn study() -> Files {
         "title = \"Two\"\nf = \"else=-1\"\ngrids = [4, 8]\noutputs = [\"table\", \"map\"]\n";
     let on_mesh = "title = \"Two\"\nf = \"else=-1\"\ndomain = { name = \"meshes/one.msh\", refine = 2 }\n\
         outputs = [\"table\", \"surface\"]\n";
+    let varied = "title = \"Two\"\nf = \"disc(0,0,$R)=$b; else=-3\"\nh = 8\n\
+        vary = { R = [0.1, \"1/4\"], b = [1, -0.5] }\noutputs = [\"table\", \"chart\"]\n";
     let files = [
         ("pipeline/scenes/a.toml", method.into()),
         ("pipeline/scenes/b.toml", plain.into()),
         ("pipeline/scenes/c.toml", on_mesh.into()),
+        ("pipeline/scenes/v.toml", varied.into()),
         ("pipeline/meshes/one.msh", fs::read_to_string(mesh).unwrap()),
         ("pipeline/paper.toml", PAPER.into()),
     ];
@@ -254,7 +301,7 @@ pub(crate) type Exported = BTreeMap<String, Vec<u8>>;
 /// What a run exports and is compared; nothing of it is written by hand.
 pub(crate) fn exported(project: &Project) -> Exported {
     let mut files = BTreeMap::new();
-    for folder in ["figures", "report/src"] {
+    for folder in ["figures", "report/src", "report/tables"] {
         let below = project.files(folder).into_iter();
         files.extend(below.map(|(name, bytes)| (format!("{folder}/{name}"), bytes)));
     }
@@ -351,6 +398,12 @@ fn edit_and_check(seed: u64, edits: usize) {
             Ok(true) => {
                 states.push(next.clone());
                 done += 1;
+                let beside = match dice.below(3) {
+                    0 => beside::edit_an_export(&mut dice, &project),
+                    1 => beside::compare_options(&mut dice, &project, &next).map(|_| ()),
+                    _ => Ok(()),
+                };
+                beside.unwrap_or_else(|why| panic!("seed {seed}: {why}\n{next:#?}"));
             }
             Ok(false) => {
                 // As whoever reads the message would.
@@ -368,9 +421,17 @@ fn edit_and_check(seed: u64, edits: usize) {
 }
 
 /// Number in the environment.
-fn number(name: &str, usual: u64) -> u64 {
+pub(crate) fn number(name: &str, usual: u64) -> u64 {
     let given = std::env::var(name).ok();
     given.map_or(usual, |text| text.parse().unwrap_or_else(|_| panic!("{name} is no number")))
+}
+
+#[test]
+fn an_option_over_a_study_is_its_key() {
+    let (project, files) = (project(&study()), study());
+    let mut dice = Dice(number("SIGNORINI_SEED", 1) | 1);
+    let rows = (0..30).filter(|_| beside::compare_options(&mut dice, &project, &files).unwrap());
+    assert!(rows.count() > 8);
 }
 
 #[test]

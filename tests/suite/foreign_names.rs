@@ -67,13 +67,27 @@ fn the_mathematics_and_the_pipeline_forbid_the_same_characters() {
 #[test]
 fn texts_of_the_user_are_escaped_in_every_template() {
     let templates = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates");
-    let mut shown = 0;
+    let (mut shown, mut addresses) = (0, 0);
     for entry in fs::read_dir(templates).unwrap() {
         let path = entry.unwrap().path();
         let Ok(text) = fs::read_to_string(&path) else { continue };
-        for value in
-            ["scene.title", "scene.name", "one.task", "need", "file.name", "alt", "one.what"]
-        {
+        // A name in the address of a file or of a part of a page.
+        let beginnings = ["figures/{{", "figure:{{", "figure-{{", "made-{{", "(<data/{{ one"];
+        for rest in beginnings.iter().flat_map(|place| text.split(place).skip(1)) {
+            let name = rest.split("}}").next().unwrap();
+            assert!(name.ends_with("| address "), "{}: {name}", path.display());
+            addresses += 1;
+        }
+        for value in [
+            "scene.title",
+            "one.title",
+            "scene.name",
+            "one.task",
+            "need",
+            "file.name",
+            "alt",
+            "one.what",
+        ] {
             for rest in text.split(&format!("{{{{ {value}")).skip(1) {
                 let end = rest.split("}}").next().unwrap();
                 // Names of longer values are others.
@@ -84,5 +98,5 @@ fn texts_of_the_user_are_escaped_in_every_template() {
             }
         }
     }
-    assert!(shown >= 8, "{shown}");
+    assert!(shown >= 9 && addresses >= 8, "{shown} {addresses}");
 }

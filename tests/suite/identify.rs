@@ -101,7 +101,7 @@ proptest! {
         let measure = if printed { Measure::Printed } else { Measure::Signed };
         let table = literal(&values, measure, 3);
         // Where no saddle point exists, the iteration may go on for ever.
-        prop_assume!(table.counts.iter().flatten().all(|&n| n < Some(5000)));
+        prop_assume!(table.counts.iter().flatten().all(|n| n.is_some_and(|n| n < 5000)));
         let target = target_of(&table);
         let variant = Variant { measure, ..Variant::default() };
         let mut evaluator = evaluator(&target, &variant);
@@ -112,7 +112,7 @@ proptest! {
     fn forced_runs_are_exact_just_where_free_runs_agree(one in -4i32..5, rest in -4i32..5) {
         let planted = [rest, one, rest, rest].map(f64::from);
         let table = literal(&planted, Measure::Signed, 3);
-        prop_assume!(table.counts.iter().flatten().all(|&n| n < Some(5000)));
+        prop_assume!(table.counts.iter().flatten().all(|n| n.is_some_and(|n| n < 5000)));
         let (target, geometries) = (target_of(&table), Geometry::odd_quadrants());
         let evaluator = Evaluator::new(&target, &Variant::default(), &geometries).unwrap();
         let pairs = (-4..5).flat_map(|one| (-4..5).map(move |rest| [one, rest]));

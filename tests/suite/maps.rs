@@ -179,3 +179,27 @@ fn a_scene_has_a_map_if_it_asks_for_one() {
     project.run(&["run"]).lines();
     assert!(!project.path("figures/a-map.svg").exists());
 }
+
+#[test]
+fn the_title_of_each_picture_of_a_scene_names_its_kind() {
+    let outputs = "[\"table\", \"source\", \"surface\", \"map\", \"history\", \"contact\"]";
+    let project = Project::with(&wanting(outputs));
+    let study = "title = \"Two\"\nf = \"else=-1\"\nvary = { h = [4, 8] }\noutputs = [\"chart\"]\n";
+    project.scene("s", study);
+    project.run(&["run"]).lines();
+    for (figure, kind) in [
+        ("a-source", "Right-hand side f: Suction"),
+        ("a-surface", "Surface v: Suction"),
+        ("a-map", "Map of v: Suction"),
+        ("a-history", "Gradient against iterations: Suction"),
+        ("a-contact", "Trace and multiplier along the boundary: Suction"),
+        ("s-chart", "Study: Two"),
+    ] {
+        let picture = fs::read_to_string(project.path(&format!("figures/{figure}.svg"))).unwrap();
+        assert!(
+            picture.contains(&format!("<title>{kind}</title>")),
+            "{figure}: {}",
+            &picture[..900]
+        );
+    }
+}

@@ -2,6 +2,7 @@
 
 use crate::common::files_below;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::Path;
 
 /// Named local closures, `let name = |..| ..`, per 100 lines.
@@ -192,8 +193,30 @@ fn lines_end_at_120_columns() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
+/// Comparisons with `Some` on the greater side, which a number that is missing passes.
+fn passed_by_none(text: &str) -> usize {
+    let code = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    ["< Some(", "<= Some("].iter().map(|sign| code.matches(sign).count()).sum()
+}
+
+#[test]
+fn no_comparison_is_passed_by_a_number_that_is_missing() {
+    let mut texts: Vec<_> =
+        sources().into_iter().map(|Source { path, text }| (path, text)).collect();
+    for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() && !path.ends_with("plain_code.rs") {
+            texts.push((path.display().to_string(), fs::read_to_string(path).unwrap()));
+        }
+    }
+    texts.retain(|(_, text)| passed_by_none(text) > 0);
+    let found: Vec<_> = texts.iter().map(|(path, _)| path).collect();
+    assert!(found.is_empty(), "{found:#?}");
+}
+
 #[test]
 fn the_counts_see_what_they_count() {
+    assert_eq!(passed_by_none("a < Some(1.0) && b <=\n    Some(2) || c > Some(3)"), 2);
     let text = "let a = |x| x;\nlet mut b: F =\n    move |y| y;\nlet c = 1;\nlet d = f(|x| x);";
     assert_eq!(named_closures(text), 2);
     assert_eq!(defined_type("pub(crate) struct Grid {"), Some("Grid"));

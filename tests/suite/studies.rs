@@ -108,7 +108,7 @@ fn options_scenes_and_saved_scenes_are_one_study() {
     let lines: Vec<Value> = json.lines().iter().map(|l| serde_json::from_str(l).unwrap()).collect();
     assert_eq!(lines.len(), 4);
     assert_eq!(lines[2]["friction"], 1);
-    assert_eq!(lines[2]["h"], "1/8");
+    assert_eq!(lines[2]["h"], 0.125);
     assert_eq!(
         lines[2]["energy"].to_string(),
         rows(&project, "of-scene.csv")[2]["energy"].as_str().unwrap()
@@ -147,7 +147,7 @@ fn a_list_of_tables_is_one_product_after_the_other() {
         .iter()
         .map(|row| format!("{} {}", row["friction"].as_str().unwrap(), row["h"].as_str().unwrap()))
         .collect();
-    assert_eq!(pairs, ["1 8", "1 16", "2 4"]);
+    assert_eq!(pairs, ["1 1/8", "1 1/16", "2 1/4"]);
     let markdown = fs::read_to_string(project.path("report/tables/s.md")).unwrap();
     assert!(markdown.starts_with("| friction | energy |\n"), "{markdown}");
 }
@@ -234,7 +234,7 @@ fn axes_are_columns_or_one_over_them() {
     project.run(&["run", "s"]).lines();
     let chart = fs::read_to_string(project.path("figures/s-chart.csv")).unwrap();
     let across: Vec<&str> = chart.lines().skip(1).filter_map(|row| row.split(',').nth(4)).collect();
-    assert_eq!(across, ["0.0625", "0.125"]);
+    assert_eq!(across, ["8", "16"]);
 }
 
 /// Rows of a study of this project.
@@ -336,7 +336,7 @@ fn mistakes_in_options_of_studies_are_refused() {
     let project = four();
     for (args, words) in [
         (&["--f", F, "--vary", "friction=x"][..], "--vary friction=x: invalid float"),
-        (&["--f", F, "--vary", "friction=1:2:0.5"], "list values with commas between them"),
+        (&["--f", F, "--vary", "friction=1:2"], "list values with commas between them"),
         (&["--f", F, "--vary", "friction=1", "--csv", "t.tex"], "add --save NAME for a scene"),
         (&["--f", F, "--vary", "solver=multigrid,foo"], "--vary solver=foo: choose one of"),
         (&["--f", F, "--friction", "1", "--vary", "friction=1"], "--friction is given as well"),
@@ -368,10 +368,8 @@ fn solvers_files_and_values_with_commas_are_varied() {
     assert!(grids.lines()[2].trim_start().starts_with("4,8 "), "{grids:?}");
     let f = project.run(&[
         "solve",
-        "--f",
-        "$F",
         "--vary",
-        "F=else=-1|rect(-0.5,0,-0.5,0.5)=-2; else=-1",
+        "f=else=-1|rect(-0.5,0,-0.5,0.5)=-2; else=-1",
         "--h",
         "8",
     ]);
@@ -441,6 +439,36 @@ fn the_python_of_the_page_prints_what_it_shows() {
     let shown = rest.split_once("```text\n").unwrap().1.split_once("```").unwrap().0;
     let Some(output) = python(&["-c", program]) else { return };
     assert_eq!(String::from_utf8(output.stdout).unwrap(), shown);
+}
+
+#[test]
+fn python_varies_values_of_any_kind() {
+    let program = "import signorini\n\
+        f = 'disc(0,0,$R)=4; else=-1'\n\
+        print(signorini.study({'R': 0.1, 'h': [8, '1/16']}, f=f)['h'])\n\
+        print(signorini.study({'grids': ['4,8']}, f='else=-1')['grids'])\n\
+        print(signorini.study({'solver': 'multigrid'}, f='else=-1', h=8)['solver'])\n\
+        print(signorini.study({'f': ['else=-1', 'formula(min(x,y) - 1)']}, h=8)['f'])\n\
+        print(signorini.study({'fixed': [['inner', 'outer'], []]}, f='else=-1', domain='annulus', refine=0)['fixed'])\n\
+        a = signorini.study({'a': [-2, 3]}, f='formula($a^2 - 6)', h=8)\n\
+        print(a['a'], a['energy'][0] == signorini.solve(f='formula(4 - 6)', h=8).energy)\n\
+        for vary in [{}, {'R': ['a|b']}, {'R': [None]}]:\n\
+        \x20   try: signorini.study(vary, f=f)\n\
+        \x20   except signorini.Refused as e: print(e)\n";
+    let Some(output) = python(&["-c", program]) else { return };
+    let said = Said::from(output);
+    let want = [
+        "[0.125  0.0625]",
+        "['4,8']",
+        "['multigrid']",
+        "['else=-1' 'formula(min(x, y) - 1)']",
+        "['inner,outer' '']",
+        "[-2  3] True",
+        "nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)",
+        "R: a value with | cannot be varied; solve it alone",
+        "--vary R=None: a name in f is a number, such as 0.25 or 1/4; what is no number varies as a field, as f does",
+    ];
+    assert_eq!(said.lines(), want);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::replication::fields::Fields;
 use crate::replication::fields::read::overridden;
-use crate::replication::fields::table::Voice;
+use crate::replication::fields::table::{Reading, Voice};
 use crate::replication::mesh_files;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
@@ -320,14 +320,18 @@ impl Request {
 }
 
 /// Returns what the options ask, over a scene if one is named, and what they have in place of the scene's, in words.
-pub(super) fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
-    let Some(scene) = scene else {
-        let usual = fields.usual(Voice::Options)?;
-        return Ok((fields.over(usual, Voice::Options)?, Vec::new()));
-    };
-    let statement = fields.over(scene.statement.clone(), Voice::OverScene)?;
-    let overridden = overridden(&scene.statement, &statement);
-    Ok((statement, overridden))
+fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
+    let statement = statement(fields, scene)?;
+    let overridden = scene.map(|scene| overridden(&scene.statement, &statement));
+    Ok((statement, overridden.unwrap_or_default()))
+}
+
+/// Returns what the options ask, over a scene if one is named.
+pub(super) fn statement(fields: &Fields, scene: Option<&Scene>) -> Reading<Statement> {
+    match scene {
+        Some(scene) => fields.over(scene.statement.clone(), Voice::OverScene),
+        None => fields.over(fields.usual(Voice::Options)?, Voice::Options),
+    }
 }
 
 /// Returns the coarsest mesh, read from its file if it is not built in: that of the scene, or the one that the options
@@ -352,7 +356,7 @@ fn file_name(statement: &Statement) -> Option<&str> {
 }
 
 /// Returns the error of a statement in the words of options.
-fn of_options(error: &StatementError) -> Error {
+pub(super) fn of_options(error: &StatementError) -> Error {
     Error::input(match error {
         StatementError::Field { field, value, reason } => {
             let given = Voice::Options.with_value(field, value);

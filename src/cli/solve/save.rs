@@ -1,16 +1,18 @@
 //! Scene of the project that `solve --save` writes.
 
+use super::SolveArgs;
 use super::request::Request;
 use crate::cli::output::talk;
 use crate::cli::project_root;
 use crate::pipeline::error::{Error, IoContext, Result};
-use crate::pipeline::files::write_atomically;
-use crate::pipeline::names::refuse_forbidden_name;
-use crate::replication::fields::lists::Varied;
-use crate::replication::fields::{Fields, write};
+use crate::pipeline::names::{in_shell, refuse_forbidden_name};
+use crate::pipeline::place::{own_place, write_own};
+use crate::replication::fields::member::Member;
+use crate::replication::fields::write;
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::scene::{Output, Scene};
-use crate::replication::scenes::SCENES;
+use crate::replication::scenes::{SCENES, taken, why_no_scene};
+use crate::replication::study::Study;
 use signorini_mathematics::statement::Statement;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,23 +23,28 @@ pub(super) fn scene<'a>(name: &'a str, request: &Request, dimension: u8) -> Resu
     let statement = place.stated(&request.statement, request.scene.is_some())?;
     let outputs: &[_] =
         if dimension == 2 { &[Output::Table, Output::Map] } else { &[Output::Table] };
-    place.with(write::scene(&request.title, &statement, outputs))
+    place.with(write::scene(&request.title, &statement, outputs), &[])
 }
 
-/// Returns the study that fields and lists of values make, `first` the statement of its first member.
-pub(super) fn study<'a>(
-    name: &'a str,
-    (fields, varied): (&Fields, &[Varied]),
-    first: &Statement,
-) -> Result<NewScene<'a>> {
+/// Returns the scene with this name of a study that options ask for, if there is none yet.
+pub(super) fn study<'a>(name: &'a str, args: &SolveArgs, study: &Study) -> Result<NewScene<'a>> {
     let place = NewScene::new(name)?;
-    let Some(f) = &fields.f else {
+    if args.scene.is_some() {
         return Err(
             place.refused("a study of a scene is not saved; add `vary` to a copy of the scene")
         );
-    };
-    let statement = Statement { f: f.clone(), ..place.stated(first, false)? };
-    place.with(write::study(f, &statement, varied))
+    }
+    let mut study = study.clone();
+    for member in &mut study.members {
+        member.statement = place.stated(&member.statement, false)?;
+    }
+    let mut first = study.members[0].statement.clone();
+    let title = args.fields.f.clone().unwrap_or_else(|| "Study of f".into());
+    if let Some(f) = &args.fields.f {
+        first.f.clone_from(f);
+    }
+    let text = write::study(&title, &first, &study.lists());
+    place.with(text, &study.members)
 }
 
 /// Scene that is to be written.
@@ -53,14 +60,20 @@ impl<'a> NewScene<'a> {
     fn new(name: &'a str) -> Result<Self> {
         refuse_forbidden_name("scene", name)?;
         let mut place = Self { name, root: PathBuf::new(), text: String::new() };
-        if name.contains(['/', '\\']) || name.starts_with('.') {
-            return Err(place.refused("give a name without folders, such as plate"));
+        if let Some(reason) = why_no_scene(name) {
+            let without = match name.contains(['/', '\\']) {
+                true => "a name without folders",
+                false => "another name",
+            };
+            return Err(place.refused(&format!("{reason}; give {without}, such as plate")));
         }
         place.root = project_root().map_err(|e| place.refused(&e.to_string()))?;
-        if place.root.join(place.path()).exists() {
-            let text = format!("there is {} already; choose another name", place.path());
+        let taken = taken(&place.root, name)?;
+        if let Some(taken) = taken {
+            let text = format!("there is {taken} already; choose another name");
             return Err(place.refused(&text));
         }
+        own_place(&place.root, &place.path())?;
         Ok(place)
     }
 
@@ -82,17 +95,20 @@ impl<'a> NewScene<'a> {
         Ok(statement)
     }
 
-    /// Returns the scene with its text, which is checked.
-    fn with(self, text: String) -> Result<Self> {
-        Scene::parse(self.name, &text).map_err(|e| self.refused(&e.to_string()))?;
+    /// Returns the scene with its text, which is checked: it has these members.
+    fn with(self, text: String, members: &[Member]) -> Result<Self> {
+        let scene = Scene::parse(self.name, &text).map_err(|e| self.refused(&e.to_string()))?;
+        if scene.study.as_ref().is_some_and(|study| study.members != members) {
+            return Err(self.refused("no scene has these members; write one with `vary` by hand"));
+        }
         Ok(Self { text, ..self })
     }
 
     /// Writes the scene.
     pub(super) fn write(&self) -> Result<()> {
         let path = self.path();
-        write_atomically(&self.root.join(&path), self.text.as_bytes())?;
-        talk(&format!("wrote {path}; `signorini run {}` solves and draws it", self.name));
+        write_own(&self.root, &path, self.text.as_bytes())?;
+        talk(&format!("wrote {path}; `signorini run {}` solves and draws it", in_shell(self.name)));
         Ok(())
     }
 }

@@ -3,19 +3,21 @@
 //! Central is [`solve`]: the statements of all members, each checked and solved beside others, and their table.
 
 use super::SolveArgs;
-use super::request::{check_fineness, coarsest, stated};
+use super::request::{check_fineness, coarsest, of_options, statement};
 use super::save::{self, NewScene};
+use crate::cli::interrupt::{at_work, interrupted};
 use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles, bar};
+use crate::replication::fields::member::Member;
 use crate::replication::fields::table::Voice;
 use crate::replication::fields::vary::Vary;
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
 use crate::replication::stages::study::AskedNumbers;
-use crate::replication::study::{Member, Study};
+use crate::replication::study::Study;
 use crate::table::Table;
 use crate::timing::machine;
 use indicatif::ProgressBar;
@@ -23,10 +25,10 @@ use rayon::prelude::*;
 use serde_json::json;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Memory;
+use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 /// Most members whose reasons are printed.
 const MOST_REASONS: usize = 5;
@@ -65,16 +67,23 @@ impl<'a> Asked<'a> {
         args.refuse_files_of_one()?;
         let mut asked = Self { title: String::new(), study, files: InputFiles::new(), saved: None };
         asked.check(args, scene)?;
-        let first = &asked.study.members[0].statement;
-        let f = args.fields.f.as_deref().unwrap_or(&first.f);
         asked.title = match scene {
             Some(scene) => format!("{}: {}", scene.name, scene.title),
-            None => format!("{}: f = {f}", first.domain.name),
+            None => asked.in_common(args.fields.f.as_deref()),
         };
         if let Some(name) = &args.save {
-            asked.saved = Some(save::study(name, (&args.fields, &args.vary), first)?);
+            asked.saved = Some(save::study(name, args, &asked.study)?);
         }
         Ok(Some(asked))
+    }
+
+    /// Domain and f, as it is given, of all members; without what varies.
+    fn in_common(&self, f: Option<&str>) -> String {
+        let domain = &self.study.members[0].statement.domain.name;
+        let varies = |field: &str| self.study.names.iter().any(|name| name == field);
+        let parts = [(!varies("domain")).then(|| domain.clone()), f.map(|f| format!("f = {f}"))];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        if parts.is_empty() { "study".into() } else { parts.join(": ") }
     }
 
     /// Refuses members that take too much memory, each kind of grid or mesh once, and finds their meshes.
@@ -83,13 +92,16 @@ impl<'a> Asked<'a> {
         let memory = Memory::new(machine::available_memory());
         let mut checked = BTreeSet::new();
         for Member { statement, .. } in &self.study.members {
-            let kind =
-                format!("{:?} {:?} {}", statement.domain, statement.fineness, statement.solver);
+            let Statement { domain, fineness, solver, f, .. } = statement;
+            let kind = format!("{domain:?} {fineness:?} {solver} {f}");
             if !checked.insert(kind) {
                 continue;
             }
             let mesh = coarsest(statement, scene)?;
             check_fineness(mesh.as_ref(), statement, voice, memory)?;
+            if let Some(mesh) = &mesh {
+                statement.check_f(mesh).map_err(|e| of_options(&e))?;
+            }
             let Some(path) = path_of(&statement.domain).filter(|_| args.scene.is_none()) else {
                 continue;
             };
@@ -100,18 +112,27 @@ impl<'a> Asked<'a> {
         Ok(())
     }
 
-    /// Solves the members, beside each other; returns their numbers in their order.
+    /// Solves the members, beside each other; returns their numbers in their order. After a first signal none is begun,
+    /// and those that have none say so.
     fn solve(&self) -> Result<Vec<Numbers>> {
         let bar = bar("[{bar:30}] {pos} of {len}  {elapsed}");
         if let Some(bar) = &bar {
             bar.set_length(self.study.members.len() as u64);
         }
-        let never = AtomicBool::new(false);
-        let solved = self.study.members.par_iter().map(|member| {
-            let asked = AskedNumbers { statement: member.statement.clone(), with_bounds: true };
-            let numbers = asked.numbers(&self.files, &never);
+        let (_at_work, interrupt) = (at_work(), interrupted());
+        let solved = self.study.members.par_iter().map(|Member { statement, .. }| {
+            let asked = AskedNumbers { statement: statement.clone(), with_bounds: true };
+            let numbers = match interrupt.is_asked() {
+                true => Err(Error::Interrupted),
+                false => asked.numbers(&self.files, interrupt.flag()),
+            };
             bar.iter().for_each(|bar| bar.inc(1));
-            numbers
+            match numbers {
+                Err(Error::Interrupted) => {
+                    Ok(Numbers::without(statement, "interrupted; solve it again".into()))
+                }
+                numbers => numbers,
+            }
         });
         let solved = solved.collect();
         bar.iter().for_each(ProgressBar::finish_and_clear);
@@ -119,11 +140,11 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// Returns the study of a scene with all columns, and with what the options have in place of its own.
+/// Returns the study of a scene with all columns, and with what the options have in place of what does not vary.
 fn over(study: &Study, args: &SolveArgs) -> Result<Study> {
     let mut study = Study { columns: Vec::new(), ..study.clone() };
     for member in &mut study.members {
-        member.statement = args.fields.over(member.statement.clone(), Voice::OverScene)?;
+        *member = member.over(&study.names, &args.fields)?;
     }
     Ok(study)
 }
@@ -133,22 +154,14 @@ fn varied(args: &SolveArgs, scene: Option<&Scene>) -> Result<Study> {
     let voice = if scene.is_some() { Voice::OverScene } else { Voice::Options };
     let vary = Vary::of_options(&args.vary);
     let vary = vary.map_err(|reason| Error::input(format!("--vary: {reason}")))?;
-    let mut study = Study::of(&vary.names);
-    for (values, fields) in vary.members.iter().zip(vary.fields(&args.fields, voice)?) {
-        let statement = stated(&fields, scene).map(|(statement, _)| statement);
-        let statement = statement.map_err(|e| match e {
-            Error::Input(text) => Error::input(format!("with {}: {text}", study.in_words(values))),
-            other => other,
-        })?;
-        study.members.push(Member { values: values.clone(), statement });
-    }
-    Ok(study)
+    let members = vary.members(&args.fields, voice, |fields| statement(fields, scene))?;
+    Ok(Study::of(&vary.names, members))
 }
 
 /// Solves a study, prints its table, and writes the file that is asked for.
 ///
 /// # Errors
-/// [`Error::Stage`] if no member has a solution.
+/// [`Error::Stage`] if no member has a solution, [`Error::Interrupted`] if some were not solved.
 pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     let file = args.csv.as_deref().map(checked_csv).transpose()?;
     let (study, solved) = (&asked.study, asked.solve()?);
@@ -165,6 +178,9 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     if let Some(file) = file.filter(|_| !args.json) {
         tell(&format!("wrote {}\n", file.path().display()))?;
     }
+    if interrupted().is_asked() {
+        return Err(Error::Interrupted);
+    }
     match solved.iter().map(Numbers::reason).collect::<Option<Vec<_>>>() {
         Some(reasons) => {
             let not_saved = if asked.saved.is_some() { "; no scene is written" } else { "" };
@@ -177,14 +193,17 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
 
 /// Returns the file of a table in CSV.
 fn checked_csv(path: &Path) -> Result<OutputFile> {
-    match path.extension().and_then(OsStr::to_str) {
-        Some("tex" | "md") => Err(Error::input(format!(
-            "--csv {}: the table is in CSV; add --save NAME for a scene, of which `run NAME` writes the table in \
-             LaTeX and Markdown",
-            path.display()
-        ))),
-        _ => OutputFile::check(path),
-    }
+    let ending = path.extension().and_then(OsStr::to_str).map(str::to_lowercase);
+    let remedy = match ending.as_deref() {
+        Some("csv") => return OutputFile::check(path),
+        Some("tex" | "md") => {
+            "add --save NAME for a scene, of which `run NAME` writes the table in LaTeX and Markdown"
+        }
+        // A device, such as the standard output.
+        None if path.exists() && !path.is_file() => return OutputFile::check(path),
+        _ => "let the name end with .csv, or print the rows by --json",
+    };
+    Err(Error::input(format!("--csv {}: the table is in CSV; {remedy}", path.display())))
 }
 
 /// Returns a line of JSON for each member: its values, and all columns.
@@ -224,7 +243,7 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
         let error =
             error.map_or_else(String::new, |error| format!("{} %", plain(100.0 * error, 3)));
         cells.insert(1, error);
-        table.rows.push([member.values.clone(), cells].concat());
+        table.rows.push(study.values(member).map(|value| value.to_string()).chain(cells).collect());
     }
     table.with_columns(|_| true)
 }

@@ -84,7 +84,8 @@ fn checks(checks: &TrueChecks) -> String {
         TrueChecks::Plane(PlaneChecks { residual, balance, flux, sign, .. }) => {
             let [flux, sign] = [*flux, *sign].map(|least| plain(least, 2));
             text += &format!(
-                "checks: least room of the flux {flux}, least value {sign}\n  \
+                "checks: least distance of the flux to the limits of the law {flux}, \
+                least v of the right sign {sign}\n  \
                 zero but for the error: v in contact {residual:.1e}, balance {balance:.1e}"
             );
         }

@@ -1,5 +1,6 @@
 //! Changes of inputs, in words.
 
+use super::names::shortened;
 use super::{PROGRAM, is_hash};
 use serde::Serialize;
 use serde_json::Value;
@@ -46,6 +47,7 @@ impl fmt::Display for Change {
         }
         match &differences[..] {
             [Difference { place, old, new }, rest @ ..] if place != subject => {
+                let [old, new] = [old, new].map(|value| shortened(&value.to_string(), LONG));
                 write!(out, "{place}: {old} -> {new}")?;
                 out.write_str(if rest.is_empty() { "" } else { ", and elsewhere" })
             }
@@ -61,13 +63,16 @@ impl fmt::Display for Change {
 }
 
 /// Returns a value, or the first twelve digits of a hash, which identify it.
-fn brief(value: Option<&String>) -> &str {
+fn brief(value: Option<&String>) -> String {
     match value {
-        None => "absent",
-        Some(hash) if is_hash(hash) => &hash[..12],
-        Some(value) => value,
+        None => "absent".into(),
+        Some(hash) if is_hash(hash) => hash[..12].into(),
+        Some(value) => shortened(value, LONG),
     }
 }
+
+/// Number of characters of a value that is shown whole.
+const LONG: usize = 100;
 
 /// Difference of two JSON values in one place.
 struct Difference<'a> {

@@ -3,6 +3,7 @@
 //! Central is [`execute`].
 
 use super::manifest::{Manifest, Reason, Verdict};
+use super::names::in_shell;
 use super::run::run;
 use super::store::{Hit, Store};
 use super::{Hashes, Interrupt, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
@@ -127,7 +128,8 @@ impl<'a> Walk<'a> {
         let id = self.blocked_by(task);
         match &self.states[self.index(id)] {
             State::Stale(reason) if id != task.id => Err(Error::input(format!(
-                "{id} is needed and not up to date ({reason}); first `signorini run --task {id}`"
+                "{id} is needed and not up to date ({reason}); first `signorini run --task {}`",
+                in_shell(id)
             ))),
             _ => Ok(()),
         }

@@ -1,6 +1,7 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{is_plain, leftovers, read, remove_from, write_atomically};
+use super::files::{is_plain, leftovers, read, remove_from};
+use super::place::{INPUTS, is_no_link, own_place, write_own};
 use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, Task, hash};
 use crate::error::{Error, Result, SCHEMA, conflict, newer};
 use rayon::prelude::*;
@@ -27,6 +28,8 @@ pub enum Editor {
     Hand,
     /// `git merge` marked a conflict in it.
     Merge,
+    /// Somebody put a link in its place, to bytes that are not this program's.
+    Link,
     /// There is no record, as after `git clean`; this program may have written them.
     Unknown,
 }
@@ -44,7 +47,7 @@ pub struct WalkResults<'a> {
 /// Files that an export may change besides those that this program is on record to have written.
 #[derive(Clone, Copy)]
 pub struct Rights {
-    /// True if every file may be overwritten.
+    /// True if every file but one to which a link leads may be overwritten.
     pub overwrite: bool,
     /// True if files of earlier plans may be removed: the plan is that of the whole project.
     pub remove: bool,
@@ -53,10 +56,11 @@ pub struct Rights {
 /// Copy of an artifact in the project.
 struct Export<'a> {
     task: &'a Task,
-    artifact: &'a str,
+    artifact: String,
     /// Path in the project.
     path: String,
-    hash: &'a String,
+    /// Hash of the artifact; none before the task has run.
+    hash: Option<&'a String>,
 }
 
 impl<'a> WalkResults<'a> {
@@ -65,10 +69,8 @@ impl<'a> WalkResults<'a> {
         let tasks =
             self.manifests.iter().map(|(id, manifest)| (id.clone(), manifest.digest.clone()));
         let exports = self.exports().into_iter();
-        LockFile {
-            tasks: tasks.collect(),
-            exports: exports.map(|export| (export.path, export.hash.clone())).collect(),
-        }
+        let exports = exports.filter_map(|export| Some((export.path, export.hash?.clone())));
+        LockFile { tasks: tasks.collect(), exports: exports.collect() }
     }
 
     /// Returns the copies of all artifacts that are up to date and exported.
@@ -79,10 +81,37 @@ impl<'a> WalkResults<'a> {
                 continue;
             };
             for (artifact, hash) in &manifest.outputs {
-                exports.push(Export { task, artifact, path: format!("{folder}/{artifact}"), hash });
+                exports.push(Export::new(task, (folder, artifact), Some(hash)));
             }
         }
         exports
+    }
+
+    /// Iterates over the tasks that are to run and have exports, each with the folder of these.
+    fn to_run(&self) -> impl Iterator<Item = (&'a Task, &'static str)> {
+        let left = self.plan.tasks().iter().filter(|task| !self.manifests.contains_key(&task.id));
+        left.filter_map(|task| Some((task, task.export?)))
+    }
+
+    /// Returns the copies that tasks are expected to make which are to run: those of their last run or, without a
+    /// cache, those on record that bear the name of the task.
+    fn expected<'r>(&self, recorded: impl Iterator<Item = &'r String> + Clone) -> Vec<Export<'a>> {
+        let mut expected = Vec::new();
+        for (task, folder) in self.to_run() {
+            let name = task.id.rsplit('/').next().unwrap_or_default();
+            let artifacts: BTreeSet<String> = match self.store.manifests(&task.id).first() {
+                Some(last) => last.outputs.keys().cloned().collect(),
+                None => {
+                    let below = recorded.clone().filter_map(|path| path.strip_prefix(folder));
+                    let below = below.filter_map(|path| path.strip_prefix('/'));
+                    below.filter(|artifact| bears(artifact, name)).map(str::to_owned).collect()
+                }
+            };
+            let exports =
+                artifacts.iter().map(|artifact| Export::new(task, (folder, artifact), None));
+            expected.extend(exports);
+        }
+        expected
     }
 
     /// Returns the paths of all files on which a verdict rests: inputs, artifacts and their copies in the project.
@@ -97,8 +126,19 @@ impl<'a> WalkResults<'a> {
     /// True if the cache has a run that made this artifact with this hash.
     fn has_made(&self, export: &Export, hash: &str) -> bool {
         let runs = self.store.manifests(&export.task.id);
-        runs.iter().any(|run| run.outputs.get(export.artifact).is_some_and(|made| made == hash))
+        runs.iter().any(|run| run.outputs.get(&export.artifact).is_some_and(|made| made == hash))
     }
+}
+
+impl<'a> Export<'a> {
+    fn new(task: &'a Task, (folder, artifact): (&str, &str), hash: Option<&'a String>) -> Self {
+        Self { task, artifact: artifact.into(), path: format!("{folder}/{artifact}"), hash }
+    }
+}
+
+/// True if an artifact, a file or in a folder, bears the name of its task.
+fn bears(artifact: &str, name: &str) -> bool {
+    artifact.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '/']))
 }
 
 /// Files to write and to remove so that the project folder has the current artifacts.
@@ -117,10 +157,12 @@ impl Exports {
     /// Plans the export of these results; `locked` are the exports in the lock file.
     ///
     /// A file may be overwritten if it is empty, or if this program is on record to have written it: in the lock file,
-    /// in the cache or in the record of exports; and as far as `rights` allow it.
+    /// in the cache or in the record of exports; and as far as `rights` allow it. Of tasks that are to run, the files
+    /// are looked at which they are expected to write, so that an edited one is told before any work.
     ///
     /// # Errors
-    /// [`Error::Io`] if a file exists and cannot be read; [`Error::Input`] if a newer program has written the record.
+    /// [`Error::Io`] if a file exists and cannot be read; [`Error::Input`] if a newer program has written the record,
+    /// or a link leads out of the project.
     pub fn plan(
         project: &Path,
         results: &WalkResults,
@@ -128,29 +170,33 @@ impl Exports {
         rights: Rights,
     ) -> Result<Self> {
         let mut plan = Self { written: Written::read(project)?, ..Self::default() };
-        let exports = results.exports();
+        let mut exports = results.exports();
+        exports.extend(results.expected(locked.keys().chain(plan.written.0.keys())));
+        for (_, folder) in results.to_run() {
+            own_place(project, folder)?;
+        }
         let there = exports
             .par_iter()
             .map(|Export { path, .. }| results.store.known.hash_if_there(&project.join(path)));
         let there = there.collect::<Result<Vec<_>>>()?;
         for (export, found) in exports.into_iter().zip(there) {
-            let (path, wanted) = (export.path.clone(), export.hash.clone());
-            plan.files.insert(path.clone(), wanted.clone());
-            let may_write = match &found {
-                None => true,
-                Some(found) if *found == wanted => continue,
+            let path = export.path.clone();
+            plan.files.extend(export.hash.map(|wanted| (path.clone(), wanted.clone())));
+            if found.is_some() && found.as_ref() == export.hash {
+                continue;
+            }
+            own_place(project, &path)?;
+            let may_write = found.is_none_or(|found| {
                 // An empty file holds nothing that could be lost.
-                Some(found) => {
-                    rights.overwrite
-                        || *found == hash(&[])
-                        || plan.on_record(locked, &path, found)
-                        || results.has_made(&export, found)
-                }
-            };
-            if may_write {
-                plan.write.insert(path, wanted);
-            } else {
-                plan.edited.push(plan.edited(project, path));
+                found == hash(&[])
+                    || rights.overwrite && is_no_link(project, &path)
+                    || plan.on_record(locked, &path, &found)
+                    || results.has_made(&export, &found)
+            });
+            match export.hash {
+                _ if !may_write => plan.edited.push(plan.edited(project, path)),
+                Some(wanted) => _ = plan.write.insert(path, wanted.clone()),
+                None => {}
             }
         }
         // If a task failed or waits, its earlier exports stay.
@@ -164,6 +210,7 @@ impl Exports {
     fn edited(&self, project: &Path, path: String) -> Edited {
         let text = read(&project.join(&path)).unwrap_or_default();
         let by = match () {
+            () if !is_no_link(project, &path) => Editor::Link,
             () if conflict(&text).is_some() => Editor::Merge,
             () if self.written.0.is_empty() => Editor::Unknown,
             () => Editor::Hand,
@@ -178,7 +225,7 @@ impl Exports {
     }
 
     /// Plans to remove the files that are on record and that no task makes any more. Somebody may have edited a record:
-    /// files outside the folders of exports and inputs of tasks stay.
+    /// files outside the folders of exports, those to which a link leads, and inputs stay.
     fn remove_old(&mut self, project: &Path, results: &WalkResults, locked: &Hashes) -> Result<()> {
         let mut remove = BTreeSet::new();
         // Nearly always the lock file has the exports of today.
@@ -188,6 +235,8 @@ impl Exports {
             if self.files.contains_key(path)
                 || !FOLDERS.contains(&folder)
                 || !is_plain(path)
+                || !is_no_link(project, path)
+                || INPUTS.iter().any(|inputs| Path::new(path).starts_with(inputs))
                 || results.plan.tasks().iter().any(|task| task.files.contains_key(path))
             {
                 continue;
@@ -204,15 +253,17 @@ impl Exports {
     /// Takes the lock with which a process may write to the project.
     ///
     /// # Errors
-    /// [`Error::Input`] naming the process that holds it; [`Error::Io`].
+    /// [`Error::Input`] naming the process that holds it, or a link that leads out of the project; [`Error::Io`].
     pub fn lock(project: &Path) -> Result<Lock> {
-        Lock::take(&project.join("pipeline/.lock"))
+        Lock::take(&own_place(project, "pipeline/.lock")?)
     }
 
     /// Returns the temporary files and folders that killed runs left, if no run is at work.
     pub fn leftovers(&self, project: &Path) -> Vec<PathBuf> {
         let paths = self.files.keys().filter_map(|path| Path::new(path).parent());
-        let folders: BTreeSet<&Path> = paths.chain([Path::new("pipeline")]).collect();
+        let mut folders: BTreeSet<&Path> = paths.chain([Path::new("pipeline")]).collect();
+        folders
+            .retain(|folder| folder.to_str().is_some_and(|path| own_place(project, path).is_ok()));
         leftovers(folders.into_iter().map(|folder| project.join(folder)))
     }
 
@@ -255,7 +306,7 @@ impl Exports {
                     "the artifact of {path} vanished while signorini ran; run again"
                 ))
             })?;
-            write_atomically(&project.join(path), &bytes)?;
+            write_own(project, path, &bytes)?;
             written.0.insert(path.clone(), BTreeSet::from([hash.clone()]));
         }
         written.save(project)
@@ -278,14 +329,13 @@ struct StoredRecord {
 }
 
 impl Written {
-    fn path(project: &Path) -> PathBuf {
-        project.join("pipeline/.exported.json")
-    }
+    /// Path in the project.
+    const PATH: &str = "pipeline/.exported.json";
 
     /// Reads the record; one that is missing or damaged counts as empty. That of an older program has no number of
     /// format, and is the map alone.
     fn read(project: &Path) -> Result<Self> {
-        let path = Self::path(project);
+        let path = project.join(Self::PATH);
         let text = read(&path).unwrap_or_default();
         if let Ok(StoredRecord { schema: SCHEMA, files }) = serde_json::from_slice(&text) {
             return Ok(Self(files));
@@ -306,7 +356,7 @@ impl Written {
     fn save(&self, project: &Path) -> Result<()> {
         let stored = StoredRecord { schema: SCHEMA, files: self.0.clone() };
         let text = serde_json::to_vec_pretty(&stored).expect("hashes are plain data");
-        write_atomically(&Self::path(project), &text)
+        write_own(project, Self::PATH, &text)
     }
 }
 
@@ -319,7 +369,7 @@ mod tests {
     fn the_record_is_read_back_whoever_wrote_it_unless_it_is_newer() {
         let project = tempfile::tempdir().unwrap();
         fs::create_dir(project.path().join("pipeline")).unwrap();
-        let file = Written::path(project.path());
+        let file = project.path().join(Written::PATH);
         let record = Written(BTreeMap::from([("a.svg".into(), BTreeSet::from([hash(b"a")]))]));
         assert_eq!(Written::read(project.path()).unwrap(), Written::default());
         record.save(project.path()).unwrap();

@@ -15,7 +15,9 @@ use std::path::{Path, PathBuf};
 pub struct Garbage {
     /// Number of files to which nothing refers.
     pub files: usize,
-    /// Bytes in these files, and in parts of others to which nothing refers.
+    /// Number of records of earlier runs in files that stay.
+    pub records: usize,
+    /// Bytes in these files and records.
     pub bytes: u64,
     /// Number of files that stay.
     pub kept_files: usize,
@@ -37,6 +39,8 @@ struct Shortened {
     lines: String,
     /// Number of bytes that are removed.
     fewer: u64,
+    /// Number of records that are removed.
+    records: usize,
 }
 
 impl Store {
@@ -53,7 +57,8 @@ impl Store {
     pub fn collect_garbage(&self, plan: &Plan, keep: usize, dry: bool) -> Result<Garbage> {
         let Needed { files: needed, shorter } = self.needed(plan, keep)?;
         let superseded: u64 = shorter.values().map(|file| file.fewer).sum();
-        let mut garbage = Garbage { bytes: superseded, ..Garbage::default() };
+        let records = shorter.values().map(|file| file.records).sum();
+        let mut garbage = Garbage { records, bytes: superseded, ..Garbage::default() };
         for path in self.ours()? {
             let bytes = fs::metadata(&path).map_or(0, |meta| meta.len());
             if needed.contains(&path) {
@@ -116,7 +121,8 @@ impl Store {
             }
             if lines.len() < stored.len() {
                 let fewer = (stored.len() - lines.len()) as u64;
-                needed.shorter.insert(file.clone(), Shortened { lines, fewer });
+                let records = all.len() - kept.len();
+                needed.shorter.insert(file.clone(), Shortened { lines, fewer, records });
             }
             needed.files.insert(file);
         }
@@ -134,9 +140,10 @@ impl Store {
     fn ours(&self) -> Result<Vec<PathBuf>> {
         let mut ours = Vec::new();
         let mut layouts = list(&self.cache)?;
-        layouts.retain(|path| is_layout(name(path)));
+        // A link may lead to other files, whatever their names.
+        layouts.retain(|path| is_layout(name(path)) && !path.is_symlink());
         for layout in layouts {
-            for path in list(&layout)? {
+            for path in list(&layout)?.into_iter().filter(|path| !path.is_symlink()) {
                 match name(&path) {
                     OBJECTS => collect(&path, &mut ours, &|path| {
                         let two = path.parent().map_or("", name);

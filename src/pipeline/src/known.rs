@@ -4,7 +4,8 @@
 //! times. Central is the time that the file system itself sets at every change, and that no program can set back. A
 //! copy of a project has other numbers and times, and is read again.
 
-use super::files::{folder_of, hash_if_there, hash_of, read, write_atomically};
+use super::files::{folder_of, hash_if_there, hash_of, read};
+use super::place::write_own;
 use crate::error::Result;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -21,7 +22,8 @@ const PATH: &str = "pipeline/.hashes";
 const HEADER: &[u8] = b"signorini: hashes of files, 1\n";
 
 /// State of a file: its number, its size, and the times in nanoseconds at which its bytes and anything of it were last
-/// changed. Whoever writes to a file changes it.
+/// changed. Whoever writes to a file by a call of the system changes it. A second write to a page that a program has
+/// mapped into its memory need not; `run --locked` and `status --verify`, which read all files, notice it.
 type FileState = [u8; 32];
 
 /// Noted hash: a state, and the hash of the bytes at that time.
@@ -101,7 +103,7 @@ impl KnownHashes {
         if read(&path).is_ok_and(|there| there == bytes) {
             return Ok(());
         }
-        write_atomically(&path, &bytes)
+        write_own(project, PATH, &bytes)
     }
 
     /// Returns what to note of a file on this device whose last change was before `now`, if it can be read and, where

@@ -24,6 +24,7 @@ mod lock;
 mod lockfile;
 mod manifest;
 pub mod names;
+pub mod place;
 mod progress;
 mod run;
 mod store;

@@ -2,14 +2,17 @@
 
 use super::Hashes;
 use super::change::changes;
-use super::files::{read_if_there, write_atomically};
-
+use super::files::read_if_there;
+use super::place::write_own;
 use crate::error::{CONFLICT, Error, Result, SCHEMA, conflict, newer};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 const HEADER: &str = "# Hashes (blake3) of what each task wrote, and of the committed figures.\n\
     # Written by `signorini run`; `signorini run --locked` fails when a run differs.\n\n";
+
+/// Path of the lock file in the project.
+const PATH: &str = "pipeline/lock.toml";
 
 /// Committed record of a full run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,7 +52,7 @@ fn after<'a>(mut text: &'a [u8], hashes: &Hashes) -> Option<&'a [u8]> {
 impl LockFile {
     /// Returns the path of the lock file in a project.
     pub fn path(project: &Path) -> PathBuf {
-        project.join("pipeline").join("lock.toml")
+        project.join(PATH)
     }
 
     /// Reads the lock file; an absent one is empty, as is one that a crash has left without contents.
@@ -96,7 +99,7 @@ impl LockFile {
     /// # Errors
     /// [`Error::Io`].
     pub fn write(&self, project: &Path) -> Result<()> {
-        write_atomically(&Self::path(project), self.to_text().as_bytes())
+        write_own(project, PATH, self.to_text().as_bytes())
     }
 
     /// True if this is how [`LockFile::write`] writes these hashes; also false for names of which it escapes a part.

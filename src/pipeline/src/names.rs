@@ -51,6 +51,29 @@ pub fn found(path: &Path) -> PathBuf {
     place
 }
 
+/// True if two names are one where file names ignore capitals, or write accents the other way.
+pub fn are_alike(one: &str, other: &str) -> bool {
+    composed(one).to_lowercase() == composed(other).to_lowercase()
+}
+
+/// Returns a word of a command as a shell reads it.
+pub fn in_shell(word: &str) -> String {
+    match !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "/._=-".contains(c)) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
+/// Returns a text of at most about `most` characters: of a longer one, such as an f of many pieces, without its middle.
+pub fn shortened(text: &str, most: usize) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    if letters.len() <= most {
+        return text.to_owned();
+    }
+    let [start, end] = [&letters[..most / 2], &letters[letters.len() - most / 2..]];
+    format!("{} ... {}", String::from_iter(start), String::from_iter(end))
+}
+
 /// Refuses a text with a character that no line of text may have; `what` names the text.
 ///
 /// # Errors

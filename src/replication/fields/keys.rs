@@ -1,11 +1,13 @@
 //! Fields that are tables in a scene.
 
+use super::table::text;
 use super::{DomainFields, LawFields};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::fmt;
+use toml::Value;
 
 /// Reads a domain: a name or a file alone, or a table with more about it.
 pub(super) fn name_or_table<'de, D: Deserializer<'de>>(
@@ -48,6 +50,18 @@ pub(super) fn law<'de, D: Deserializer<'de>>(deserializer: D) -> Result<LawField
         ));
     }
     Ok(law)
+}
+
+/// Reads a width: a text as of options, or a number.
+pub(super) fn width<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<String>, D::Error> {
+    match Value::deserialize(deserializer)? {
+        value @ (Value::String(_) | Value::Integer(_) | Value::Float(_)) => Ok(Some(text(&value))),
+        _ => Err(serde::de::Error::custom(
+            "`h` is a width, as \"1/256\", or the cells per side, as 256",
+        )),
+    }
 }
 
 /// Reads the numbers of the curves of parts as options have them.

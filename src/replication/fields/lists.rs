@@ -1,24 +1,27 @@
 //! Lists of values that are varied, as options and scenes have them.
 
+use super::PARTS;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::problem::text::Written;
 use std::fmt;
 use toml::{Spanned, Value};
 
 /// Example of the key, for errors.
 pub(super) const EXAMPLE: &str = "vary = { friction = [0.2, 0.4], refine = [2, 3] }";
 
+/// Most members of a study.
+pub(super) const MOST_MEMBERS: usize = 10_000;
+
 /// List of values of a field or a name in f.
 #[derive(Clone, Debug)]
 pub(crate) struct Varied {
     pub(crate) name: String,
-    pub(crate) values: Vec<String>,
+    /// Values as scenes have them; of options each is a text, a number of a range, or a list of parts.
+    pub(crate) values: Vec<Value>,
 }
 
 /// Returns the members of a product of lists, the last list varied first.
-pub(super) fn product_of(lists: &[&Varied]) -> Vec<Vec<String>> {
+pub(super) fn product_of(lists: &[&Varied]) -> Vec<Vec<Value>> {
     let mut members = vec![Vec::new()];
     for list in lists {
         let mut longer = Vec::with_capacity(members.len() * list.values.len());
@@ -32,20 +35,64 @@ pub(super) fn product_of(lists: &[&Varied]) -> Vec<Vec<String>> {
     members
 }
 
-/// Reads `NAME=A,B,...`; values that have commas are divided by strokes.
+/// Reads `NAME=A,B,...` or `NAME=FIRST:LAST:STEP`. Values that have commas end with a stroke each, which may be missing
+/// behind the last of several.
 ///
 /// # Errors
 /// Sentence, with the remedy.
 pub(crate) fn varied(text: &str) -> Result<Varied, String> {
     let (name, values) =
         text.split_once('=').ok_or("write NAME=VALUE,VALUE, such as friction=0.2,0.4,0.8")?;
-    let divider = if values.contains('|') { '|' } else { ',' };
-    let values = values.split(divider).map(|value| value.trim().to_owned());
-    let values: Vec<String> = values.filter(|value| !value.is_empty()).collect();
-    if values.is_empty() {
-        return Err(format!("no values; write {name}=VALUE,VALUE"));
+    let name = name.trim().replace('-', "_");
+    let divided: Vec<&str> = match values.contains('|') {
+        true => values.strip_suffix('|').unwrap_or(values).split('|').collect(),
+        false => values.split(',').collect(),
+    };
+    let mut list = Vec::new();
+    for value in divided.into_iter().map(str::trim) {
+        if PARTS.contains(&&*name) {
+            let parts = value.split(',').map(str::trim).filter(|part| !part.is_empty());
+            list.push(parts.map(Value::from).collect::<Vec<_>>().into());
+        } else if value.is_empty() {
+            return Err(format!("a value is empty; write {name}=VALUE,VALUE"));
+        } else {
+            list.extend(range(value)?.unwrap_or_else(|| vec![value.into()]));
+        }
     }
-    Ok(Varied { name: name.trim().replace('-', "_"), values })
+    Ok(Varied { name, values: list })
+}
+
+/// Most decimal places of a range, so that all its numbers are the doubles nearest to decimals.
+const MOST_PLACES: usize = 9;
+/// Largest number of a range, without its decimal point.
+const LARGEST: f64 = 1e15;
+
+/// Reads `FIRST:LAST:STEP`, all numbers from the first in equal steps; none if the text is no such thing.
+///
+/// # Errors
+/// Sentence, with the remedy.
+fn range(text: &str) -> Result<Option<Vec<Value>>, String> {
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let numbers: Option<Vec<f64>> = parts.iter().map(|part| part.parse().ok()).collect();
+    let Some([first, last, step]) = numbers.as_deref() else { return Ok(None) };
+    let places =
+        parts.iter().map(|part| part.split_once('.').map_or(0, |(_, digits)| digits.len()));
+    let places = places.max().unwrap_or_default();
+    let unit = 10_u64.pow(places.min(MOST_PLACES) as u32) as f64;
+    let [first, last, step] = [first, last, step].map(|number| (number * unit).round());
+    let is_decimal = places <= MOST_PLACES && !text.contains(['e', 'E']);
+    let is_range = step > 0.0 && first <= last && first.abs().max(last) <= LARGEST;
+    if !(is_decimal && is_range) {
+        return Err(format!(
+            "{text}: write FIRST:LAST:STEP in decimals, such as 0.1:0.5:0.1, with FIRST below LAST"
+        ));
+    }
+    let steps = ((last - first) / step).floor();
+    if steps >= MOST_MEMBERS as f64 {
+        return Err(format!("{text}: more than {MOST_MEMBERS} values; take a larger STEP"));
+    }
+    let numbers = (0..=steps as u64).map(|k| (first + k as f64 * step) / unit);
+    Ok(Some(numbers.map(Value::Float).collect()))
 }
 
 /// Reads products as a scene has them: a table of lists, or several such tables.
@@ -73,8 +120,8 @@ impl<'de> Visitor<'de> for ProductsVisitor {
         while let Some((name, value)) = map.next_entry::<Spanned<String>, Value>()? {
             let place = name.span().start;
             let values = match value {
-                Value::Array(values) => values.iter().map(text).collect(),
-                one => vec![text(&one)],
+                Value::Array(values) => values,
+                one => vec![one],
             };
             lists.push((place, Varied { name: name.into_inner(), values }));
         }
@@ -97,33 +144,42 @@ impl<'de> Deserialize<'de> for Products {
     }
 }
 
-/// Returns a value of a scene as options have it.
-fn text(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Float(number) => Written(*number).to_string(),
-        Value::Array(values) => values.iter().map(text).collect::<Vec<_>>().join(","),
-        Value::Table(_) => {
-            let rule = LoadRule::deserialize(value.clone());
-            rule.map_or_else(|_| value.to_string(), |rule| rule.to_string())
-        }
-        other => other.to_string(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn values(text: &str) -> Result<Vec<String>, String> {
-        varied(text).map(|list| list.values)
+        varied(text).map(|list| list.values.iter().map(Value::to_string).collect())
     }
 
     #[test]
     fn options_are_divided_by_commas_or_strokes() {
-        assert_eq!(values("h=1/8, 1/16").unwrap(), ["1/8", "1/16"]);
-        assert_eq!(values("grids=4,8|8,16").unwrap(), ["4,8", "8,16"]);
+        assert_eq!(values("h=1/8, 16").unwrap(), ["\"1/8\"", "\"16\""]);
+        assert_eq!(values("grids=4,8|8,16").unwrap(), ["\"4,8\"", "\"8,16\""]);
+        assert_eq!(values("grids=4,8|").unwrap(), ["\"4,8\""]);
+        assert_eq!(values("fixed=a,b|").unwrap(), ["[\"a\", \"b\"]"]);
+        assert_eq!(values("fixed=|a").unwrap(), ["[]", "[\"a\"]"]);
         assert_eq!(varied("max-iterations=1").unwrap().name, "max_iterations");
-        assert!(values("friction").is_err() && values("friction=,").is_err());
+        for wrong in ["friction", "friction=,", "friction=", "R=0.1,,0.2", "grids=4,8||8"] {
+            assert!(values(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn ranges_are_the_decimals_in_equal_steps() {
+        assert_eq!(values("R=0.1:0.5:0.1").unwrap(), ["0.1", "0.2", "0.3", "0.4", "0.5"]);
+        assert_eq!(values("a=-1:1:0.75,7").unwrap(), ["-1.0", "-0.25", "0.5", "\"7\""]);
+        assert_eq!(values("domain=C:/a.msh").unwrap(), ["\"C:/a.msh\""]);
+        for wrong in [
+            "a=1:2:0",
+            "a=2:1:1",
+            "a=0:1:-1",
+            "a=0:1:1e-3",
+            "a=0:1:0.00001",
+            "a=nan:1:1",
+            "a=0:inf:1",
+        ] {
+            assert!(values(wrong).is_err(), "{wrong}");
+        }
     }
 }

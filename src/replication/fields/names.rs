@@ -1,6 +1,9 @@
-//! Names in f, each behind a dollar, in whose place a study has values.
+//! Names in f, each behind a dollar, in whose place a study has numbers.
 
-use super::table::{Reading, Refused};
+use super::table::{Reading, Refused, field};
+use signorini_mathematics::problem::text::Written;
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// True if the text can be a name in f.
 pub(super) fn is_name(text: &str) -> bool {
@@ -9,56 +12,157 @@ pub(super) fn is_name(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// Part of an f.
-pub(super) enum Piece<'a> {
-    /// Name behind a dollar.
-    Name(&'a str),
-    /// Any other text.
-    Text(&'a str),
-}
-
-impl Piece<'_> {
-    pub(super) fn text(&self) -> &str {
-        match self {
-            Self::Name(text) | Self::Text(text) => text,
+/// Returns the places of the names in f, behind their dollars; what stands in quotes has no names.
+fn places(f: &str) -> Vec<Range<usize>> {
+    let (mut places, mut is_quoted) = (Vec::new(), false);
+    for (at, sign) in f.match_indices(['"', '$']) {
+        let rest = &f[at + 1..];
+        let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+        let end = at + 1 + end.unwrap_or(rest.len());
+        match sign {
+            "\"" => is_quoted = !is_quoted,
+            _ if !is_quoted && is_name(&f[at + 1..end]) => places.push(at + 1..end),
+            _ => {}
         }
     }
+    places
 }
 
-/// Returns the parts of an f; what stands in quotes has no names.
-pub(super) fn pieces(f: &str) -> Vec<Piece<'_>> {
-    let (mut pieces, mut rest) = (Vec::new(), f);
-    let (mut from, mut is_quoted) = (0, false);
-    while let Some(found) = rest[from..].find(['"', '$']) {
-        let at = from + found;
-        let name = &rest[at + 1..];
-        let end = name.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
-        let name = &name[..end.unwrap_or(name.len())];
-        if rest[at..].starts_with('"') {
-            (is_quoted, from) = (!is_quoted, at + 1);
-        } else if is_quoted || !is_name(name) {
-            from = at + 1;
-        } else {
-            pieces.extend([Piece::Text(&rest[..at]), Piece::Name(name)]);
-            (rest, from) = (&rest[at + 1 + name.len()..], 0);
-        }
-    }
-    pieces.push(Piece::Text(rest));
-    pieces
+/// Returns the names in f.
+pub(super) fn names(f: &str) -> impl Iterator<Item = &str> {
+    places(f).into_iter().map(|place| &f[place])
 }
 
-/// Refuses an f with a name to which nothing has given a value.
+/// Refuses an f with a name to which nothing has given a number.
 pub(super) fn check_names(f: &str) -> Reading<()> {
-    pieces(f).iter().try_for_each(|piece| match piece {
-        Piece::Name(name) => Err(without_values(name)),
-        Piece::Text(_) => Ok(()),
+    with_numbers(f, &BTreeMap::new()).map(|_| ())
+}
+
+/// Returns f with numbers in place of its names: in a formula in parentheses, elsewhere where a number can stand.
+///
+/// # Errors
+/// [`Refused`] if a name has no number, or stands where f has something else than a number.
+pub(super) fn with_numbers(f: &str, numbers: &BTreeMap<String, f64>) -> Reading<String> {
+    let (mut text, mut end) = (String::new(), 0);
+    for place in places(f) {
+        let (before, after) = (&f[..place.start - 1], &f[place.end..]);
+        text += &before[end..];
+        end = place.end;
+        let name = &f[place];
+        let number = *numbers.get(name).ok_or_else(|| without_values(name))?;
+        if is_in_formula(&unquoted(before)) {
+            text += &format!("({})", Written(number));
+            continue;
+        }
+        let (kept, sign) = without_sign(text.trim_end());
+        if !kept.ends_with(['(', ',', '=', '/'])
+            || is_in_region(&unquoted(before))
+            || !after.trim_start_matches([' ', '\t', '\r']).starts_with([')', ',', '/', ';', '\n'])
+                && !after.trim().is_empty()
+        {
+            let text = format!(
+                "${name} in f is a number, and stands where one can, as in disc(0,0,$R)=$b or formula($a*x - 1)"
+            );
+            return Err(Refused::new("f", text));
+        }
+        text.truncate(kept.len());
+        // A negative zero is written as zero.
+        text += &Written(sign * number + 0.0).to_string();
+    }
+    Ok(text + &f[end..])
+}
+
+/// Returns a text without the sign at its end, and the sign as a factor.
+fn without_sign(text: &str) -> (&str, f64) {
+    match (text.strip_suffix('-'), text.strip_suffix('+')) {
+        (Some(rest), _) => (rest.trim_end(), -1.0),
+        (_, Some(rest)) => (rest.trim_end(), 1.0),
+        _ => (text, 1.0),
+    }
+}
+
+/// Returns a text without what stands in quotes.
+fn unquoted(text: &str) -> String {
+    text.split('"').step_by(2).collect()
+}
+
+/// True if the end of this beginning of an f is within the parentheses of a formula.
+fn is_in_formula(before: &str) -> bool {
+    let mut depth = 0;
+    let Some((_, formula)) = before.rsplit_once("formula(") else { return false };
+    formula.chars().all(|c| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        depth >= 0
     })
 }
 
+/// True if the end of this beginning of an f is within the name of a region.
+fn is_in_region(before: &str) -> bool {
+    let item = before.rsplit([';', '\n']).next().unwrap_or_default();
+    item.trim_start().starts_with("region(") && !item.contains('=')
+}
+
 /// Refusal of a name in f that has no values.
-pub(super) fn without_values(name: &str) -> Refused {
-    let text = format!(
-        "f has ${name}, which has no values; add vary = {{ {name} = [0.1, 0.2] }}, or --vary {name}=0.1,0.2"
-    );
+fn without_values(name: &str) -> Refused {
+    let text = match field(name) {
+        Some(_) => format!("f has ${name}, but `{name}` is a field; choose another name in f"),
+        None => format!(
+            "f has ${name}, which has no values; add vary = {{ {name} = [0.1, 0.2] }}, or --vary {name}=0.1,0.2"
+        ),
+    };
     Refused::new("f", text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(f: &str, number: f64) -> Result<String, String> {
+        let numbers = [("a".to_owned(), number), ("b".to_owned(), 0.5)].into();
+        with_numbers(f, &numbers).map_err(|refused| refused.text)
+    }
+
+    #[test]
+    fn numbers_stand_in_place_of_names_as_their_values() {
+        for (f, number, expected) in [
+            ("disc($a,0, $b )=-$a; else=- $a", -2.0, "disc(-2,0,0.5 )=2; else=2"),
+            ("else=-1/$a", 0.25, "else=-1/0.25"),
+            ("else=$a/3", -1e-7, "else=-1e-7/3"),
+            ("else=+$a\n", -3.0, "else=-3\n"),
+            ("else=-$a", 0.0, "else=0"),
+            ("formula($a^2 - 1/$b)", -2.0, "formula((-2)^2 - 1/(0.5))"),
+            (
+                "region(\"$a\")=formula(-(x)*$a); else=$a",
+                -2.0,
+                "region(\"$a\")=formula(-(x)*(-2)); else=-2",
+            ),
+            ("region(c)=formula(x); region(d)=$a", 1.0, "region(c)=formula(x); region(d)=1"),
+            ("region(\"formula(\")=$a", 1.0, "region(\"formula(\")=1"),
+            ("region(\"$x\")=1; else=-$", 1.0, "region(\"$x\")=1; else=-$"),
+        ] {
+            assert_eq!(with(f, number).unwrap(), expected);
+        }
+    }
+
+    #[test]
+    fn names_that_are_no_numbers_are_refused() {
+        for f in [
+            "$a",
+            "else=0.$a",
+            "else=-$a$b",
+            "else=--$a",
+            "disc(0,0,0.1$a)=1",
+            "region($a)=1",
+            "else=$a 1",
+            "region(c$a)=1",
+            "exact(free-$a)",
+            "else=$a*2",
+            "1$a",
+            "else=$b$a",
+        ] {
+            assert!(with(f, 1.0).unwrap_err().contains("in f is a number"), "{f}");
+        }
+        assert!(with("else=$h", 1.0).unwrap_err().contains("`h` is a field"));
+        assert!(check_names("else=$c").unwrap_err().text.contains("no values"));
+    }
 }

@@ -216,10 +216,10 @@ fn cells(h: &str, voice: Voice) -> Reading<usize> {
     })
 }
 
-/// Returns one over the width if that is an integer.
+/// Returns the integer whose reciprocal is the width, or is nearest to it.
 fn cells_of_width(width: f64) -> Option<usize> {
     let n = (1.0 / width).round();
-    (width > 0.0 && n * width == 1.0).then_some(n as usize)
+    (width > 0.0 && (n * width == 1.0 || 1.0 / n == width)).then_some(n as usize)
 }
 
 /// Returns, in words, what a statement has in place of that of a scene.
@@ -271,10 +271,14 @@ mod tests {
 
     #[test]
     fn widths_are_read_and_refused() {
-        let cells = |h| cells(h, Voice::Options);
+        let cells = |h: &str| cells(h, Voice::Options);
         assert_eq!(cells("1/256").unwrap(), 256);
         assert_eq!(cells("0.25").unwrap(), 4);
         assert_eq!(cells("128").unwrap(), 128);
+        for n in 1..2000 {
+            let width = (1.0 / n as f64).to_string();
+            assert_eq!(cells(&width).unwrap(), n);
+        }
         for wrong in
             ["2/3", "0.3", "-0.25", "nan", "1/x", "x", "0", "1/0", "", "99999999999999999999"]
         {

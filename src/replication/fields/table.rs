@@ -1,10 +1,12 @@
 //! The table of fields: names, values, and which solvers, domains and other fields they go with.
 
 use super::Fields;
-use super::keys::curve;
 use crate::pipeline::error::Error;
+use serde::Deserialize;
 use signorini_mathematics::bounds::Accuracy;
+use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use toml::Value;
@@ -262,6 +264,11 @@ fn curves(domain: &Domain) -> Option<Value> {
     (!domain.curve.is_empty()).then(|| Value::Table(table.collect()))
 }
 
+/// Returns the field with this name.
+pub(crate) fn field(name: &str) -> Option<&'static Field> {
+    FIELDS.iter().find(|field| field.name == name)
+}
+
 impl Field {
     /// Value in a statement that a scene or a command has to name; none if it is the usual one.
     pub(super) fn named(&self, statement: &Statement) -> Option<Value> {
@@ -270,7 +277,7 @@ impl Field {
     }
 
     /// Value in a statement; none where it has none.
-    fn value_in(&self, statement: &Statement) -> Option<Value> {
+    pub(super) fn value_in(&self, statement: &Statement) -> Option<Value> {
         self.domains.contain(&statement.domain).then(|| (self.value)(statement)).flatten()
     }
 
@@ -280,21 +287,23 @@ impl Field {
         (self.value)(&Statement { saddle, ..Statement::usual(Domain::square(), "") })
     }
 
-    /// Values as options have them, one for each time that the option is given.
-    pub(super) fn options(&self, statement: &Statement, value: Value) -> Vec<String> {
-        match (value, statement.load) {
-            (Value::Table(_), Some(rule)) if self.name == "load" => vec![rule.to_string()],
-            (Value::Table(_), _) => {
-                let curves = statement.domain.curve.iter();
-                curves.map(|(part, numbers)| curve(part, numbers)).collect()
+    /// Texts as options have them of a value as scenes have it, one for each time that the option is given.
+    pub(super) fn options(&self, value: &Value) -> Vec<String> {
+        match value {
+            Value::Table(table) if self.name == "curve" => {
+                let numbers = |value: &Value| self.options(value).join(",");
+                table.iter().map(|(part, value)| format!("{part}={}", numbers(value))).collect()
             }
-            (Value::Array(values), _) if values.iter().any(Value::is_str) => {
+            Value::Table(_) => {
+                let rule = LoadRule::deserialize(value.clone());
+                vec![rule.map_or_else(|_| value.to_string(), |rule| rule.to_string())]
+            }
+            // Parts have options each.
+            Value::Array(values) if values.iter().all(Value::is_str) => {
                 values.iter().map(text).collect()
             }
-            (Value::Array(values), _) => {
-                vec![values.iter().map(text).collect::<Vec<_>>().join(",")]
-            }
-            (value, _) => vec![text(&value)],
+            Value::Array(values) => vec![values.iter().map(text).collect::<Vec<_>>().join(",")],
+            value => vec![text(value)],
         }
     }
 
@@ -305,13 +314,13 @@ impl Field {
 
     /// Values in two statements, as options have them, if both have one and they differ.
     pub(super) fn differing(&self, statements: [&Statement; 2]) -> Option<[String; 2]> {
-        let [one, other] = statements.map(|of| Some(self.options(of, self.value_in(of)?)));
+        let [one, other] = statements.map(|of| Some(self.options(&self.value_in(of)?)));
         let (one, other) = (one?.join(" "), other?.join(" "));
         (one != other).then_some([one, other])
     }
 
     /// Fact that both this field and another say; none if they go together.
-    fn says_as(&self, other: &Field) -> Option<&'static str> {
+    pub(super) fn says_as(&self, other: &Field) -> Option<&'static str> {
         self.says.iter().find(|what| other.says.contains(what)).copied()
     }
 
@@ -327,10 +336,10 @@ impl Field {
 }
 
 /// Returns a single value as an option has it.
-fn text(value: &Value) -> String {
+pub(super) fn text(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
-        Value::Float(number) => number.to_string(),
+        Value::Float(number) => Written(*number).to_string(),
         value => value.to_string(),
     }
 }

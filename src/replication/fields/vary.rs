@@ -1,29 +1,31 @@
-//! Fields that are varied, and names in f: the fields of each member of a study.
+//! Fields that are varied, and names in f: the members of a study.
 //!
 //! Central is [`Vary`]: the same lists are the key `vary` of a scene and the option `--vary` of `solve`, and each value
-//! is read as the option of its field reads it.
+//! of a field is read as its option reads it.
 
 use super::Fields;
-use super::lists::{EXAMPLE, Varied, product_of, products};
-use super::names::{Piece, is_name, pieces, without_values};
-use super::table::{FIELDS, Field, Reading, Refused, Voice};
+use super::lists::{EXAMPLE, MOST_MEMBERS, Varied, product_of, products};
+use super::member::{Member, Varying, in_words};
+use super::names::{is_name, names, with_numbers};
+use super::table::{FIELDS, Field, Reading, Refused, Voice, field, text};
 use crate::replication::numbers::COLUMNS;
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Args, Command, FromArgMatches};
 use serde::{Deserialize, Deserializer, de};
-use std::collections::BTreeSet;
+use signorini_mathematics::problem::text::Written;
+use signorini_mathematics::statement::Statement;
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error as _;
+use toml::Value;
 
-/// Most members of a study.
-const MOST_MEMBERS: usize = 10_000;
-/// Values that are varied.
+/// Values that are varied, as they are given.
 #[derive(Clone, Debug)]
 pub(crate) struct Vary {
     /// Names of fields and names in f, in the order of the columns.
     pub(crate) names: Vec<String>,
-    /// Values of each member, in the order of the names, as options have them.
-    pub(crate) members: Vec<Vec<String>>,
+    /// Values of each member, in the order of the names.
+    members: Vec<Vec<Value>>,
 }
 
 impl Vary {
@@ -41,12 +43,16 @@ impl Vary {
         if let Some(name) = names.iter().find(|name| !is_name(name)) {
             return Err(format!("`{name}` is no name; take letters, digits and _"));
         }
+        let mut seen = BTreeSet::new();
+        if let Some(name) = names.iter().find(|name| !seen.insert(*name)) {
+            return Err(format!("`{name}` is there twice; give all its values in one list"));
+        }
         // That a solver is varied says its own column.
         let mut own = names.iter().filter(|name| field(name).is_none());
         if let Some(name) = own.find(|name| is_taken(name)) {
             return Err(format!("`{name}` is a column of the answer; choose another name"));
         }
-        let mut members: Vec<Vec<String>> = Vec::new();
+        let mut members: Vec<Vec<Value>> = Vec::new();
         for product in products {
             let lists: Option<Vec<&Varied>> =
                 names.iter().map(|name| product.iter().find(|list| list.name == *name)).collect();
@@ -65,12 +71,6 @@ impl Vary {
             }
             members.extend(product_of(&lists));
         }
-        let mut seen = BTreeSet::new();
-        if let Some(twice) = members.iter().find(|member| !seen.insert(*member)) {
-            let values = names.iter().zip(twice).map(|(name, value)| format!("{name} = {value}"));
-            let values = values.collect::<Vec<_>>().join(", ");
-            return Err(format!("{values} is there twice; remove one"));
-        }
         Ok(Self { names, members })
     }
 
@@ -82,63 +82,93 @@ impl Vary {
         Self::of(&[options.to_vec()])
     }
 
-    /// Returns the fields of each member: these, with its values.
+    /// Returns the members, whose statements `state` makes of these fields with the values of each.
     ///
     /// # Errors
-    /// [`Refused`] if a name is neither a field nor in f, is given as well, or has a value that it cannot have.
-    pub(crate) fn fields(&self, base: &Fields, voice: Voice) -> Reading<Vec<Fields>> {
-        let fields: Vec<Option<&Field>> = self.names.iter().map(|name| field(name)).collect();
-        for (name, field) in self.names.iter().zip(&fields) {
-            if field.is_some_and(|field| (field.given)(base)) {
-                let text = format!("{} is given as well; leave one of them out", voice.name(name));
-                return Err(Self::refused(voice, name, None, &text));
+    /// [`Refused`] if a name is neither a field nor in f, is given as well, has a value that it cannot have or the same
+    /// value twice, and what `state` refuses.
+    pub(crate) fn members(
+        &self,
+        base: &Fields,
+        voice: Voice,
+        mut state: impl FnMut(&Fields) -> Reading<Statement>,
+    ) -> Reading<Vec<Member>> {
+        for field in self.names.iter().filter_map(|name| field(name)) {
+            if (field.given)(base) {
+                let text =
+                    format!("{} is given as well; leave one of them out", voice.name(field.name));
+                return Err(refused(voice, field.name, None, &text));
             }
         }
         let base = Fields { vary: None, ..base.clone() };
         let mut parser = parser();
-        let mut members = Vec::with_capacity(self.members.len());
-        let mut used = BTreeSet::new();
+        let (mut members, mut seen) = (Vec::with_capacity(self.members.len()), BTreeSet::new());
         for values in &self.members {
-            let mut member = base.clone();
-            let mut arguments = vec!["solve".to_owned()];
-            for (field, value) in fields.iter().zip(values) {
-                arguments.extend(field.map(|field| format!("{}={value}", field.option())));
+            let (fields, numbers) = self.read(&base, voice, values, &mut parser)?;
+            let statement = state(&fields).map_err(|refused| {
+                let is_varied = self.names.iter().any(|name| name == refused.field);
+                let field = if is_varied { "vary" } else { refused.field };
+                let words = in_words(&self.names, values.iter().map(text));
+                Refused::new(field, format!("with {words}: {}", refused.text))
+            })?;
+            let member = Member { numbers, statement };
+            let found: Option<Vec<Varying>> =
+                self.names.iter().map(|name| member.value(name)).collect();
+            let Some(found) = found else {
+                let words = in_words(&self.names, values.iter().map(text));
+                return Err(Refused::new(
+                    "vary",
+                    format!("{words}: not all of them go together; leave one out"),
+                ));
+            };
+            if !seen.insert(found.iter().map(Varying::meaning).collect::<Vec<_>>()) {
+                let words = in_words(&self.names, &found);
+                return Err(Refused::new(
+                    "vary",
+                    format!("{}: {words} is there twice; remove one", voice.name("vary")),
+                ));
             }
-            let matches = parser.try_get_matches_from_mut(arguments);
-            let read = matches.and_then(|matches| member.update_from_arg_matches(&matches));
-            read.map_err(|e| self.refused_value(voice, values, &e))?;
-            let f = member.f.take().map(|f| self.put_into(&f, values, &mut used));
-            member.f = f.transpose()?;
             members.push(member);
-        }
-        for (name, field) in self.names.iter().zip(&fields) {
-            if field.is_none() && !used.contains(name) {
-                let known = FIELDS.map(|field| field.name).join(", ");
-                let text = format!("no such field, and f has no ${name}; the fields are {known}");
-                return Err(Self::refused(voice, name, None, &text));
-            }
         }
         Ok(members)
     }
 
-    /// Returns f with the values of a member in place of `$NAME`, and notes which names it has.
-    fn put_into(&self, f: &str, values: &[String], used: &mut BTreeSet<String>) -> Reading<String> {
-        let mut text = String::new();
-        for piece in pieces(f) {
-            let Piece::Name(name) = piece else {
-                text += piece.text();
-                continue;
-            };
-            let place = self.names.iter().position(|known| known == name);
-            let place = place.ok_or_else(|| without_values(name))?;
-            used.insert(name.to_owned());
-            text += &values[place];
+    /// Returns the fields with these values of a member in them, and the numbers of its names in f.
+    fn read(
+        &self,
+        base: &Fields,
+        voice: Voice,
+        values: &[Value],
+        parser: &mut Command,
+    ) -> Reading<(Fields, BTreeMap<String, f64>)> {
+        let mut arguments = vec!["solve".to_owned()];
+        for (name, value) in self.names.iter().zip(values) {
+            if let Some(field) = field(name) {
+                arguments.extend(field.arguments(voice, value)?);
+            }
         }
-        Ok(text)
+        let mut fields = base.clone();
+        let matches = parser.try_get_matches_from_mut(arguments);
+        let read = matches.and_then(|matches| fields.update_from_arg_matches(&matches));
+        read.map_err(|e| self.refused_value(voice, values, &e))?;
+        let f = fields.f.take();
+        let in_f: BTreeSet<&str> = f.iter().flat_map(|f| names(f)).collect();
+        let mut numbers = BTreeMap::new();
+        for (name, value) in self.names.iter().zip(values).filter(|(name, _)| field(name).is_none())
+        {
+            if !in_f.contains(name.as_str()) {
+                let known = FIELDS.map(|field| field.name).join(", ");
+                let text = format!("no such field, and f has no ${name}; the fields are {known}");
+                return Err(refused(voice, name, None, &text));
+            }
+            numbers.insert(name.clone(), number_of(voice, name, value)?);
+        }
+        fields.f = f.map(|f| with_numbers(&f, &numbers)).transpose()?;
+        Ok((fields, numbers))
     }
 
     /// Refusal of a value of a member by the parser of its option.
-    fn refused_value(&self, voice: Voice, values: &[String], error: &clap::Error) -> Refused {
+    fn refused_value(&self, voice: Voice, values: &[Value], error: &clap::Error) -> Refused {
         let option = match error.get(ContextKind::InvalidArg) {
             Some(ContextValue::String(option)) => {
                 option.split([' ', '=']).next().unwrap_or_default()
@@ -158,18 +188,44 @@ impl Vary {
                 line.trim_start_matches("error: ").to_owned()
             }
         };
-        Self::refused(voice, &self.names[place], Some(&values[place]), &reason)
+        refused(voice, &self.names[place], Some(&values[place]), &reason)
     }
+}
 
-    /// Refusal of a name, or of one of its values.
-    fn refused(voice: Voice, name: &str, value: Option<&str>, reason: &str) -> Refused {
-        let given = match (voice, value) {
-            (Voice::Keys, None) => format!("`vary`: {name}"),
-            (Voice::Keys, Some(value)) => format!("`vary`: {name} = {value}"),
-            (_, None) => format!("--vary {name}"),
-            (_, Some(value)) => format!("--vary {name}={value}"),
-        };
-        Refused::new("vary", format!("{given}: {reason}"))
+/// Refusal of a name, or of one of its values.
+fn refused(voice: Voice, name: &str, value: Option<&Value>, reason: &str) -> Refused {
+    let given = match (voice, value) {
+        (Voice::Keys, None) => format!("`vary`: {name}"),
+        (Voice::Keys, Some(value)) => format!("`vary`: {name} = {}", text(value)),
+        (_, None) => format!("--vary {name}"),
+        (_, Some(value)) => format!("--vary {name}={}", text(value)),
+    };
+    Refused::new("vary", format!("{given}: {reason}"))
+}
+
+/// Reads the number of a name in f.
+fn number_of(voice: Voice, name: &str, value: &Value) -> Reading<f64> {
+    let read = match value {
+        Value::Float(_) | Value::Integer(_) | Value::String(_) => text(value).parse().ok(),
+        _ => None,
+    };
+    // A negative zero is zero.
+    read.map(|Written(number)| number + 0.0).ok_or_else(|| {
+        let reason = "a name in f is a number, such as 0.25 or 1/4; what is no number varies as a field, as f does";
+        refused(voice, name, Some(value), reason)
+    })
+}
+
+impl Field {
+    /// Returns the arguments that give the field a value.
+    fn arguments(&self, voice: Voice, value: &Value) -> Reading<Vec<String>> {
+        if let ("domain", Value::Table(_)) = (self.name, value) {
+            let text = "in `vary` a domain is its name alone; what is said of it varies beside it, as in vary = \
+                [{ domain = \"disc\", refine = 2 }, { domain = \"lshape\", refine = 3 }]";
+            return Err(refused(voice, self.name, Some(value), text));
+        }
+        let texts = self.options(value).into_iter();
+        Ok(texts.map(|text| format!("{}={text}", self.option())).collect())
     }
 }
 
@@ -183,11 +239,6 @@ impl<'de> Deserialize<'de> for Vary {
         let products = products(deserializer)?;
         Self::of(&products).map_err(|reason| de::Error::custom(format!("`vary`: {reason}")))
     }
-}
-
-/// Returns the field with this name.
-fn field(name: &str) -> Option<&'static Field> {
-    FIELDS.iter().find(|field| field.name == name)
 }
 
 /// Returns a parser of the options of fields.
@@ -205,20 +256,30 @@ mod tests {
         let given: Fields = toml::from_str(vary).map_err(|e| e.to_string())?;
         let vary = given.vary.ok_or("nothing is varied")?;
         let base = Fields { f: Some(f.into()), ..Fields::default() };
-        let members = vary.fields(&base, Voice::Keys).map_err(|refused| refused.text)?;
-        Ok(members.into_iter().filter_map(|member| member.f).collect())
+        let members = vary.members(&base, Voice::Keys, |fields| fields.usual(Voice::Keys));
+        let members = members.map_err(|refused| refused.text)?;
+        Ok(members.into_iter().map(|member| member.statement.f).collect())
     }
 
     #[test]
-    fn names_stand_behind_a_dollar_outside_of_quotes() {
-        let f = "disc($x,0,$R1)=$R; region(\"$R\")=1; else=-1";
-        let members = with(f, "vary = { R = [1e-7, -2], R1 = 0.5, x = 0 }").unwrap();
-        let with_r = ["1e-7", "-2"];
-        assert_eq!(
-            members,
-            with_r.map(|r| format!("disc(0,0,0.5)={r}; region(\"$R\")=1; else=-1"))
-        );
-        assert!(with("else=-$S", "vary = { R = [1] }").unwrap_err().contains("f has $S"));
-        assert!(super::super::names::check_names("region(\"a$b\")=1; else=-$").is_ok());
+    fn names_in_f_are_numbers() {
+        let f = "disc($x,0,$R1)=$R; else=-1";
+        let members = with(f, "vary = { R = [1e-7, \"-1/2\"], R1 = 0.5, x = 0 }").unwrap();
+        let expected = ["1e-7", "-0.5"].map(|r| format!("disc(0,0,0.5)={r}; else=-1"));
+        assert_eq!(members, expected);
+        for (f, vary, words) in [
+            ("else=-$S", "vary = { R = [1] }", "f has no $R"),
+            ("else=-$R", "vary = { R = [\"x\"] }", "R = x: a name in f is a number"),
+            ("else=-$R", "vary = { R = [[1, 2]] }", "a name in f is a number"),
+            ("else=-$R", "vary = { R = [inf] }", "a name in f is a number"),
+            ("else=-$R", "vary = { R = [true] }", "a name in f is a number"),
+            ("else=-$R", "vary = { R = [0.1, \"0.10\"] }", "R = 0.1 is there twice"),
+            ("else=-$R", "vary = { R = [\"1/4\", 0.25] }", "R = 0.25 is there twice"),
+            ("else=-$h", "vary = { h = [4, 5] }", "`h` is a field; choose another name in f"),
+            ("else=-$R", "vary = { R = 1, friction = [1, 1.0] }", "friction = 1 is there twice"),
+        ] {
+            let refused = with(f, vary).unwrap_err();
+            assert!(refused.contains(words), "{vary}: {refused}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! A statement as options of `solve`, and as the keys of a scene.
 
-use super::lists::Varied;
+use super::member::Varying;
 use super::table::FIELDS;
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::output::Output;
@@ -13,7 +13,7 @@ fn options(statement: &Statement) -> Vec<[String; 2]> {
     let mut options = Vec::new();
     for field in &FIELDS {
         let Some(value) = field.named(statement) else { continue };
-        options.extend(field.options(statement, value).into_iter().map(|v| [field.option(), v]));
+        options.extend(field.options(&value).into_iter().map(|v| [field.option(), v]));
     }
     options
 }
@@ -86,26 +86,17 @@ pub(crate) fn scene(title: &str, statement: &Statement, outputs: &[Output]) -> S
     keys(title, statement, &[]) + &format!("outputs = {}\n", Value::from(outputs))
 }
 
-/// Returns the text of a study with a title and what it varies; `first` is the statement of its first member, with f as
-/// it is given.
-pub(crate) fn study(title: &str, first: &Statement, varied: &[Varied]) -> String {
-    let names: Vec<&str> = varied.iter().map(|list| list.name.as_str()).collect();
-    let mut lists = Vec::new();
-    for Varied { name, values } in varied {
-        let values: Vec<Value> = values.iter().map(|value| of_text(value)).collect();
-        lists.push(format!("{name} = {}", Value::from(values)));
+/// Returns the text of a study with a title and what it varies: lists of values, each with its name; `first` is the
+/// statement of its first member, with f as it is given.
+pub(crate) fn study(title: &str, first: &Statement, lists: &[(String, Vec<Varying>)]) -> String {
+    let names: Vec<&str> = lists.iter().map(|(name, _)| name.as_str()).collect();
+    let mut varied = Vec::new();
+    for (name, values) in lists {
+        let values: Vec<Value> = values.iter().map(Varying::toml).collect();
+        varied.push(format!("{name} = {}", Value::from(values)));
     }
     let outputs = "outputs = [\"table\", \"chart\"]\n";
-    keys(title, first, &names) + &format!("vary = {{ {} }}\n{outputs}", lists.join(", "))
-}
-
-/// Returns a value of an option as a number, if it is one, else as a text.
-fn of_text(text: &str) -> Value {
-    if let Ok(whole) = text.parse::<i64>() {
-        return whole.into();
-    }
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-    number.map_or_else(|| text.into(), Value::from)
+    keys(title, first, &names) + &format!("vary = {{ {} }}\n{outputs}", varied.join(", "))
 }
 
 /// Returns the lines of a title and a statement without these fields.

@@ -2,6 +2,7 @@
 
 use super::{Runs, Scene, in_scene};
 use crate::pipeline::error::{Error, Result};
+use crate::pipeline::names::in_shell;
 use crate::pipeline::names::refuse_forbidden;
 use crate::replication::fields::Fields;
 use crate::replication::fields::table::{Reading, Refused, Voice};
@@ -56,8 +57,8 @@ impl Scene {
             None => Ok(notes),
             Some(output) => Err(Error::input(format!(
                 "`{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
-                 at the solution with `signorini solve {name} --out {name}.vtu`",
-                name = self.name
+                 at the solution with `signorini solve {} --out vtu`",
+                in_shell(&self.name)
             ))),
         }
     }

@@ -4,9 +4,9 @@ use super::{Runs, Scene};
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::replication::fields::Fields;
-use crate::replication::fields::table::{Reading, Refused, Voice};
+use crate::replication::fields::table::{Reading, Refused, Voice, field};
 use crate::replication::output::Output;
-use crate::replication::study::{Member, Study};
+use crate::replication::study::Study;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{SaddleSettings, Solver};
@@ -22,7 +22,7 @@ impl Scene {
     /// [`Error::Input`] with the line of the mistake. [`Scene::check`] tells whether there is a problem to be solved.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
-        let fields: Fields = from_toml(&what, text)?;
+        let fields: Fields = from_toml(&what, text).map_err(with_table)?;
         let scene = match fields.vary {
             Some(_) => Self::of_study(name, &fields),
             None => Self::of(name, &fields),
@@ -79,17 +79,16 @@ impl Scene {
                 "the published tables are of one problem each; leave out `vary`, or `paper_table`";
             return Err(Refused::new("vary", text));
         }
-        let (mut study, mut first) = (Study::of(&vary.names), None);
-        for (values, fields) in vary.members.iter().zip(vary.fields(fields, Voice::Keys)?) {
-            let member = Self::of(name, &fields).and_then(Self::of_one_run);
-            let member = member.map_err(|refused| study.refused(values, refused))?;
-            study
-                .members
-                .push(Member { values: values.clone(), statement: member.statement.clone() });
+        let mut first = None;
+        let members = vary.members(fields, Voice::Keys, |fields| {
+            let member = Self::of(name, fields).and_then(Self::of_one_run)?;
+            let statement = member.statement.clone();
             first.get_or_insert(member);
-        }
+            Ok(statement)
+        })?;
         let first =
             first.ok_or_else(|| Refused::new("vary", "`vary` has no members; add values"))?;
+        let mut study = Study::of(&vary.names, members);
         let is_drawn = first.wants(Output::Chart);
         study.chart = is_drawn.then(|| study.axes(fields.chart.as_ref())).transpose()?;
         study.columns = study.columns(fields.columns.as_deref())?;
@@ -111,6 +110,18 @@ impl Scene {
         self.check_on_domain()?;
         Ok(Self { runs: None, ..self })
     }
+}
+
+/// Returns the error of an unknown key with the table to which the key belongs, if there is one.
+fn with_table(error: Error) -> Error {
+    let text = error.to_string();
+    let unknown = text.split_once("unknown field `");
+    let belongs = unknown.and_then(|(place, rest)| {
+        let (name, _) = rest.split_once('`')?;
+        let table = field(name)?.table?;
+        Some(format!("{place}`{name}` belongs to `{table}`; write {table} = {{ {name} = .. }}"))
+    });
+    belongs.map_or(error, Error::input)
 }
 
 /// The statement with what a published table has in place of the usual.

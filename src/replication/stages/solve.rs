@@ -5,6 +5,7 @@
 
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
+use crate::pipeline::names::in_shell;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
@@ -415,7 +416,7 @@ pub(crate) fn without_solution(
                 continue;
             }
             let places = ends.entry(outcomes.end()).or_default();
-            let mut command_of_run = format!("signorini solve {}", scene.name);
+            let mut command_of_run = format!("signorini solve {}", in_shell(&scene.name));
             if let Some(RuleAndR { rule, r }) = run {
                 let mut place = format!("r = {r}");
                 command_of_run += &format!(" --r {r}");

@@ -3,11 +3,13 @@
 use super::{from_json, solve, tabulate, to_json};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
 use crate::pipeline::error::Error;
+use crate::pipeline::names::in_shell;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
+use crate::replication::fields::member::Member;
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::{Output, Scene};
-use crate::replication::study::{Axes, Member, Study, number, of_axis};
+use crate::replication::study::{Axes, Study, of_axis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::statement::Statement;
@@ -39,7 +41,7 @@ pub(super) fn members(scene: &Scene) -> impl Iterator<Item = (&Member, String)> 
     let mut members = Vec::new();
     if let Some(study) = &scene.study {
         for member in &study.members {
-            members.push((member, id(&scene.name, study, &member.values)));
+            members.push((member, id(&scene.name, study, member)));
         }
     }
     members.into_iter()
@@ -48,13 +50,13 @@ pub(super) fn members(scene: &Scene) -> impl Iterator<Item = (&Member, String)> 
 /// Most bytes of the names and values in the id of a task, which names files.
 const MOST_BYTES: usize = 120;
 
-/// Id of the task of a member: with its values, so that it stays when others are added.
-fn id(scene: &str, study: &Study, values: &[String]) -> String {
+/// Id of the task of a member: with its values, so that it stays when others are added, and no other member has it.
+fn id(scene: &str, study: &Study, member: &Member) -> String {
     let mut pairs = Vec::new();
-    for (name, value) in study.names.iter().zip(values) {
-        let shown = value.replace('/', "_");
-        let is_plain = shown.chars().all(|c| c.is_ascii_alphanumeric() || "._-+".contains(c));
-        let shown = if is_plain { shown } else { digest(value) };
+    for (name, value) in study.names.iter().zip(study.values(member)) {
+        // A digest begins with what no other name has.
+        let shown =
+            value.file_name().unwrap_or_else(|| format!("~{}", digest(&json!(value).to_string())));
         pairs.push(format!("{name}={shown}"));
     }
     let pairs = pairs.join(",");
@@ -124,17 +126,20 @@ impl Tabulated {
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
         let shown = tabulate::with_few_digits(&table, study.names.len());
-        let shown = shown.with_columns(|column| study.shows(column));
+        let mut page = shown.with_columns(|column| study.shows(column)).in_order(&study.columns);
+        if page.head.is_empty() {
+            page = shown.with_columns(|column| study.names.iter().any(|name| name == column));
+        }
         // Reasons are sentences, and stand below.
         let note = study.reasons(&all, MOST_REASONS);
-        Ok(tabulate::files(&self.name, &table, &shown, &note))
+        Ok(tabulate::files(&self.name, &table, &page, &note))
     }
 }
 
 /// Returns the numbers of all members of the study of a scene.
 fn all_numbers(inputs: &Inputs, scene: &str, study: &Study) -> Result<Vec<Numbers>, String> {
     let members = study.members.iter();
-    members.map(|member| from_json(inputs, &id(scene, study, &member.values), NUMBERS)).collect()
+    members.map(|member| from_json(inputs, &id(scene, study, member), NUMBERS)).collect()
 }
 
 /// Returns the rows of the study of a scene, as [`Study::rows`].
@@ -157,7 +162,7 @@ pub(crate) fn without_solution(
     }
     let says = match scene.wants(Output::Table) {
         true => format!("{}/{} says why", tabulate::FOLDER, tabulate::file(scene)),
-        false => format!("`signorini solve {}` says why", scene.name),
+        false => format!("`signorini solve {}` says why", in_shell(&scene.name)),
     };
     let name = &scene.name;
     (without > 0)
@@ -169,8 +174,8 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
     let study = scene.study.as_ref().ok_or("a chart is of a study")?;
     let axes = study.chart.as_ref().ok_or("the study has no chart")?;
     let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    // Reason of the first member without a solution.
-    let mut reason = None;
+    // Reason of the first member without a solution, and number of those with one that are not on the axes.
+    let (mut reason, mut left_out) = (None, 0);
     for (member, task) in members(scene) {
         let numbers: Numbers = from_json(inputs, &task, NUMBERS)?;
         let label = axes.label(study, member);
@@ -181,6 +186,7 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
         });
         let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
         curves[place].1.extend(x.zip(y));
+        left_out += usize::from(x.zip(y).is_none() && numbers.reason().is_none());
         reason = reason.or_else(|| numbers.reason().map(str::to_owned));
     }
     for (_, points) in &mut curves {
@@ -197,6 +203,9 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
                 "no member has {across} and {up} to be drawn; on a logarithmic axis only what is positive is"
             ));
         }
+        _ if left_out > 0 => {
+            title += &format!("\nnot on these axes: {left_out} of {} members", study.members.len());
+        }
         _ => {}
     }
     let curves =
@@ -212,7 +221,7 @@ impl Axes {
     /// Label of the curve to which a member belongs: the values that no axis shows.
     fn label(&self, study: &Study, member: &Member) -> String {
         let mut others = Vec::new();
-        for (name, value) in study.names.iter().zip(&member.values) {
+        for (name, value) in study.names.iter().zip(study.values(member)) {
             if !self.columns.iter().any(|column| of_axis(column).0 == name) {
                 others.push(format!("{name} = {value}"));
             }
@@ -231,10 +240,11 @@ impl Axes {
         (member, numbers): (&Member, &Numbers),
     ) -> Option<f64> {
         let (column, is_reciprocal) = of_axis(&self.columns[axis]);
-        let value = match study.names.iter().position(|name| name == column) {
-            Some(place) => number(&member.values[place]),
-            None => numbers.number(column),
-        };
+        let value =
+            match member.value(column).filter(|_| study.names.iter().any(|name| name == column)) {
+                Some(value) => value.number(),
+                None => numbers.number(column),
+            };
         let value = value.map(|value| if is_reciprocal { 1.0 / value } else { value });
         value.filter(|value| value.is_finite() && (*value > 0.0 || !self.log[axis]))
     }

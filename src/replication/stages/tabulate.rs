@@ -5,7 +5,7 @@ use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::comparison::Row;
 use crate::replication::scene::Scene;
-use crate::table::Table;
+use crate::table::{Table, in_markdown};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
@@ -51,14 +51,21 @@ pub(crate) fn under(table: &str, rule: StopRule) -> String {
 
 /// Returns the files of a table: in CSV, and as it is `shown` in Markdown and LaTeX, each with a `note` below.
 pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Artifacts {
-    let (mut markdown, mut tex) = (shown.markdown(), shown.tex());
-    if shown.head.len() < table.head.len() {
+    let (mut markdown, mut tex) = (shown.markdown(in_markdown), shown.tex());
+    let left_out: Vec<&str> = table
+        .head
+        .iter()
+        .map(String::as_str)
+        .filter(|name| !shown.head.iter().any(|one| one == name))
+        .collect();
+    if !left_out.is_empty() {
         tex += &format!(
-            "% {name}.csv has all columns; the key `columns` of a study says which are here.\n"
+            "% {name}.csv has all columns that the scene keeps; not here: {}.\n",
+            left_out.join(", ")
         );
     }
     for line in note.lines() {
-        markdown += &format!("\n{line}\n");
+        markdown += &format!("\n{}\n", in_markdown(line));
         tex += &format!("% {line}\n");
     }
     let texts = [("csv", table.csv()), ("md", markdown), ("tex", tex)];
@@ -293,7 +300,7 @@ mod tests {
             | 1/4 | -0.1234567891 | -0.1234567812 | 0.0123457 | converged |
             | 1/8 |  |  |  | not-solved |
         "]]
-        .assert_eq(&with_few_digits(&table, 0).markdown());
+        .assert_eq(&with_few_digits(&table, 0).markdown(in_markdown));
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub const SCALE: Range<f64> = 1e-130..1e130;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SourceError {
     /// Not of the grammar.
-    #[error("cannot read `{text}` in f; write e.g. '{example}'")]
+    #[error("cannot read `{text}` in f; write e.g. '{example}' or 'else=-1'")]
     Syntax {
         /// Text that is not read.
         text: String,
@@ -95,7 +95,10 @@ pub enum SourceError {
     )]
     Region(String),
     /// A region that the mesh has not.
-    #[error("f names the region `{name}`, which the mesh has not; its regions are {regions}")]
+    #[error(
+        "f names the region `{name}`, which the mesh has not; its regions are {regions}; where a converter lost the \
+         names, save the mesh with Gmsh"
+    )]
     UnknownRegion {
         /// Name asked for.
         name: String,

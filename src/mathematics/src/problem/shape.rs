@@ -163,6 +163,24 @@ impl<const D: usize> Shape<D> {
 }
 
 impl Shape<2> {
+    /// This shape in coordinates with this origin and unit, a power of two: of a half-plane, all digits of its distance
+    /// from the origin, however far that is.
+    pub(crate) fn exactly_seen_from(&self, origin: [f64; 2], unit: f64) -> Self {
+        let Self::HalfSpace { normal, d } = *self else { return self.seen_from(origin, unit) };
+        let (normal, d) = plain(normal, d);
+        // Twice the digits: products with their rounding errors, and sums likewise.
+        let (mut sum, mut rest) = (d, 0.0);
+        for axis in 0..2 {
+            let product = -normal[axis] * origin[axis];
+            rest += libm::fma(-normal[axis], origin[axis], -product);
+            let total = sum + product;
+            let part = total - sum;
+            rest += (sum - (total - part)) + (product - part);
+            sum = total;
+        }
+        Self::HalfSpace { normal, d: (sum + rest) / unit }
+    }
+
     /// The shape as an intersection of half-planes `a x + b y <= d`, `[a, b, d]` each, to draw it: a disc becomes the
     /// regular polygon of the same area with 360 sides, within 2e-5 radii of the circle.
     pub fn half_planes(&self) -> Vec<[f64; 3]> {
@@ -246,4 +264,29 @@ fn half_line(a: f64, room: f64) -> Option<[f64; 2]> {
         a if a > 0.0 => Some([f64::NEG_INFINITY, room / a]),
         a => Some([room / a, f64::INFINITY]),
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_planes_keep_all_digits_far_from_the_origin() {
+        // 0.1 x + 0.3 y <= d by the binary values of the factors: d - 0.1 x - 0.3 y there, by exact fractions.
+        for (d, origin, left) in EXACT {
+            let shape = Shape::HalfSpace { normal: [0.1, 0.3], d };
+            let Shape::HalfSpace { normal, d: seen } = shape.exactly_seen_from(origin, 4.0) else {
+                panic!("a half-plane")
+            };
+            assert_eq!((normal, seen), ([0.1, 0.3], left / 4.0), "{d} {origin:?}");
+        }
+    }
+
+    /// Distances d, origins, and what is left of the distances.
+    const EXACT: [(f64, [f64; 2], f64); 4] = [
+        (1549999.44, [500004.0, 5000004.0], -2.160000000003144),
+        (0.3, [67108864.0, -22369621.0], 0.19999999937911828),
+        (0.001, [0.0, 0.0], 0.001),
+        (-7700000.0, [-33554430.0, -16777216.0], 688607.8),
+    ];
 }

@@ -1,6 +1,7 @@
 //! Texts that users give: the characters that they may have, and their numbers.
 
 use std::fmt;
+use std::str::FromStr;
 
 /// True if no line of text may have the character: a control character, or one of Unicode's noncharacters.
 ///
@@ -36,6 +37,15 @@ impl fmt::Display for Written {
         } else {
             write!(out, "{value:e}")
         }
+    }
+}
+
+/// Reads a finite number or a fraction of two, as f has them.
+impl FromStr for Written {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        number(text).map(Self).ok_or(())
     }
 }
 

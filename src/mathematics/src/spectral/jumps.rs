@@ -22,6 +22,14 @@ pub(super) struct JumpEdge {
     pub values: [f64; 2],
 }
 
+impl JumpEdge {
+    /// True if it is all of a circle.
+    pub(super) fn is_circle(&self) -> bool {
+        let Arc { curve, span: [from, to], .. } = self.arc;
+        curve.period().is_some_and(|turn| (to - from).abs() > turn - SAME)
+    }
+}
+
 /// All jumps of f inside a domain.
 #[derive(Clone, Default)]
 pub(super) struct Jumps {

@@ -200,6 +200,17 @@ impl Statement {
         Ok(notes)
     }
 
+    /// Checks that the text is an f on this mesh, whatever its fineness, and has finite values there.
+    ///
+    /// # Errors
+    /// [`StatementError::Problem`]. That f cannot be balanced is none.
+    pub fn check_f(&self, coarsest: &AnyMesh) -> Result<(), StatementError> {
+        match Problem::on_mesh_watched((coarsest, 0), &self.f, self.law()?, &|_| ()) {
+            Err(e @ (ProblemError::Source(_) | ProblemError::NotFinite)) => Err(e.into()),
+            _ => Ok(()),
+        }
+    }
+
     /// The statement on the usual grids or meshes, where an accuracy is asked for.
     pub fn on_usual_meshes(&self) -> Self {
         let fineness = match self.fineness {

@@ -4,6 +4,7 @@ use super::digits::compared;
 use super::times::times;
 use crate::pipeline::Inputs;
 use crate::pipeline::error::{Failure, from_record};
+use crate::pipeline::names::in_shell;
 use crate::replication::comparison::TableComparison;
 use crate::replication::fields::described::described;
 use crate::replication::fields::write;
@@ -302,7 +303,9 @@ fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
 fn command(inputs: &Inputs, figure: &str) -> String {
     let mut scenes = inputs.artifacts.keys().filter_map(|task| scene_of(task));
     let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own));
-    own.map_or("signorini run --only figures".into(), |scene| format!("signorini run {scene}"))
+    own.map_or("signorini run --only figures".into(), |scene| {
+        format!("signorini run {}", in_shell(scene))
+    })
 }
 
 /// Returns an attribute of the root of an SVG file that is a number.

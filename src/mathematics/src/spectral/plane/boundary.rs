@@ -131,16 +131,40 @@ pub(super) struct PlaneInterval {
     pub run: usize,
 }
 
+/// Point of the boundary at which a jump of f ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlaneCrossing {
+    pub ring: usize,
+    pub place: SidePlace,
+    /// f after it less f before it, in walking order.
+    pub change: f64,
+    /// Distance of the end of the jump from it.
+    pub gap: f64,
+}
+
+/// Crossing that is joined with a split.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JoinedCrossing {
+    pub split: usize,
+    /// Distance along the loop from the split to the crossing, negative if that comes first.
+    pub offset: f64,
+    pub crossing: PlaneCrossing,
+}
+
 /// All of the boundary for one contact set.
+#[cfg_attr(test, derive(Clone))]
 pub(super) struct Walk {
     pub splits: Vec<Split>,
+    /// All crossings, in order at each split.
+    pub joined: Vec<JoinedCrossing>,
     /// In walking order, loop by loop.
     pub intervals: Vec<PlaneInterval>,
     /// Number of runs.
     pub runs: usize,
 }
 
-/// Distance from another split, in perimeters, below which an end of contact is taken for it.
+/// Distance from another split, in perimeters, below which an end of contact or a crossing is joined with it. What f is
+/// between both counts in the integrals all the same: see [`energy`](super::energy).
 const TOGETHER: f64 = 1e-10;
 
 impl Walk {
@@ -155,9 +179,10 @@ impl Walk {
     pub(super) fn new(
         rings: &[PlaneRing],
         contact: &[RingContact],
-        crossings: &[(usize, SidePlace)],
+        crossings: &[PlaneCrossing],
     ) -> Self {
-        let mut walk = Self { splits: Vec::new(), intervals: Vec::new(), runs: 0 };
+        let (splits, intervals) = (Vec::new(), Vec::new());
+        let mut walk = Self { splits, joined: Vec::new(), intervals, runs: 0 };
         for (r, ring) in rings.iter().enumerate() {
             walk.add_ring(r, ring, &contact[r], crossings);
         }
@@ -169,7 +194,7 @@ impl Walk {
         r: usize,
         ring: &PlaneRing,
         contact: &RingContact,
-        crossings: &[(usize, SidePlace)],
+        crossings: &[PlaneCrossing],
     ) {
         let (turn, marks) = (ring.length(), marks(r, ring, contact, crossings));
         let (first, many) = (self.splits.len(), marks.len());
@@ -223,6 +248,7 @@ impl Walk {
                 run: usize::MAX,
             });
         }
+        self.join(r, ring, crossings);
         // Runs begin after an interval that is held, or anywhere on a loop without one.
         let own = &mut self.intervals[first..];
         let start = own.iter().position(|interval| interval.state == State::Held).unwrap_or(0);
@@ -234,6 +260,81 @@ impl Walk {
             open = free;
             interval.run = if free { self.runs - 1 } else { usize::MAX };
         }
+    }
+
+    /// Joins the crossings of a loop with the splits next to them.
+    fn join(&mut self, r: usize, ring: &PlaneRing, crossings: &[PlaneCrossing]) {
+        let turn = ring.length();
+        let mut joined = Vec::new();
+        for &crossing in crossings.iter().filter(|crossing| crossing.ring == r) {
+            let t = ring.along(crossing.place);
+            let offset = |split: &Split| (t - split.t + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
+            let own = self.splits.iter().enumerate().filter(|(_, split)| split.ring == r);
+            let nearest = own
+                .map(|(split, own)| JoinedCrossing { split, offset: offset(own), crossing })
+                .min_by(|one, other| one.offset.abs().total_cmp(&other.offset.abs()));
+            joined.extend(nearest);
+        }
+        joined.sort_by(|one, other| {
+            one.split.cmp(&other.split).then(one.offset.total_cmp(&other.offset))
+        });
+        self.joined.extend(joined);
+    }
+
+    /// Sets f beside the intervals of a loop, from f beside one of them and the changes at the crossings.
+    pub(super) fn set_f(&mut self, ring: usize, known: usize, f: f64) {
+        let own: Vec<usize> =
+            (0..self.intervals.len()).filter(|&k| self.intervals[k].ring == ring).collect();
+        let first = own.iter().position(|&k| k == known).expect("an interval of the loop");
+        let mut f = f;
+        for step in 0..own.len() {
+            let interval = &mut self.intervals[own[(first + step) % own.len()]];
+            if step > 0 {
+                let start = interval.splits[0];
+                let changes = self.joined.iter().filter(|own| own.split == start);
+                f += changes.map(|own| own.crossing.change).sum::<f64>();
+            }
+            interval.f = f;
+        }
+    }
+
+    /// Pieces of the boundary between crossings and the splits with which they are joined.
+    pub(super) fn joined_pieces(&self) -> Vec<JoinedPiece> {
+        let mut pieces = Vec::new();
+        for own in self.joined.chunk_by(|one, other| one.split == other.split) {
+            let split = own[0].split;
+            let beside = [1, 0].map(|end: usize| {
+                let mut intervals = self.intervals.iter();
+                intervals.find(|interval| interval.splits[end] == split).map_or(0.0, |own| own.f)
+            });
+            let mut at: Vec<f64> = own.iter().map(|own| own.offset).chain([0.0]).collect();
+            at.sort_by(f64::total_cmp);
+            for span in at.windows(2).filter(|span| span[0] < span[1]) {
+                let before = own.iter().filter(|own| own.offset <= span[0]);
+                let f = beside[0] + before.map(|own| own.crossing.change).sum::<f64>();
+                let counted = beside[usize::from(span[0] >= 0.0)];
+                pieces.push(JoinedPiece { split, span: [span[0], span[1]], f, counted });
+            }
+        }
+        pieces
+    }
+}
+
+/// Piece of the boundary between a crossing and the split with which it is joined, or between two such crossings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JoinedPiece {
+    pub split: usize,
+    /// Distances along the loop from the split.
+    pub span: [f64; 2],
+    /// f beside it.
+    pub f: f64,
+    /// f beside the interval of which it is a part.
+    pub counted: f64,
+}
+
+impl JoinedPiece {
+    pub(super) fn length(&self) -> f64 {
+        self.span[1] - self.span[0]
     }
 }
 
@@ -251,15 +352,15 @@ fn marks(
     r: usize,
     ring: &PlaneRing,
     contact: &RingContact,
-    crossings: &[(usize, SidePlace)],
+    crossings: &[PlaneCrossing],
 ) -> Vec<Mark> {
     let turn = ring.length();
     let mut marks: Vec<Mark> = Vec::new();
     for k in 0..ring.sides.len() {
         marks.push(Mark { t: ring.starts[k], corner: !ring.smooth[k], ..Mark::default() });
     }
-    for &(_, place) in crossings.iter().filter(|(ring, _)| *ring == r) {
-        marks.push(Mark { t: ring.along(place), crossing: true, ..Mark::default() });
+    for own in crossings.iter().filter(|own| own.ring == r) {
+        marks.push(Mark { t: ring.along(own.place), crossing: true, ..Mark::default() });
     }
     for (k, arc) in contact.arcs.iter().enumerate() {
         for (which, t) in arc.iter().enumerate() {

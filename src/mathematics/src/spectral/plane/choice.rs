@@ -3,6 +3,8 @@
 use super::boundary::{Split, State, Walk};
 use super::domain::PlaneDomain;
 use super::functions::{Family, Functions, Hole, Power};
+use super::images::{Image, images_across};
+use super::medial::MedialDisc;
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use crate::spectral::way_out::middle;
@@ -21,7 +23,7 @@ impl Functions {
         let mut families = Vec::new();
         let size = setup.diameter;
         for (k, split) in walk.splits.iter().enumerate() {
-            let powers = powers(split);
+            let mut powers = powers(split);
             if powers.is_empty() {
                 continue;
             }
@@ -29,15 +31,15 @@ impl Functions {
             let plain = powers.iter().all(|power| power.log || power.power == 1.0);
             let (least, to) = if plain { (level.weak, 0.5) } else { (level.strong, 3.0) };
             let is_seen = walk.is_beside_corner(k) && BESIDE * near < to * size;
+            let inner = near.min(clearance(&setup.domain, split.z));
             let ladder = Ladder {
-                from: 0.5 * near,
+                from: 0.5 * inner,
                 ratio: level.ratio,
                 to: if is_seen { BESIDE * near } else { to * size },
                 least,
                 most: usize::MAX,
             };
             let lengths = ladder.lengths(&setup.domain, split.z, split.inwards());
-            let mut powers = powers;
             if split.end.is_some() && !is_seen && lengths.iter().all(|&d| d < 0.5 * size) {
                 // Cuts are short: more powers in their place.
                 powers.extend([2.0, 2.5, 3.0, 3.5].map(Power::plain));
@@ -74,8 +76,9 @@ impl Functions {
                 powers,
             });
         }
+        families.extend(walk.splits.iter().flat_map(|split| corner_images(setup, split, level)));
         if level.poles > 0.0 {
-            families.extend(side_poles(setup, level.poles));
+            families.extend(poles(setup, level.poles));
         }
         families.retain(|family| !family.lengths.is_empty());
         let holes = setup.domain.loops.iter().skip(1).map(|sides| {
@@ -169,30 +172,69 @@ impl Ladder {
     }
 }
 
-/// Poles behind the sides, `density` per diameter along them.
-fn side_poles(setup: &Setup, density: f64) -> Vec<Family> {
+/// Functions at the images of a re-entrant corner behind the sides that it sees across the domain.
+fn corner_images(setup: &Setup, split: &Split, level: &Level) -> Vec<Family> {
+    /// Largest distance of such a side, in diameters.
+    const NEAR: f64 = 0.25;
+    if !split.corner || split.angle < 1.01 * PI {
+        return Vec::new();
+    }
     let mut families = Vec::new();
-    for side in setup.domain.sides() {
-        let many = (density * side.length() / setup.diameter).ceil().max(2.0);
-        let spacing = side.length() / many;
-        for k in 0..many as usize {
-            let s = (k as f64 + 0.5) * spacing;
-            let (point, inwards) = (side.point(s), side.tangent(s).turned());
-            let longest = 0.55 * setup.domain.exit(point, -inwards);
-            let mut lengths = Vec::new();
-            for d in [spacing, 3.0 * spacing] {
-                if d < longest && setup.domain.distance(point - inwards.scaled(d)) > 0.3 * d {
-                    lengths.push(d);
-                }
-            }
-            families.push(Family {
-                point,
-                split: None,
-                inwards,
-                lengths,
-                powers: vec![Power::plain(1.0)],
-            });
-        }
+    for image in images_across(&setup.domain, split.z, NEAR * setup.diameter) {
+        let Image { point, inwards, distance } = image;
+        let (ratio, to) = (3.5, 0.3 * setup.diameter);
+        let ladder = Ladder { from: distance, ratio, to, least: 1, most: level.image };
+        let lengths = ladder.lengths(&setup.domain, point, inwards);
+        families.push(Family { point, split: None, inwards, lengths, powers: powers(split) });
     }
     families
+}
+
+/// Poles on the medial axis outside of the domain, `density` of them on the radius of each disc; fewer, or none, where
+/// that is so long and narrow that they would be too many.
+fn poles(setup: &Setup, mut density: f64) -> Vec<Family> {
+    /// Most poles, and least density.
+    const MOST_POLES: usize = 400;
+    const LEAST: f64 = 1.5;
+    while density >= LEAST {
+        if let Some(discs) = thinned(&setup.medial, density, MOST_POLES) {
+            let poles = discs.into_iter().map(|disc| Family {
+                point: disc.foot,
+                split: None,
+                inwards: -disc.outwards,
+                lengths: vec![disc.radius],
+                powers: vec![Power::plain(1.0)],
+            });
+            return poles.collect();
+        }
+        density *= 0.7;
+    }
+    Vec::new()
+}
+
+/// Discs whose centres are no nearer to each other than a part of their radii; none if there are more than `most`.
+fn thinned(discs: &[MedialDisc], density: f64, most: usize) -> Option<Vec<MedialDisc>> {
+    let mut kept: Vec<MedialDisc> = Vec::new();
+    for disc in discs {
+        let apart = disc.radius / density;
+        if kept.iter().all(|other| (other.centre() - disc.centre()).norm() >= apart) {
+            kept.push(*disc);
+        }
+        if kept.len() > most {
+            return None;
+        }
+    }
+    Some(kept)
+}
+
+/// Distance of a point of the boundary from the sides that it sees across the domain.
+fn clearance(domain: &PlaneDomain, z: Complex) -> f64 {
+    let mut least = f64::INFINITY;
+    for side in domain.sides() {
+        let to = side.point(side.nearest(z)) - z;
+        if to.norm() > 1e-9 && domain.holds(z + to.scaled(0.5)) {
+            least = least.min(to.norm());
+        }
+    }
+    least
 }

@@ -6,9 +6,12 @@
 //! int f psi = oint f (psi q_n - q psi_n) - oint f^2 (x.n) q / 4 + sum int J (psi q_n - q psi_n) - J (f + f') (x.n) q /
 //! 4, J(v)      = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
 //! ```
+//! A crossing of f that is joined with a split has f of another interval on the piece between both; what that changes is
+//! added, by the integrand in the middle of the piece ([`JoinedPiece`](super::boundary::JoinedPiece)).
+//!
 //! J(v) less the integral of v l where v should be zero has an error that is quadratic in the residual.
 
-use super::boundary::State;
+use super::boundary::{JoinedPiece, State, Walk};
 use super::field::PlaneNode;
 use super::fit::Fit;
 use super::psi::Psi;
@@ -42,6 +45,9 @@ impl Integrals {
     pub(super) fn new(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
         let mut sums = Self::on_boundary(setup, fit, nodes);
         sums.add_jumps(setup);
+        for piece in fit.walk.joined_pieces() {
+            sums.add_joined(setup, &fit.walk, piece);
+        }
         sums.completed()
     }
 
@@ -84,6 +90,24 @@ impl Integrals {
         self.plain = 0.5 * self.flux_work - 0.5 * self.work - self.slipping;
         self.energy = self.plain - self.held;
         self
+    }
+
+    /// Adds what f beside a piece changes in the part of the boundary.
+    pub(super) fn add_joined(&mut self, setup: &Setup, walk: &Walk, piece: JoinedPiece) {
+        let (JoinedPiece { f, counted, span: [from, to], .. }, length) = (piece, piece.length());
+        let split = &walk.splits[piece.split];
+        let ring = &setup.rings[split.ring];
+        let place = ring.place(split.t + 0.5 * (from + to));
+        let side = &ring.sides[place.side];
+        let (z, normal) = (side.point(place.s), -side.tangent(place.s).turned());
+        let (change, square) = (f - counted, 0.25 * (z - setup.centre).norm2());
+        let outward = (z - setup.centre).dot(normal);
+        let psi = setup.jumps.psi.value(z);
+        let psi_flux = setup.jumps.psi.gradients(&[z])[0].dot(normal);
+        self.source += 0.5 * length * change * outward;
+        self.work += length
+            * change
+            * (0.5 * outward * psi - square * psi_flux - 0.25 * (f + counted) * outward * square);
     }
 
     fn add_jumps(&mut self, setup: &Setup) {

@@ -17,6 +17,7 @@ use crate::spectral::rule::{GaussNode, gauss};
 use std::f64::consts::TAU;
 
 /// A contact set with the functions fitted to it.
+#[cfg_attr(test, derive(Clone))]
 pub(super) struct Fit {
     pub walk: Walk,
     pub functions: Functions,

@@ -1,42 +1,38 @@
-//! Coordinates in which a domain has about unit size and lies near the origin, so that lengths can be compared with
+//! Coordinates in which a domain lies near the origin and has about unit size, so that lengths can be compared with
 //! fixed small numbers.
 
 use super::domain::{PlaneDomain, PlaneSide, SidePlace};
 use super::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, Polynomial, RegionBorder, Regions};
+use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::curve::{Arc, Curve};
 
-/// Coordinates `(z - origin) / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by
-/// its fourth power.
+/// Coordinates `z / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by its fourth
+/// power.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
-    pub origin: Complex,
     /// A power of two, so that no digit changes.
     pub unit: f64,
 }
 
 impl Frame {
-    /// Frame of a domain: that of the plane where the domain has about unit size and is not far away.
+    /// Frame in which a domain has about unit size.
     pub(super) fn of(domain: &PlaneDomain) -> Self {
-        let [x, y] = domain.extent().map(|[low, high]| 0.5 * (low + high));
-        let unit = libm::exp2(libm::log2(0.5 * domain.diameter()).round());
-        let centre = Complex::new(x, y);
-        let origin = if centre.norm() < 2.0 * unit { Complex::default() } else { centre };
-        Self { origin, unit }
+        Self { unit: libm::exp2(libm::log2(0.5 * domain.diameter()).round()) }
     }
 
-    pub(super) fn seen(&self, [x, y]: [f64; 2]) -> Complex {
-        (Complex::new(x, y) - self.origin).scaled(1.0 / self.unit)
+    pub(super) fn seen(self, [x, y]: [f64; 2]) -> Complex {
+        Complex::new(x, y).scaled(1.0 / self.unit)
     }
 
     /// Point with these coordinates.
-    pub(super) fn outside(&self, z: Complex) -> [f64; 2] {
-        (self.origin + z.scaled(self.unit)).coordinates()
+    pub(super) fn outside(self, z: Complex) -> [f64; 2] {
+        z.scaled(self.unit).coordinates()
     }
 
-    fn side(&self, side: &PlaneSide) -> PlaneSide {
+    fn side(self, side: &PlaneSide) -> PlaneSide {
         let Arc { curve, span, ends } = side.arc;
         let curve = Curve {
             origin: self.seen(curve.origin.coordinates()),
@@ -47,15 +43,12 @@ impl Frame {
     }
 
     /// Constant pieces in these coordinates.
-    fn pieces(&self, f: &Source) -> Source {
-        let Source::Pieces { background, pieces } = f else { return f.clone() };
-        let origin = self.origin.coordinates();
-        let seen = pieces.iter().map(|(shape, f)| (shape.seen_from(origin, self.unit), *f));
-        Source::Pieces { background: *background, pieces: seen.collect() }
+    fn pieces(self, f: &Source) -> Source {
+        pieces_seen(f, [0.0; 2], self.unit)
     }
 
     /// The problem in these coordinates.
-    pub(super) fn problem(&self, problem: &PlaneProblem) -> PlaneProblem {
+    pub(super) fn problem(self, problem: &PlaneProblem) -> PlaneProblem {
         let loops = problem.domain.loops.iter();
         let domain = PlaneDomain {
             loops: loops.map(|sides| sides.iter().map(|side| self.side(side)).collect()).collect(),
@@ -65,8 +58,7 @@ impl Frame {
         let source = match &problem.source {
             PlaneSource::Pieces(f) => PlaneSource::Pieces(self.pieces(f)),
             PlaneSource::Polynomial(f) => {
-                let value =
-                    |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit) + self.origin);
+                let value = |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit));
                 let seen = Polynomial::fitted(value, &domain);
                 let error = f.error.max(seen.error);
                 PlaneSource::Polynomial(seen.with_error(error))
@@ -84,16 +76,68 @@ impl Frame {
     }
 
     /// Place on a side in these coordinates.
-    pub(super) fn place(&self, SidePlace { side, s }: SidePlace) -> SidePlace {
+    pub(super) fn place(self, SidePlace { side, s }: SidePlace) -> SidePlace {
         SidePlace { side, s: s / self.unit }
     }
 
     /// The start in these coordinates.
-    pub(super) fn start(&self, start: &PlaneStart) -> PlaneStart {
+    pub(super) fn start(self, start: &PlaneStart) -> PlaneStart {
         let loops = start.loops.iter().map(|own| LoopStart {
             arcs: own.arcs.iter().map(|ends| ends.map(|place| self.place(place))).collect(),
             gaps: own.gaps.iter().map(|flux| flux / self.unit).collect(),
         });
         PlaneStart { loops: loops.collect(), spacing: start.spacing / self.unit }
     }
+}
+
+/// Place from which the domain of a mesh is seen: its coordinates lose no digit when it is subtracted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin(pub [f64; 2]);
+
+impl Origin {
+    /// Origin of the plane where the mesh is not far from it, else the middle of the box round the mesh, rounded to
+    /// multiples of about half of the diameter.
+    pub(super) fn of(mesh: &PlaneMesh) -> Self {
+        let extent = [0, 1].map(|axis| {
+            let along = || mesh.points().iter().map(move |point| point[axis]);
+            [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)]
+        });
+        let [width, height] = extent.map(|[low, high]| high - low);
+        let unit = libm::exp2(libm::log2(0.5 * width.hypot(height)).round());
+        let [x, y] = extent.map(|[low, high]| 0.5 * (low + high));
+        let is_near = x.hypot(y) < 2.0 * unit;
+        Self(if is_near { [0.0; 2] } else { [x, y].map(|x| unit * (x / unit).round()) })
+    }
+
+    /// A point, seen from here.
+    pub(super) fn seen(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x - self.0[0], y - self.0[1]]
+    }
+
+    /// A point that is seen from here, in the plane.
+    pub(super) fn outside(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x + self.0[0], y + self.0[1]]
+    }
+
+    /// A mesh, seen from here.
+    pub(super) fn mesh(self, mesh: &PlaneMesh) -> PlaneMesh {
+        let mut seen = mesh.clone();
+        seen.points.iter_mut().for_each(|point| *point = self.seen(*point));
+        for circle in seen.parts.iter_mut().filter_map(|part| part.curve.as_mut()) {
+            circle.centre = self.seen(circle.centre);
+        }
+        seen
+    }
+
+    /// Constant pieces, seen from here.
+    pub(super) fn pieces(self, f: &Source) -> Source {
+        pieces_seen(f, self.0, 1.0)
+    }
+}
+
+/// Constant pieces in the coordinates with an origin and a unit, a power of two.
+fn pieces_seen(f: &Source, origin: [f64; 2], unit: f64) -> Source {
+    let Source::Pieces { background, pieces } = f else { return f.clone() };
+    let seen = pieces.iter().map(|(shape, f)| (shape.exactly_seen_from(origin, unit), *f));
+    Source::Pieces { background: *background, pieces: seen.collect() }
 }

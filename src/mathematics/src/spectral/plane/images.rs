@@ -45,6 +45,19 @@ pub(super) fn images(domain: &PlaneDomain, singular: &[Complex], size: f64) -> V
     images
 }
 
+/// Images of a point of the boundary behind the sides that it sees across the domain, nearer than a distance.
+pub(super) fn images_across(domain: &PlaneDomain, z: Complex, near: f64) -> Vec<Image> {
+    let mut images = Vec::new();
+    for side in domain.sides() {
+        let Some(s) = side.place(z, 0.0) else { continue };
+        let to = side.point(s) - z;
+        if to.norm() < near && to.norm() > 1e-9 && domain.holds(z + to.scaled(0.5)) {
+            images.extend(mirrored(side, z).and_then(|point| outside(domain, point)));
+        }
+    }
+    images
+}
+
 /// Image of a point behind a side, if its foot lies on the side.
 fn mirrored(side: &PlaneSide, z: Complex) -> Option<Complex> {
     let curve = side.arc.curve;

@@ -1,6 +1,7 @@
 //! f with psi, its jumps, and the points at which psi is singular.
 
-use super::domain::{PlaneDomain, SidePlace};
+use super::boundary::PlaneCrossing;
+use super::domain::PlaneDomain;
 use super::psi::Psi;
 use super::{PlaneError, PlaneSource};
 use crate::problem::complex::Complex;
@@ -10,8 +11,8 @@ use crate::spectral::jumps::{JumpEdge, Jumps};
 pub(super) struct PlaneJumps {
     pub psi: Psi,
     pub edges: Vec<JumpEdge>,
-    /// Points of the boundary at which jumps end, by loop.
-    pub crossings: Vec<(usize, SidePlace)>,
+    /// Points of the boundary at which jumps end, one for each of their ends.
+    pub crossings: Vec<PlaneCrossing>,
     /// Points at which psi, continued beyond the boundary, may be singular: vertices, and centres of circles.
     pub singular: Vec<Complex>,
 }
@@ -35,15 +36,32 @@ impl PlaneJumps {
                 (jumps, psi)
             }
         };
-        let Jumps { edges, crossings, psi: potential, .. } = jumps;
+        let Jumps { edges, psi: potential, .. } = jumps;
         let centres = potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre());
         Ok(Self {
             psi,
+            crossings: edges.iter().flat_map(|edge| crossings(domain, edge)).collect(),
             edges,
-            crossings: crossings.into_iter().map(|z| domain.nearest(z)).collect(),
             singular: potential.vertices.iter().copied().chain(centres).collect(),
         })
     }
+}
+
+/// Points of the boundary at which a jump ends. Seen from the start of a jump, which leads into the domain, its left is
+/// before it in walking order; seen from the end, after it.
+fn crossings(domain: &PlaneDomain, edge: &JumpEdge) -> Vec<PlaneCrossing> {
+    let (arc, [left, right]) = (edge.arc, edge.values);
+    let mut found = Vec::new();
+    for (k, change) in [right - left, left - right].into_iter().enumerate() {
+        if arc.ends[k].is_some() || edge.is_circle() {
+            continue;
+        }
+        let z = arc.curve.at(arc.span[k]);
+        let (ring, place) = domain.nearest(z);
+        let gap = (domain.loops[ring][place.side].point(place.s) - z).norm();
+        found.push(PlaneCrossing { ring, place, change, gap });
+    }
+    found
 }
 
 #[cfg(test)]

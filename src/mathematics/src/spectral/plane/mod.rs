@@ -40,6 +40,7 @@ mod images;
 mod jumps;
 mod lanes;
 mod least_squares;
+mod medial;
 mod newton;
 mod on_mesh;
 mod outline;

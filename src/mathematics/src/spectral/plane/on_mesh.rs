@@ -1,6 +1,7 @@
 //! Problems on the domains of meshes, solved from their finite element solutions.
 
 use super::fit::Effort;
+use super::frame::Origin;
 use super::outline::outline;
 use super::regions::regions;
 use super::start::MeshSolution;
@@ -26,9 +27,11 @@ const ROUNDING: f64 = 1e-13;
 pub(crate) struct PlaneTruth {
     /// Unit of f, of dv/dn and of v.
     height: f64,
-    /// Domain, f and law in this unit.
+    /// Place from which domain and f are seen.
+    origin: Origin,
+    /// Domain, f and law, seen from there in this unit.
     problem: PlaneProblem,
-    /// Solution in this unit.
+    /// Its solution.
     solution: PlaneSolution,
 }
 
@@ -42,7 +45,8 @@ pub(crate) fn solve_on_mesh(
     law: Law,
 ) -> Result<PlaneTruth, PlaneError> {
     let height = height(mesh, f);
-    let problem = problem(mesh, f, law, height)?;
+    let origin = Origin::of(mesh);
+    let problem = problem(mesh, f, law, (height, origin))?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
     let sides = problem.domain.loops().iter().map(Vec::len).sum::<usize>() as f64;
     let mut effort = Effort::default();
@@ -50,9 +54,9 @@ pub(crate) fn solve_on_mesh(
         // Short sides want short edges.
         let most_nodes = nodes * (sides / SIDES).max(1.0).powi(2);
         let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
-        match solve(&problem, &solution.start(&problem), &mut effort) {
+        match solve(&problem, &solution.start(&problem, origin), &mut effort) {
             Err(failed) => error = failed,
-            Ok(solution) => return Ok(PlaneTruth { height, problem, solution }),
+            Ok(solution) => return Ok(PlaneTruth { height, origin, problem, solution }),
         }
     }
     Err(error)
@@ -63,7 +67,7 @@ pub(crate) fn solve_on_mesh(
 /// # Errors
 /// [`PlaneError`].
 pub(crate) fn check_on_mesh(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), PlaneError> {
-    problem(mesh, f, law, height(mesh, f)).map(|_| ())
+    problem(mesh, f, law, (height(mesh, f), Origin::of(mesh))).map(|_| ())
 }
 
 /// Power of two next to the largest value of f in the middle of a cell, or on a piece: a unit that changes no digit.
@@ -126,16 +130,13 @@ impl PlaneTruth {
                 "f is a polynomial that differs from the formula by {:.1e} of it at most, where looked at",
                 fitted.error
             )),
-            PlaneSource::Regions(regions) if regions.has_arcs() => Some(
-                "borders of regions along a circle are arcs of it, where elements have polygons"
-                    .into(),
-            ),
             _ => None,
         }
     }
 
     /// Distance of a point from the domain.
-    pub(crate) fn distance(&self, [x, y]: [f64; 2]) -> f64 {
+    pub(crate) fn distance(&self, point: [f64; 2]) -> f64 {
+        let [x, y] = self.origin.seen(point);
         let (domain, z) = (&self.problem.domain, Complex::new(x, y));
         if domain.holds(z) { 0.0 } else { domain.distance(z) }
     }
@@ -161,6 +162,7 @@ impl PlaneTruth {
             let names = lawful.iter().map(|&side| &mesh.parts()[sides[side].part].names);
             let part = Some(Names::all(names));
             let points = [sides[first].at(start), sides[last].at(end)];
+            let points = points.map(|point| self.origin.outside(point));
             let arc = ContactArc::new(points, self.height * force);
             arcs.push(ContactArc { closed: *closed, part, ..arc });
         }
@@ -176,18 +178,21 @@ impl PlaneTruth {
 
     /// Cuts of the functions, from and to.
     pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
-        self.solution.cuts()
+        let cuts = self.solution.cuts().into_iter();
+        cuts.map(|cut| cut.map(|point| self.origin.outside(point))).collect()
     }
 
     /// v at points of the domain.
     pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        let values = self.solution.values(points);
+        let points: Vec<_> = points.iter().map(|point| self.origin.seen(*point)).collect();
+        let values = self.solution.values(&points);
         values.into_iter().map(|v| self.height * v).collect()
     }
 
     /// v and its gradient at a point; none outside of the domain, or as near to its boundary as rounding errors.
     pub(crate) fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
         let &[x, y] = point else { return None };
+        let [x, y] = self.origin.seen([x, y]);
         let is_inside = self.problem.domain.contains([x, y]);
         is_inside.then(|| {
             let gradient = self.solution.gradient([x, y]).map(|slope| self.height * slope);
@@ -200,7 +205,7 @@ impl PlaneTruth {
     pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
         /// Distances from corners, over the length of the side, at which v and dv/dn are taken.
         const BESIDE: [f64; 2] = [1e-15, 1e-6];
-        let [x, y] = point;
+        let [x, y] = self.origin.seen(point);
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
         let (ring, SidePlace { side, s }) = self.problem.domain.nearest(z);
         let length = loops[ring][side].length();
@@ -235,7 +240,7 @@ impl PlaneTruth {
     }
 }
 
-/// Returns the problem on the domain of a mesh, in a unit of f.
+/// Returns the problem on the domain of a mesh, in a unit of f and seen from a place.
 ///
 /// # Errors
 /// [`PlaneError`] if the boundary is neither straight nor on circles, or f is of a kind that is not served.
@@ -243,42 +248,44 @@ fn problem(
     mesh: &PlaneMesh,
     f: &[Source],
     law: Law,
-    height: f64,
+    (height, origin): (f64, Origin),
 ) -> Result<PlaneProblem, PlaneError> {
-    let circles: Vec<_> = mesh.parts().iter().map(|part| part.curve).collect();
+    let seen = origin.mesh(mesh);
+    let circles: Vec<_> = seen.parts().iter().map(|part| part.curve).collect();
     let mut loops = Vec::new();
-    for curve in boundary_curves(mesh) {
+    for curve in boundary_curves(&seen) {
         loops.push(outline(&curve, &circles)?);
     }
     let domain = PlaneDomain::new(loops)?;
-    let source = source(mesh, f, &domain, height)?;
+    let source = source(&seen, f, &domain, (height, origin))?;
     let [lo, hi] = [law.lo(), law.hi()].map(|flux| flux / height);
     Ok(PlaneProblem { domain, law: Law::new(lo, hi).unwrap_or(law), source })
 }
 
-/// Returns constant pieces in a unit of f.
-fn in_unit(f: &Source, height: f64) -> Source {
-    let Source::Pieces { background, pieces } = f else { return f.clone() };
-    let pieces = pieces.iter().map(|(shape, value)| (*shape, value / height));
+/// Returns constant pieces in a unit of f, seen from a place.
+fn in_unit(f: &Source, (height, origin): (f64, Origin)) -> Source {
+    let Source::Pieces { background, pieces } = origin.pieces(f) else { return f.clone() };
+    let pieces = pieces.into_iter().map(|(shape, value)| (shape, value / height));
     Source::Pieces { background: background / height, pieces: pieces.collect() }
 }
 
-/// Returns f as the solver takes it.
+/// Returns f, on a mesh that is seen from a place, as the solver takes it.
 fn source(
     mesh: &PlaneMesh,
     f: &[Source],
     domain: &PlaneDomain,
-    height: f64,
+    unit: (f64, Origin),
 ) -> Result<PlaneSource, PlaneError> {
+    let (height, origin) = unit;
     let mut in_use = mesh.regions().to_vec();
     in_use.sort_unstable();
     in_use.dedup();
     let first = &f[usize::from(in_use[0])];
     if in_use.iter().all(|&region| f[usize::from(region)] == *first) {
         if !first.is_smooth() {
-            return Ok(PlaneSource::Pieces(in_unit(first, height)));
+            return Ok(PlaneSource::Pieces(in_unit(first, unit)));
         }
-        let fitted = Polynomial::fitted(|point| first.at(point) / height, domain);
+        let fitted = Polynomial::fitted(|point| first.at(origin.outside(point)) / height, domain);
         return match fitted.error {
             error if error <= FITTED => Ok(PlaneSource::Polynomial(fitted)),
             error => Err(PlaneError::Source(format!(
@@ -290,6 +297,6 @@ fn source(
         let text = "f has a formula on one region beside another f on the next".into();
         return Err(PlaneError::Source(text));
     }
-    let pieces: Vec<Source> = f.iter().map(|f| in_unit(f, height)).collect();
+    let pieces: Vec<Source> = f.iter().map(|f| in_unit(f, unit)).collect();
     Ok(PlaneSource::Regions(regions(mesh, pieces)?))
 }

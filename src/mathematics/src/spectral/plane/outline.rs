@@ -217,7 +217,7 @@ fn short(value: f64) -> f64 {
 }
 
 /// PlaneCircle through three points; none through points of a line.
-pub(super) fn circle_through([a, b, c]: [Complex; 3]) -> Option<Round<2>> {
+fn circle_through([a, b, c]: [Complex; 3]) -> Option<Round<2>> {
     let (u, v) = (b - a, c - a);
     let twice = 2.0 * u.cross(v);
     if twice.abs() < 1e-12 * u.norm() * v.norm() {

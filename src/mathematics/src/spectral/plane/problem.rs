@@ -17,7 +17,7 @@ pub(crate) enum PlaneSource {
     Regions(Regions),
 }
 
-/// Constant pieces on regions with straight or circular borders.
+/// Constant pieces on regions with straight borders, and circular ones along the boundary of the domain.
 #[derive(Clone, Debug)]
 pub(crate) struct Regions {
     /// Borders of regions on which f differs, with each other and along the boundary of the domain, each once.
@@ -46,11 +46,6 @@ impl Regions {
     /// f at a point of the domain.
     pub(super) fn at(&self, z: Complex) -> f64 {
         self.pieces[self.region(z)].at(z.coordinates())
-    }
-
-    /// True if a border inside of the domain is an arc of a circle.
-    pub(super) fn has_arcs(&self) -> bool {
-        self.borders.iter().any(|border| border.is_inside() && border.side.curvature() != 0.0)
     }
 
     /// Region at a point of the domain: that on this side of the first border in a direction.

@@ -64,6 +64,17 @@ impl Psi {
         }
     }
 
+    /// Sum of the moduli of all jumps of f and of its background; none of a polynomial.
+    pub(super) fn jumps(&self) -> f64 {
+        match self {
+            Self::Polynomial(_) => 0.0,
+            Self::Jumps(potential) => {
+                let sizes = potential.jumps.iter().map(|jump| jump.size.abs());
+                sizes.sum::<f64>() + potential.background.abs()
+            }
+        }
+    }
+
     /// f at a point, where psi belongs to jumps off them.
     pub(super) fn source(&self, z: Complex) -> f64 {
         match self {

@@ -1,17 +1,17 @@
-//! Borders between regions of a mesh on which f differs: straight, or arcs of circles.
+//! Borders between regions of a mesh on which f differs: the polygons that the edges of the mesh are. No part of a mesh
+//! lies inside of it, so that no circle can be named for a border.
 
-use super::outline::{MeshOutline, OutlineEdge, circle_through};
+use super::outline::{MeshOutline, OutlineEdge};
 use super::{PlaneError, RegionBorder, Regions};
-use crate::mesh::{PlaneMesh, Round};
+use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
 use crate::problem::source::Source;
-use crate::spectral::complex::arg;
 use std::collections::BTreeMap;
 
 /// Returns f with these pieces on the regions of a mesh.
 ///
 /// # Errors
-/// [`PlaneError::Domain`] if a border is neither straight nor an arc.
+/// [`PlaneError::Domain`] if a border bends by too little for a corner.
 pub(super) fn regions(mesh: &PlaneMesh, pieces: Vec<Source>) -> Result<Regions, PlaneError> {
     // Regions with the same f are one.
     let first = pieces.iter().map(|f| pieces.iter().position(|other| other == f));
@@ -31,7 +31,7 @@ pub(super) fn regions(mesh: &PlaneMesh, pieces: Vec<Source>) -> Result<Regions, 
         let regions = beside([nodes[0], nodes[1]]);
         let points = nodes.iter().map(|&node| mesh.points()[node as usize]);
         let points: Vec<_> = points.map(|[x, y]| Complex::new(x, y)).collect();
-        let edges = on_circles(&points);
+        let edges = vec![OutlineEdge::default(); points.len() - 1];
         let sides = MeshOutline::new(points, edges).sides()?;
         borders.extend(sides.into_iter().map(|side| RegionBorder { side, regions }));
     }
@@ -70,42 +70,4 @@ fn step(beside: &mut BTreeMap<u32, Vec<u32>>, node: u32) -> Option<u32> {
     let next = beside.get_mut(&node)?.pop()?;
     beside.entry(next).or_default().retain(|&other| other != node);
     Some(next)
-}
-
-/// Least number of edges of a path that are taken for an arc of a circle.
-const LEAST: usize = 6;
-/// Most that two such edges turn, in radians: polygons of up to thirteen sides remain polygons.
-const MOST_TURN: f64 = 0.46;
-/// Distance of their nodes from the circle, in radii.
-const ON_CIRCLE: f64 = 1e-9;
-
-/// Edges between points, those whose ends lie on a circle with it.
-fn on_circles(points: &[Complex]) -> Vec<OutlineEdge> {
-    let mut edges = vec![OutlineEdge::default(); points.len() - 1];
-    let mut from = 0;
-    while from + LEAST < points.len() {
-        let mut to = from + 2;
-        while to + 1 < points.len() && goes_on(&points[from..], to - from) {
-            to += 1;
-        }
-        if to - from < LEAST {
-            from += 1;
-            continue;
-        }
-        // Of all such circles, the one through points far apart has least of their rounding.
-        let circle = circle_through([0, 1, 2].map(|k| points[from + k * (to - from) / 3]));
-        edges[from..to].fill(OutlineEdge { circle, ..OutlineEdge::default() });
-        from = to;
-    }
-    edges
-}
-
-/// True if the edge after the point of this number lies on the circle through the first three points, and turns
-/// little.
-fn goes_on(points: &[Complex], k: usize) -> bool {
-    let (u, v) = (points[k] - points[k - 1], points[k + 1] - points[k]);
-    let turn = arg(u.conj() * v).abs();
-    let circle: Option<Round<2>> = circle_through([points[0], points[1], points[2]]);
-    let off = circle.map(|circle| circle.distance(points[k + 1].coordinates()) / circle.radius);
-    turn < MOST_TURN && off.is_some_and(|off| off < ON_CIRCLE)
 }

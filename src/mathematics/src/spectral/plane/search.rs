@@ -82,9 +82,9 @@ impl PlaneFound {
         if self.level.degree == finest.degree {
             return None;
         }
-        let level = Level { poles: self.level.poles, ..finest };
         let mut contact = self.contact.clone();
-        let found = Self::on(setup, &mut contact, level, &mut Effort::default(), POINTS[1]).ok()?;
+        let found =
+            Self::on(setup, &mut contact, finest, &mut Effort::default(), POINTS[1]).ok()?;
         let steps = self.steps + found.steps;
         (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
@@ -142,16 +142,13 @@ pub(super) fn search(
     effort: &mut Effort,
 ) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
-    let poles = if setup.narrow { 12.0 } else { 0.0 };
     let first = contact.clone();
-    let coarse =
-        PlaneFound::on(setup, &mut contact, Level { poles, ..Level::COARSE }, effort, POINTS[0]);
+    let coarse = PlaneFound::on(setup, &mut contact, Level::COARSE, effort, POINTS[0]);
     // What is not found on a coarse level may be on a fine one.
     contact = coarse.map_or(first, |found| found.contact);
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
-        let poles = if level.poles > 0.0 { level.poles } else { 2.0 * poles };
-        match PlaneFound::on(setup, &mut contact, Level { poles, ..level }, effort, POINTS[1]) {
+        match PlaneFound::on(setup, &mut contact, level, effort, POINTS[1]) {
             Ok(found) => {
                 let better =
                     best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());
@@ -211,4 +208,17 @@ fn short(ring: &RingContact, sides: &PlaneRing, least: f64) -> Option<(usize, bo
             () => None,
         }
     })
+}
+
+#[cfg(test)]
+impl PlaneFound {
+    /// Solution with a fit that is known.
+    pub(super) fn known(setup: &Setup, contact: &[RingContact], fit: Fit) -> Self {
+        let level = Level::FINE[1];
+        let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
+        let sizes = Sizes::new(setup, &nodes);
+        let signs = PlaneSigns { flux: 0.0, value: 0.0, mended: None };
+        let integrals = Integrals::new(setup, &fit, &nodes);
+        Self { contact: contact.to_vec(), fit, nodes, sizes, signs, integrals, steps: 0, level }
+    }
 }

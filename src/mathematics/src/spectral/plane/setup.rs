@@ -3,6 +3,7 @@
 use super::boundary::{PlaneRing, Walk};
 use super::images::{Image, images};
 use super::jumps::PlaneJumps;
+use super::medial::{MedialDisc, medial_discs};
 use super::{PlaneDomain, PlaneError, PlaneProblem};
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
@@ -18,8 +19,8 @@ pub(super) struct Setup {
     pub centre: Complex,
     pub diameter: f64,
     pub perimeter: f64,
-    /// True if the boundary lies before itself, as in a slot.
-    pub narrow: bool,
+    /// Discs outside of the domain between parts of the boundary that lie before each other, as in a slot.
+    pub medial: Vec<MedialDisc>,
 }
 
 /// Resolution.
@@ -36,7 +37,7 @@ pub(super) struct Level {
     pub degree: usize,
     /// Powers of holes.
     pub hole: usize,
-    /// Poles per diameter behind the sides; zero for none.
+    /// Poles on the medial axis outside of the domain, per radius of the discs there; zero for none.
     pub poles: f64,
     /// Gauss points of a panel, and length of the shortest, in halves of an interval.
     pub nodes: usize,
@@ -56,7 +57,7 @@ impl Level {
         image: 2,
         degree: 12,
         hole: 8,
-        poles: 0.0,
+        poles: 2.0,
         nodes: 5,
         shortest: 1e-4,
         found: 1e-5,
@@ -71,7 +72,7 @@ impl Level {
             image: 5,
             degree: 32,
             hole: 16,
-            poles: 0.0,
+            poles: 4.5,
             nodes: 6,
             shortest: 1e-4,
             found: 1e-7,
@@ -84,7 +85,7 @@ impl Level {
             image: 6,
             degree: 44,
             hole: 24,
-            poles: 0.0,
+            poles: 6.0,
             nodes: 6,
             shortest: 1e-4,
             found: 1e-7,
@@ -107,12 +108,6 @@ impl Setup {
         let PlaneProblem { domain, law, source } = problem;
         let jumps = PlaneJumps::new(domain, source)?;
         let (diameter, [[left, right], [low, high]]) = (domain.diameter(), domain.extent());
-        let narrow = domain.loops[0].iter().any(|side| {
-            [0.2, 0.5, 0.8].into_iter().any(|part| {
-                let s = part * side.length();
-                domain.exit(side.point(s), -side.tangent(s).turned()).is_finite()
-            })
-        });
         Ok(Self {
             images: images(domain, &jumps.singular, diameter),
             rings: domain.loops.iter().map(|sides| PlaneRing::new(sides)).collect(),
@@ -122,18 +117,27 @@ impl Setup {
             law: *law,
             jumps,
             diameter,
-            narrow,
+            medial: medial_discs(domain),
         })
     }
 
-    /// Sets f beside the intervals of a walk.
+    /// Sets f beside the intervals of a walk: on each loop from f beside the interval that is farthest from jumps.
     pub(super) fn set_f(&self, walk: &mut Walk) {
-        for k in 0..walk.intervals.len() {
-            let spot = walk.spot(k, 0, 0.4142 * walk.intervals[k].length, 0.0);
-            let room = self.jumps.edges.iter().map(|edge| edge.arc.curve.distance(spot.z).abs());
-            let step = room.filter(|&room| room > 1e-12).fold(1e-6, f64::min);
-            let z = spot.z + spot.tangent.turned().scaled(0.5 * step);
-            walk.intervals[k].f = self.jumps.psi.source(z);
+        for ring in 0..self.rings.len() {
+            let mut farthest = (-1.0, 0, Complex::default());
+            for (k, own) in walk.intervals.iter().enumerate().filter(|(_, own)| own.ring == ring) {
+                let spot = walk.spot(k, 0, 0.4142 * own.length, 0.0);
+                let edges = self.jumps.edges.iter();
+                let room = edges
+                    .map(|edge| edge.arc.curve.distance(spot.z).abs())
+                    .fold(0.5 * own.length, f64::min);
+                if room > farthest.0 {
+                    let inwards = spot.tangent.turned().scaled(0.5 * room.min(1e-6));
+                    farthest = (room, k, spot.z + inwards);
+                }
+            }
+            let (_, known, z) = farthest;
+            walk.set_f(ring, known, self.jumps.psi.source(z));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Contact set with which Newton's method begins, of a finite element solution.
 
 use super::domain::nearest_side;
+use super::frame::Origin;
 use super::{LoopStart, PlaneProblem, PlaneSide, PlaneStart, SidePlace};
 use crate::discrete::contact::reach;
 use crate::discrete::kkt::judge;
@@ -48,15 +49,19 @@ impl MeshSolution {
         Some(Self { y, states, curves: boundary_curves(finest) })
     }
 
-    /// Contact set on the loops of the problem, with the fluxes of its law.
-    pub(super) fn start(&self, problem: &PlaneProblem) -> PlaneStart {
-        let spacing = self.curves.iter().map(longest_edge).fold(0.0, f64::max);
+    /// Contact set on the loops of a problem that is seen from a place, with the fluxes of its law.
+    pub(super) fn start(&self, problem: &PlaneProblem, origin: Origin) -> PlaneStart {
+        let mut curves = self.curves.clone();
+        for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+            *point = origin.seen(*point);
+        }
+        let spacing = curves.iter().map(longest_edge).fold(0.0, f64::max);
         let mut start = PlaneStart { spacing, ..PlaneStart::default() };
         for sides in problem.domain.loops() {
-            let distances = self.curves.iter().map(|curve| distance_from(sides, curve));
+            let distances = curves.iter().map(|curve| distance_from(sides, curve));
             let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
             let (number, _) = nearest.expect("as many curves as loops");
-            let nodes = NodesOfLoop::new(&self.curves[number], sides, &self.y, &self.states);
+            let nodes = NodesOfLoop::new(&curves[number], sides, &self.y, &self.states);
             start.loops.push(nodes.start(problem.law));
         }
         start

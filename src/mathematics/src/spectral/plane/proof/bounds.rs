@@ -67,16 +67,10 @@ pub(in crate::spectral::plane) fn bracket(setup: &Setup, found: &PlaneFound) -> 
 ///
 /// # Errors
 /// Part that is not proved.
-fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
+pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     /// Halvings of cells where signs are not certain.
     const ROUNDS: usize = 8;
-    /// Largest part of f that dv/dn does not balance.
-    const BALANCED: f64 = 1e-7;
     let fit = &found.fit;
-    let balance = (found.integrals.force + found.integrals.source).abs();
-    if balance > BALANCED * found.sizes.flux * setup.perimeter {
-        return Err("f");
-    }
     let mut proof = Proof::new(setup, fit)?;
     let mut samples = proof.samples(&proof.cells()?);
     proof.logs = hole_logs(&proof, &samples);
@@ -100,15 +94,26 @@ fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
     let distances = Distances::new(&proof, &samples, &left);
     let balance = FluxBalance::new(&proof, &samples, &left, found.sizes.flux)?;
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
-    let of_w = 0.5 * room.integral(&cells, [2.0 * distances.delta, near], &distances.slopes);
-    let of_e = 0.5 * room.integral(&cells, [balance.range, near], &balance.slopes);
-    let lower = exact.energy - exact.error - distances.delta * balance.moved - of_e;
-    let upper = exact.energy + exact.error + distances.delta * balance.missed + of_w;
+    let of_w = room.integral(&cells, [distances.range(), near], &distances.slopes);
+    let of_e = room.integral(&cells, [balance.range, near], &balance.slopes);
+    let [lower, upper] = ends([exact.energy, exact.error], &distances, &balance, [of_w, of_e]);
     if lower.is_finite() && upper.is_finite() {
         Ok([lower, upper])
     } else {
         Err("v next to corners")
     }
+}
+
+/// Both ends, from the energy with its error and bounds of the Dirichlet integrals of W and E.
+fn ends(
+    [energy, error]: [f64; 2],
+    distances: &Distances,
+    balance: &FluxBalance,
+    [of_w, of_e]: [f64; 2],
+) -> [f64; 2] {
+    let lower = energy - error - distances.delta * balance.moved - 0.5 * of_e;
+    let upper = energy + error + distances.delta * balance.missed + 0.5 * of_w;
+    [lower, upper]
 }
 
 /// Boundary closer to splits than all cells.
@@ -190,4 +195,21 @@ fn sampled(setup: &Setup, found: &PlaneFound) -> [f64; 2] {
         upper += BETWEEN * off;
     }
     [lower, upper]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_are_those_of_the_argument() {
+        let distances = Distances { delta: 0.5, slopes: Vec::new() };
+        let slopes = Vec::new();
+        let balance = FluxBalance { range: 0.0, slopes, moved: 2e-2, missed: 2e-3 };
+        let [lower, upper] = ends([1.0, 1e-6], &distances, &balance, [2e-4, 2e-5]);
+        assert!((1.0 - lower - 1.0011e-2).abs() < 1e-13, "{lower}");
+        assert!((upper - 1.0 - 1.101e-3).abs() < 1e-13, "{upper}");
+        // W is v or part of it, with either sign.
+        assert_eq!(distances.range(), 1.0);
+    }
 }

@@ -259,3 +259,6 @@ pub(super) fn legendre() -> Vec<[f64; POINTS]> {
     }
     weights
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,16 +10,22 @@ use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
 use super::green::{HarmonicFit, HarmonicNode};
 use super::moduli::{Moduli, of_f, of_psi};
 use super::samples::Sampled;
+use crate::problem::complex::Complex;
 use crate::spectral::jumps::JumpEdge;
-use crate::spectral::plane::boundary::State;
+use crate::spectral::plane::boundary::{JoinedCrossing, JoinedPiece, PlaneCrossing, State};
 use crate::spectral::plane::energy::Integrals;
 use crate::spectral::plane::setup::Setup;
 use crate::spectral::rule::gauss;
 
 /// Energy with a bound of its error.
+#[derive(Default)]
 pub(super) struct BoundedEnergy {
     pub energy: f64,
     pub error: f64,
+    /// Integral of dv/dn over the boundary plus that of f, which is zero.
+    balance: f64,
+    /// Bound of the error of that.
+    unbalanced: f64,
     /// Sum of the moduli of all terms.
     terms: f64,
     /// Number of cells, whose integrals are added.
@@ -36,13 +42,14 @@ pub(super) fn bounded_energy(
     left: &[Leftover],
 ) -> Result<BoundedEnergy, &'static str> {
     let harmonic = HarmonicFit::new(proof.fit, samples);
-    let mut sum = BoundedEnergy { energy: 0.0, error: 0.0, terms: 0.0, cells: samples.len() };
+    let mut sum = BoundedEnergy { cells: samples.len(), ..BoundedEnergy::default() };
     let mut largest = 0.0f64;
     for (own, h) in samples.iter().zip(harmonic.moduli(samples)) {
         let nodes = harmonic.on(own, h);
         let integrals = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed();
         let green: f64 = own.nodes.iter().zip(&nodes).map(|(v, h)| h.term(v)).sum();
         sum.energy += integrals.energy + green;
+        sum.add_balance(proof, own, integrals);
         sum.add_rounding(proof, own, &nodes);
         sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
         largest = largest.max(h.value + h.slope);
@@ -50,12 +57,20 @@ pub(super) fn bounded_energy(
     for edge in &proof.setup.jumps.edges {
         sum.add_edge(proof.setup, edge)?;
     }
+    for piece in proof.fit.walk.joined_pieces() {
+        sum.add_joined(proof, piece);
+    }
+    for own in &proof.fit.walk.joined {
+        sum.add_gap(proof, own);
+    }
     for own in left {
+        sum.unbalanced += own.variation;
         sum.error += own.integrals + largest * own.around;
     }
     // Terms have few operations each, and are added cell by cell; weights of Gauss rules are off by some units.
     sum.error += 0.5 * (sum.cells + POINTS + 64) as f64 * f64::EPSILON * sum.terms;
-    Ok(sum)
+    // If f on the boundary or along a jump were not that of psi, this would not be zero.
+    if sum.balance.abs() > sum.unbalanced { Err("f") } else { Ok(sum) }
 }
 
 /// Boundary closer to a split than all cells, on one side.
@@ -67,17 +82,21 @@ pub(super) struct Leftover {
     /// Bound of the integrals of the energy there.
     pub integrals: f64,
     /// Bound of the sum of the integrals of the moduli of g and dg/dn.
-    around: f64,
+    pub around: f64,
 }
 
 impl Leftover {
     /// Of the cell that is nearest to the split.
     pub(super) fn of(proof: &Proof, own: &Sampled) -> Self {
         let (least, moduli) = (own.own.cell.span[0], &own.moduli);
+        let split = proof.fit.walk.intervals[own.own.interval].splits[own.own.side];
         // Twice for the growth of logarithms.
         let terms =
             moduli.slope.iter().map(|[power, m]| 2.0 * m * libm::pow(least, *power) / power);
-        let variation = terms.sum::<f64>();
+        // Beyond a jump that is joined with the split, psi is another function, up to where both meet.
+        let joined = proof.fit.walk.joined.iter().filter(|own| own.split == split);
+        let joined = joined.map(|own| 4.0 * own.crossing.change.abs() * own.offset * own.offset);
+        let variation = terms.sum::<f64>() + joined.sum::<f64>();
         let (node, size) = (&own.nodes[0], EnergyFactors::of(proof, own));
         let value = node.value.abs() + node.psi.abs() + variation + size.rate * least;
         let flux = variation + size.rate * least;
@@ -120,7 +139,70 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     size.constants * (value + 1.0) * (slope + size.rate * r) + green
 }
 
+/// Bounds of the integrand of the energy that belongs to a change of f by 1 at a point of the boundary, and of its
+/// change over a distance along a side there.
+fn per_change(proof: &Proof, z: Complex, f: f64, distance: f64) -> [f64; 2] {
+    let (setup, psi) = (proof.setup, &proof.setup.jumps.psi);
+    let (far, size) = ((z - setup.centre).norm(), setup.diameter);
+    let (value, slope) = (psi.value(z).abs(), psi.gradients(&[z])[0].norm());
+    // The second derivatives of psi are integrals of 1 / |w - z| along the jumps, J / 2 pi times.
+    let bend = psi.jumps() * (1.0 + libm::log(size / distance.max(f64::MIN_POSITIVE)).max(0.0));
+    let sides = setup.domain.sides().map(|side| side.curvature().abs());
+    let turns = 1.0 + size * sides.fold(0.0, f64::max);
+    let integrand = 0.5 * far * (0.5 * value + 0.25 * far * slope + 0.125 * f * far * far);
+    let rate = value + 2.0 * far * slope + far * far * (2.0 * bend + f);
+    [integrand, turns * rate * distance]
+}
+
 impl BoundedEnergy {
+    /// Adds the integrals of dv/dn and of f on a cell, with a bound of their errors.
+    fn add_balance(&mut self, proof: &Proof, own: &Sampled, integrals: Integrals) {
+        let cell = &own.own.cell;
+        self.balance += integrals.force + integrals.source;
+        let f =
+            of_f(&proof.setup.jumps.psi, proof.fit.walk.intervals[own.own.interval].f, cell.disc);
+        let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
+        let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
+        let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
+        let far = (cell.disc.centre - proof.setup.centre).norm() + cell.disc.centre.norm();
+        let of_source = f * (far + 2.0 * cell.disc.radius);
+        for (node, [_, slope]) in own.nodes.iter().zip(&own.rounding) {
+            let terms = node.flux.abs() + of_source;
+            self.unbalanced += node.spot.weight * (slope + (units + weights) * terms);
+        }
+        let slopes = own.moduli.slope.iter();
+        let modulus: f64 = slopes.map(|[power, m]| m * libm::pow(scale, *power)).sum();
+        self.unbalanced += cell.gauss_error(modulus + 1.8 * of_source * scale);
+    }
+
+    /// Adds a piece between a crossing and the split with which it is joined.
+    fn add_joined(&mut self, proof: &Proof, piece: JoinedPiece) {
+        let split = &proof.fit.walk.splits[piece.split];
+        let mut sums = Integrals::default();
+        sums.add_joined(proof.setup, &proof.fit.walk, piece);
+        self.energy += sums.completed().energy;
+        self.balance += sums.source;
+        let (length, f) = (piece.length(), piece.f.abs() + piece.counted.abs());
+        let change = (piece.f - piece.counted).abs();
+        let [integrand, moved] = per_change(proof, split.z, f, 2.0 * length);
+        let off = 8.0 * f64::EPSILON * proof.setup.perimeter;
+        self.error += change * ((integrand + moved) * off + length * moved);
+        self.unbalanced += change * proof.setup.diameter * (off + length * length);
+    }
+
+    /// Adds what is between the end of a jump and the crossing, by which neither f on its left nor on its right has a
+    /// closed boundary.
+    fn add_gap(&mut self, proof: &Proof, own: &JoinedCrossing) {
+        let PlaneCrossing { change, gap, .. } = own.crossing;
+        let split = &proof.fit.walk.splits[own.split];
+        let mut intervals = proof.fit.walk.intervals.iter();
+        let beside = intervals.find(|interval| interval.splits[0] == own.split);
+        let f = beside.map_or(0.0, |interval| 2.0 * (interval.f.abs() + change.abs()));
+        let [integrand, moved] = per_change(proof, split.z, f, gap + own.offset.abs());
+        self.error += change.abs() * gap * (integrand + moved);
+        self.unbalanced += change.abs() * gap * proof.setup.diameter;
+    }
+
     /// Adds the error of the integrals of a cell by rounding of v, psi and their slopes.
     ///
     /// The integrand of the energy is `1/2 (v (s l + psi_n - 2 q) - psi l - f psi)` with s = -1 where v should be zero
@@ -197,6 +279,10 @@ impl BoundedEnergy {
                 let mut sums = Integrals::default();
                 sums.add_jump(setup, edge.values, &points, &normals);
                 self.energy += sums.completed().energy;
+                self.balance += sums.source;
+                let length: f64 = normals.iter().map(|normal| normal.norm()).sum();
+                let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
+                self.unbalanced += units * jump * length * (setup.diameter + centre.norm());
                 self.cells += 1;
                 let (gradients, errors) = (psi.gradients(&points), psi.errors(&points));
                 for (k, (&z, own)) in points.iter().zip(errors).enumerate() {
@@ -215,6 +301,7 @@ impl BoundedEnergy {
                 let size = 4.0 * jump * far * far * far * (value + slope + both);
                 let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
                 self.error += cell.gauss_error(size * scale);
+                self.unbalanced += cell.gauss_error(jump * far * scale);
                 if cell.is_log && cell.span[0] <= 1.01 * near.least {
                     self.error += near.least * size;
                 }
@@ -223,3 +310,6 @@ impl BoundedEnergy {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

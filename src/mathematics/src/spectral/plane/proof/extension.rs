@@ -214,3 +214,6 @@ fn beside(
     }
     beside
 }
+
+#[cfg(test)]
+mod tests;

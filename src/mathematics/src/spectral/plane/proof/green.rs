@@ -121,3 +121,6 @@ impl HarmonicNode {
         0.5 * node.spot.weight * (self.flux * g - self.value * rate)
     }
 }
+
+#[cfg(test)]
+mod tests;

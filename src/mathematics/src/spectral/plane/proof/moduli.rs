@@ -233,3 +233,6 @@ pub(super) fn room_of_psi(psi: &Psi, z: Complex, at_split: bool) -> f64 {
     }
     room
 }
+
+#[cfg(test)]
+mod tests;

@@ -126,14 +126,22 @@ impl Proof<'_> {
 
     /// Adds the logarithms of holes that are added to v.
     pub(super) fn add_logs(&self, sampled: &mut Sampled) {
+        /// Rounding errors, in units in the last place.
+        const UNITS: f64 = 8.0;
         for (hole, &c) in self.fit.functions.holes.iter().zip(&self.logs) {
             let Moduli { value, slope } = hole.moduli(sampled.own.cell.disc, &[], c);
             sampled.moduli.value.push([0.0, value]);
             sampled.moduli.slope.push([1.0, 1.8 * slope]);
-            for (node, slope) in sampled.nodes.iter_mut().zip(&mut sampled.slopes) {
+            let errors = sampled.rounding.iter_mut();
+            for ((node, slope), errors) in
+                sampled.nodes.iter_mut().zip(&mut sampled.slopes).zip(errors)
+            {
                 let away = node.spot.z - hole.middle;
                 let size = 1.0 / away.norm2();
-                node.value += 0.5 * c * libm::log(away.norm2());
+                let log = 0.5 * c * libm::log(away.norm2());
+                errors[0] += UNITS * f64::EPSILON * (log.abs() + c.abs());
+                errors[1] += UNITS * f64::EPSILON * c.abs() * size.sqrt();
+                node.value += log;
                 node.flux += c * size * away.dot(node.normal());
                 *slope += c * size * away.dot(node.spot.tangent);
             }

@@ -152,4 +152,51 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn far_away_errors_are_those_of_logarithms_times_distances() {
+        let (origin, tangent) = (Complex::new(0.3, -0.2), Complex::new(0.8, 0.6));
+        for curvature in [0.0, 0.7] {
+            let curve = Curve { origin, tangent, curvature };
+            let [whole, halves] = [&[-0.6, 0.7][..], &[-0.6, 0.1, 0.7]].map(|at| along(curve, at));
+            let points: Vec<Complex> =
+                (0..300).map(|k| Complex::unit(f64::from(k)).scaled(1e3 + f64::from(k))).collect();
+            let gradients = [&whole, &halves].map(|psi| psi.gradients(&points));
+            let errors = [&whole, &halves].map(|psi| psi.errors(&points));
+            let mut seen = [0.0f64; 2];
+            for (i, &z) in points.iter().enumerate() {
+                let both = [&errors[0][i], &errors[1][i]];
+                let off = (halves.value(z) - whole.value(z)).abs();
+                assert!(off < both[0].value + both[1].value, "{z:?}: {off}");
+                let turn = (gradients[1][i] - gradients[0][i]).norm();
+                assert!(turn < both[0].slope + both[1].slope, "{z:?}: {turn}");
+                seen = [seen[0].max(off), seen[1].max(turn)];
+            }
+            // Far more than the length of the arc would say.
+            assert!(seen.iter().all(|&off| off > 100.0 * f64::EPSILON), "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn gradients_change_no_more_than_they_are_said_to() {
+        let (origin, tangent) = (Complex::new(0.3, -0.2), Complex::new(0.8, 0.6));
+        for curvature in [0.0, 0.7, 3.0] {
+            let curve = Curve { origin, tangent, curvature };
+            let psi = along(curve, &[-0.6, 0.7]);
+            for k in 0..40 {
+                // Towards a vertex and beside the curve.
+                let away = libm::exp(-0.25 * f64::from(k));
+                for z in [
+                    curve.at(-0.6 - away),
+                    curve.at(0.2) + curve.direction(0.2).turned().scaled(away),
+                ] {
+                    let step = Complex::new(1e-4 * away, 0.0);
+                    let ends = psi.gradients(&[z - step, z + step]);
+                    let change = (ends[1] - ends[0]).norm() / (2.0 * step.re);
+                    let bend = psi.errors(&[z])[0].bend;
+                    assert!(bend >= change * (1.0 - 1e-6), "{curvature} {away}: {bend} {change}");
+                }
+            }
+        }
+    }
 }

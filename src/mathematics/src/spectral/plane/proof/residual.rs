@@ -62,24 +62,28 @@ pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes) -> bool {
     }
 }
 
-/// Coefficients of logarithms that balance the flux of holes on which v should be zero nowhere.
+/// Coefficients of logarithms that balance the flux of loops on which v should be zero nowhere: of a hole by its own,
+/// of the outer loop by that of the first hole on which v should be zero somewhere.
 pub(super) fn hole_logs(proof: &Proof, samples: &[Sampled]) -> Vec<f64> {
-    let mut logs = vec![0.0; proof.fit.logs.len()];
-    for (hole, log) in logs.iter_mut().enumerate() {
-        let own = samples.iter().filter(|own| own.nodes[0].ring == hole + 1);
-        let mut excess = 0.0;
-        for node in own.flat_map(|own| &own.nodes) {
-            match node.state {
-                State::Held => {
-                    excess = 0.0;
-                    break;
-                }
-                State::Flux(q) => excess += node.spot.weight * (node.flux - q),
-            }
-        }
-        *log = excess / TAU;
+    let excess: Vec<Option<f64>> =
+        (0..proof.setup.rings.len()).map(|ring| excess(samples, ring)).collect();
+    let mut logs: Vec<f64> = excess[1..].iter().map(|own| own.unwrap_or(0.0) / TAU).collect();
+    let held = excess[1..].iter().position(Option::is_none);
+    if let (Some(outer), Some(hole)) = (excess[0], held) {
+        logs[hole] = -outer / TAU - logs.iter().sum::<f64>();
     }
     logs
+}
+
+/// Integral of the flux less what it should be on a loop; none if v should be zero somewhere on it.
+fn excess(samples: &[Sampled], ring: usize) -> Option<f64> {
+    let mut excess = 0.0;
+    let own = samples.iter().filter(|own| own.nodes[0].ring == ring);
+    for node in own.flat_map(|own| &own.nodes) {
+        let State::Flux(q) = node.state else { return None };
+        excess += node.spot.weight * (node.flux - q);
+    }
+    Some(excess)
 }
 
 /// Distance of v from what it should be.
@@ -91,6 +95,11 @@ pub(super) struct Distances {
 }
 
 impl Distances {
+    /// Range of W, which is between -delta and delta.
+    pub(super) fn range(&self) -> f64 {
+        2.0 * self.delta
+    }
+
     pub(super) fn new(proof: &Proof, samples: &[Sampled], left: &[Leftover]) -> Self {
         let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
         let (mut delta, mut rooms) = (0.0f64, Vec::with_capacity(samples.len()));
@@ -196,6 +205,7 @@ impl FluxBalance {
             etas.push(eta);
             slopes.push(slope);
         }
+        let balanced = balanced(samples, rings);
         for (ring, &is_fixed) in fixed.iter().enumerate() {
             let own: Vec<usize> =
                 (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
@@ -206,8 +216,7 @@ impl FluxBalance {
                 let eta = etas[p];
                 [a + eta.known, b + eta.open, c + eta.unknown]
             });
-            let is_balanced = samples[own[0]].nodes[0].ring > 0
-                && own.iter().all(|&p| samples[p].nodes[0].state != State::Held);
+            let is_balanced = balanced[ring];
             let mut added = 0.0;
             if !is_balanced {
                 added = (excess.abs() + unknown) / open;
@@ -231,6 +240,16 @@ impl FluxBalance {
     }
 }
 
+/// Loops that [`hole_logs`] balances.
+fn balanced(samples: &[Sampled], rings: usize) -> Vec<bool> {
+    let mut open = vec![true; rings];
+    for node in samples.iter().flat_map(|own| &own.nodes) {
+        open[node.ring] &= node.state != State::Held;
+    }
+    open[0] &= !open[1..].iter().all(|&own| own);
+    open
+}
+
 /// Range of H on a loop, but for what is unknown of eta.
 fn range(proof: &Proof, samples: &[Sampled], own: &[usize], etas: &[Eta], share: f64) -> f64 {
     let mut order = own.to_vec();
@@ -248,3 +267,6 @@ fn range(proof: &Proof, samples: &[Sampled], own: &[usize], etas: &[Eta], share:
     }
     most - least + 2.0 * within
 }
+
+#[cfg(test)]
+mod tests;

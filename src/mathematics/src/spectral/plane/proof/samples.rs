@@ -253,3 +253,6 @@ impl Sampled {
         best
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,501 @@
+//! Rows of studies say what was solved: random studies, of which each row is solved again alone by its label, and the
+//! ways in which a label and a statement could differ.
+//!
+//! `SIGNORINI_STUDIES` is the number of random studies, 12 without it; `SIGNORINI_SEED` is the seed of the first.
+
+use crate::common::{Dice, Project, Said, TABLE, interrupt, wait_for_handler};
+use crate::edits::number;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::process::Stdio;
+
+/// Right-hand sides on any domain in the plane, with their names.
+const TEMPLATES: [(&str, &[&str]); 8] = [
+    ("disc(0.1,0,$R)=$b; else=-3", &["R", "b"]),
+    ("halfplane($R,1,0)=-$b; else=-1", &["R", "b"]),
+    ("formula($b^2*x - 1/$R - 9)", &["R", "b"]),
+    ("formula(-$b*x - 2*-$b - 12)", &["b"]),
+    ("rect(-$R,$R,-1/4, $R )=-$b/3; else=-2", &["R", "b"]),
+    ("formula(-1 - $b^2)", &["b"]),
+    ("halfplane(1,0,0)=3; else=-5", &[]),
+    ("else=-1", &[]),
+];
+/// Values of names in f, in any spelling of a number.
+const OF_NAMES: [&str; 9] = ["0.1", "1/4", "0.30", "2e-1", "0.125", "+0.35", "1/3", ".5", "0.45"];
+/// Values that are negative as well.
+const SIGNED: [&str; 6] = ["-2", "-1/2", "1.50", "-0.25", "2", "0"];
+
+/// Fields that may vary together, with values of each: of every line, one field at most.
+const ON_THE_SQUARE: [&[(&str, &[&str])]; 5] = [
+    &[
+        ("h", &["1/8", "16", "0.25", "1/12", "6", "1/7"]),
+        ("grids", &["4,8", "8", "3,6,12", "5,10"]),
+        ("accuracy", &["0.5", "3e-1", "0.4"]),
+    ],
+    LAWS,
+    &[("load", &["exact", "nodal", "bilinear", "lumped-average"])],
+    &[("solver", &["multigrid", "active-set"]), ("tolerance", &["1e-6", "0.001"])],
+    &[("r", &["10", "5.0", "1e2"]), ("max_iterations", &["100000", "20000"])],
+];
+const ON_MESHES: [&[(&str, &[&str])]; 4] = [
+    &[("refine", &["0", "1", "2"])],
+    LAWS,
+    &[("fixed", &["inner", "", "outer,inner"]), ("free", &["outer", "inner", ""])],
+    &[("solver", &["multigrid", "active-set"])],
+];
+const LAWS: &[(&str, &[&str])] =
+    &[("friction", &["8", "1.50", "20", "12.5"]), ("limit", &["9", "1e1", "11.0"])];
+
+/// Random study: its options, and its lists of values by name.
+struct Study {
+    f: &'static str,
+    domain: &'static str,
+    others: Vec<String>,
+    lists: Vec<(&'static str, Vec<&'static str>)>,
+}
+
+/// One of several things.
+fn one_of<'a, T>(dice: &mut Dice, things: &'a [T]) -> &'a T {
+    &things[dice.below(things.len() as u64) as usize]
+}
+
+/// Some of these values, one at least, each once.
+fn some_of<'a>(dice: &mut Dice, values: &[&'a str]) -> Vec<&'a str> {
+    let mut left = values.to_vec();
+    let count = 1 + dice.below(3.min(values.len() as u64));
+    (0..count).map(|_| left.remove(dice.below(left.len() as u64) as usize)).collect()
+}
+
+impl Study {
+    fn random(dice: &mut Dice) -> Self {
+        let (f, names) = *one_of(dice, &TEMPLATES);
+        let domain = *one_of(dice, &["square", "square", "annulus", "disc"]);
+        let fields = if domain == "square" { &ON_THE_SQUARE[..] } else { &ON_MESHES };
+        let mut lists = Vec::new();
+        for name in names {
+            let values = if *name == "R" { &OF_NAMES[..] } else { &SIGNED };
+            lists.push((*name, some_of(dice, values)));
+        }
+        let mut others = Vec::new();
+        for line in fields {
+            let (name, values) = *one_of(dice, line);
+            let is_of_parts = ["fixed", "free"].contains(&name);
+            // The paper's method takes neither, and is asked for by its own keys.
+            let clashes = |name: &str| match name {
+                "r" | "max_iterations" => &["solver", "tolerance", "accuracy"][..],
+                _ => &[],
+            };
+            let is_there = |name: &str| {
+                lists.iter().any(|(known, _)| *known == name)
+                    || others
+                        .iter()
+                        .any(|option: &String| option.starts_with(&format!("--{name}=")))
+            };
+            if clashes(name).iter().any(|other| is_there(other))
+                || name == "tolerance" && is_there("accuracy")
+                || name == "solver" && is_there("accuracy")
+                || is_of_parts && domain != "annulus"
+            {
+                continue;
+            }
+            // How fine is always said: the usual meshes take a while.
+            let is_fineness = line == &fields[0];
+            match dice.below(if is_fineness { 2 } else { 3 }) {
+                0 if lists.len() < 3 => lists.push((name, some_of(dice, values))),
+                0 | 1 if !is_of_parts => others.push(option(name, one_of::<&str>(dice, values))),
+                _ => {}
+            }
+        }
+        if lists.is_empty() {
+            lists.push(("friction", vec!["8"]));
+            others.retain(|option| {
+                !option.starts_with("--limit") && !option.starts_with("--friction")
+            });
+        }
+        for k in (1..lists.len()).rev() {
+            lists.swap(k, dice.below(k as u64 + 1) as usize);
+        }
+        Self { f, domain, others, lists }
+    }
+
+    /// Runs `solve` for an f with options behind those that do not vary.
+    fn solve(&self, project: &Project, f: &str, more: &[String]) -> Said {
+        let mut args = vec!["solve", "--f", f, "--json"];
+        if self.domain != "square" {
+            args.extend(["--domain", self.domain]);
+        }
+        args.extend(self.others.iter().chain(more).map(String::as_str));
+        project.run(&args)
+    }
+
+    /// Solves a row alone, by its values; the numbers of names are put into f by this test.
+    fn alone(&self, project: &Project, row: &Value) -> Said {
+        let (mut f, mut more) = (self.f.to_owned(), Vec::new());
+        for (name, _) in &self.lists {
+            let label = text(&row[name]);
+            if let Some(place) = f.find(&format!("${name}")) {
+                let mut places = Some(place);
+                while let Some(place) = places {
+                    f = with_number(&f, place, name, label.parse().unwrap());
+                    places = f.find(&format!("${name}"));
+                }
+            } else if ["fixed", "free"].contains(name) {
+                more.extend(
+                    label.split(',').filter(|part| !part.is_empty()).map(|part| option(name, part)),
+                );
+            } else {
+                more.push(option(name, &label));
+            }
+        }
+        self.solve(project, &f, &more)
+    }
+}
+
+/// An option with its value.
+fn option(name: &str, value: &str) -> String {
+    format!("--{}={value}", name.replace('_', "-"))
+}
+
+/// A value of JSON as options have it.
+fn text(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// Returns f with a number in one place of a name.
+fn with_number(f: &str, place: usize, name: &str, number: f64) -> String {
+    let (before, after) = (&f[..place], &f[place + 1 + name.len()..]);
+    if f.starts_with("formula") {
+        return format!("{before}({number}){after}");
+    }
+    match before.strip_suffix('-') {
+        Some(before) if number != 0.0 => format!("{before}{}{after}", -number),
+        Some(before) => format!("{before}0{after}"),
+        None => format!("{before}{number}{after}"),
+    }
+}
+
+/// Checks that the rows of a study are those of its members solved alone; returns the number of rows.
+fn check(study: &Study, project: &Project) -> usize {
+    let lists: Vec<String> = study
+        .lists
+        .iter()
+        .map(|(name, values)| format!("--vary={name}={}|", values.join("|")))
+        .collect();
+    let said = study.solve(project, study.f, &lists);
+    let shown = format!("{} {} {:?} {lists:?}", study.domain, study.f, study.others);
+    assert!([Some(0), Some(3)].contains(&said.code), "{shown}: {said:?}");
+    let rows: Vec<Value> =
+        said.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let members: usize = study.lists.iter().map(|(_, values)| values.len()).product();
+    assert_eq!(rows.len(), members, "{shown}");
+    let mut labels = BTreeSet::new();
+    for row in &rows {
+        let label: Vec<_> = study.lists.iter().map(|(name, _)| row[name].to_string()).collect();
+        assert!(labels.insert(label), "{shown}: {row}");
+        let alone = study.alone(project, row);
+        if row["energy"].is_null() {
+            assert!(alone.code != Some(0) && !row["reason"].is_null(), "{shown}: {row} {alone:?}");
+            continue;
+        }
+        assert_eq!(alone.code, Some(0), "{shown}: {row} {alone:?}");
+        let alone: Value = serde_json::from_str(alone.out.trim()).unwrap();
+        for (column, key) in [
+            ("energy", "energy"),
+            ("v_least", "v_least"),
+            ("v_greatest", "v_greatest"),
+            ("force", "force"),
+            ("nodes", "unknowns"),
+            ("iterations", "iterations"),
+            ("solver", "solver"),
+        ] {
+            assert_eq!(row[column].to_string(), alone[key].to_string(), "{column}: {shown}: {row}");
+        }
+        assert_eq!(row["error_relative"], alone["bound"]["relative"]["error"], "{shown}: {row}");
+    }
+    rows.len()
+}
+
+#[test]
+fn each_row_is_what_its_label_says() {
+    let (studies, seed) = (number("SIGNORINI_STUDIES", 12), number("SIGNORINI_SEED", 1));
+    let project = Project::with(TABLE);
+    let mut rows = 0;
+    for seed in seed..seed + studies {
+        let mut dice = Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        rows += check(&Study::random(&mut dice), &project);
+    }
+    assert!(rows as u64 >= studies, "{rows}");
+}
+
+/// Rows of a study of options.
+fn rows(project: &Project, args: &[&str]) -> Vec<Value> {
+    let said = project.run(&[&["solve", "--json"], args].concat());
+    said.lines().into_iter().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// Study `s` of a project, in steps of R and h.
+fn saved() -> Project {
+    let project = Project::with(TABLE);
+    let f = "disc(0,0,$R)=4; else=-1";
+    let args = ["--f", f, "--vary", "R=0.1,0.2", "--vary", "h=1/8,16", "--save", "s"];
+    project.run(&[&["solve"], &args[..]].concat()).lines();
+    project
+}
+
+#[test]
+fn numbers_are_put_into_formulas_as_numbers() {
+    let project = Project::with(TABLE);
+    let one = |f: &str| {
+        rows(&project, &["--f", f, "--h", "8", "--vary", "friction=99"])[0]["energy"].clone()
+    };
+    for (f, name, expected) in [
+        ("formula($a^2-6)", "a=-2|2", ["formula(4-6)"; 2]),
+        ("formula(1/$a-9)", "a=1/4|1/2", ["formula(4-9)", "formula(2-9)"]),
+        ("formula(-1-$a^2)", "a=-0.5,0.25", ["formula(-1.25)", "formula(-1.0625)"]),
+        ("formula(-2-$a)", "a=-1/2,3", ["formula(-1.5)", "formula(-5)"]),
+        ("else=-$a", "a=3,1/2", ["else=-3", "else=-0.5"]),
+        (
+            "rect(-$a,1/4,-1,1)=-2; else=-1",
+            "a=-0.125,0.25",
+            ["rect(0.125,0.25,-1,1)=-2; else=-1", "rect(-0.25,0.25,-1,1)=-2; else=-1"],
+        ),
+    ] {
+        let found = rows(&project, &["--f", f, "--h", "8", "--friction", "99", "--vary", name]);
+        for (row, expected) in found.iter().zip(expected) {
+            assert_eq!(row["energy"], one(expected), "{f}: {row}");
+        }
+        assert_eq!(found.len(), 2, "{f}");
+    }
+    // In a scene as well, whose values are typed.
+    project.scene("t", "title = \"t\"\nf = \"formula($a^2-6)\"\nh = 8\nvary = { a = [-2.0, 3.0] }\noutputs = [\"table\"]\n");
+    assert_eq!(rows(&project, &["t"])[0]["energy"], one("formula(4-6)"));
+}
+
+#[test]
+fn options_do_not_change_what_a_scene_varies() {
+    let project = saved();
+    for args in [
+        &["--h", "1/16"][..],
+        &["--h", "1/8"],
+        &["--grids", "4,8"],
+        &["--accuracy", "0.5"],
+        &["--accuracy-energy", "0.5"],
+    ] {
+        let said = project.run(&[&["solve", "s"], args].concat());
+        assert!(said.refusal().contains("does not go with a scene that varies h"), "{said:?}");
+    }
+    // What does not vary is replaced in each row, and the labels stay.
+    let over = rows(&project, &["s", "--solver", "active-set"]);
+    let own = rows(&project, &["s"]);
+    for (over, own) in over.iter().zip(&own) {
+        assert_eq!([&over["R"], &over["h"]], [&own["R"], &own["h"]]);
+        assert_eq!([&over["solver"], &own["solver"]], ["active-set", "multigrid"]);
+    }
+    for (vary, args) in [
+        ("solver = [\"multigrid\", \"spectral\"]", &["--solver", "active-set"][..]),
+        // Other options choose a solver, a load or no accuracy by themselves.
+        ("solver = [\"multigrid\", \"active-set\"]", &["--r", "10"]),
+        ("load = [\"nodal\", \"exact\"]", &["--accuracy", "0.5"]),
+        ("load = [\"nodal\", \"exact\"]", &["--solver", "spectral"]),
+        ("accuracy = [0.5, 0.4]", &["--solver", "active-set"]),
+        ("accuracy = [0.5, 0.4]", &["--tolerance", "1e-6"]),
+        ("tolerance = [1e-6, 1e-8]", &["--solver", "active-set"]),
+    ] {
+        let text =
+            format!("title = \"t\"\nf = \"else=-1\"\nvary = {{ {vary} }}\noutputs = [\"table\"]\n");
+        project.scene("t", &text);
+        let said = project.run(&[&["solve", "t"], args].concat());
+        assert!(said.code == Some(2) && said.out.is_empty(), "{vary} {args:?}: {said:?}");
+    }
+}
+
+#[test]
+fn a_name_is_one_list_and_one_thing() {
+    let project = Project::with(TABLE);
+    let f = "disc(0,0,$R)=$b; else=-1";
+    let mesh = "title = \"t\"\nf = \"else=-1\"\noutputs = [\"table\"]\n";
+    for (args, words) in [
+        (
+            &["--f", f, "--vary", "R=0.1", "--vary", "b=4", "--vary", "R=0.3"][..],
+            "`R` is there twice",
+        ),
+        (&["--f", f, "--vary", "R=0.1", "--vary", "b=4", "--vary", " R=0.3"], "`R` is there twice"),
+        (&["--f", "else=-1", "--vary", "h=8", "--vary", "h=16"], "`h` is there twice"),
+        (&["--f", "disc(0,0,$r)=4; else=-1", "--vary", "r=0.1"], "`r` is a field; choose another"),
+        (&["--f", "else=-$limit", "--vary", "limit=1"], "`limit` is a field; choose another"),
+        (&["--f", "else=-$refine"], "`refine` is a field; choose another"),
+        (&["--f", "$f", "--vary", "f=else=-1"], "--f is given as well"),
+        (&["--f", "else=-0.$d", "--vary", "d=5"], "in f is a number"),
+        (&["--f", "else=-$R$R", "--vary", "R=1"], "in f is a number"),
+        (&["--f", "exact($s)", "--vary", "s=full-contact"], "a name in f is a number"),
+        (&["--vary", "f=else=-1|else=-$R", "--vary", "R=1,2"], "f has no $R"),
+        (&["--f", "else=-$R", "--vary", "R=0.1,0.10"], "R = 0.1 is there twice"),
+        (&["--f", "else=-$R", "--vary", "R=0,-0"], "R = 0 is there twice"),
+        (&["--f", "else=-1", "--vary", "h=8,1/8"], "h = 1/8 is there twice"),
+        (&["--f", "else=-1", "--vary", "h=0.125,8"], "h = 1/8 is there twice"),
+        (&["--vary", "f=else=-1,else = -1.0", "--h", "8"], "f = else=-1 is there twice"),
+        (
+            &["--f", "else=-1", "--vary", "load=nodal", "--vary", "solver=spectral"],
+            "is for --solver",
+        ),
+        (
+            &["--f", "else=-1", "--domain", "annulus", "--vary", "fixed=outer,inner|inner,outer|"],
+            "is there twice",
+        ),
+        (&["--vary", "R=1"], "nothing to solve"),
+    ] {
+        let said = project.run(&[&["solve"], args].concat());
+        assert!(said.code == Some(2) && said.err.contains(words), "{args:?}: {said:?}");
+    }
+    for (vary, words) in [
+        ("domain = [{ name = \"disc\", refine = 2 }, \"lshape\"]", "a domain is its name alone"),
+        ("h = [\"1/8\", 8]", "h = 1/8 is there twice"),
+    ] {
+        project.scene("t", &format!("{mesh}vary = {{ {vary} }}\n"));
+        assert!(project.run(&["solve", "t"]).refusal().contains(words), "{vary}");
+    }
+}
+
+#[test]
+fn values_of_several_parts_or_none_are_values() {
+    let project = Project::with(TABLE);
+    let f = ["--f", "else=-1", "--domain", "annulus", "--refine", "1"];
+    let found = rows(&project, &[&f[..], &["--vary", "fixed=inner,outer||inner|"]].concat());
+    for (row, options) in found.iter().zip([
+        &["--fixed", "inner", "--fixed", "outer"][..],
+        &[],
+        &["--fixed", "inner"],
+    ]) {
+        let alone = project.run(&[&["solve", "--json"], &f[..], options].concat()).json();
+        assert_eq!([&row["energy"], &row["force"]], [&alone["energy"], &alone["force"]], "{row}");
+    }
+    assert_eq!(found.len(), 3);
+    project.scene(
+        "t",
+        "title = \"t\"\nf = \"else=-1\"\ndomain = { name = \"annulus\", refine = 1 }\noutputs = [\"table\"]\n\
+         vary = { fixed = [[\"inner\", \"outer\"], [], \"inner\"] }\n",
+    );
+    assert_eq!(rows(&project, &["t"]), found);
+    let grids = rows(&project, &["--f", "else=-1", "--vary", "grids=4,8|"]);
+    assert_eq!((grids.len(), &grids[0]["grids"]), (1, &"4,8".into()));
+}
+
+#[test]
+fn ranges_are_decimals_and_empty_values_are_refused() {
+    let project = Project::with(TABLE);
+    let args = ["--f", "disc(0,0,$R)=1; else=-1", "--h", "8", "--vary", "R=0.1:0.4:0.1,0.45"];
+    let found: Vec<_> = rows(&project, &args).iter().map(|row| row["R"].to_string()).collect();
+    assert_eq!(found, ["0.1", "0.2", "0.3", "0.4", "0.45"]);
+    for wrong in ["R=0.1,,0.2", "R=1:2:0", "R=", "R=0:1:1e-9"] {
+        let said = project.run(&["solve", "--f", "else=-$R", "--vary", wrong]);
+        assert!(said.code == Some(2) && said.out.is_empty(), "{wrong}: {said:?}");
+    }
+}
+
+#[test]
+fn tasks_of_different_values_have_different_names() {
+    let project = Project::with(TABLE);
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/square.msh");
+    for name in ["g/b.msh", "g_b.msh", "g~b.msh", "g=b.msh"] {
+        let path = project.path(&format!("pipeline/meshes/{name}"));
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::copy(mesh, path).unwrap();
+    }
+    let names = "\"meshes/g/b.msh\", \"meshes/g_b.msh\", \"meshes/g~b.msh\", \"meshes/g=b.msh\"";
+    project.scene(
+        "t",
+        &format!(
+            "title = \"t\"\nf = \"else=-1\"\nvary = {{ domain = [{names}], refine = [0, 1] }}\noutputs = [\"table\"]\n"
+        ),
+    );
+    let ran = project.run(&["run", "-v", "t"]);
+    let members: BTreeSet<_> =
+        ran.ran().into_iter().filter(|id| id.starts_with("solve/")).collect();
+    assert_eq!(members.len(), 8, "{ran:?}");
+}
+
+#[test]
+fn charts_have_widths_and_say_what_they_leave_out() {
+    let project = Project::with(TABLE);
+    let text = "title = \"t\"\nf = \"else=-9\"\nvary = { h = [\"1/8\", 16, 0.25] }\noutputs = [\"chart\"]\n";
+    project.scene("t", text);
+    project.run(&["run", "t"]).lines();
+    let csv = fs::read_to_string(project.path("figures/t-chart.csv")).unwrap();
+    let across: Vec<&str> = csv.lines().skip(1).filter_map(|row| row.split(',').nth(4)).collect();
+    assert_eq!(across, ["0.0625", "0.125", "0.25"]);
+    let text = "title = \"t\"\nf = \"formula($a*x - 2)\"\nh = 8\nvary = { a = [0, 1, 2] }\noutputs = [\"chart\"]\n\
+        chart = { x = \"1/a\" }\n";
+    project.scene("t", text);
+    project.run(&["run", "t"]).lines();
+    let read = |file: &str| fs::read_to_string(project.path(file)).unwrap();
+    assert_eq!(read("figures/t-chart.csv").lines().count(), 3);
+    assert!(read("figures/t-chart.svg").contains("not on these axes: 1 of 3 members"));
+}
+
+#[test]
+fn a_width_may_be_a_number_and_keys_of_tables_are_told_where_they_belong() {
+    let project = Project::with(TABLE);
+    let scene = |line: &str| {
+        project.scene(
+            "t",
+            &format!("title = \"t\"\nf = \"else=-1\"\n{line}\noutputs = [\"table\"]\n"),
+        );
+        project.run(&["solve", "t", "--json"])
+    };
+    let [text, number, width] =
+        ["h = \"1/8\"", "h = 8", "h = 0.125"].map(|line| scene(line).json());
+    assert_eq!([&text["energy"], &text["h"]], [&number["energy"], &number["h"]]);
+    assert_eq!(text["energy"], width["energy"]);
+    assert!(scene("h = [8]").refusal().contains("`h` is a width"));
+    for (line, words) in [
+        ("friction = 2", "line 3: `friction` belongs to `law`; write law = { friction = .. }"),
+        ("refine = 2", "`refine` belongs to `domain`"),
+        ("domain = { name = \"disc\", limit = 2 }", "`limit` belongs to `law`"),
+        ("frction = 2", "unknown field `frction`"),
+    ] {
+        let said = scene(line);
+        assert!(said.refusal().contains(words), "{line}: {said:?}");
+    }
+}
+
+#[test]
+fn columns_have_the_order_in_which_they_are_given() {
+    let project = saved();
+    let path = project.path("pipeline/scenes/s.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, format!("{text}columns = [\"force\", \"h\", \"energy\"]\n")).unwrap();
+    project.run(&["run", "s"]).lines();
+    let table = fs::read_to_string(project.path("report/tables/s.md")).unwrap();
+    assert!(table.starts_with("| force | h | energy |"), "{table}");
+    fs::write(&path, format!("{text}columns = [\"force\", \"force\"]\n")).unwrap();
+    assert!(project.run(&["run", "s"]).refusal().contains("`force` is there twice"));
+}
+
+#[test]
+fn an_interrupted_study_keeps_the_rows_that_it_has() {
+    let project = Project::with(TABLE);
+    let values: Vec<_> = (1..=400).map(|k| format!("{}", 1.0 + f64::from(k) / 1000.0)).collect();
+    let vary = format!("friction={}", values.join(","));
+    let args = [
+        "solve",
+        "--f",
+        "halfplane(1,0,0)=8; else=-9",
+        "--h",
+        "1/256",
+        "--vary",
+        &vary,
+        "--csv",
+        "t.csv",
+    ];
+    let mut command = project.command(&args);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for_handler(&child);
+    interrupt(&child);
+    let said = Said::from(child.wait_with_output().unwrap());
+    assert!(said.code == Some(130) && said.err.contains("finishing what has begun"), "{said:?}");
+    let csv = fs::read_to_string(project.path("t.csv")).unwrap();
+    let interrupted =
+        csv.lines().filter(|row| row.ends_with("interrupted; solve it again")).count();
+    assert!(csv.lines().count() == 401 && interrupted > 0, "{csv}");
+}

@@ -1,0 +1,226 @@
+//! Texts of users, in pages that the program makes and in commands that it prints; names that it refuses.
+
+use crate::common::{Project, TABLE, wanting};
+use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
+use signorini::report;
+use std::fs;
+
+/// Texts of the cells of the tables in Markdown; anything but text in a cell is named.
+fn cells(markdown: &str) -> Vec<String> {
+    let (mut cells, mut is_in_cell) = (Vec::new(), false);
+    for event in Parser::new_ext(markdown, Options::all()) {
+        match event {
+            Event::Start(Tag::TableCell) => {
+                is_in_cell = true;
+                cells.push(String::new());
+            }
+            Event::End(TagEnd::TableCell) => is_in_cell = false,
+            Event::Text(text) if is_in_cell => cells.last_mut().unwrap().push_str(&text),
+            other if is_in_cell => cells.last_mut().unwrap().push_str(&format!("{other:?}")),
+            _ => {}
+        }
+    }
+    cells
+}
+
+#[test]
+fn a_cell_shows_the_text_of_the_user_as_it_is() {
+    let project = Project::with(TABLE);
+    fs::create_dir_all(project.path("pipeline/meshes")).unwrap();
+    let mesh = include_str!("../meshes/square.msh");
+    let meshes = ["a|b.msh", "a_b_c.msh", "*x*.msh", "$5.msh", "<b>.msh", "`c`.msh", "--.msh"];
+    for name in meshes {
+        project.write(&format!("pipeline/meshes/{name}"), mesh);
+    }
+    let domains: Vec<String> = meshes.map(|name| format!("\"meshes/{name}\"")).into();
+    let study = format!(
+        "title = \"$T$ *of* meshes\"\nf = \"else=-1\"\nvary = {{ domain = [{}] }}\noutputs = [\"table\", \"chart\"]\n",
+        domains.join(", ")
+    );
+    project.scene("s", &study);
+    let formulas = "title = \"F\"\nvary = { f = [\"formula(3*x*y - 1.1)\", \"quadrant(ll)=9; else=-1\"] }\n\
+        outputs = [\"table\"]\n";
+    project.scene("t", formulas);
+    project.add_book("# One\n\n{{#include tables/s.md}}\n\n{{#include tables/t.md}}\n");
+    project.run(&["run"]).lines();
+    let read = |path: &str| fs::read_to_string(project.path(path)).unwrap();
+    let shown = cells(&read("report/tables/s.md"));
+    for name in meshes {
+        assert!(shown.iter().any(|cell| cell == &format!("meshes/{name}")), "{name}: {shown:?}");
+    }
+    let columns = shown.iter().position(|cell| cell.starts_with("meshes/")).unwrap();
+    assert_eq!(shown.len(), columns * (1 + meshes.len()), "{shown:?}");
+    let of_formulas = read("report/tables/t.md");
+    assert!(cells(&of_formulas).iter().any(|cell| cell == "formula(3*x*y - 1.1)"), "{of_formulas}");
+    // The reason below the table names the member by its f.
+    let without = of_formulas.lines().last().unwrap();
+    assert!(without.contains("quadrant(ll)=9; else=-1"), "{of_formulas}");
+    let page = read("report/book/one.html");
+    assert!(page.contains("formula(3*x*y - 1.1)") && page.contains("meshes/$5.msh"), "{page}");
+    assert!(page.contains("meshes/&lt;b&gt;.msh") && !page.contains("<em>x</em>"), "{page}");
+}
+
+#[test]
+fn a_table_without_a_number_has_the_values_that_vary() {
+    let project = Project::with(TABLE);
+    let study = "title = \"S\"\nf = \"disc(0,0,$R)=4; else=-1\"\nh = \"1/8\"\nvary = { R = [0.1, 0.2] }\n\
+        columns = [\"error_l2\"]\noutputs = [\"table\"]\n";
+    project.scene("s", study);
+    project.run(&["run", "s"]).lines();
+    let read = |end: &str| fs::read_to_string(project.path("report/tables/s.").with_extension(end));
+    assert!(read("tex").unwrap().contains("\\begin{tabular}{r}\n\\toprule\nR \\\\"));
+    assert!(read("md").unwrap().starts_with("| R |\n|---:|\n| 0.1 |"));
+    assert!(!read("tex").unwrap().contains("energy"), "of the columns that the file in CSV has");
+}
+
+#[test]
+fn scenes_whose_files_are_one_elsewhere_are_refused() {
+    for (first, second) in
+        [("plate", "Plate"), ("na\u{ef}ve", "nai\u{308}ve"), ("\u{e9}", "E\u{301}")]
+    {
+        let project = Project::with(TABLE);
+        project.scene(first, TABLE);
+        let save = ["solve", "--f", "else=-1", "--h", "4", "--save"];
+        let said = project.run(&[&save[..], &[second]].concat());
+        assert!(said.refusal().contains("already; choose another name"), "{said:?}");
+        project.scene(second, TABLE);
+        if project.files("pipeline/scenes").len() > 2 {
+            let said = project.run(&["run"]);
+            assert!(said.refusal().contains("differ in capitals or accents alone"), "{said:?}");
+        }
+    }
+    let project = Project::with(TABLE);
+    for name in ["", " ", ".a", "#a", "~a", "a/b", "a\\b", "-x", "a.md.b"] {
+        let before = project.files("pipeline/scenes");
+        let save = format!("--save={name}");
+        let said = project.run(&["solve", "--f", "else=-1", "--h", "4", &save]);
+        assert!(said.refusal().contains(", such as plate"), "{name}: {said:?}");
+        assert!(project.files("pipeline/scenes") == before, "{name}");
+    }
+    project.scene("-x", TABLE);
+    assert!(project.run(&["run"]).refusal().contains("read as an option; rename it"));
+}
+
+#[test]
+fn names_in_printed_commands_are_quoted_for_a_shell() {
+    let project = Project::with(TABLE);
+    let save = ["solve", "--f", "else=-1", "--h", "4", "--save", "a $(id)'s"];
+    let said = project.run(&save);
+    assert!(said.err.contains(r"`signorini run 'a $(id)'\''s'`"), "{said:?}");
+    let study = "title = \"S\"\nf = \"else=-1\"\nvary = { h = [4, 8] }\noutputs = [\"chart\"]\n";
+    project.scene("b c", study);
+    let listed = project.run(&["list", "b c"]);
+    assert_eq!(listed.lines()[1], "signorini solve 'b c'");
+    let unsolvable = "title = \"S\"\nf = \"quadrant(ll)=9; else=-1\"\nvary = { h = [4, 8] }\noutputs = [\"chart\"]\n";
+    project.scene("d e", unsolvable);
+    let said = project.run(&["run", "d e"]);
+    assert!(said.err.contains("`signorini solve 'd e'` says why"), "{said:?}");
+}
+
+#[test]
+fn digits_that_no_number_has_are_refused_with_the_line_of_the_page() {
+    let filters =
+        [("fix(to=65536)", "`to` is 65536"), ("sci(digits=100000)", "`digits` is 100000")];
+    for (filter, named) in filters {
+        let page = format!("# One\n\n{{{{ 1.5 | {filter} }}}}\n");
+        let pages =
+            report::pages(&[("one.md.tera".to_owned(), page)].into(), &tera::Context::new());
+        let error = pages.unwrap_err();
+        assert!(error.contains(named), "{error}");
+        assert!(error.starts_with("report/templates/one.md.tera:3: "), "{error}");
+    }
+}
+
+#[test]
+fn a_mistake_in_f_is_wrong_input_wherever_it_stands() {
+    let project = Project::with(TABLE);
+    for domain in ["square", "lshape", "cube"] {
+        let fields = ["solve", "--f", "ele=-1", "--domain", domain];
+        let single = project.run(&fields).refusal().to_owned();
+        let study = project.run(&[&fields[..], &["--vary", "friction=0.5,1"]].concat());
+        assert_eq!(study.code, Some(2), "{study:?}");
+        assert!(
+            study.refusal().contains("cannot read `ele=-1` in f") && single.contains("cannot read")
+        );
+    }
+    for f in ["-1", "4", "sin(x)-1", "circle(0,0,1)=2"] {
+        let said = project.run(&["solve", "--f", f]);
+        let refusal = said.refusal();
+        assert!(refusal.contains("' or 'else=-1'"), "{f}: {said:?}");
+    }
+    let long = format!("{}else=-1; elsewhere", "disc(0,0,0.1)=1; ".repeat(4000));
+    let said = project.run(&["solve", "--f", &long]);
+    assert!(said.refusal().len() < 5000, "{}", said.err.len());
+    project.write("own.msh", include_str!("../meshes/square.msh"));
+    assert!(project.run(&["solve", "own.msh"]).err.contains("use --domain own.msh"));
+}
+
+#[test]
+fn a_table_goes_to_a_file_that_is_named_as_one() {
+    let project = Project::with(TABLE);
+    let solve = ["solve", "--f", "else=-1", "--vary", "h=4", "--csv"];
+    let before = project.files("");
+    for name in ["t.xlsx", "t.npz", "t.svg", "t.json", "t.toml", "t", "-"] {
+        let said = project.run(&[&solve[..], &[name]].concat());
+        assert!(said.refusal().contains("let the name end with .csv"), "{name}: {said:?}");
+    }
+    assert!(project.files("") == before);
+    project.run(&[&solve[..], &["t.csv"]].concat()).lines();
+    if cfg!(target_os = "linux") {
+        let said = project.run(&[&solve[..], &["/dev/full"]].concat());
+        assert!(said.err.contains("name a file elsewhere") && !said.err.contains("gc"), "{said:?}");
+    }
+}
+
+#[test]
+fn lines_of_explain_are_short_and_gc_names_what_it_removes() {
+    let project = Project::with(&wanting("[\"table\"]"));
+    project.run(&["run"]).lines();
+    let many = "disc(0,0,0.1)=1; ".repeat(60);
+    project.scene("a", &TABLE.replace("else=-1", &format!("{many}else=-1")));
+    let explained = project.run(&["explain", "solve"]);
+    assert!(explained.lines().iter().all(|line| line.len() < 300), "{explained:?}");
+    assert!(explained.out.contains("disc(0,0,0.1)=1"), "{explained:?}");
+    for value in 2..4 {
+        project.scene("a", &TABLE.replace("else=-1", &format!("else=-{value}")));
+        project.run(&["run"]).lines();
+    }
+    let said = project.run(&["gc"]);
+    assert!(said.lines()[0].contains(" records of runs, "), "{said:?}");
+}
+
+#[test]
+fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
+    let parts = include_str!("../../report/templates/parts.tera");
+    let page = "# One\n\n{% <figure fig={fig} alt={title}> %}\nText.\n{% </figure> %}\n\n\
+        <span id=\"made-{{ fig.name | address }}\"></span>[{{ title | text }}](<figures/{{ fig.name | address }}.svg>)\n";
+    for name in ["plate-map", "a b#1?-map", "100%20 \"x\" <b>(1)*&$-map", "größe-map"] {
+        let fig = serde_json::json!({ "name": name, "file": format!("{name}.svg"), "data": format!("figures/{name}.csv"),
+            "width": 600, "height": 400, "command": "signorini run" });
+        let mut context = tera::Context::new();
+        context.insert("fig", &fig);
+        context.insert("title", "*Q* [x](y) $5 `z`");
+        let templates = [("parts.tera", parts), ("one.md.tera", page)];
+        let templates = templates.map(|(name, text)| (name.to_owned(), text.to_owned()));
+        let pages = report::pages(&templates.into(), &context).unwrap();
+        let mut files: std::collections::BTreeMap<String, Vec<u8>> =
+            pages.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
+        files.insert("book.toml".into(), b"title = \"T\"\n".to_vec());
+        files.insert(
+            "src/SUMMARY.md".into(),
+            b"- [One](one.md)\n- [Provenance](provenance.md)\n".to_vec(),
+        );
+        files.insert("src/provenance.md".into(), b"# P\n".to_vec());
+        for ending in ["svg", "csv"] {
+            files.insert(format!("src/figures/{name}.{ending}"), b"<svg/>".to_vec());
+        }
+        let scratch = tempfile::tempdir().unwrap();
+        let book = report::build(&files, scratch.path()).unwrap();
+        let html = String::from_utf8_lossy(&book["one.html"]).into_owned();
+        assert!(html.contains(">Figure 1.1</a>") && html.contains("*Q* [x](y) $5 `z`"), "{html}");
+        for address in html.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            let file = percent_encoding::percent_decode_str(address).decode_utf8().unwrap();
+            assert!(!file.starts_with("figures/") || book.contains_key(&*file), "{address}");
+        }
+    }
+}
