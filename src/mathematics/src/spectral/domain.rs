@@ -13,6 +13,8 @@ pub(crate) struct PlaneSide {
     pub condition: Condition,
     /// Number of the part of the boundary to which it belongs.
     pub part: usize,
+    /// True if it goes on from the side before but for a bend that is too small for a corner.
+    pub is_after_bend: bool,
 }
 
 /// Circle of a side.
@@ -31,7 +33,8 @@ impl PlaneSide {
         let way = to - from;
         let length = way.norm();
         let curve = Curve::line(from, way.scaled(1.0 / length));
-        Self { arc: Arc { curve, span: [0.0, length], ends: [None; 2] }, condition, part }
+        let arc = Arc { curve, span: [0.0, length], ends: [None; 2] };
+        Self { arc, condition, part, is_after_bend: false }
     }
 
     /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
@@ -46,7 +49,8 @@ impl PlaneSide {
         let origin = Complex::new(x, y) + normal.scaled(radius);
         let curve = Curve { origin, tangent: normal.turned(), curvature: 1.0 / radius };
         let span = [0.0, radius * (to - from)];
-        Self { arc: Arc { curve, span, ends: [None; 2] }, condition, part }
+        let arc = Arc { curve, span, ends: [None; 2] };
+        Self { arc, condition, part, is_after_bend: false }
     }
 
     /// Length.
@@ -134,17 +138,27 @@ impl PlaneDomain {
     /// # Errors
     /// [`PlaneError::Domain`] if a loop does not close, or the domain does not lie on its left.
     pub(crate) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+        /// Least length of a side, over the diameter, and over the perimeter: shorter ones are one point of a walk.
+        const SHORTEST: [f64; 2] = [1e-9, 2e-10];
         let domain = Self { loops };
         let size = domain.diameter();
+        let shortest = (SHORTEST[0] * size).max(SHORTEST[1] * domain.perimeter());
         for (ring, sides) in domain.loops.iter().enumerate() {
             let many = sides.len();
             let closes = (0..many).all(|k| {
                 let end = sides[k].point(sides[k].length());
                 (end - sides[(k + 1) % many].point(0.0)).norm() < 1e-9 * size
             });
-            if many == 0 || !closes || sides.iter().any(|side| side.length() < 1e-9 * size) {
+            if many == 0 || !closes {
                 return Err(PlaneError::Domain(format!(
                     "loop {ring} of the boundary does not close"
+                )));
+            }
+            if let Some(short) = sides.iter().find(|side| side.length() < shortest) {
+                let [x, y] = short.at(0.0);
+                return Err(PlaneError::Domain(format!(
+                    "the boundary has a side of length {:.1e} at ({x}, {y}), too short for this solver; join both ends",
+                    short.length()
                 )));
             }
             let middle = 0.5 * sides[0].length();
@@ -166,6 +180,7 @@ impl PlaneDomain {
             arc: Arc { curve, span: [-end, end], ends: [None; 2] },
             condition: Condition::Contact,
             part: 0,
+            is_after_bend: false,
         });
         Self { loops: vec![sides.to_vec()] }
     }

@@ -42,6 +42,8 @@ pub(super) struct Jumps {
     pub edges: Vec<JumpEdge>,
     /// Points at which edges meet the boundary.
     pub crossings: Vec<Complex>,
+    /// Remark on a part of f that is too small or too near to the boundary to be among the jumps.
+    pub lost: Option<String>,
     /// Vertices that stand for all others within [`NEAR`].
     hubs: Vec<usize>,
     /// Potential of the jumps, without the background. Its vertices are the points at which edges meet inside the
@@ -92,6 +94,7 @@ impl Jumps {
         for source in all_pieces {
             let Source::Pieces { pieces, .. } = source else { continue };
             for &(shape, _) in pieces {
+                jumps.lost = jumps.lost.or_else(|| vanishes(domain, shape));
                 for curve in borders(&shape) {
                     // Common borders of two shapes are one curve.
                     if !jumps.curves.iter().any(|&other| other.same(curve)) {
@@ -105,8 +108,9 @@ impl Jumps {
         }
         regions.into_iter().for_each(|arc| jumps.add_region(arc));
         for (k, curve) in jumps.curves.clone().into_iter().enumerate() {
-            let pieces =
-                pieces(domain, curve, jumps.cuts(domain, k), |span| jumps.beside(k, span).map(&f));
+            let cuts = jumps.cuts(domain, k);
+            jumps.lost = jumps.lost.or_else(|| runs_along_boundary(domain, curve, &cuts));
+            let pieces = pieces(domain, curve, cuts, |span| jumps.beside(k, span).map(&f));
             jumps.add(domain, curve, &pieces)?;
         }
         Ok(jumps)
@@ -309,6 +313,37 @@ impl Jumps {
 fn on_sides(domain: &PlaneDomain, curve: Curve) -> Vec<CurveCut> {
     let met = domain.sides().flat_map(|side| curve.meets(side.arc.curve));
     met.map(|s| CurveCut { s, side: true }).collect()
+}
+
+/// Remark on a shape without borders, unless it is empty or away from the domain.
+fn vanishes(domain: &PlaneDomain, shape: Shape<2>) -> Option<String> {
+    let Shape::Ball { centre: [x, y], radius } = shape else { return None };
+    let is_away = || domain.depth(Complex::new(x, y)) < -radius;
+    let is_known = radius <= 0.0 || !borders(&shape).is_empty() || is_away();
+    (!is_known).then(|| {
+        "f has a disc of less than 2e-12 of the size of the domain, too small for this solver; make it larger and its \
+         value smaller, with the same integral"
+            .into()
+    })
+}
+
+/// Remark on a piece of a curve between cuts that lies so near to the boundary that it counts as outside, but not on it.
+fn runs_along_boundary(domain: &PlaneDomain, curve: Curve, cuts: &[CurveCut]) -> Option<String> {
+    /// Area between a piece and the boundary that is lost to rounding.
+    const LOST: f64 = 1e-17;
+    let mut at: Vec<f64> = cuts.iter().map(|cut| cut.s).collect();
+    at.sort_by(f64::total_cmp);
+    at.extend(at.first().zip(curve.period()).map(|(first, turn)| first + turn));
+    at.windows(2).find_map(|span| {
+        let depth = domain.depth(curve.at(0.5 * (span[0] + span[1])));
+        let is_lost = ROUNDING < depth && depth <= curve.rounding().max(APART);
+        (is_lost && depth * (span[1] - span[0]) > LOST).then(|| {
+            format!(
+                "a border of f runs along the boundary, {depth:.1e} of the size of the domain away from it; put it on \
+                 the boundary, or farther away"
+            )
+        })
+    })
 }
 
 /// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start and

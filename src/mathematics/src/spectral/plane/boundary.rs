@@ -11,7 +11,7 @@ pub(super) struct PlaneRing {
     pub sides: Vec<PlaneSide>,
     /// Distance of the start of each side along the loop, and its length at last.
     pub starts: Vec<f64>,
-    /// True at sides that go on smoothly from the side before with the same condition and curvature.
+    /// True at sides that go on from the side before, smoothly or after a bend, with the same condition and curvature.
     smooth: Vec<bool>,
 }
 
@@ -25,7 +25,7 @@ impl PlaneRing {
         let smooth = (0..many).map(|k| {
             let (side, before) = (&sides[k], &sides[(k + many - 1) % many]);
             let turn = before.tangent(before.length()).cross(side.tangent(0.0)).abs();
-            turn < 1e-12
+            (turn < 1e-12 || side.is_after_bend)
                 && before.tangent(before.length()).dot(side.tangent(0.0)) > 0.0
                 && side.condition == before.condition
                 && (side.curvature() - before.curvature()).abs() < 1e-12
@@ -35,6 +35,12 @@ impl PlaneRing {
 
     pub(super) fn length(&self) -> f64 {
         self.starts[self.sides.len()]
+    }
+
+    /// Distances along the loop at which corners lie.
+    pub(super) fn corners(&self) -> impl Iterator<Item = f64> {
+        let corners = (0..self.sides.len()).filter(|&k| !self.smooth[k]);
+        corners.map(|k| self.starts[k])
     }
 
     /// Distance along the loop.
@@ -211,7 +217,7 @@ impl Walk {
             let place = ring.place(mark.t);
             let side = &ring.sides[place.side];
             let after = side.tangent(place.s);
-            let prior = match mark.corner {
+            let prior = match mark.joint {
                 true => {
                     let prior = &ring.sides[(place.side + ring.sides.len() - 1) % ring.sides.len()];
                     prior.tangent(prior.length())
@@ -342,6 +348,8 @@ impl JoinedPiece {
 #[derive(Clone, Copy, Default)]
 struct Mark {
     t: f64,
+    /// True where a side begins, at a corner or not.
+    joint: bool,
     corner: bool,
     crossing: bool,
     end: Option<(usize, usize)>,
@@ -357,7 +365,8 @@ fn marks(
     let turn = ring.length();
     let mut marks: Vec<Mark> = Vec::new();
     for k in 0..ring.sides.len() {
-        marks.push(Mark { t: ring.starts[k], corner: !ring.smooth[k], ..Mark::default() });
+        let corner = !ring.smooth[k];
+        marks.push(Mark { t: ring.starts[k], joint: true, corner, ..Mark::default() });
     }
     for own in crossings.iter().filter(|own| own.ring == r) {
         marks.push(Mark { t: ring.along(own.place), crossing: true, ..Mark::default() });
@@ -379,9 +388,10 @@ fn marks(
     marks.dedup_by(|b, a| {
         let same = b.t - a.t < TOGETHER * turn;
         if same {
-            if b.corner {
+            if b.joint {
                 a.t = b.t;
             }
+            a.joint |= b.joint;
             (a.corner, a.crossing, a.end) =
                 (a.corner || b.corner, a.crossing || b.crossing, a.end.or(b.end));
         }

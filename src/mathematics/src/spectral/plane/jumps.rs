@@ -36,7 +36,10 @@ impl PlaneJumps {
                 (jumps, psi)
             }
         };
-        let Jumps { edges, psi: potential, .. } = jumps;
+        let Jumps { edges, psi: potential, lost, .. } = jumps;
+        if let Some(text) = lost {
+            return Err(PlaneError::Source(text));
+        }
         let centres = potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre());
         Ok(Self {
             psi,

@@ -284,7 +284,7 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
         let least = 1e-7 * setup.perimeter;
         let turn = ring.length();
         for (which, t) in own.arcs.iter_mut().flat_map(|arc| arc.iter_mut().enumerate()) {
-            for &corner in &ring.starts[..ring.sides.len()] {
+            for corner in ring.corners() {
                 let after = (*t - corner + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
                 if after.abs() < least && ring.sides.len() > 1 {
                     // Contact leaves the corner free.

@@ -48,7 +48,7 @@ pub(crate) fn solve_on_mesh(
     let origin = Origin::of(mesh);
     let problem = problem(mesh, f, law, (height, origin))?;
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
-    let sides = problem.domain.loops().iter().map(Vec::len).sum::<usize>() as f64;
+    let sides = problem.domain.sides().filter(|side| !side.is_after_bend).count() as f64;
     let mut effort = Effort::default();
     for nodes in STARTS {
         // Short sides want short edges.

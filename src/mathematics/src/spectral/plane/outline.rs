@@ -3,7 +3,7 @@
 use super::{PlaneCircle, PlaneError, PlaneSide};
 use crate::mesh::{ClosedCurve, Condition, Round};
 use crate::problem::complex::Complex;
-use crate::spectral::complex::arg;
+use crate::spectral::complex::{arg, distance};
 use crate::spectral::curve::Curve;
 use std::f64::consts::TAU;
 
@@ -11,8 +11,11 @@ use std::f64::consts::TAU;
 const MOST_SIDES: usize = 60;
 /// Sine of the angle between two edges below which both belong to one straight side.
 const STRAIGHT: f64 = 1e-6;
-/// Distance of nodes from their straight side, over the size of the curve, that is taken for rounding of the file.
+/// Distance of a node from the line between two corners, over the size of the curve, from which on it is a corner; nearer
+/// ones are bends, which are kept too, but have no functions of their own.
 const OFF: f64 = 1e-9;
+/// That distance up to which it is on the line: the rounding errors of coordinates.
+const ON_LINE: f64 = 1e-15;
 /// Distance of a corner from its curves, over the size of the curve.
 const APART: f64 = 1e-12;
 
@@ -91,14 +94,47 @@ impl MeshOutline {
         }
     }
 
-    /// Nodes at which sides begin.
+    /// Nodes at corners.
     fn corners(&self) -> Vec<usize> {
         let mut corners: Vec<_> = (0..self.edges.len()).filter(|&k| self.is_corner(k)).collect();
         if corners.is_empty() {
             // A circle, which begins somewhere.
             corners.push(0);
         }
+        for span in self.spans(&corners) {
+            corners.extend(self.off_line(span, OFF).into_iter().map(|k| k % self.edges.len()));
+        }
+        corners.sort_unstable();
         corners
+    }
+
+    /// First and last nodes between corners, the last perhaps a turn farther.
+    fn spans(&self, corners: &[usize]) -> Vec<[usize; 2]> {
+        let many = self.edges.len();
+        let end = if self.is_closed { corners[0] + many } else { many };
+        let next = corners[1..].iter().copied().chain([end]);
+        corners.iter().zip(next).map(|(&from, to)| [from, to]).collect()
+    }
+
+    /// Nodes between two others without which the path is farther than this from them, over its size, as long as it is
+    /// straight: the farthest node, and so on on both sides of it.
+    fn off_line(&self, [from, to]: [usize; 2], tolerance: f64) -> Vec<usize> {
+        let (many, node) = (self.edges.len(), |k: usize| self.points[k % self.edges.len()]);
+        if self.edges[from % many].circle.is_some() || to <= from + 1 {
+            return Vec::new();
+        }
+        let off = |k: usize| distance([node(from), self.end_node(to)], node(k));
+        let farthest = (from + 1..to).max_by(|&j, &k| off(j).total_cmp(&off(k)));
+        let Some(k) = farthest.filter(|&k| off(k) > tolerance * self.size) else {
+            return Vec::new();
+        };
+        let [before, after] = [[from, k], [k, to]].map(|span| self.off_line(span, tolerance));
+        [before, vec![k], after].concat()
+    }
+
+    /// Node at the end of a path, perhaps a turn farther.
+    fn end_node(&self, k: usize) -> Complex {
+        if k < self.points.len() { self.points[k] } else { self.points[k % self.edges.len()] }
     }
 
     fn is_corner(&self, k: usize) -> bool {
@@ -111,22 +147,31 @@ impl MeshOutline {
         turns && self.edges[after].circle.is_none()
     }
 
-    /// Sides between corners.
+    /// Sides between corners and bends.
     ///
     /// # Errors
     /// [`PlaneError::Domain`].
     pub(super) fn sides(&self) -> Result<Vec<PlaneSide>, PlaneError> {
         let (corners, many) = (self.corners(), self.edges.len());
-        let end = if self.is_closed { corners[0] + many } else { many };
         let mut places = Vec::new();
         for &corner in &corners {
             places.push(self.corner(corner)?);
         }
         places.push(if self.is_closed { places[0] } else { self.corner(many)? });
         let mut sides = Vec::new();
-        for (j, &from) in corners.iter().enumerate() {
-            let to = corners.get(j + 1).copied().unwrap_or(end);
-            sides.push(self.side([from, to], [places[j], places[j + 1]])?);
+        for (span, ends) in self.spans(&corners).into_iter().zip(places.windows(2)) {
+            let OutlineEdge { circle, condition, part } = self.edges[span[0]];
+            if let Some(circle) = circle {
+                sides.push(self.arc(circle, span, [ends[0], ends[1]]));
+                continue;
+            }
+            let bends = self.off_line(span, ON_LINE).into_iter().map(|k| self.points[k % many]);
+            let nodes: Vec<Complex> = [ends[0]].into_iter().chain(bends).chain([ends[1]]).collect();
+            for (k, pair) in nodes.windows(2).enumerate() {
+                let ends = [pair[0], pair[1]].map(Complex::coordinates);
+                let side = PlaneSide::segment(ends, condition, part);
+                sides.push(PlaneSide { is_after_bend: k > 0, ..side });
+            }
         }
         Ok(sides)
     }
@@ -164,26 +209,11 @@ impl MeshOutline {
         }
     }
 
-    /// Side from one node to another, whose places are given.
-    fn side(&self, [from, to]: [usize; 2], ends: [Complex; 2]) -> Result<PlaneSide, PlaneError> {
-        let OutlineEdge { circle, condition, part } = self.edges[from];
-        let many = self.edges.len();
+    /// Arc from one node to another, whose places are given.
+    fn arc(&self, circle: Round<2>, [from, to]: [usize; 2], ends: [Complex; 2]) -> PlaneSide {
+        let (OutlineEdge { condition, part, .. }, many) = (self.edges[from], self.edges.len());
+        let Round { centre, radius, .. } = circle;
         let between = (from + 1..to).map(|k| self.points[k % many]);
-        let Some(Round { centre, radius, .. }) = circle else {
-            let way = ends[1] - ends[0];
-            let line = Curve::line(ends[0], way.scaled(1.0 / way.norm()));
-            for node in between {
-                let by = line.distance(node).abs();
-                if by > OFF * self.size {
-                    let [x, y] = node.coordinates();
-                    return Err(PlaneError::Domain(format!(
-                        "the boundary bends by {by:.1e} at ({x}, {y}), too little for a corner; write the mesh with 16 \
-                         digits, or put the part on a circle by `curve`"
-                    )));
-                }
-            }
-            return Ok(PlaneSide::segment(ends.map(Complex::coordinates), condition, part));
-        };
         let middle = Complex::new(centre[0], centre[1]);
         let (mut turn, mut before) = (0.0, ends[0] - middle);
         for node in between.chain([ends[1]]) {
@@ -194,7 +224,7 @@ impl MeshOutline {
             turn = TAU.copysign(turn);
         }
         let start = arg(ends[0] - middle);
-        Ok(PlaneSide::arc(PlaneCircle { centre, radius }, [start, start + turn], condition, part))
+        PlaneSide::arc(PlaneCircle { centre, radius }, [start, start + turn], condition, part)
     }
 
     /// PlaneCircle on which all nodes lie, as `curve` wants it for a part; none if there is none.

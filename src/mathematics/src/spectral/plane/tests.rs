@@ -312,3 +312,21 @@ fn jumps_of_f_that_cross_the_boundary_next_to_a_corner_count_where_they_are() {
         assert!(upper - lower < -1e-7 * known, "{f}: {lower} {upper}");
     }
 }
+
+#[test]
+fn pieces_of_f_that_would_vanish_are_refused() {
+    for (f, reason) in [
+        ("disc(-.41,.37,1e-12)=5.4e23; else=-3", "f has a disc of less than"),
+        ("rect(-1e-13,0,-1,0)=3e13; else=-3", "a border of f runs along the boundary"),
+        ("halfplane(0,1,-0.9999999999999)=4; else=-3", "a border of f runs along the boundary"),
+        ("disc(-9,.37,1e-12)=5.4e23; else=-3", ""),
+        ("halfplane(0,1,-1)=4; else=-3", ""),
+    ] {
+        let (domain, law) = (lshape(), Law::SIGNORINI);
+        let problem = PlaneProblem { domain, law, source: pieces(f) };
+        let problem = Frame::of(&problem.domain).problem(&problem);
+        let refused = Setup::new(&problem).err().map_or(String::new(), |e| e.to_string());
+        assert_eq!(refused.is_empty(), reason.is_empty(), "{f}: {refused}");
+        assert!(refused.starts_with(reason), "{f}: {refused}");
+    }
+}
