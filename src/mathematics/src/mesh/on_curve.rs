@@ -122,7 +122,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::{AnyMesh, Facet, MeshData, Names, Part, SpaceMesh};
+    use crate::mesh::{AnyMesh, Condition, Facet, MeshData, Names, Part, SpaceMesh};
     use std::f64::consts::{FRAC_PI_6, PI, TAU};
 
     /// Radius of the rim of the caps of height 1/2 of the unit ball.
@@ -138,7 +138,7 @@ mod tests {
     }
 
     fn named(name: &str) -> Part<3> {
-        Part { names: Names::from(name), condition: Default::default(), curve: None }
+        Part { names: Names::from(name), condition: Condition::Contact, curve: None }
     }
 
     /// Facets between a pole and the rim, whose nodes are 1 to 6.

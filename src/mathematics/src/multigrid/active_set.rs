@@ -229,9 +229,9 @@ impl StateProblem<'_> {
     /// the other.
     fn descend(&self, y: &mut [f64], towards: &[f64]) {
         if self.limit.is_finite() {
-            self.go_to_least(y, towards)
+            self.go_to_least(y, towards);
         } else {
-            self.go_within(y, towards)
+            self.go_within(y, towards);
         }
         let law = self.law();
         for _ in 0..SWEEPS {
