@@ -344,6 +344,7 @@ fn a_name_is_one_list_and_one_thing() {
             "is there twice",
         ),
         (&["--vary", "R=1"], "nothing to solve"),
+        (&["--f", "else=-1", "--vary", "domain=m.msh,./m.msh"], "domain = ./m.msh is there twice"),
     ] {
         let said = project.run(&[&["solve"], args].concat());
         assert!(said.code == Some(2) && said.err.contains(words), "{args:?}: {said:?}");
@@ -498,4 +499,31 @@ fn an_interrupted_study_keeps_the_rows_that_it_has() {
     let interrupted =
         csv.lines().filter(|row| row.ends_with("interrupted; solve it again")).count();
     assert!(csv.lines().count() == 401 && interrupted > 0, "{csv}");
+}
+
+#[test]
+fn what_is_saved_has_the_same_members() {
+    let project = Project::with(TABLE);
+    let f = "f=disc(0,0,$R)=4; else=-1|disc(0.1,0,$R)=4; else=-1|";
+    for args in [
+        &["--vary", f, "--vary", "R=0.1,0.2", "--h", "8"][..],
+        &["--f", "else=-1", "--vary", "domain=disc,annulus", "--refine", "1"],
+        &[
+            "--f",
+            "else=-1",
+            "--domain",
+            "annulus",
+            "--refine",
+            "0",
+            "--vary",
+            "fixed=inner,outer||inner|",
+        ],
+        &["--f", "else=-$R", "--h", "8", "--vary", "R=0.1:0.3:0.1", "--vary", "load=nodal,exact"],
+        &["--f", "else=-1", "--vary", "grids=4,8|8|", "--vary", "tolerance=1e-3,1e-6"],
+    ] {
+        let own = project.run(&[&["solve", "--json", "--save", "own"], args].concat());
+        assert_eq!(project.run(&["solve", "own", "--json"]).out, own.out, "{args:?}: {own:?}");
+        assert!(own.lines().len() > 1);
+        fs::remove_file(project.path("pipeline/scenes/own.toml")).unwrap();
+    }
 }

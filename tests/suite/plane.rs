@@ -217,7 +217,7 @@ fn regions_of_a_file_are_as_shapes_with_their_borders() {
         let energy = |f: String| {
             let solved = statement(domain.clone(), &f).solved(Some(&file));
             let solved = solved.unwrap_or_else(|e| panic!("{f}: {e}"));
-            let note = solved.truth().and_then(|truth| truth.note.clone()).unwrap_or_default();
+            let note = solved.truth().map(|truth| truth.notes.join("; ")).unwrap_or_default();
             let is_round = f.starts_with("region") && domain.name == "disc.msh";
             assert_eq!(note.contains("circle"), is_round, "{f}: {note}");
             solved.energy()
@@ -280,6 +280,34 @@ fn values_at_nodes_and_files_are_those_of_the_true_solution() {
     let (truth, head) = (&truth[truth.len() - nodes..], 128 / 8);
     let off = truth.iter().zip(&elements[head..]).map(|(a, b)| (a - b).abs());
     assert!(off.fold(0.0, f64::max) < 0.01, "{truth:?}");
+}
+
+#[test]
+fn points_of_the_boundary_lie_in_the_domain() {
+    // v = (|x|^2 - 1) / 4 on the unit disc.
+    for (name, points) in [
+        ("disc", vec![[1.0, 0.0], [-1.0, 0.0], [0.6, 0.8], [-0.28, 0.96]]),
+        (
+            "lshape",
+            vec![[0.0, 0.0], [-1.0, -1.0], [1.0, 0.5], [0.0, -0.5], [-1.0, 0.3], [0.5, 0.0]],
+        ),
+    ] {
+        let solved = statement(Domain::named(name), "else=-1").solved(None).unwrap();
+        let outside = [[1.001, 0.0], [0.9, -0.9]];
+        let all = points.iter().chain(&outside).map(|point| point.to_vec());
+        let values = solved.values_at(&all.collect::<Vec<_>>());
+        let (on, off) = values.split_at(points.len());
+        assert!(off.iter().all(|own| own.v.is_none()), "{off:?}");
+        for own in on {
+            let gradient = own.gradient.clone().unwrap();
+            assert!(
+                own.v == Some(0.0) && gradient.iter().all(|slope| slope.is_finite()),
+                "{own:?}"
+            );
+            let radial = gradient.iter().zip(&own.point).map(|(slope, x)| slope - 0.5 * x);
+            assert!(name != "disc" || radial.into_iter().all(|off| off.abs() < 1e-9), "{own:?}");
+        }
+    }
 }
 
 #[test]

@@ -70,7 +70,7 @@ impl Answer {
         }
         if let Some(found) = answer.solved.truth() {
             let notes = &answer.solved.problem.levels().facts().notes;
-            let facts = notes.iter().chain(&found.note).cloned();
+            let facts = notes.iter().chain(&found.notes).cloned();
             answer.warnings = facts.map(Warning::fact).collect();
         }
         answer

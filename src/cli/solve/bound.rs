@@ -21,7 +21,6 @@ pub(super) fn text(solved: &Solved, recovered: bool) -> String {
     let domain = if problem.levels().facts().dimension == 2 { "polygon" } else { "polyhedron" };
     let guaranteed = match &solved.reserves()[..] {
         [] => "guaranteed:".to_owned(),
-        [Reserve::Sampled] => "not guaranteed, from samples on the boundary:\n ".to_owned(),
         [Reserve::Quadrature] => "guaranteed, but for the quadrature of f:\n ".to_owned(),
         [Reserve::Polygon] => format!("guaranteed, on the {domain}:\n "),
         _ => format!("guaranteed, on the {domain}, but for the quadrature of f:\n "),

@@ -7,7 +7,8 @@ use crate::cli::project_root;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::names::{in_shell, refuse_forbidden_name};
 use crate::pipeline::place::{own_place, write_own};
-use crate::replication::fields::member::Member;
+use crate::replication::fields::member::{Member, Varying};
+use crate::replication::fields::table::text;
 use crate::replication::fields::write;
 use crate::replication::mesh_files::FOLDER;
 use crate::replication::scene::{Output, Scene};
@@ -43,7 +44,13 @@ pub(super) fn study<'a>(name: &'a str, args: &SolveArgs, study: &Study) -> Resul
     if let Some(f) = &args.fields.f {
         first.f.clone_from(f);
     }
-    let text = write::study(&title, &first, &study.lists());
+    let mut lists = study.lists();
+    // Of f, the members have numbers in place of its names.
+    for (_, values) in lists.iter_mut().filter(|(name, _)| name == "f") {
+        let given = args.vary.iter().filter(|list| list.name == "f").flat_map(|list| &list.values);
+        *values = given.map(|value| Varying::Text(text(value))).collect();
+    }
+    let text = write::study(&title, &first, &lists);
     place.with(text, &study.members)
 }
 

@@ -20,11 +20,15 @@ pub(super) fn json(solved: &Solved) -> Option<Value> {
         "bound": bound::json(solved),
         "checks": found.checks,
     });
-    if json["bound"].is_null() {
-        json["bound_reason"] =
-            "the spectral solver checks its digits, see `checks`; --accuracy-energy gives \
-            guaranteed bounds"
-                .into();
+    match solved.bounds().last() {
+        Some(Ok(_)) => {}
+        Some(Err(reason)) => json["bound_reason"] = reason.to_string().into(),
+        None => {
+            json["bound_reason"] =
+                "the spectral solver checks its digits, see `checks`; --accuracy-energy gives \
+                guaranteed bounds"
+                    .into();
+        }
     }
     if let Some(solution) = found.on_square() {
         let [lower_right, upper_right, upper_left, lower_left] = solution.corners();

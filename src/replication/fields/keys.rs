@@ -33,11 +33,8 @@ impl<'de> Visitor<'de> for NameOrTable {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<DomainFields, A::Error> {
-        let fields = DomainFields::deserialize(MapAccessDeserializer::new(map))?;
-        if fields.name.is_none() {
-            return Err(serde::de::Error::missing_field("name"));
-        }
-        Ok(fields)
+        // The name may vary.
+        DomainFields::deserialize(MapAccessDeserializer::new(map))
     }
 }
 

@@ -124,9 +124,14 @@ impl Varying {
         }
     }
 
-    /// Text that all values have that mean the same, and no other.
-    pub(super) fn meaning(&self) -> String {
+    /// Text that all values of a field or a name in f have that mean the same, and no other.
+    pub(super) fn meaning(&self, name: &str) -> String {
         let mut same = self.clone();
+        if let (Self::Text(path), "domain") = (&mut same, name) {
+            // A file in this folder is also called ./file.
+            let parts = path.split('/').filter(|part| *part != ".");
+            *path = parts.collect::<Vec<_>>().join("/");
+        }
         if let Self::Parts(parts) = &mut same {
             parts.iter_mut().for_each(|part| *part = composed(part));
             parts.sort_unstable();

@@ -62,6 +62,12 @@ impl Fields {
 
     fn domain(&self, voice: Voice) -> Reading<Domain> {
         let of = &self.domain;
+        let lists = [&of.free, &of.fixed, &of.curve];
+        let is_about_mesh = of.refine.is_some() || lists.iter().any(|list| !list.is_empty());
+        if voice == Voice::Keys && of.name.is_none() && is_about_mesh {
+            let text = "missing field `name` of `domain`, which has no meshes without it; add it";
+            return Err(Refused::new("domain", text));
+        }
         let mut domain = Domain {
             free: of.free.clone(),
             fixed: of.fixed.clone(),

@@ -336,7 +336,7 @@ impl Field {
 }
 
 /// Returns a single value as an option has it.
-pub(super) fn text(value: &Value) -> String {
+pub(crate) fn text(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         Value::Float(number) => Written(*number).to_string(),

@@ -121,7 +121,8 @@ impl Vary {
                     format!("{words}: not all of them go together; leave one out"),
                 ));
             };
-            if !seen.insert(found.iter().map(Varying::meaning).collect::<Vec<_>>()) {
+            let meanings = self.names.iter().zip(&found).map(|(name, value)| value.meaning(name));
+            if !seen.insert(meanings.collect::<Vec<_>>()) {
                 let words = in_words(&self.names, &found);
                 return Err(Refused::new(
                     "vary",

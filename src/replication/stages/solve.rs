@@ -216,7 +216,7 @@ impl Cell {
             outcomes.iterations = found.steps;
             outcomes.accuracy = match found.checks {
                 TrueChecks::Square(checks) => checks.resolution,
-                TrueChecks::Plane(checks) => Some(checks.bracket),
+                TrueChecks::Plane(checks) => checks.bracket,
             };
         }
         if outcomes.r.is_none() {
@@ -358,16 +358,11 @@ pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, 
     let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
     let Some(bounds) = outcomes.last_bounds() else { return Ok(String::new()) };
     let [_, most] = bounds.error;
-    let is_sampled = outcomes.reserve.contains(&Reserve::Sampled);
-    let mut reserves = String::from(match is_sampled {
-        true => "Not guaranteed, from samples on the boundary",
-        false => "Guaranteed",
-    });
+    let mut reserves = String::from("Guaranteed");
     for reserve in &outcomes.reserve {
         reserves += match reserve {
             Reserve::Polygon => ", on the polygon or polyhedron of the mesh",
             Reserve::Quadrature => ", but for the quadrature of f",
-            Reserve::Sampled => "",
         };
     }
     let relative = match bounds.relative() {

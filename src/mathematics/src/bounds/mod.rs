@@ -190,6 +190,12 @@ pub enum NoBound {
         /// Part that is missed.
         part: f64,
     },
+    /// A step of the proof does not apply to this true solution.
+    #[error("what its proof needs was not found: {step}")]
+    Unproved {
+        /// The step.
+        step: &'static str,
+    },
     /// A sum overflows, squares underflow, or the vector or f contains a NaN.
     #[error("numbers exceed the range of double precision")]
     NotFinite,

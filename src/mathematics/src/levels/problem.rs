@@ -33,8 +33,6 @@ pub enum Reserve {
     Quadrature,
     /// Of a curved domain, by the polygon or polyhedron of the finest mesh.
     Polygon,
-    /// Of what a true solution violates on the boundary, by samples there: bounds with it are not proved.
-    Sampled,
 }
 
 impl Reserve {
@@ -43,7 +41,6 @@ impl Reserve {
         match self {
             Self::Quadrature => "quadrature",
             Self::Polygon => "polygon",
-            Self::Sampled => "sampled",
         }
     }
 }

@@ -30,8 +30,9 @@ enum FormulaStep {
     Binary(Binary),
 }
 
+/// Function of one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Unary {
+pub(crate) enum Unary {
     Minus,
     Sin,
     Cos,
@@ -42,8 +43,9 @@ enum Unary {
     Abs,
 }
 
+/// Function of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Binary {
+pub(crate) enum Binary {
     Plus,
     Minus,
     Times,
@@ -52,6 +54,30 @@ enum Binary {
     Min,
     Max,
     Atan2,
+}
+
+/// Values of another kind than numbers that formulas can have.
+pub(crate) trait FormulaValues {
+    type Value;
+    /// Reason for which there is no value.
+    type Refusal;
+
+    fn number(&self, value: f64) -> Self::Value;
+
+    fn coordinate(&self, axis: usize) -> Self::Value;
+
+    /// # Errors
+    /// Reason for which there is no value.
+    fn unary(&self, function: Unary, value: Self::Value) -> Result<Self::Value, Self::Refusal>;
+
+    /// # Errors
+    /// Reason for which there is no value.
+    fn binary(
+        &self,
+        function: Binary,
+        first: Self::Value,
+        second: Self::Value,
+    ) -> Result<Self::Value, Self::Refusal>;
 }
 
 /// Most numbers on the stack.
@@ -89,6 +115,30 @@ impl Formula {
             }
         }
         stack[0]
+    }
+
+    /// Value of another kind.
+    ///
+    /// # Errors
+    /// Reason for which there is none.
+    pub(crate) fn evaluated<A: FormulaValues>(&self, values: &A) -> Result<A::Value, A::Refusal> {
+        const SHORT: &str = "the reader puts as many values on the stack as functions take";
+        let mut stack = Vec::new();
+        for step in &self.steps {
+            let value = match *step {
+                FormulaStep::Number(value) => values.number(value),
+                FormulaStep::Coordinate(axis) => values.coordinate(axis),
+                FormulaStep::Unary(function) => {
+                    values.unary(function, stack.pop().expect(SHORT))?
+                }
+                FormulaStep::Binary(function) => {
+                    let second = stack.pop().expect(SHORT);
+                    values.binary(function, stack.pop().expect(SHORT), second)?
+                }
+            };
+            stack.push(value);
+        }
+        Ok(stack.pop().expect(SHORT))
     }
 
     /// Absolute value of this formula.
@@ -130,7 +180,28 @@ impl fmt::Display for Formula {
 }
 
 impl Unary {
-    fn value(self, x: f64) -> f64 {
+    /// Name in formulas.
+    pub(crate) fn name(self) -> &'static str {
+        read::name(&read::UNARY, self).unwrap_or("-")
+    }
+
+    /// Bound of the modulus of the derivative at numbers no farther than `off` from x; infinite or no number where
+    /// there is none.
+    pub(crate) fn slope(self, x: f64, off: f64) -> f64 {
+        match self {
+            Self::Minus | Self::Sin | Self::Cos | Self::Abs => 1.0,
+            // The slope changes by less than twofold within a small part of its inverse.
+            Self::Tan => match 1.0 + libm::tan(x) * libm::tan(x) {
+                slope if slope * off < 0.1 => 2.0 * slope,
+                _ => f64::INFINITY,
+            },
+            Self::Exp => libm::exp(x + off),
+            Self::Ln => 1.0 / (x - off).max(0.0),
+            Self::Sqrt => 0.5 / (x - off).sqrt(),
+        }
+    }
+
+    pub(crate) fn value(self, x: f64) -> f64 {
         match self {
             Self::Minus => -x,
             Self::Sin => libm::sin(x),
@@ -145,7 +216,12 @@ impl Unary {
 }
 
 impl Binary {
-    fn value(self, a: f64, b: f64) -> f64 {
+    /// Name in formulas, of those that have one.
+    pub(crate) fn name(self) -> &'static str {
+        read::name(&read::BINARY, self).unwrap_or("a sign")
+    }
+
+    pub(crate) fn value(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Plus => a + b,
             Self::Minus => a - b,

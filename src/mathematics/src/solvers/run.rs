@@ -270,7 +270,7 @@ pub(super) fn truth(
             // What its closed form does not find on the square, the method for any domain may.
             Err(error) if !error.is_of_input() => {
                 let mut found = on_mesh(problem).map_err(|plane| neither(error, plane))?;
-                found.note.get_or_insert_with(|| SECOND.into());
+                found.notes.push(SECOND.into());
                 found
             }
             found => found?,

@@ -140,7 +140,7 @@ impl Solved {
         self.bounds.get_or_init(|| {
             let bounds = match &self.found {
                 FoundSolution::Vector(run) => Some(self.problem.bounds(&run.y)),
-                FoundSolution::Truth(found) => found.bounds().map(Ok),
+                FoundSolution::Truth(found) => found.bounds(),
             };
             bounds.into_iter().collect()
         })
@@ -150,7 +150,6 @@ impl Solved {
     pub fn reserves(&self) -> Vec<Reserve> {
         match &self.found {
             FoundSolution::Vector(_) => self.problem.reserves(),
-            FoundSolution::Truth(found) if found.is_sampled => vec![Reserve::Sampled],
             FoundSolution::Truth(_) => Vec::new(),
         }
     }
@@ -207,9 +206,11 @@ impl Solved {
 }
 
 impl TrueSolution {
-    /// Bounds that follow from those of the energy, if there are any.
-    pub(crate) fn bounds(&self) -> Option<Bounds> {
-        self.bracket.map(Bounds::of_energy)
+    /// Bounds that follow from those of the energy, or the reason for which there are none; none of the closed form of
+    /// the square.
+    pub(crate) fn bounds(&self) -> Option<Result<Bounds, NoBound>> {
+        let bracket = self.bracket?;
+        Some(bracket.map(Bounds::of_energy).map_err(|step| NoBound::Unproved { step }))
     }
 }
 

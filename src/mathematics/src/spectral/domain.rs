@@ -190,11 +190,6 @@ impl PlaneDomain {
         &self.loops
     }
 
-    /// True if the domain holds a point.
-    pub(crate) fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        self.holds(Complex::new(x, y))
-    }
-
     /// All sides.
     pub(super) fn sides(&self) -> impl Iterator<Item = &PlaneSide> {
         self.loops.iter().flatten()

@@ -13,10 +13,9 @@ use std::fmt;
 pub struct TrueSolution {
     /// J(v).
     pub energy: f64,
-    /// Bounds of the energy; none of the closed form of the square, where two resolutions and identities stand for it.
-    pub bracket: Option<[f64; 2]>,
-    /// True if the bounds rest on samples of what is small on the boundary.
-    pub is_sampled: bool,
+    /// Guaranteed bounds of the energy, or the step of their proof that does not apply; none of the closed form of the
+    /// square, where two resolutions and identities stand for them.
+    pub bracket: Option<Result<[f64; 2], &'static str>>,
     /// Arcs in contact, each with the domain on the left.
     pub contact: Vec<ContactArc>,
     /// Integral of dv/dn over the boundary where the law holds.
@@ -29,8 +28,8 @@ pub struct TrueSolution {
     pub steps: usize,
     /// Checks.
     pub checks: TrueChecks,
-    /// Remark on f, if another one was solved in its place, or on the method, if another one found nothing.
-    pub note: Option<String>,
+    /// Remarks on f, on bounds that are wide, and on the method, if another one found nothing.
+    pub notes: Vec<String>,
     form: TrueForm,
 }
 
@@ -73,14 +72,13 @@ pub fn true_solution(law: Law, f: &Source) -> Result<TrueSolution, SpectralError
     Ok(TrueSolution {
         energy: solution.energy,
         bracket: None,
-        is_sampled: false,
         contact: solution.contact.clone(),
         force: solution.force(),
         integral: solution.integral,
         unknowns: None,
         steps: usual.steps,
         checks: TrueChecks::Square(solution.checks),
-        note: None,
+        notes: Vec::new(),
         form: TrueForm::Square(solution.into()),
     })
 }
@@ -99,18 +97,22 @@ pub(crate) fn true_solution_on(
     for component in mesh.split() {
         truths.push(solve_on_mesh(&component, f, law)?);
     }
+    let bracket = truths.iter().try_fold([0.0; 2], |[low, high], truth| {
+        truth.bracket().map(|[lower, upper]| [low + lower, high + upper])
+    });
+    let mut notes: Vec<String> = truths.iter().flat_map(PlaneTruth::notes).collect();
+    notes.dedup();
     let checks = truths.iter().map(PlaneTruth::checks).reduce(PlaneChecks::worst);
     Ok(TrueSolution {
         energy: truths.iter().map(PlaneTruth::energy).sum(),
-        bracket: Some([0, 1].map(|end| truths.iter().map(|truth| truth.bracket()[end]).sum())),
-        is_sampled: truths.iter().any(PlaneTruth::is_sampled),
+        bracket: Some(bracket),
         contact: truths.iter().flat_map(|truth| truth.contact(mesh)).collect(),
         force: truths.iter().map(PlaneTruth::force).sum(),
         integral: truths.iter().map(PlaneTruth::integral).sum(),
         unknowns: Some(truths.iter().map(PlaneTruth::unknowns).sum()),
         steps: truths.iter().map(PlaneTruth::steps).sum(),
         checks: TrueChecks::Plane(checks.expect("a mesh has a component")),
-        note: truths.iter().find_map(PlaneTruth::note),
+        notes,
         form: TrueForm::Plane(truths),
     })
 }

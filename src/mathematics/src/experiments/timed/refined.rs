@@ -78,7 +78,10 @@ fn spectral_run() -> TimedRun {
         || AdaptedProblem::LShape.truth(),
         |found: Result<TrueSolution, String>| {
             let found = found?;
-            let Some((nodes, bounds)) = found.unknowns.zip(found.bounds()) else { return Ok(None) };
+            let Some((nodes, bounds)) = found.unknowns.zip(found.bounds().and_then(Result::ok))
+            else {
+                return Ok(None);
+            };
             let problem = AdaptedProblem::LShape.name();
             let error = bounds.relative();
             let row = RefinedRow { problem, way: Solver::Spectral.entry().name, nodes, error };

@@ -158,7 +158,10 @@ impl PlaneTruthRow {
             domain: domain.clone(),
             f: f.clone(),
             energy,
-            bracket: truth.bracket.map(|[low, high]| (high - low) / energy.abs()),
+            bracket: truth
+                .bracket
+                .and_then(Result::ok)
+                .map(|[low, high]| (high - low) / energy.abs()),
             steps: truth.steps,
             arcs: truth.contact.len(),
             ends: contact.len(),

@@ -12,7 +12,7 @@ use crate::problem::text::Written;
 use std::f64::consts;
 
 /// Functions of one number.
-const UNARY: [(&str, Unary); 7] = [
+pub(super) const UNARY: [(&str, Unary); 7] = [
     ("sin", Unary::Sin),
     ("cos", Unary::Cos),
     ("tan", Unary::Tan),
@@ -22,10 +22,15 @@ const UNARY: [(&str, Unary); 7] = [
     ("abs", Unary::Abs),
 ];
 /// Functions of two numbers.
-const BINARY: [(&str, Binary); 3] =
+pub(super) const BINARY: [(&str, Binary); 3] =
     [("min", Binary::Min), ("max", Binary::Max), ("atan2", Binary::Atan2)];
 const CONSTANTS: [(&str, f64); 2] = [("pi", consts::PI), ("e", consts::E)];
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
+
+/// Name of a function in a list.
+pub(super) fn name<F: PartialEq>(list: &[(&'static str, F)], function: F) -> Option<&'static str> {
+    list.iter().find(|(_, own)| *own == function).map(|(name, _)| *name)
+}
 
 /// Most signs, parentheses and powers within each other.
 const NESTED: usize = 64;

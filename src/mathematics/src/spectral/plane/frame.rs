@@ -2,7 +2,7 @@
 //! fixed small numbers.
 
 use super::domain::{PlaneDomain, PlaneSide, SidePlace};
-use super::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, Polynomial, RegionBorder, Regions};
+use super::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, RegionBorder, Regions};
 use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
@@ -57,12 +57,7 @@ impl Frame {
         let law = Law::new(lo, hi).expect("the ends keep their order");
         let source = match &problem.source {
             PlaneSource::Pieces(f) => PlaneSource::Pieces(self.pieces(f)),
-            PlaneSource::Polynomial(f) => {
-                let value = |[x, y]: [f64; 2]| f.value(Complex::new(x, y).scaled(self.unit));
-                let seen = Polynomial::fitted(value, &domain);
-                let error = f.error.max(seen.error);
-                PlaneSource::Polynomial(seen.with_error(error))
-            }
+            PlaneSource::Polynomial(f) => PlaneSource::Polynomial(f.clone()),
             PlaneSource::Regions(Regions { borders, pieces }) => {
                 let borders = borders.iter();
                 let borders = borders.map(|b| RegionBorder { side: self.side(&b.side), ..*b });

@@ -32,6 +32,7 @@ mod arcs;
 mod boundary;
 mod choice;
 mod energy;
+mod expansion;
 mod field;
 mod fit;
 mod frame;
@@ -70,26 +71,22 @@ use search::PlaneFound;
 use setup::Setup;
 use std::fmt;
 
-/// Two bounds of the energy.
-#[derive(Clone, Debug, PartialEq)]
+/// Two bounds of the energy, guaranteed but for the model of rounding errors in [`proof`].
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlaneBracket {
     /// Lower bound.
     pub lower: f64,
-    /// Upper bound.
+    /// Upper bound, at most zero.
     pub upper: f64,
-    /// Facts on which the bounds rest and that are not proved, each with the word `sampled`; none if they are
-    /// guaranteed, but for the model of rounding errors in [`proof`].
-    pub reserve: Vec<String>,
+    /// What most of their distance comes from.
+    pub cause: &'static str,
 }
 
 impl PlaneBracket {
-    fn width(&self) -> f64 {
-        self.upper - self.lower
-    }
-
-    /// True if it is guaranteed and narrower than another one.
-    fn is_better(&self, other: &Self) -> bool {
-        self.reserve.is_empty() && self.width() < other.width()
+    /// Distance of the bounds over an energy.
+    pub(crate) fn relative(&self, energy: f64) -> f64 {
+        let width = self.upper - self.lower;
+        if width > 0.0 { width / energy.abs() } else { 0.0 }
     }
 }
 
@@ -104,16 +101,16 @@ pub struct PlaneChecks {
     pub flux: f64,
     /// Least v of the right sign on the gaps, over the size of v and psi.
     pub sign: f64,
-    /// Distance of the bounds over the energy.
-    pub bracket: f64,
+    /// Distance of the bounds over the energy; none without bounds.
+    pub bracket: Option<f64>,
 }
 
 /// True solution.
 pub(crate) struct PlaneSolution {
     /// J(v).
     pub energy: f64,
-    /// Bounds of the energy.
-    pub bracket: PlaneBracket,
+    /// Bounds of the energy, or the step of their proof that does not apply.
+    pub bracket: Result<PlaneBracket, &'static str>,
     /// Arcs that stick, loop by loop in walking order.
     pub arcs: Vec<PlaneArc>,
     /// Integral of dv/dn over the parts where the law holds.
@@ -140,7 +137,7 @@ impl PlaneChecks {
             balance: if is_less { other.balance } else { self.balance },
             flux: self.flux.min(other.flux),
             sign: self.sign.min(other.sign),
-            bracket: self.bracket.max(other.bracket),
+            bracket: self.bracket.zip(other.bracket).map(|(own, other)| own.max(other)),
         }
     }
 }
@@ -150,11 +147,11 @@ impl fmt::Display for PlaneChecks {
         let Self { residual, balance, flux, sign, bracket } = self;
         write!(
             out,
-            "v where it is zero {residual:.1e}, balance {balance:.1e}, least room of the flux {}, least v {}, bounds \
-             apart by {bracket:.1e}",
+            "v where it is zero {residual:.1e}, balance {balance:.1e}, least room of the flux {}, least v {}",
             plain(*flux, 2),
             plain(*sign, 2)
-        )
+        )?;
+        bracket.map_or(Ok(()), |bracket| write!(out, ", bounds apart by {bracket:.1e}"))
     }
 }
 
@@ -174,25 +171,34 @@ fn solve(
     let setup = Setup::new(&frame.problem(problem))?;
     let mut found = search::search(&setup, &frame.start(start), effort)?;
     let mut bracket = proof::bracket(&setup, &found);
-    let is_wide = bracket.width() > NINE_DIGITS * found.integrals.energy.abs();
-    if is_wide && bracket.reserve.is_empty() {
-        let refined = found.refined(&setup).map(|own| (proof::bracket(&setup, &own), own));
-        if let Some((own, refined)) = refined.filter(|(own, _)| own.is_better(&bracket)) {
-            (found, bracket) = (refined, own);
-        }
+    let is_wide = |of: &PlaneBracket| of.relative(found.integrals.energy) > NINE_DIGITS;
+    if let Ok(wide) = bracket
+        && is_wide(&wide)
+        && let Some(refined) = found.refined(&setup)
+        && let Ok(own) = proof::bracket(&setup, &refined)
+        && own.upper - own.lower < wide.upper - wide.lower
+    {
+        (found, bracket) = (refined, Ok(own));
+    }
+    if found.integrals.energy > 0.0 || bracket.is_ok_and(|own| own.lower > 0.0) {
+        return Err(PlaneError::NotFound(
+            "the energy came out above zero, that of v = 0: rounding errors exceed it".into(),
+        ));
     }
     let PlaneFound { integrals, sizes, signs, fit, nodes, .. } = &found;
     let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
     let checks = PlaneChecks {
-        residual: sizes.residual / sizes.value,
-        balance: (integrals.force + integrals.source) / size,
+        residual: search::share(sizes.residual, sizes.value),
+        balance: search::share(integrals.force + integrals.source, size),
         flux: signs.flux,
         sign: signs.value,
-        bracket: bracket.width() / integrals.energy.abs(),
+        bracket: bracket.ok().map(|bracket| bracket.relative(integrals.energy)),
     };
     let square = frame.unit * frame.unit;
-    (bracket.lower, bracket.upper) =
-        (square * square * bracket.lower, square * square * bracket.upper);
+    let bracket = bracket.map(|PlaneBracket { lower, upper, cause }| {
+        let [lower, upper] = [lower, upper].map(|end| square * square * end);
+        PlaneBracket { lower, upper, cause }
+    });
     let force: f64 =
         nodes.iter().filter(|node| node.lawful).map(|node| node.spot.weight * node.flux).sum();
     Ok(PlaneSolution {

@@ -12,16 +12,19 @@ use super::{
 use crate::discrete::contact::ContactArc;
 use crate::mesh::{Condition, Names, PlaneMesh, boundary_curves, centroid};
 use crate::problem::complex::Complex;
+use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::text::plain;
 
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
 const SIDES: f64 = 20.0;
-/// Largest error of a polynomial in place of f, over the largest value of f.
-const FITTED: f64 = 1e-10;
-/// Error of a polynomial that is rounding alone, over the largest value of f.
-const ROUNDING: f64 = 1e-13;
+/// Distance of the bounds, over the energy, from which on they are wide.
+const WIDE: f64 = 1e-6;
+
+/// Distances from corners, over the length of the side, at which v, and its derivatives, are taken for them.
+const BESIDE: [f64; 2] = [1e-15, 1e-6];
 
 /// True solution on the domain of a mesh.
 pub(crate) struct PlaneTruth {
@@ -87,15 +90,10 @@ impl PlaneTruth {
         self.height * self.height * self.solution.energy
     }
 
-    /// Bounds of the energy.
-    pub(crate) fn bracket(&self) -> [f64; 2] {
-        let PlaneBracket { lower, upper, .. } = self.solution.bracket;
-        [lower, upper].map(|end| self.height * self.height * end)
-    }
-
-    /// True if the bounds rest on samples.
-    pub(crate) fn is_sampled(&self) -> bool {
-        !self.solution.bracket.reserve.is_empty()
+    /// Bounds of the energy, or the step of their proof that does not apply.
+    pub(crate) fn bracket(&self) -> Result<[f64; 2], &'static str> {
+        let PlaneBracket { lower, upper, .. } = self.solution.bracket?;
+        Ok([lower, upper].map(|end| self.height * self.height * end))
     }
 
     /// Integral of dv/dn over the boundary where the law holds.
@@ -123,15 +121,20 @@ impl PlaneTruth {
         self.solution.checks
     }
 
-    /// Remark on f, if what took its place is not f but for rounding.
-    pub(crate) fn note(&self) -> Option<String> {
-        match &self.problem.source {
-            PlaneSource::Polynomial(fitted) if fitted.error > ROUNDING => Some(format!(
-                "f is a polynomial that differs from the formula by {:.1e} of it at most, where looked at",
-                fitted.error
-            )),
-            _ => None,
+    /// Remark on bounds that are wide.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Ok(bracket) = self.solution.bracket {
+            let relative = bracket.relative(self.solution.energy);
+            if relative > WIDE && self.solution.energy != 0.0 {
+                let PlaneBracket { cause, .. } = bracket;
+                let share = plain(100.0 * relative, 2);
+                notes.push(format!(
+                    "the bounds of the energy are {share} % of it apart: mostly {cause}"
+                ));
+            }
         }
+        notes
     }
 
     /// Distance of a point from the domain.
@@ -189,30 +192,50 @@ impl PlaneTruth {
         values.into_iter().map(|v| self.height * v).collect()
     }
 
-    /// v and its gradient at a point; none outside of the domain, or as near to its boundary as rounding errors.
+    /// v and its gradient at a point of the closed domain; in a corner, where the gradient may be infinite, that a
+    /// little beside it; none outside of the domain.
     pub(crate) fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
         let &[x, y] = point else { return None };
+        let (domain, size) = (&self.problem.domain, x.hypot(y));
         let [x, y] = self.origin.seen([x, y]);
-        let is_inside = self.problem.domain.contains([x, y]);
-        is_inside.then(|| {
-            let gradient = self.solution.gradient([x, y]).map(|slope| self.height * slope);
-            (self.height * self.solution.value([x, y]), gradient)
-        })
+        let z = Complex::new(x, y);
+        // Coordinates of points of the boundary are rounded.
+        let (value, seen) = match domain.distance(z) {
+            away if away <= 8.0 * f64::EPSILON * (domain.diameter() + size) => {
+                let (ring, place) = domain.nearest(z);
+                let beside = self.beside_corners(ring, place, BESIDE[1]);
+                (self.seen_on_boundary([x, y])[0], domain.loops()[ring][beside.side].at(beside.s))
+            }
+            _ if domain.holds(z) => (self.height * self.solution.value([x, y]), [x, y]),
+            _ => return None,
+        };
+        Some((value, self.solution.gradient(seen).map(|slope| self.height * slope)))
+    }
+
+    /// Place no nearer to the ends of its side than this part of it.
+    fn beside_corners(
+        &self,
+        ring: usize,
+        SidePlace { side, s }: SidePlace,
+        part: f64,
+    ) -> SidePlace {
+        let length = self.problem.domain.loops()[ring][side].length();
+        SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) }
     }
 
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
     /// beside it.
     pub(crate) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
-        /// Distances from corners, over the length of the side, at which v and dv/dn are taken.
-        const BESIDE: [f64; 2] = [1e-15, 1e-6];
-        let [x, y] = self.origin.seen(point);
+        self.seen_on_boundary(self.origin.seen(point))
+    }
+
+    /// That at a point in the coordinates of the problem.
+    fn seen_on_boundary(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (z, loops) = (Complex::new(x, y), self.problem.domain.loops());
-        let (ring, SidePlace { side, s }) = self.problem.domain.nearest(z);
-        let length = loops[ring][side].length();
-        let [of_value, of_flux] = BESIDE.map(|part| {
-            let place = SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) };
-            self.solution.on_boundary(ring, place)
-        });
+        let (ring, place) = self.problem.domain.nearest(z);
+        let SidePlace { side, s } = place;
+        let [of_value, of_flux] = BESIDE
+            .map(|part| self.solution.on_boundary(ring, self.beside_corners(ring, place, part)));
         let ([value, _], [_, flux]) = (of_value, of_flux);
         // On one of both sides of each condition the number is known without error.
         let law = self.problem.law;
@@ -276,7 +299,7 @@ fn source(
     domain: &PlaneDomain,
     unit: (f64, Origin),
 ) -> Result<PlaneSource, PlaneError> {
-    let (height, origin) = unit;
+    let (height, _) = unit;
     let mut in_use = mesh.regions().to_vec();
     in_use.sort_unstable();
     in_use.dedup();
@@ -285,12 +308,15 @@ fn source(
         if !first.is_smooth() {
             return Ok(PlaneSource::Pieces(in_unit(first, unit)));
         }
-        let fitted = Polynomial::fitted(|point| first.at(origin.outside(point)) / height, domain);
-        return match fitted.error {
-            error if error <= FITTED => Ok(PlaneSource::Polynomial(fitted)),
-            error => Err(PlaneError::Source(format!(
-                "f is no polynomial, and the nearest is off by {error:.1e} of it"
-            ))),
+        return match first {
+            Source::Formula(formula) => {
+                let f = Polynomial::of_formula(formula, unit, domain)?;
+                Ok(PlaneSource::Polynomial(f))
+            }
+            Source::Exact(Known::Square(Exact::Torsion)) => {
+                Ok(PlaneSource::Pieces(Source::constant(first.at([0.0; 2]) / height)))
+            }
+            _ => Err(PlaneError::Source("f is no polynomial in x and y".into())),
         };
     }
     if in_use.iter().any(|&region| f[usize::from(region)].is_smooth()) {

@@ -1,170 +1,367 @@
-//! Polynomial right-hand sides.
+//! Polynomial right-hand sides, with psi and the integrals of both.
 
-use super::domain::PlaneDomain;
-use super::least_squares::Columns;
+use super::expansion::{Expansion, expanded};
+use super::frame::{Frame, Origin};
+use super::{PlaneDomain, PlaneError};
 use crate::problem::complex::Complex;
-use std::f64::consts::PI;
+use crate::problem::formula::Formula;
 
-/// Polynomial in x and y that takes the place of a formula: the real part of a sum of `c z^j conj(z)^k`.
-#[derive(Clone, Debug)]
-pub(crate) struct Polynomial {
-    terms: Vec<Term>,
-    /// Largest difference from the formula seen, over the largest value; of rounding if the formula is a polynomial.
-    pub error: f64,
+/// Polynomial with real values: the sum of `Re(c z^m) |z|^(2k)`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RealPolynomial {
+    /// Coefficients c by k, and then by m.
+    rows: Vec<Vec<Complex>>,
 }
 
-/// Re c z^j conj(z)^k.
-#[derive(Clone, Copy, Debug)]
-struct Term {
-    powers: [usize; 2],
-    factor: Complex,
+/// Polynomial f in the coordinates of a frame, with psi.
+#[derive(Clone, Debug)]
+pub(crate) struct Polynomial {
+    f: RealPolynomial,
+    /// psi with `-Lap psi = f`.
+    psi: RealPolynomial,
+    /// The function r with `int f = oint (x.n) r`.
+    radial: RealPolynomial,
+    /// The function r with `int f psi = oint (x.n) r`.
+    radial_with_psi: RealPolynomial,
+    /// Radius of a disc round the origin that holds the domain.
+    pub radius: f64,
+    /// Bound of the difference of `-Lap psi` and the formula on this disc.
+    pub error: f64,
+    /// Bound of the error of `radial_with_psi` by rounding of its coefficients, on this disc.
+    pub product_error: f64,
 }
 
 impl Polynomial {
-    /// Polynomial that takes the place of a smooth function on a domain; look at its `error`.
+    /// Polynomial that a formula is, over a power of two, in the frame of a domain that is seen from an origin.
     ///
-    /// It is fitted on the box round the domain, with the lowest degree of 2, 4, 8 and 12 that is right to rounding
-    /// between the points of the fit.
-    pub(crate) fn fitted(f: impl Fn([f64; 2]) -> f64, domain: &PlaneDomain) -> Self {
-        let extent = domain.extent();
-        let at = |x: [f64; 2]| -> [f64; 2] {
-            std::array::from_fn(|axis| {
-                let [low, high] = extent[axis];
-                0.5 * (low + high + (high - low) * x[axis])
-            })
-        };
-        let mut best = Self { terms: Vec::new(), error: f64::INFINITY };
-        for degree in [2, 4, 8, 12] {
-            let nodes: Vec<f64> =
-                (0..=2 * degree).map(|k| libm::cos(PI * k as f64 / (2 * degree) as f64)).collect();
-            let pairs = nodes.iter().flat_map(|&x| nodes.iter().map(move |&y| [x, y]));
-            let points: Vec<[f64; 2]> = pairs.map(at).collect();
-            let mut found = Self { terms: fit(&f, &points, degree), error: f64::INFINITY };
-            let (mut worst, mut largest) = (0.0f64, 0.0f64);
-            for k in 0..400 {
-                let [x, y] = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17];
-                let point = at([x, y].map(|x| 2.0 * (x - x.floor()) - 1.0));
-                let value = f(point);
-                worst = worst.max((found.value(Complex::new(point[0], point[1])) - value).abs());
-                largest = largest.max(value.abs());
-            }
-            found.error = if worst > 0.0 { worst / largest } else { 0.0 };
-            if found.error < best.error {
-                best = found;
-            }
-            if best.error < 1e-13 {
-                break;
-            }
-        }
-        best
+    /// # Errors
+    /// [`PlaneError::Source`] if it is none, or of too high a degree.
+    pub(super) fn of_formula(
+        formula: &Formula,
+        (height, Origin([x, y])): (f64, Origin),
+        domain: &PlaneDomain,
+    ) -> Result<Self, PlaneError> {
+        let frame = Frame::of(domain);
+        let [xs, ys] = domain.extent();
+        let seen = xs.into_iter().flat_map(|x| ys.map(|y| frame.seen([x, y]).norm()));
+        // Arcs are seen in a hundred points.
+        let radius = 1.01 * seen.fold(0.0, f64::max);
+        let expansion = Expansion { origin: Complex::new(x, y), unit: frame.unit, radius };
+        Self::in_coordinates(formula, height, &expansion)
     }
 
-    /// Polynomial with another error.
-    pub(super) fn with_error(self, error: f64) -> Self {
-        Self { error, ..self }
+    /// Polynomial that a formula is, over a power of two, in some coordinates.
+    ///
+    /// # Errors
+    /// As [`Polynomial::of_formula`].
+    pub(super) fn in_coordinates(
+        formula: &Formula,
+        height: f64,
+        expansion: &Expansion,
+    ) -> Result<Self, PlaneError> {
+        let (f, error) = expanded(formula, expansion).map_err(PlaneError::Source)?;
+        let f = f.weighted(|_, _| 1.0 / height);
+        Ok(Self::new(f, error / height, expansion.radius))
+    }
+
+    /// With a bound of the error of its coefficients on a disc.
+    fn new(f: RealPolynomial, error: f64, radius: f64) -> Self {
+        let product = |k: usize, m: usize| 4.0 * ((k + 1) * (k + m + 1)) as f64;
+        let psi = f.weighted(|k, m| -1.0 / product(k, m)).raised();
+        let by_degree = |k: usize, m: usize| 1.0 / (2 * k + m + 2) as f64;
+        let sizes = [&f, &psi].map(|own| own.size(radius));
+        let rounding = (6 + 2 * f.terms()) as f64 * f64::EPSILON;
+        Self {
+            radial: f.weighted(by_degree),
+            radial_with_psi: f.times(&psi, radius).0.weighted(by_degree),
+            product_error: rounding * sizes[0] * sizes[1],
+            // Coefficients of psi are rounded twice.
+            error: error + 2.0 * f64::EPSILON * sizes[0],
+            radius,
+            f,
+            psi,
+        }
+    }
+
+    /// Units in the last place, over the sums of the moduli of all terms, by which values are off.
+    pub(super) fn units(&self) -> f64 {
+        8.0 + 2.0 * self.psi.degree() as f64
     }
 
     /// f at a point.
     pub(super) fn value(&self, z: Complex) -> f64 {
-        self.terms.iter().map(|term| term.raised(z, 0).re).sum()
+        self.f.value(z)
     }
 
     /// psi at a point.
     pub(super) fn psi(&self, z: Complex) -> f64 {
-        self.terms.iter().map(|term| -0.25 / term.product() * term.raised(z, 1).re).sum()
+        self.psi.value(z)
+    }
+
+    /// Gradient of psi at a point.
+    pub(super) fn psi_gradient(&self, z: Complex) -> Complex {
+        self.psi.gradient(z)
     }
 
     /// The function r with `int f = oint (x.n) r`: each term over its degree plus 2.
     pub(super) fn radial(&self, z: Complex) -> f64 {
-        self.terms.iter().map(|term| term.raised(z, 0).re / (term.degree() + 2.0)).sum()
+        self.radial.value(z)
     }
 
     /// The function r with `int f psi = oint (x.n) r`.
     pub(super) fn radial_with_psi(&self, z: Complex) -> f64 {
-        let mut sum = 0.0;
-        for f in &self.terms {
-            for psi in &self.terms {
-                let degree = f.degree() + psi.degree() + 2.0;
-                sum -=
-                    0.25 / psi.product() * f.raised(z, 0).re * psi.raised(z, 1).re / (degree + 2.0);
-            }
-        }
-        sum
+        self.radial_with_psi.value(z)
+    }
+
+    /// Bound of the modulus of that for |z| up to a radius.
+    pub(super) fn product_modulus(&self, radius: f64) -> f64 {
+        self.radial_with_psi.size(radius)
     }
 
     /// Bounds of the moduli of f, of psi and of the gradient of psi for |z| up to a radius, also for complex
     /// coordinates with z and conj(z) up to that radius each.
     pub(super) fn moduli(&self, radius: f64) -> [f64; 3] {
-        let mut sums = [0.0; 3];
-        for term in &self.terms {
-            let (degree, quarter) = (term.degree(), 0.25 / term.product());
-            let size = term.factor.norm() * libm::pow(radius, degree);
-            sums[0] += size;
-            sums[1] += quarter * size * radius * radius;
-            sums[2] += quarter * size * radius * (degree + 2.0);
-        }
-        sums
+        let slope = self.psi.weighted(|k, m| (2 * k + m) as f64).size(radius) / radius;
+        [self.f.size(radius), self.psi.size(radius), if radius > 0.0 { slope } else { 0.0 }]
+    }
+}
+
+impl RealPolynomial {
+    /// `Re(c z^m)`, the terms in the order of m.
+    pub(super) fn harmonic(coefficients: Vec<Complex>) -> Self {
+        Self { rows: vec![coefficients] }
     }
 
-    /// Gradient of psi at a point.
-    pub(super) fn psi_gradient(&self, z: Complex) -> Complex {
-        let mut sum = Complex::default();
-        for term in &self.terms {
-            let [j, k] = term.powers.map(|power| power as f64 + 1.0);
-            let [p, q] = term.powers;
-            let [by_z, by_conjugate] =
-                [[p, q + 1], [p + 1, q]].map(|powers| Term { powers, ..*term }.raised(z, 0));
-            let slopes = by_z.scaled(j).conj() + by_conjugate.scaled(k);
-            sum = sum - slopes.scaled(0.25 / term.product());
+    /// Value at z = 0.
+    pub(super) fn constant(&self) -> f64 {
+        self.rows.first().and_then(|row| row.first()).map_or(0.0, |c| c.re)
+    }
+
+    /// Degree at most.
+    pub(super) fn degree(&self) -> usize {
+        let degrees = self.rows.iter().enumerate().map(|(k, row)| 2 * k + row.len());
+        degrees.max().unwrap_or(1).saturating_sub(1)
+    }
+
+    /// Terms with k, m and the coefficient.
+    fn all(&self) -> impl Iterator<Item = (usize, usize, Complex)> {
+        let rows = self.rows.iter().enumerate();
+        rows.flat_map(|(k, row)| row.iter().enumerate().map(move |(m, c)| (k, m, *c)))
+    }
+
+    /// Number of terms that are not zero.
+    pub(super) fn terms(&self) -> usize {
+        self.all().filter(|(_, _, c)| *c != Complex::default()).count()
+    }
+
+    /// Bound of the modulus for |z| up to a radius: the sum of those of all terms.
+    pub(super) fn size(&self, radius: f64) -> f64 {
+        let mut power = 1.0;
+        let mut sum = 0.0;
+        for row in &self.rows {
+            let inner = row.iter().rev().fold(0.0, |sum, c| radius * sum + c.norm());
+            sum += power * inner;
+            power *= radius * radius;
         }
         sum
     }
-}
 
-impl Term {
-    fn degree(&self) -> f64 {
-        (self.powers[0] + self.powers[1]) as f64
-    }
-
-    fn product(&self) -> f64 {
-        (self.powers[0] as f64 + 1.0) * (self.powers[1] as f64 + 1.0)
-    }
-
-    /// The term with both powers higher by `more`.
-    fn raised(&self, z: Complex, more: usize) -> Complex {
-        let mut value = self.factor;
-        (0..self.powers[0] + more).for_each(|_| value = value * z);
-        (0..self.powers[1] + more).for_each(|_| value = value * z.conj());
-        value
-    }
-}
-
-/// Terms up to a degree whose sum is nearest to a function at points.
-fn fit(f: impl Fn([f64; 2]) -> f64, points: &[[f64; 2]], degree: usize) -> Vec<Term> {
-    // The term with both powers swapped is the same but for the sign of its imaginary part.
-    let powers = (0..=degree).flat_map(|j| (0..=j.min(degree - j)).map(move |k| [j, k]));
-    let powers: Vec<[usize; 2]> = powers.collect();
-    let unknowns = powers.iter().map(|[j, k]| if j == k { 1 } else { 2 }).sum();
-    let mut columns = Columns::new(points.len(), unknowns);
-    let mut next = 0;
-    for &[j, k] in &powers {
-        let one = Term { powers: [j, k], factor: Complex::new(1.0, 0.0) };
-        let values: Vec<Complex> =
-            points.iter().map(|&[x, y]| one.raised(Complex::new(x, y), 0)).collect();
-        columns.column(next).iter_mut().zip(&values).for_each(|(x, value)| *x = value.re);
-        if j != k {
-            columns.column(next + 1).iter_mut().zip(&values).for_each(|(x, value)| *x = -value.im);
+    /// Each term times a weight by k and m.
+    pub(super) fn weighted(&self, weight: impl Fn(usize, usize) -> f64) -> Self {
+        let mut rows = self.rows.clone();
+        for (k, row) in rows.iter_mut().enumerate() {
+            row.iter_mut().enumerate().for_each(|(m, c)| *c = c.scaled(weight(k, m)));
         }
-        next += if j == k { 1 } else { 2 };
+        Self { rows }
     }
-    columns.column(unknowns).iter_mut().zip(points).for_each(|(x, &point)| *x = f(point));
-    let solution = columns.solve();
-    let mut next = 0;
-    let mut terms: Vec<Term> = Vec::with_capacity(powers.len());
-    for [j, k] in powers {
-        let im = if j == k { 0.0 } else { solution[next + 1] };
-        terms.push(Term { powers: [j, k], factor: Complex::new(solution[next], im) });
-        next += if j == k { 1 } else { 2 };
+
+    /// Times `|z|^2`.
+    fn raised(mut self) -> Self {
+        self.rows.insert(0, Vec::new());
+        self
     }
-    terms
+
+    /// Sum, and a bound of the moduli of its terms that were rounded, for |z| up to a radius.
+    pub(super) fn plus(&self, other: &Self, radius: f64) -> (Self, f64) {
+        let (mut sum, mut rounded) = (self.clone(), 0.0);
+        for (k, m, c) in other.all() {
+            let own = sum.at(k, m);
+            let both = *own + c;
+            if *own != Complex::default() && c != Complex::default() {
+                rounded += both.norm() * libm::pow(radius, (2 * k + m) as f64);
+            }
+            *own = both;
+        }
+        (sum, rounded)
+    }
+
+    /// Product by `Re a Re b = 1/2 Re(a b) + 1/2 Re(a conj b)`, and a bound of its error by rounding for |z| up to a
+    /// radius: the sum of all remainders, which are known.
+    pub(super) fn times(&self, other: &Self, radius: f64) -> (Self, f64) {
+        let (mut product, mut error) = (Self::default(), 0.0);
+        for (k, m, a) in self.all().filter(|(_, _, a)| *a != Complex::default()) {
+            for (l, n, b) in other.all().filter(|(_, _, b)| *b != Complex::default()) {
+                let size = libm::pow(radius, (2 * (k + l) + m + n) as f64);
+                let turned = if m < n { [a.conj(), b] } else { [a, b.conj()] };
+                error += size * add_half(product.at(k + l, m + n), [a, b]);
+                error += size * add_half(product.at(k + l + m.min(n), m.abs_diff(n)), turned);
+            }
+        }
+        // The sum of remainders is rounded too.
+        (product, 1.01 * error)
+    }
+
+    /// Coefficient by k and m, which is zero if it was not there.
+    fn at(&mut self, k: usize, m: usize) -> &mut Complex {
+        if self.rows.len() <= k {
+            self.rows.resize(k + 1, Vec::new());
+        }
+        let row = &mut self.rows[k];
+        if row.len() <= m {
+            row.resize(m + 1, Complex::default());
+        }
+        &mut row[m]
+    }
+
+    /// Value at a point.
+    fn value(&self, z: Complex) -> f64 {
+        let square = z.norm2();
+        let rows = self.rows.iter().rev();
+        rows.fold(0.0, |sum, row| {
+            let inner = row.iter().rev().fold(Complex::default(), |sum, c| sum * z + *c);
+            square * sum + inner.re
+        })
+    }
+
+    /// Gradient at a point: `|z|^(2k) conj(m c z^(m-1)) + 2k |z|^(2k-2) Re(c z^m) z`.
+    fn gradient(&self, z: Complex) -> Complex {
+        let square = z.norm2();
+        let (mut slopes, mut along) = (Complex::default(), 0.0);
+        for (k, row) in self.rows.iter().enumerate().rev() {
+            let (mut value, mut slope) = (Complex::default(), Complex::default());
+            for c in row.iter().rev() {
+                slope = slope * z + value;
+                value = value * z + *c;
+            }
+            slopes = slopes.scaled(square) + slope;
+            // The power of |z| is lower by 2, and there is none for k = 0.
+            if k > 0 {
+                along = square * along + 2.0 * k as f64 * value.re;
+            }
+        }
+        slopes.conj() + z.scaled(along)
+    }
+}
+
+/// Adds half of a product, and returns the sum of the moduli of all remainders of rounding.
+fn add_half(sum: &mut Complex, [a, b]: [Complex; 2]) -> f64 {
+    let [re, of_re] = add_products(sum.re, [a.re, b.re], [-a.im, b.im]);
+    let [im, of_im] = add_products(sum.im, [a.re, b.im], [a.im, b.re]);
+    *sum = Complex::new(re, im);
+    of_re + of_im
+}
+
+/// A number and half of two products, and the sum of the moduli of the remainders.
+fn add_products(sum: f64, [a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    let [one, other] = [a * b, c * d];
+    let remainders = libm::fma(a, b, -one).abs() + libm::fma(c, d, -other).abs();
+    let [both, of_both] = two_sum(one, other);
+    let [all, of_all] = two_sum(sum, 0.5 * both);
+    [all, 0.5 * (remainders + of_both.abs()) + of_all.abs()]
+}
+
+/// Sum of two numbers and its remainder, which is a number (Knuth).
+fn two_sum(a: f64, b: f64) -> [f64; 2] {
+    let sum = a + b;
+    let of_b = sum - a;
+    [sum, (a - (sum - of_b)) + (b - of_b)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::square;
+    use super::*;
+
+    const UNIT: (f64, Origin) = (1.0, Origin([0.0; 2]));
+
+    fn polynomial(text: &str) -> Polynomial {
+        Polynomial::of_formula(&Formula::read(text, 2).unwrap(), UNIT, &square()).unwrap()
+    }
+
+    #[test]
+    fn psi_has_the_formula_as_its_laplacian_and_the_gradient_of_its_values() {
+        let text = "(x - 2*y)^3*y/7 - (1 + x*y^2)^2/-4 + sqrt(2)*x^16 - 3";
+        let (f, formula) = (polynomial(text), Formula::read(text, 2).unwrap());
+        assert!(f.error < 1e-12, "{}", f.error);
+        for [x, y] in [[0.0, 0.0], [0.41, -0.33], [-0.5, 0.5]] {
+            let z = Complex::new(x, y);
+            assert!((f.value(z) - formula.at(&[x, y])).abs() < 1e-14);
+            let step = 1e-3;
+            let [east, west, north, south] = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]]
+                .map(|[dx, dy]| f.psi(Complex::new(x + dx, y + dy)));
+            let laplacian = (east + west + north + south - 4.0 * f.psi(z)) / (step * step);
+            assert!((laplacian + formula.at(&[x, y])).abs() < 1e-5, "{laplacian}");
+            let slope = f.psi_gradient(z);
+            assert!((slope.re - (east - west) / (2.0 * step)).abs() < 1e-5, "{slope:?}");
+            assert!((slope.im - (north - south) / (2.0 * step)).abs() < 1e-5, "{slope:?}");
+        }
+    }
+
+    #[test]
+    fn integrals_over_a_disc_are_those_of_polar_coordinates() {
+        // On the disc of radius 1 the integral of x^2 y^2 is pi / 24, and its psi is
+        // -(x^4 y^2 + x^2 y^4)/.. in powers of z; the product is taken from the definition.
+        let f = polynomial("x^2*y^2 + x^3 - 1");
+        let many = 64;
+        let mut sums = [0.0; 2];
+        for k in 0..many {
+            let z = Complex::unit(std::f64::consts::TAU * f64::from(k) / f64::from(many));
+            let weight = std::f64::consts::TAU / f64::from(many);
+            sums[0] += weight * f.radial(z);
+            sums[1] += weight * f.radial_with_psi(z);
+        }
+        let mut inner = 0.0;
+        for node in crate::spectral::rule::gauss(20) {
+            for k in 0..many {
+                let angle = std::f64::consts::TAU * f64::from(k) / f64::from(many);
+                let z = Complex::unit(angle).scaled(node.x);
+                let weight = node.weight * node.x * std::f64::consts::TAU / f64::from(many);
+                inner += weight * f.value(z) * f.psi(z);
+            }
+        }
+        let area = std::f64::consts::PI * (1.0 / 24.0 - 1.0);
+        assert!((sums[0] - area).abs() < 1e-13, "{}", sums[0]);
+        assert!((sums[1] - inner).abs() < 1e-13, "{} {inner}", sums[1]);
+    }
+
+    #[test]
+    fn what_is_no_polynomial_is_refused_with_the_reason() {
+        for (text, words) in [
+            ("abs(x) - 2", "no polynomial in x and y: abs of x or y"),
+            ("1/(2 + x)", "no polynomial in x and y: a division by x or y"),
+            ("2^x", "no polynomial in x and y: a power"),
+            ("x^0.5", "no polynomial in x and y: a power"),
+            ("x^40 + y", "a polynomial of degree 40 as it is written; the solver takes up to 32"),
+            ("(x^9*y)^1000", "degree 10000"),
+        ] {
+            let formula = Formula::read(text, 2).unwrap();
+            let Err(error) = Polynomial::of_formula(&formula, UNIT, &square()) else {
+                panic!("{text}")
+            };
+            assert!(error.to_string().contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_error_of_an_expansion_is_bounded_far_from_the_origin_too() {
+        let far = super::super::tests::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        let formula = Formula::read("(x - 1000)^8 - y/3", 2).unwrap();
+        let origin = Origin([1000.0, 0.0]);
+        let f = Polynomial::of_formula(&formula, (1.0, origin), &far).unwrap();
+        let frame = Frame::of(&far);
+        for point in [[1000.1, 0.05], [1000.75, 0.5], [1001.0, 1.0]] {
+            let off = (f.value(frame.seen(origin.seen(point))) - formula.at(&point)).abs();
+            assert!(off <= f.error + 1e-14 && f.error < 1e-9, "{off} {}", f.error);
+        }
+    }
 }

@@ -11,7 +11,7 @@ use crate::problem::source::Source;
 pub(crate) enum PlaneSource {
     /// Constant pieces.
     Pieces(Source),
-    /// A polynomial.
+    /// A polynomial, in the coordinates of the domain's frame.
     Polynomial(Polynomial),
     /// Constant pieces on each region.
     Regions(Regions),

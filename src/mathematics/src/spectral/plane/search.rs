@@ -110,17 +110,24 @@ impl PlaneFound {
     /// Largest residual, over the size of v, and the flux that f does not balance, over all of it.
     fn errors(&self) -> f64 {
         let balance = (self.integrals.force + self.integrals.source).abs();
-        let balance = balance / self.integrals.force.abs().max(self.sizes.flux);
-        (self.sizes.residual / self.sizes.value).max(0.1 * balance)
+        let balance = share(balance, self.integrals.force.abs().max(self.sizes.flux));
+        share(self.sizes.residual, self.sizes.value).max(0.1 * balance)
     }
 
     /// Reason for which the checks do not pass.
     fn refusal(&self) -> PlaneError {
+        let balance = (self.integrals.force + self.integrals.source).abs();
         PlaneError::NotFound(format!(
-            "a check failed: residual {:.1e} of {:.1e}, integral of f {:.10} against {:.10} by dv/dn",
-            self.sizes.residual, self.sizes.value, self.integrals.source, -self.integrals.force
+            "a check failed: v in contact is zero but for {:.1e} of v, and dv/dn balances f but for {:.1e} of it",
+            share(self.sizes.residual, self.sizes.value),
+            share(balance, self.integrals.force.abs().max(self.sizes.flux))
         ))
     }
+}
+
+/// An error over a size: zero without an error, as where f and v are zero.
+pub(super) fn share(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
 }
 
 /// True if all ends of two contact sets are next to each other.

@@ -65,9 +65,9 @@ impl Line {
 /// Unit square of n by n cells, each cut by the rising diagonal; fixed on the left, in contact on the right.
 fn mesh(n: u32) -> PlaneMesh {
     let parts =
-        [("fixed", Condition::Fixed), ("law", Condition::Contact), ("free", Condition::Free)]
-            .map(|(name, condition)| straight(name, condition));
-    let mut data = MeshData { parts: parts.into(), ..MeshData::default() };
+        [("fixed", Condition::Fixed), ("law", Condition::Contact), ("free", Condition::Free)];
+    let parts = parts.map(|(name, condition)| straight(name, condition)).into();
+    let mut data = MeshData { parts, ..MeshData::default() };
     for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
         data.points.push([i, j].map(|k| f64::from(k) / f64::from(n)));
         let node = j * (n + 1) + i;

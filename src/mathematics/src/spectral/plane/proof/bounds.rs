@@ -26,48 +26,48 @@
 //!
 //! So both bounds are J but for terms that are quadratic in what the conditions miss; [`extension`](super::extension)
 //! bounds the two Dirichlet integrals, [`samples`](super::samples) all quantities between points, and
-//! [`exact_energy`](super::exact_energy) the error of J. Where one of them does not succeed, the bounds are of samples:
-//! J(v) itself, or J(v + delta) under the paper's law, and a trace constant of twice the diameter.
+//! [`exact_energy`](super::exact_energy) the error of J. Since J(0) = 0, the upper bound is at most zero.
+//!
+//! *Another f.* Where `-Lap psi` is not f but a function that differs from it by no more than d on a disc of radius R
+//! round the domain D, as for a formula whose coefficients are rounded, J above is that of the other function. With g
+//! the difference there is a field `r = -x int g(t x) t dt` with `-div r = g` and `|r| <= d R / 2`; p becomes `grad v +
+//! rot E + r`, whose flux is off by no more than `d R / 2`, which counts among the errors of l. So both ends move by
+//! `int |g v|`, the upper one by `int |g W|` more, and in the lower one `|grad E|` becomes `|grad E| + |r|`. By the
+//! maximum principle for `v - psi`, `|v|` is at most its bound on the boundary and twice that of psi more.
 
 use super::Proof;
 use super::cells::ProofCell;
 use super::exact_energy::{Leftover, bounded_energy};
 use super::extension::Room;
 use super::residual::{Distances, FluxBalance, hole_logs, uncertain};
-use super::samples::Sampled;
-use crate::problem::law::Law;
+use super::samples::{Quantity, Sampled, Test};
 use crate::spectral::plane::PlaneBracket;
-use crate::spectral::plane::boundary::State;
-use crate::spectral::plane::field::PlaneNode;
 use crate::spectral::plane::psi::Psi;
 use crate::spectral::plane::search::PlaneFound;
 use crate::spectral::plane::setup::Setup;
+use std::f64::consts::PI;
 
-/// Bounds of a solution.
-pub(in crate::spectral::plane) fn bracket(setup: &Setup, found: &PlaneFound) -> PlaneBracket {
-    /// Distance of proved bounds, over the energy, from which on samples say more.
-    const WIDE: f64 = 1e-5;
-    let reason = match proved(setup, found) {
-        Ok([lower, upper]) if upper - lower <= WIDE * found.integrals.energy.abs() => {
-            let mut reserve = Vec::new();
-            if let Psi::Polynomial(_) = setup.jumps.psi {
-                // That a formula is a polynomial is seen at points.
-                reserve.push("f: sampled".into());
-            }
-            return PlaneBracket { lower, upper, reserve };
-        }
-        Ok(_) => "v and its flux on the boundary",
-        Err(reason) => reason,
-    };
-    let [lower, upper] = sampled(setup, found);
-    PlaneBracket { lower, upper, reserve: vec![format!("{reason}: sampled")] }
-}
-
-/// Bounds that are proved.
+/// Bounds of a solution, whatever their distance.
 ///
 /// # Errors
-/// Part that is not proved.
-pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'static str> {
+/// Step of the proof that does not apply.
+pub(in crate::spectral::plane) fn bracket(
+    setup: &Setup,
+    found: &PlaneFound,
+) -> Result<PlaneBracket, &'static str> {
+    let ([lower, upper], cause) = proved(setup, found)?;
+    // J(0) = 0.
+    Ok(PlaneBracket { lower, upper: upper.min(0.0), cause })
+}
+
+/// Both ends by the argument above, with what most of their distance comes from.
+///
+/// # Errors
+/// Step of the proof that does not apply.
+pub(super) fn proved(
+    setup: &Setup,
+    found: &PlaneFound,
+) -> Result<([f64; 2], &'static str), &'static str> {
     /// Halvings of cells where signs are not certain.
     const ROUNDS: usize = 8;
     let fit = &found.fit;
@@ -96,11 +96,49 @@ pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<[f64; 2], &'st
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
     let of_w = room.integral(&cells, [distances.range(), near], &distances.slopes);
     let of_e = room.integral(&cells, [balance.range, near], &balance.slopes);
-    let [lower, upper] = ends([exact.energy, exact.error], &distances, &balance, [of_w, of_e]);
-    if lower.is_finite() && upper.is_finite() {
-        Ok([lower, upper])
+    let change = SourceChange::new(setup, &samples, distances.delta + near);
+    let both = ends([exact.energy, exact.error], &distances, &balance, &change, [of_w, of_e]);
+    let moved = distances.delta * (balance.moved + balance.missed);
+    let terms = [
+        ("rounding in the integrals of the energy", 2.0 * exact.error),
+        ("v on the boundary", moved + 0.5 * of_w),
+        ("the flux through the boundary", 0.5 * of_e),
+        ("rounding of the coefficients of f", 2.0 * change.of_v),
+    ];
+    let (cause, _) =
+        terms.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or_default();
+    if both.into_iter().all(f64::is_finite) {
+        Ok((both, cause))
     } else {
-        Err("v next to corners")
+        Err("bounds of v next to corners")
+    }
+}
+
+/// Effect on the bounds of what `-Lap psi` differs from f.
+struct SourceChange {
+    /// Bound of the integral of the difference times v.
+    of_v: f64,
+    /// That of the difference times W.
+    of_w: f64,
+    /// Bound of the L2 norm of the field whose divergence the difference is.
+    field: f64,
+}
+
+impl SourceChange {
+    /// By bounds of v on the cells of the boundary, and of W.
+    fn new(setup: &Setup, samples: &[Sampled], of_w: f64) -> Self {
+        let Psi::Polynomial(f) = &setup.jumps.psi else {
+            return Self { of_v: 0.0, of_w: 0.0, field: 0.0 };
+        };
+        let on_boundary = samples.iter().map(|own| own.most(Test::of(Quantity::Value)));
+        let [_, psi, _] = f.moduli(f.radius);
+        let of_v = on_boundary.fold(0.0, f64::max) + of_w + 2.0 * psi;
+        let area = PI * f.radius * f.radius;
+        Self {
+            of_v: f.error * area * of_v,
+            of_w: f.error * area * of_w,
+            field: 0.5 * f.error * f.radius * area.sqrt(),
+        }
     }
 }
 
@@ -109,11 +147,13 @@ fn ends(
     [energy, error]: [f64; 2],
     distances: &Distances,
     balance: &FluxBalance,
+    change: &SourceChange,
     [of_w, of_e]: [f64; 2],
 ) -> [f64; 2] {
+    let of_e = (of_e.sqrt() + change.field).powi(2);
     let lower = energy - error - distances.delta * balance.moved - 0.5 * of_e;
     let upper = energy + error + distances.delta * balance.missed + 0.5 * of_w;
-    [lower, upper]
+    [lower - change.of_v, upper + change.of_v + change.of_w]
 }
 
 /// Boundary closer to splits than all cells.
@@ -132,71 +172,6 @@ fn leftovers(proof: &Proof, samples: &[Sampled]) -> Vec<Leftover> {
     left
 }
 
-/// Share by which v may be farther below zero between the points than at them.
-const BETWEEN: f64 = 2.0;
-
-/// True on fixed sides.
-fn is_fixed(n: &PlaneNode) -> bool {
-    !n.lawful && n.state == State::Held
-}
-
-/// The flux without its violation of the law, or of zero on free sides.
-fn allowed(law: Law, n: &PlaneNode) -> f64 {
-    match n.state {
-        _ if n.lawful => law.project(n.flux),
-        State::Held => n.flux,
-        State::Flux(_) => 0.0,
-    }
-}
-
-/// Bounds that hold if v and its flux are nowhere farther off than at points of the boundary.
-fn sampled(setup: &Setup, found: &PlaneFound) -> [f64; 2] {
-    let (law, integrals, nodes) = (setup.law, &found.integrals, &found.nodes);
-    let weighted = |part: &dyn Fn(&PlaneNode) -> f64| {
-        nodes.iter().map(|n| n.spot.weight * part(n)).sum::<f64>()
-    };
-    let excess = weighted(&|n| allowed(law, n) - n.flux);
-    let fixed = weighted(&|n| f64::from(is_fixed(n)));
-    // Room of the flux on the side to which it must go, no more than its own size where that is infinite.
-    let room = |n: &PlaneNode| match () {
-        () if fixed > 0.0 => f64::from(is_fixed(n)),
-        () if !n.lawful => 0.0,
-        () if excess > 0.0 && law.lo().is_finite() => allowed(law, n) - law.lo(),
-        () if excess < 0.0 && law.hi().is_finite() => law.hi() - allowed(law, n),
-        () => 1.0,
-    };
-    let rooms = weighted(&room);
-    let share = if rooms > 0.0 { excess / rooms } else { 0.0 };
-    let eta = |n: &PlaneNode| allowed(law, n) - n.flux - share * room(n);
-    let moved = weighted(&|n| n.value * eta(n));
-    let square = weighted(&|n| eta(n) * eta(n));
-    // What the quadrature of the flux misses, and rounding.
-    let size = nodes.iter().fold(0.0f64, |most, n| most.max(n.value.abs()));
-    let rounding = 2e-15 * (integrals.work.abs() + integrals.flux_work.abs());
-    let missed = (integrals.force + integrals.source).abs() * size + rounding;
-    let trace = 2.0 * setup.diameter;
-    let found_room = if rooms > 0.0 { 0.0 } else { f64::INFINITY };
-    let lower = -found_room
-        - 0.5 * (integrals.flux_work + integrals.work)
-        - moved
-        - 0.5 * trace * square
-        - missed;
-    let potential = weighted(&|n| if n.lawful { law.potential(n.value) } else { 0.0 });
-    let mut upper = 0.5 * (integrals.flux_work - integrals.work) + potential + missed;
-    if !law.is_bounded() {
-        let sign = if law.hi().is_infinite() { 1.0 } else { -1.0 };
-        let lawful = nodes.iter().filter(|n| n.lawful);
-        let below = lawful.fold(0.0f64, |most, n| most.max(-sign * n.value));
-        upper += BETWEEN * below * integrals.force.abs().max(setup.perimeter * found.sizes.flux);
-    }
-    if fixed > 0.0 {
-        // v is moved to zero there by a function of about this energy.
-        let off = weighted(&|n| if is_fixed(n) { n.value.abs() * n.flux.abs() } else { 0.0 });
-        upper += BETWEEN * off;
-    }
-    [lower, upper]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,9 +181,15 @@ mod tests {
         let distances = Distances { delta: 0.5, slopes: Vec::new() };
         let slopes = Vec::new();
         let balance = FluxBalance { range: 0.0, slopes, moved: 2e-2, missed: 2e-3 };
-        let [lower, upper] = ends([1.0, 1e-6], &distances, &balance, [2e-4, 2e-5]);
+        let none = SourceChange { of_v: 0.0, of_w: 0.0, field: 0.0 };
+        let [lower, upper] = ends([1.0, 1e-6], &distances, &balance, &none, [2e-4, 2e-5]);
         assert!((1.0 - lower - 1.0011e-2).abs() < 1e-13, "{lower}");
         assert!((upper - 1.0 - 1.101e-3).abs() < 1e-13, "{upper}");
+        let change = SourceChange { of_v: 1e-3, of_w: 1e-4, field: 3e-2 };
+        let moved = ends([1.0, 1e-6], &distances, &balance, &change, [2e-4, 1.6e-3]);
+        let field = 0.5 * (4e-2f64 + 3e-2).powi(2);
+        assert!((1.0 - moved[0] - 1.1001e-2 - field).abs() < 1e-13, "{moved:?}");
+        assert!((moved[1] - 1.0 - 2.201e-3).abs() < 1e-13, "{moved:?}");
         // W is v or part of it, with either sign.
         assert_eq!(distances.range(), 1.0);
     }

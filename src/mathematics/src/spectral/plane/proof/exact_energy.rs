@@ -14,6 +14,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::jumps::JumpEdge;
 use crate::spectral::plane::boundary::{JoinedCrossing, JoinedPiece, PlaneCrossing, State};
 use crate::spectral::plane::energy::Integrals;
+use crate::spectral::plane::psi::Psi;
 use crate::spectral::plane::setup::Setup;
 use crate::spectral::rule::gauss;
 
@@ -119,9 +120,17 @@ impl EnergyFactors {
         let far = (disc.centre - proof.setup.centre).norm() + disc.radius;
         let f = of_f(&proof.setup.jumps.psi, interval.f, disc);
         let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
-        let far = 1.0 + far + disc.centre.norm();
         let Moduli { value, slope } = own.moduli.psi;
-        let constants = 8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + value + slope);
+        let constants = match &proof.setup.jumps.psi {
+            Psi::Polynomial(f) => {
+                let far = disc.centre.norm() + disc.radius;
+                2.0 * far * f.product_modulus(far)
+            }
+            Psi::Jumps(_) => {
+                let far = 1.0 + far + disc.centre.norm();
+                8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + value + slope)
+            }
+        };
         Self { constants, rate: slope + q }
     }
 }
@@ -136,6 +145,10 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let size = EnergyFactors::of(proof, own);
     // The normal of an arc, continued, is longer than 1.
     let green = h.value * slope + 1.8 * h.slope * value * r;
+    if let Psi::Polynomial(_) = &proof.setup.jumps.psi {
+        let of_v = 4.0 * (value + moduli.psi.value) * (slope + size.rate * r);
+        return of_v + size.constants * r + green;
+    }
     size.constants * (value + 1.0) * (slope + size.rate * r) + green
 }
 
@@ -167,7 +180,11 @@ impl BoundedEnergy {
         let far = (cell.disc.centre - proof.setup.centre).norm() + cell.disc.centre.norm();
         let of_source = f * (far + 2.0 * cell.disc.radius);
         for (node, [_, slope]) in own.nodes.iter().zip(&own.rounding) {
-            let terms = node.flux.abs() + of_source;
+            let here = match &proof.setup.jumps.psi {
+                Psi::Polynomial(f) => node.spot.z.norm() * f.moduli(node.spot.z.norm())[0],
+                Psi::Jumps(_) => of_source,
+            };
+            let terms = node.flux.abs() + here;
             self.unbalanced += node.spot.weight * (slope + (units + weights) * terms);
         }
         let slopes = own.moduli.slope.iter();
@@ -225,17 +242,29 @@ impl BoundedEnergy {
             let far = z.norm().max(2.0 * square.sqrt());
             let by_value = 0.5 * (sign * l + node.psi_flux - 2.0 * q + h.flux).abs() + slope;
             let by_slope = 0.5 * (sign * v - node.psi - h.value).abs();
-            let by_psi = 0.5 * ((l + h.flux).abs() + 0.5 * f * far);
-            let by_psi_slope = 0.5 * ((v + h.value).abs() + f * square);
+            // Of the part of the energy that is an integral of f and psi alone: its derivatives, its terms, its rounding.
+            let [of_psi, of_slope, of_f, rounded] = match &proof.setup.jumps.psi {
+                Psi::Jumps(_) => {
+                    let rest = square * (node.psi_flux.abs() + 0.25 * f * far);
+                    [0.5 * f * far, f * square, f * (0.5 * node.psi.abs() * far + rest), 0.0]
+                }
+                Psi::Polynomial(f) => {
+                    let product = z.norm() * f.product_modulus(z.norm());
+                    let rounding = f.units() * f64::EPSILON * product;
+                    [0.0, 0.0, product, rounding + z.norm() * f.product_error]
+                }
+            };
+            let by_psi = 0.5 * ((l + h.flux).abs() + of_psi);
+            let by_psi_slope = 0.5 * ((v + h.value).abs() + of_slope);
             let terms = v.abs() * (1.5 * l.abs() + 0.5 * node.psi_flux.abs() + q.abs())
-                + 0.5 * node.psi.abs() * (l.abs() + 0.5 * f * far)
-                + 0.5 * f * square * (node.psi_flux.abs() + 0.25 * f * far)
+                + 0.5 * (node.psi.abs() * l.abs() + of_f)
                 + 0.5 * (h.flux * g).abs()
                 + 0.5 * (h.value * rate).abs();
             let error = value * by_value
                 + slope * by_slope
                 + psi.value * by_psi
                 + psi.slope * by_psi_slope
+                + 0.5 * rounded
                 + 0.5 * (h.errors[0] * rate.abs() + h.errors[1] * g.abs())
                 + weights * terms;
             self.error += node.spot.weight * error;

@@ -8,6 +8,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::plane::field::node;
 use crate::spectral::plane::functions::{Power, SpotSum};
 use crate::spectral::plane::panels::Spot;
+use crate::spectral::plane::psi::Psi;
 use crate::spectral::rule::gauss;
 
 impl Proof<'_> {
@@ -102,6 +103,11 @@ impl Proof<'_> {
         let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
         let gradients = self.setup.jumps.psi.gradients(&points);
         let psi_errors = self.setup.jumps.psi.errors(&points);
+        // The flux of the field whose divergence is the error of f.
+        let off_flux = match &self.setup.jumps.psi {
+            Psi::Polynomial(f) => 0.5 * f.error * f.radius,
+            Psi::Jumps(_) => 0.0,
+        };
         let mut samples = Vec::with_capacity(cells.len());
         for (k, (own, moduli)) in cells.iter().zip(self.moduli(cells)).enumerate() {
             let range = k * POINTS..(k + 1) * POINTS;
@@ -112,7 +118,7 @@ impl Proof<'_> {
                 let node = node(self.setup, self.fit, spot, [value, slope], gradient);
                 sampled.nodes.push(node);
                 sampled.slopes.push((slope * spot.tangent).re + gradient.dot(spot.tangent));
-                sampled.rounding.push(errors);
+                sampled.rounding.push([errors[0], errors[1] + off_flux]);
                 sampled.psi.push(psi_errors[i]);
             }
             let interval = &self.fit.walk.intervals[own.interval];

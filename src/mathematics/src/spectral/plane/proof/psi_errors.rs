@@ -33,7 +33,7 @@ impl Psi {
             Self::Polynomial(f) => {
                 let moduli = points.iter().map(|z| f.moduli(z.norm()));
                 let errors = moduli.map(|[_, value, slope]| PsiErrors { value, slope, bend: 0.0 });
-                errors.map(|own| own.scaled(UNITS * f64::EPSILON)).collect()
+                errors.map(|own| own.scaled(f.units() * f64::EPSILON)).collect()
             }
         }
     }
@@ -153,12 +153,20 @@ mod tests {
         }
     }
 
+    /// The jumps alone.
+    fn without_background(psi: Psi) -> Psi {
+        let Psi::Jumps(mut potential) = psi else { panic!("jumps") };
+        (potential.background, potential.gauge[0]) = (0.0, Complex::default());
+        Psi::Jumps(potential)
+    }
+
     #[test]
     fn far_away_errors_are_those_of_logarithms_times_distances() {
         let (origin, tangent) = (Complex::new(0.3, -0.2), Complex::new(0.8, 0.6));
         for curvature in [0.0, 0.7] {
             let curve = Curve { origin, tangent, curvature };
-            let [whole, halves] = [&[-0.6, 0.7][..], &[-0.6, 0.1, 0.7]].map(|at| along(curve, at));
+            let [whole, halves] = [&[-0.6, 0.7][..], &[-0.6, 0.1, 0.7]]
+                .map(|at| without_background(along(curve, at)));
             let points: Vec<Complex> =
                 (0..300).map(|k| Complex::unit(f64::from(k)).scaled(1e3 + f64::from(k))).collect();
             let gradients = [&whole, &halves].map(|psi| psi.gradients(&points));

@@ -160,7 +160,8 @@ fn the_flux_is_balanced_and_all_that_is_missed_counts() {
         }
         proof.logs = hole_logs(&proof, &samples);
         samples.iter_mut().for_each(|own| proof.add_logs(own));
-        for error in [0.0, 1e-6] {
+        let large = if name == "gap round a hole" { 1e-2 } else { 1e-6 };
+        for error in [0.0, large] {
             for own in &mut samples {
                 own.rounding.iter_mut().for_each(|errors| errors[1] += error);
             }
@@ -244,12 +245,12 @@ fn check_balance(name: &str, proof: &Proof, samples: &[Sampled], error: f64) {
         moved += constant.abs() * open * 0.9;
     }
     assert!(
-        found.missed >= missed * (1.0 - 1e-9) && found.missed < 3.0 * missed + 1e-4,
+        found.missed >= missed * (1.0 - 1e-9) && found.missed < 3.0 * missed + 1e-4 + 200.0 * error,
         "{name}: {} {missed}",
         found.missed
     );
     assert!(
-        found.moved >= moved * (1.0 - 1e-9) && found.moved < 8.0 * moved + 1e-4,
+        found.moved >= moved * (1.0 - 1e-9) && found.moved < 8.0 * moved + 1e-4 + 200.0 * error,
         "{name}: {} {moved}",
         found.moved
     );

@@ -189,8 +189,15 @@ fn bounds_of_cells_hold_at_many_points_and_are_near_to_the_largest() {
 
 #[test]
 fn positions_that_are_off_count_by_the_slopes_of_what_is_computed() {
+    // With a power, whose slopes are large, and without, where psi is.
+    for c in [0.7, 0.0] {
+        positions_count(9, c);
+    }
+}
+
+/// Checks errors of positions on a disc to which `c Re z^n` is added.
+fn positions_count(n: usize, c: f64) {
     let mut own = solved("disc in contact");
-    let (n, c) = (9, 0.7);
     Spoiling::Power(n, Complex::new(c, 0.0)).spoil(&mut own.found.fit);
     let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
     let unit = f64::EPSILON;
@@ -208,7 +215,7 @@ fn positions_that_are_off_count_by_the_slopes_of_what_is_computed() {
                 "{value} {slope}"
             );
             assert!(
-                derivative >= 2.0 * unit * bend && derivative < 300.0 * unit * bend,
+                derivative >= 2.0 * unit * bend && derivative < 300.0 * unit * bend.max(1.0),
                 "{derivative} {bend}"
             );
             let psi = sampled.psi[i];

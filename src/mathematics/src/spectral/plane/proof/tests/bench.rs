@@ -5,9 +5,12 @@ use super::known::{
     sticks, with_disc,
 };
 use crate::mesh::Condition::{self, Contact, Fixed, Free};
+use crate::problem::complex::Complex;
+use crate::problem::formula::Formula;
 use crate::problem::law::Law;
-use crate::spectral::domain::{PlaneCircle, PlaneDomain, PlaneSide};
+use crate::spectral::domain::{PlaneCircle, PlaneSide};
 use crate::spectral::plane::boundary::RingContact;
+use crate::spectral::plane::expansion::Expansion;
 use crate::spectral::plane::polynomial::Polynomial;
 use crate::spectral::plane::problem::PlaneSource;
 use std::f64::consts::PI;
@@ -208,8 +211,9 @@ fn polygons() -> Vec<KnownEnergy> {
     // v = -(1 - x^2) (1 - y^2).
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let square = vec![polygon(&square, &[Contact; 4])];
-    let f = |[x, y]: [f64; 2]| -2.0 * (2.0 - x * x - y * y);
-    let polynomial = Polynomial::fitted(f, &PlaneDomain::new(square.clone()).unwrap());
+    let f = Formula::read("-2*(2 - x^2 - y^2)", 2).unwrap();
+    let seen = Expansion { origin: Complex::default(), unit: 1.0, radius: 1.5 };
+    let polynomial = Polynomial::in_coordinates(&f, 1.0, &seen).unwrap();
     let source = (Law::SIGNORINI, PlaneSource::Polynomial(polynomial));
     all.push(known("square", square, source, vec![sticks()], -128.0 / 45.0));
     all

@@ -151,7 +151,7 @@ fn brackets_hold_energies_that_are_known() {
     let mut many = 0;
     for known in all_known() {
         let own = known.solved();
-        let bounds = proved(&own.setup, &own.found).unwrap();
+        let (bounds, _) = proved(&own.setup, &own.found).unwrap();
         check(own.name, bounds, own.energy);
         let width = if own.name == "small disc" { 1e-9 } else { 3e-11 };
         assert!(bounds[1] - bounds[0] < width * own.energy.abs(), "{}: {bounds:?}", own.name);
@@ -177,7 +177,7 @@ fn brackets_of_spoilt_solutions_hold_the_energy_and_are_as_wide_as_predicted() {
             let off = (spoilt.integrals.energy - own.energy - change).abs();
             assert!(off < 1e-9 * need + 1e-12 * own.energy.abs(), "{name}: {off} {change}");
             many += 1;
-            let Ok(bounds) = proved(&own.setup, &spoilt) else {
+            let Ok((bounds, _)) = proved(&own.setup, &spoilt) else {
                 refused += 1;
                 continue;
             };
