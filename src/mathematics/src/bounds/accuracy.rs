@@ -21,8 +21,10 @@ impl Accuracy {
         wanted
     }
 
-    /// Value of the bound.
+    /// Value of the bound and, on a curved domain, of the estimate of what it leaves out beside the polygon.
     pub fn reached(self, bounds: &Bounds) -> f64 {
+        let with_curve = bounds.curve.map(|curve| bounds.with_curve(curve));
+        let bounds = with_curve.as_ref().unwrap_or(bounds);
         match self {
             Self::Error(_) => bounds.relative(),
             Self::Energy(_) => bounds.relative_energy(),
@@ -57,5 +59,24 @@ impl Accuracy {
             Self::Error(_) => 1.0,
             Self::Energy(_) => 3.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_energy_beside_the_polygon_counts_in_both_goals() {
+        let polygon = Bounds { energy: [-1.01, -1.0], error: [0.0, 0.1], ..Bounds::NONE };
+        let domain = Bounds { curve: Some(0.02), ..polygon.clone() };
+        let reached = |bounds: &Bounds| {
+            [Accuracy::Energy(1.0), Accuracy::Error(1.0)].map(|goal| goal.reached(bounds))
+        };
+        let [[energy, error], [energy_on_domain, error_on_domain]] =
+            [&polygon, &domain].map(reached);
+        assert!((energy - 0.01).abs() < 1e-12 && (error - 0.1 / 2f64.sqrt()).abs() < 1e-12);
+        assert!((energy_on_domain - 0.03).abs() < 1e-12);
+        assert!((error_on_domain - 0.025f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -142,6 +142,13 @@ impl Bounds {
         }
     }
 
+    /// Bounds widened by an energy between the polygon and the curve, which is half the square of an error there.
+    fn with_curve(&self, energy: f64) -> Self {
+        let ([low, high], [least, most]) = (self.energy, self.error);
+        let error = [least, (most * most + 2.0 * energy).sqrt()];
+        Self { energy: [low - energy, high], error, recovered: None, curve: None }
+    }
+
     /// Width of the bracket of the energy over |J(u)|; infinite if the bracket contains zero and other numbers, zero if
     /// it is zero alone.
     pub fn relative_energy(&self) -> f64 {

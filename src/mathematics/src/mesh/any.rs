@@ -2,7 +2,6 @@
 
 use super::refine;
 use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
-use crate::problem::text::plain;
 use std::any::Any;
 
 /// Mesh in the plane or in space.
@@ -23,9 +22,6 @@ macro_rules! either {
         }
     };
 }
-
-/// Distance of a node from the curve of its part, over the radius, that is taken for rounding of the file.
-const ON_CURVE: f64 = 1e-4;
 
 impl From<PlaneMesh> for AnyMesh {
     fn from(mesh: PlaneMesh) -> Self {
@@ -182,12 +178,12 @@ impl AnyMesh {
         either!(self, mesh => mesh.set_condition(name, condition))
     }
 
-    /// Puts a part of the boundary on a circle, sphere or cylinder, given by its numbers: the centre and the radius, or
-    /// a point, a direction and the radius.
+    /// Puts a part of the boundary, and its nodes, on a circle, sphere or cylinder, given by its numbers: the centre and
+    /// the radius, or a point, a direction and the radius.
     ///
     /// # Errors
     /// A sentence if no facets of the boundary have this name, some are on another curve already, the numbers are no
-    /// curve, or a node is off it.
+    /// curve, or a node is farther off it than the digits of a file explain.
     pub fn set_curve(&mut self, part: &str, numbers: &[f64]) -> Result<(), String> {
         let refused = || {
             let numbers: Vec<_> = numbers.iter().map(f64::to_string).collect();
@@ -227,7 +223,7 @@ impl AnyMesh {
 
 impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Positions of the parts that have this name.
-    fn parts_named(&self, name: &str) -> Result<Vec<usize>, String> {
+    pub(super) fn parts_named(&self, name: &str) -> Result<Vec<usize>, String> {
         let has_name = |&part: &usize| self.parts[part].names.contains(name);
         let found: Vec<_> = (0..self.parts.len()).filter(has_name).collect();
         if !found.is_empty() {
@@ -253,34 +249,6 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
                 ));
             }
             part.condition = condition;
-        }
-        Ok(())
-    }
-
-    /// Puts the facets of this name on a curve on which their nodes lie.
-    fn set_curve(&mut self, name: &str, curve: Round<D>) -> Result<(), String> {
-        let parts = self.parts_named(name)?;
-        let mut farthest = 0.0f64;
-        for facet in self.facets.iter().filter(|facet| parts.contains(&usize::from(facet.part))) {
-            for point in self.corners(facet) {
-                farthest = farthest.max(curve.distance(point));
-            }
-        }
-        if farthest.is_nan() || farthest > ON_CURVE * curve.radius {
-            let distance = plain(farthest, 3);
-            return Err(format!(
-                "part `{name}` is off its curve by {distance}; give the curve on which its nodes lie"
-            ));
-        }
-        for part in parts {
-            let part = &mut self.parts[part];
-            if part.curve.is_some_and(|other| other != curve) {
-                let names = &part.names;
-                return Err(format!(
-                    "facets named {names} lie on another curve already; leave one of the two out"
-                ));
-            }
-            part.curve = Some(curve);
         }
         Ok(())
     }

@@ -2,7 +2,8 @@
 
 use super::geometry::{centroid, difference, dot, measure, volume};
 use super::load::OnCells;
-use super::{Mesh, Sides};
+use super::surface::{Course, CurvedEdge};
+use super::{Facet, Mesh, Sides};
 
 /// Halvings of a facet: in the plane 32 pieces, whose chords miss a thousandth of what the facet misses.
 const HALVINGS: usize = 5;
@@ -23,40 +24,89 @@ pub(crate) fn curve_gains<const D: usize, const V: usize, F: OnCells<D> + ?Sized
     mesh: &Mesh<D, V>,
     f: &F,
 ) -> Vec<CurveGain> {
-    if mesh.parts().iter().all(|part| part.curve.is_none()) {
+    let edges = mesh.curved_edges();
+    if edges.is_empty() {
         return Vec::new();
     }
     let mut gains = Vec::new();
     for (number, side) in Sides::new(mesh).of_facets().iter().enumerate() {
         let facet = &mesh.facets()[number];
-        let Some(curve) = mesh.parts()[usize::from(facet.part)].curve else { continue };
+        let courses = courses(mesh, facet, &edges);
+        if courses.iter().all(|course| *course == Course::Straight) {
+            continue;
+        }
         let inside = centroid(mesh.vertices(&mesh.cells()[side.cell as usize]));
         let region = mesh.regions()[side.cell as usize];
         let corners = mesh.corners(facet);
-        let (mut pieces, mut integral) = (vec![corners], 0.0);
+        let within = mesh.curve_of(facet).map_or(Course::Straight, Course::OnCurve);
+        let (mut pieces, mut integral) = (vec![FacetPiece { corners, courses }], 0.0);
         for _ in 0..HALVINGS {
             let mut halves = Vec::with_capacity(2 * pieces.len());
             for piece in pieces {
-                let ends = longest_edge(piece);
-                let middle = centroid(ends.map(|end| piece[end]));
-                let top = curve.nearest(middle);
+                let ends = longest_edge(piece.corners);
+                let (top, of_piece) = piece.halves(ends, within);
+                let middle = centroid(ends.map(|end| piece.corners[end]));
                 let between: [[f64; D]; V] =
-                    std::array::from_fn(|k| if k < D { piece[k] } else { top });
+                    std::array::from_fn(|k| if k < D { piece.corners[k] } else { top });
                 let outward = dot(difference(top, middle), difference(middle, inside));
                 let volume = volume(between);
                 integral += volume.copysign(outward) * f.at(region, centroid(between));
-                for end in ends {
-                    let mut half = piece;
-                    half[end] = top;
-                    halves.push(half);
-                }
+                halves.extend(of_piece);
             }
             pieces = halves;
         }
-        let of_pieces: f64 = pieces.into_iter().map(measure).sum();
+        let of_pieces: f64 = pieces.into_iter().map(|piece| measure(piece.corners)).sum();
         gains.push(CurveGain { facet: number, measure: of_pieces - measure(corners), integral });
     }
     gains
+}
+
+/// Piece of a facet.
+struct FacetPiece<const D: usize> {
+    corners: [[f64; D]; D],
+    /// Where the nodes of the edge opposite to each corner lie; in the plane, of the one edge, twice.
+    courses: [Course<D>; D],
+}
+
+impl<const D: usize> FacetPiece<D> {
+    /// Node of the edge with these ends, and the two pieces that it makes; nodes between them lie `within`.
+    fn halves(&self, ends: [usize; 2], within: Course<D>) -> ([f64; D], [Self; 2]) {
+        let opposite = (0..D).find(|k| !ends.contains(k)).unwrap_or_default();
+        let course = self.courses[opposite];
+        let top = course.middle(ends.map(|end| self.corners[end]));
+        let half = |end: usize| {
+            let (mut corners, mut courses) = (self.corners, self.courses);
+            corners[end] = top;
+            if D > 2 {
+                let other = ends[0] + ends[1] - end;
+                courses[other] = within;
+            }
+            Self { corners, courses }
+        };
+        (top, ends.map(half))
+    }
+}
+
+/// Where the nodes of the edge opposite to each corner of a facet lie.
+fn courses<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    facet: &Facet<D>,
+    edges: &[CurvedEdge<D>],
+) -> [Course<D>; D] {
+    std::array::from_fn(|corner| {
+        let mut ends = [u32::MAX, 0];
+        for (k, &node) in facet.nodes.iter().enumerate() {
+            if D == 2 || k != corner {
+                ends = [ends[0].min(node), ends[1].max(node)];
+            }
+        }
+        let found = edges.binary_search_by_key(&ends, |edge| edge.ends);
+        let own = mesh.curve_of(facet);
+        match found {
+            Ok(place) => edges[place].course,
+            Err(_) => own.map_or(Course::Straight, Course::OnCurve),
+        }
+    })
 }
 
 /// Positions of the ends of the longest edge.

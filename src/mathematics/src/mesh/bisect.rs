@@ -352,6 +352,7 @@ impl<'a> Pieces<'a> {
             parts: coarse.parts.clone(),
             inside: coarse.inside.clone(),
             touching: coarse.touching.clone(),
+            moved: coarse.moved.clone(),
             origin: coarse.origin,
         };
         if is_curved {

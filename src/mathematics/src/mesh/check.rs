@@ -55,6 +55,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
             parts: self.parts,
             inside: boundary.inside,
             touching: touching.into_iter().chain(meshed_apart).collect(),
+            moved: Vec::new(),
             origin: MeshOrigin::default(),
         };
         Ok(mesh)

@@ -22,7 +22,7 @@ impl<const D: usize> Round<D> {
     }
 
     /// Returns the vector to a point from the centre or, at a right angle, from the axis, and its length.
-    fn outward(&self, point: [f64; D]) -> ([f64; D], f64) {
+    pub(super) fn outward(&self, point: [f64; D]) -> ([f64; D], f64) {
         let mut outward: [f64; D] = std::array::from_fn(|d| point[d] - self.centre[d]);
         let along: f64 = outward.iter().zip(self.axis).map(|(x, a)| x * a).sum();
         outward.iter_mut().zip(self.axis).for_each(|(x, a)| *x -= along * a);

@@ -27,6 +27,7 @@ mod hanging;
 mod load;
 mod names;
 mod nested;
+mod on_curve;
 mod origin;
 mod overlap;
 mod pinched;
@@ -36,6 +37,7 @@ mod shared;
 mod sides;
 mod source;
 mod split;
+mod surface;
 mod uniform;
 
 pub use any::AnyMesh;
@@ -122,6 +124,8 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) inside: Vec<String>,
     /// Lines to be told of places where the domain touches itself.
     pub(crate) touching: Vec<String>,
+    /// Lines to be told of nodes that were moved onto the curves of their parts.
+    pub(crate) moved: Vec<String>,
     /// Place of the mesh in its file, and what was read otherwise than it stands there.
     pub(crate) origin: MeshOrigin,
 }
@@ -231,7 +235,8 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
 
     /// As [`AnyMesh::notes`].
     pub(crate) fn notes(&self) -> Vec<String> {
-        self.origin.notes().into_iter().chain(self.touching.iter().cloned()).collect()
+        let kept = self.touching.iter().chain(&self.moved).cloned();
+        self.origin.notes().into_iter().chain(kept).chain(self.straight_edges()).collect()
     }
 
     /// Place in the space of the file of a point of the domain.

@@ -1,9 +1,10 @@
 //! Uniform refinement: each triangle into four, each tetrahedron into eight (Bey 1995).
 //!
 //! New nodes are numbered after the old ones in the order of the [edges](super::Edges) that they halve, and lie on the
-//! curve of their boundary part.
+//! curve of their boundary part or, between two parts, on the surfaces of both.
 
 use super::error::MeshError;
+use super::surface::CurvedEdge;
 use super::{Edges, Element, Facet, Mesh};
 
 /// Refined mesh, and the edges of the coarse one.
@@ -126,6 +127,7 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         parts: mesh.parts.clone(),
         inside: mesh.inside.clone(),
         touching: mesh.touching.clone(),
+        moved: mesh.moved.clone(),
         origin: mesh.origin,
     };
     Ok(Refined { mesh: refined, parents })
@@ -134,15 +136,9 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
 impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Moves the midpoints of edges of curved parts onto the curves.
     fn put_on_curves(&self, numbers: &NodeNumbers<'_>, points: &mut [[f64; D]]) {
-        for facet in &self.facets {
-            let Some(curve) = self.parts[facet.part as usize].curve else { continue };
-            for i in 0..D {
-                for j in 0..i {
-                    let edge = numbers.edges.between(facet.nodes[i], facet.nodes[j]);
-                    let point = &mut points[numbers.old + edge];
-                    *point = curve.nearest(*point);
-                }
-            }
+        for CurvedEdge { ends, course } in self.curved_edges() {
+            let edge = numbers.edges.between(ends[0], ends[1]);
+            points[numbers.old + edge] = course.middle(ends.map(|node| self.points[node as usize]));
         }
     }
 }

@@ -13,10 +13,10 @@
 //! 3. Let nodes that stick with a multiplier below zero slip up, those above the limit slip down, and nodes whose value
 //!    has the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
 //!    of least energy: otherwise the next system is singular.
-//! 4. Stop if no state has changed. If all have returned to earlier ones, stop under the paper's law, where only
-//!    rounding errors can be the reason; under others, where the steps may go round in circles, no step may raise the
-//!    energy from then on: go from the vector of least energy so far towards the solution as far as the energy falls,
-//!    sweep once, and take the states from there. Go to step 2.
+//! 4. Stop if no state has changed. If all have returned to earlier ones, stop if the residual is one of rounding
+//!    errors. Otherwise the steps go round in a circle, as the matrix of stretched cells is no M-matrix, and no step may
+//!    raise the energy from then on: go from the vector of least energy so far towards the solution as far as the
+//!    energy falls, sweep, and take the states from there. Go to step 2.
 //!
 //! # Cost
 //! One factorisation per step, in the order of minimum degree.
@@ -26,7 +26,9 @@ use super::input::{InputError, check_length, check_load};
 use crate::discrete::components::components;
 use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
+use crate::discrete::kkt::judge;
 use crate::discrete::network::{ContactRow, Network, count_components};
+use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::descent::{Bend, Slope};
@@ -41,6 +43,13 @@ pub const MOST_NODES_IN_PLANE: usize = (MOST_CELLS + 1) * (MOST_CELLS + 1);
 /// Most nodes of a mesh in space whose matrix and factors are worth their time: those of the cube with 24 cells per
 /// side.
 pub const MOST_NODES_IN_SPACE: usize = 25 * 25 * 25;
+
+/// Natural residual over the largest load up to which a circle of states is one of rounding errors.
+const ROUNDING: f64 = 1e-11;
+/// Halvings of a step that is to lower the energy at most.
+const MOST_HALVINGS: usize = 6;
+/// Sweeps after such a step.
+const SWEEPS: usize = 4;
 
 /// Limit on the number of linear systems.
 const MAX_STEPS: usize = 200;
@@ -62,8 +71,8 @@ pub fn active_set(n: usize, law: Law, load: &[f64]) -> Result<(Vec<f64>, End), I
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its
 /// fixed nodes. Starts with all contact nodes at zero.
 ///
-/// Ends `Converged` if a step left all states as they were, and at the `RoundingFloor` if a step led to earlier states,
-/// which was seen only where multipliers or values are zero up to rounding errors.
+/// Ends `Converged` if a step left all states as they were, and at the `RoundingFloor` if a step led to earlier states
+/// with a vector that solves the problem but for rounding errors.
 ///
 /// # Errors
 /// If the length is wrong, a number is not finite, or in a component without fixed nodes the flux cannot balance the
@@ -117,16 +126,18 @@ pub(crate) fn active_set_from(
         if next == states {
             break Stop::Converged;
         }
-        let is_circle = lowest.is_none() && seen.contains(&next);
-        if is_circle && !problem.limit.is_finite() {
+        let is_circle = lowest.is_some() || seen.contains(&next);
+        if is_circle && problem.has_rounding_errors_alone(&states, &y) {
             break Stop::RoundingFloor;
         }
         if let Some(lowest) = &mut lowest {
             problem.descend(lowest, &y);
             states = problem.states_of(lowest);
         } else if is_circle {
-            states = problem.states_of(&y);
-            lowest = Some(y.clone());
+            let mut start = y.clone();
+            problem.put_into_law(&mut start);
+            states = problem.states_of(&start);
+            lowest = Some(start);
         } else {
             seen.push(std::mem::replace(&mut states, next));
         }
@@ -135,13 +146,7 @@ pub(crate) fn active_set_from(
         y = lowest;
         states = problem.states_of(&y);
     }
-    for contact in network.contact() {
-        let value = &mut y[contact.node];
-        *value = match states[contact.node] {
-            BoundaryState::SlipsDown => value.min(0.0),
-            _ => value.max(0.0),
-        };
-    }
+    problem.put_into_states(&states, &mut y);
     let y = signed(&y);
     let multiplications = steps as f64 * direct.step_work();
     let work_units = multiplications / (network.row_length() * y.len() as f64);
@@ -190,9 +195,70 @@ impl StateProblem<'_> {
         states
     }
 
-    /// Goes from a vector towards another one to the least energy between or beyond them, and minimises the energy over
-    /// one value after the other.
+    /// Gives values of contact nodes that have the other sign than their states, by rounding errors, the value zero.
+    fn put_into_states(&self, states: &[BoundaryState], y: &mut [f64]) {
+        for contact in self.network.contact() {
+            let value = &mut y[contact.node];
+            *value = match states[contact.node] {
+                BoundaryState::SlipsDown => value.min(0.0),
+                _ => value.max(0.0),
+            };
+        }
+    }
+
+    /// Gives values of contact nodes of which the energy is infinite the value zero.
+    fn put_into_law(&self, y: &mut [f64]) {
+        if !self.limit.is_finite() {
+            self.network.contact().iter().for_each(|of| y[of.node] = y[of.node].max(0.0));
+        }
+    }
+
+    fn law(&self) -> Law {
+        Law::new(0.0, self.limit).expect("a positive limit")
+    }
+
+    /// True if the solution with these states solves the problem but for rounding errors.
+    fn has_rounding_errors_alone(&self, states: &[BoundaryState], y: &[f64]) -> bool {
+        let mut y = y.to_vec();
+        self.put_into_states(states, &mut y);
+        let natural = judge(self.network, self.law(), &y, self.load).kkt.natural;
+        natural <= ROUNDING * largest(self.load)
+    }
+
+    /// Goes from a vector towards another one as far as the energy falls, and minimises the energy over one value after
+    /// the other.
     fn descend(&self, y: &mut [f64], towards: &[f64]) {
+        if self.limit.is_finite() {
+            self.go_to_least(y, towards);
+        } else {
+            self.go_within(y, towards);
+        }
+        let law = self.law();
+        for _ in 0..SWEEPS {
+            self.network.sweep(self.load, y, |_, ContactRow { sum, diagonal, measure }| {
+                law.settle(sum, diagonal, measure)
+            });
+        }
+    }
+
+    /// Goes towards another vector, with no value of a contact node below zero, if a part of the way lowers the energy.
+    fn go_within(&self, y: &mut [f64], towards: &[f64]) {
+        let energy = |y: &[f64]| judge(self.network, self.law(), y, self.load).energy;
+        let (before, mut part) = (energy(y), 1.0);
+        for _ in 0..MOST_HALVINGS {
+            let way = y.iter().zip(towards);
+            let mut there: Vec<f64> = way.map(|(from, to)| from + part * (to - from)).collect();
+            self.put_into_law(&mut there);
+            if energy(&there) < before {
+                y.copy_from_slice(&there);
+                return;
+            }
+            part *= 0.5;
+        }
+    }
+
+    /// Goes to the least energy between a vector and another one or beyond.
+    fn go_to_least(&self, y: &mut [f64], towards: &[f64]) {
         let direction: Vec<f64> = towards.iter().zip(&*y).map(|(to, from)| to - from).collect();
         let (mut first, mut second) = (0.0, 0.0);
         for (node, &along) in direction.iter().enumerate() {
@@ -216,10 +282,6 @@ impl StateProblem<'_> {
             let length = Slope { first, second }.least(bends);
             y.iter_mut().zip(&direction).for_each(|(value, along)| *value += length * along);
         }
-        let law = Law::new(0.0, self.limit).expect("a positive limit");
-        self.network.sweep(self.load, y, |_, ContactRow { sum, diagonal, measure }| {
-            law.settle(sum, diagonal, measure)
-        });
     }
 
     /// States that belong to a vector: by the signs of the values and, where a value is zero, by the multiplier.
@@ -304,5 +366,28 @@ impl StateProblem<'_> {
                 Ordering::Greater => BoundaryState::SlipsUp,
             };
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrete::kkt::Judgement;
+    use crate::mesh::{AnyMesh, assemble, gmsh, mesh_load, on_regions};
+
+    #[test]
+    fn states_that_go_round_in_a_circle_on_flat_cells_end_at_the_solution() {
+        let file = include_bytes!("../../../../tests/meshes/flat22.msh");
+        let AnyMesh::Space(mesh) = gmsh::read(file).unwrap() else { panic!("a mesh in space") };
+        let f = "region(a)=0.343176; region(b)=-0.432909";
+        let f = on_regions::<3>(f, mesh.region_names(), mesh.extent()).unwrap();
+        let (network, load) = (assemble(&mesh), mesh_load(&mesh, &f[..]).unwrap().load);
+        let (y, end) = active_set_on(&network, Law::SIGNORINI, &load).unwrap();
+        let Judgement { energy, kkt, .. } = judge(&network, Law::SIGNORINI, &y, &load);
+        assert!(
+            matches!(end.stop, Stop::Converged | Stop::RoundingFloor),
+            "{end:?} {energy} {kkt:?}"
+        );
+        assert!((energy / -1.131441804e-7 - 1.0).abs() < 1e-6, "{energy} {kkt:?}");
     }
 }
