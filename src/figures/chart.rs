@@ -98,7 +98,8 @@ pub(super) fn in_panels(panels: &[&Chart], alike: bool, sizes: Sizes) -> Picture
 /// Returns the legend that some panels have together.
 ///
 /// If none is given, each label has an entry: with the colour of its solver, or a colour that no solver in the panels
-/// has. The second and later labels of a colour are dashed, each in its own way; a label whose curves are single points is a ring.
+/// has. The second and later labels of a colour are dashed, each in its own way; a label whose curves are single points
+/// is a ring.
 pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = panels.iter().flat_map(|panel| panel.legend.clone()).collect();
     if !entries.is_empty() {

@@ -1,6 +1,6 @@
 //! The published tables, and the tolerance we declare for them.
 
-use super::scene::repeated;
+use super::fields::lists::repeated;
 use crate::pipeline::error::{Error, Result, from_toml};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::identify::Target;

@@ -9,7 +9,6 @@ use crate::pipeline::error::{Error, Result};
 use crate::replication::mesh_files::find_mesh;
 pub use crate::replication::output::Output;
 use crate::replication::study::Study;
-pub(super) use check::repeated;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;

@@ -2,11 +2,11 @@
 
 use crate::replication::columns::COLUMNS;
 use crate::replication::fields::keys::{AxisName, ChartFields};
+use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Reading, Refused};
 use crate::replication::numbers::Numbers;
 use crate::replication::record::Grouped;
-use crate::replication::scene::repeated;
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

@@ -20,6 +20,11 @@ pub(crate) struct Varied {
     pub(crate) values: Vec<Value>,
 }
 
+/// Returns the first item that equals an earlier one.
+pub(in crate::replication) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
+    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
+}
+
 /// Returns the members of a product of lists, the last list varied first.
 pub(super) fn product_of(lists: &[&Varied]) -> Vec<Vec<Value>> {
     let mut members = vec![Vec::new()];

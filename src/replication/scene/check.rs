@@ -2,9 +2,9 @@
 
 use super::{Runs, Scene, in_scene};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::names::in_shell;
-use crate::pipeline::names::refuse_forbidden;
+use crate::pipeline::names::{in_shell, refuse_forbidden};
 use crate::replication::fields::Fields;
+use crate::replication::fields::lists::repeated;
 use crate::replication::fields::table::{Reading, Refused, Voice};
 use crate::replication::mesh_files;
 use crate::replication::output::Output;
@@ -57,8 +57,8 @@ impl Scene {
             None => Ok(notes),
             Some(output) => Err(Error::input(format!(
                 "`{output}` is a picture of a domain in the plane; drop it from `outputs`, and look \
-                 at the solution with `signorini solve {} --out vtu`",
-                in_shell(&self.name)
+                 at the solution with `signorini solve {name} --out {name}.vtu`",
+                name = in_shell(&self.name)
             ))),
         }
     }
@@ -203,9 +203,4 @@ impl Runs {
         }
         Ok(())
     }
-}
-
-/// Returns the first item that equals an earlier one.
-pub(in crate::replication) fn repeated<T: PartialEq>(items: &[T]) -> Option<&T> {
-    items.iter().enumerate().find(|(k, item)| items[..*k].contains(item)).map(|(_, item)| item)
 }

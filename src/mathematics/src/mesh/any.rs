@@ -178,8 +178,8 @@ impl AnyMesh {
         either!(self, mesh => mesh.set_condition(name, condition))
     }
 
-    /// Puts a part of the boundary, and its nodes, on a circle, sphere or cylinder, given by its numbers: the centre and
-    /// the radius, or a point, a direction and the radius.
+    /// Puts a part of the boundary, and its nodes, on a circle, sphere or cylinder, given by its numbers: the centre
+    /// and the radius, or a point, a direction and the radius.
     ///
     /// # Errors
     /// A sentence if no facets of the boundary have this name, some are on another curve already, the numbers are no

@@ -64,7 +64,7 @@ pub(crate) fn curve_gains<const D: usize, const V: usize, F: OnCells<D> + ?Sized
 /// Piece of a facet.
 struct FacetPiece<const D: usize> {
     corners: [[f64; D]; D],
-    /// Where the nodes of the edge opposite to each corner lie; in the plane, of the one edge, twice.
+    /// Courses of the edge opposite to each corner; in the plane, of the one edge, twice.
     courses: [Course<D>; D],
 }
 
@@ -87,7 +87,7 @@ impl<const D: usize> FacetPiece<D> {
     }
 }
 
-/// Where the nodes of the edge opposite to each corner of a facet lie.
+/// Courses of the edges opposite to the corners of a facet.
 fn courses<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     facet: &Facet<D>,

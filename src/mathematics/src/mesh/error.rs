@@ -8,7 +8,7 @@ pub enum MeshError {
     NoCells {
         /// Kind of the cells.
         cells: &'static str,
-        /// What they fill.
+        /// Domain that they fill.
         domain: &'static str,
     },
     /// NaN or an infinity.

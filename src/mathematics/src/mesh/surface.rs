@@ -127,11 +127,11 @@ fn step<const D: usize>(surfaces: &[Surface<D>], point: [f64; D]) -> Option<[f64
 pub(super) struct CurvedEdge<const D: usize> {
     /// Nodes at its ends, the lower one first.
     pub ends: [u32; 2],
-    /// Where the nodes between them lie.
+    /// Course of the nodes between them.
     pub course: Course<D>,
 }
 
-/// Where the nodes of an edge lie.
+/// Course of an edge: a line, or the surfaces on which its nodes lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Course<const D: usize> {
     /// On the edge.

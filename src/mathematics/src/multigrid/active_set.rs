@@ -13,9 +13,9 @@
 //! 3. Let nodes that stick with a multiplier below zero slip up, those above the limit slip down, and nodes whose value
 //!    has the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
 //!    of least energy: otherwise the next system is singular.
-//! 4. Stop if no state has changed. If all have returned to earlier ones, stop if the residual is one of rounding
-//!    errors. Otherwise the steps go round in a circle, as the matrix of stretched cells is no M-matrix, and no step may
-//!    raise the energy from then on: go from the vector of least energy so far towards the solution as far as the
+//! 4. Stop if no state has changed. If all have returned to earlier ones, stop if the residual is one of
+//!    rounding errors. Otherwise the steps go round in a circle, as the matrix of stretched cells is no M-matrix, and
+//!    no step may raise the energy from then on: go from the vector of least energy so far towards the solution as far as the
 //!    energy falls, sweep, and take the states from there. Go to step 2.
 //!
 //! # Cost

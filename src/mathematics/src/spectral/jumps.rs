@@ -327,7 +327,8 @@ fn vanishes(domain: &PlaneDomain, shape: Shape<2>) -> Option<String> {
     })
 }
 
-/// Remark on a piece of a curve between cuts that lies so near to the boundary that it counts as outside, but not on it.
+/// Remark on a piece of a curve between cuts that lies so near to the boundary that it counts as outside, but not on
+/// it.
 fn runs_along_boundary(domain: &PlaneDomain, curve: Curve, cuts: &[CurveCut]) -> Option<String> {
     /// Area between a piece and the boundary that is lost to rounding.
     const LOST: f64 = 1e-17;

@@ -6,7 +6,7 @@
 //! int f psi = oint f (psi q_n - q psi_n) - oint f^2 (x.n) q / 4 + sum int J (psi q_n - q psi_n) - J (f + f') (x.n) q /
 //! 4, J(v)      = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
 //! ```
-//! A crossing of f that is joined with a split has f of another interval on the piece between both; what that changes is
+//! A crossing of f that is joined with a split has f of another interval on the piece between both; the change is
 //! added, by the integrand in the middle of the piece ([`JoinedPiece`](super::boundary::JoinedPiece)).
 //!
 //! J(v) less the integral of v l where v should be zero has an error that is quadratic in the residual.

@@ -106,7 +106,7 @@ impl Expanded {
         Self { degree: 0, polynomial: Some(polynomial), error }
     }
 
-    /// Its value, if it is a constant.
+    /// Value of a constant; none of other polynomials.
     fn number(&self) -> Option<f64> {
         let polynomial = self.polynomial.as_ref().filter(|_| self.degree == 0)?;
         Some(polynomial.constant())

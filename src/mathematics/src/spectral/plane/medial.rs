@@ -23,8 +23,8 @@ impl MedialDisc {
         self.foot + self.outwards.scaled(self.radius)
     }
 
-    /// Largest disc with a radius up to `most`, by halving: discs that touch in one point lie in each other. Infinite if
-    /// that one holds nothing of the boundary.
+    /// Largest disc with a radius up to `most`, by halving: discs that touch in one point lie in each other. Infinite
+    /// if that one holds nothing of the boundary.
     fn at(domain: &PlaneDomain, foot: Complex, outwards: Complex, most: f64) -> Self {
         /// Halvings, after which the radius has five digits.
         const HALVINGS: usize = 24;
@@ -42,8 +42,8 @@ impl MedialDisc {
     }
 }
 
-/// Discs whose centres are next to each other by a part of their radii, where the boundary faces itself: along the outer
-/// loop of slots, and along slender holes. None where the cuts of a re-entrant corner are.
+/// Discs whose centres are next to each other by a part of their radii, where the boundary faces itself: along the
+/// outer loop of slots, and along slender holes. None where the cuts of a re-entrant corner are.
 pub(super) fn medial_discs(domain: &PlaneDomain) -> Vec<MedialDisc> {
     /// Largest radius, in diameters.
     const LARGEST: f64 = 0.5;

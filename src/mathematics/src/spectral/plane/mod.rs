@@ -78,7 +78,7 @@ pub(crate) struct PlaneBracket {
     pub lower: f64,
     /// Upper bound, at most zero.
     pub upper: f64,
-    /// What most of their distance comes from.
+    /// Name of the largest term of their distance.
     pub cause: &'static str,
 }
 

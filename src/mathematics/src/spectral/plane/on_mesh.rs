@@ -34,7 +34,7 @@ pub(crate) struct PlaneTruth {
     origin: Origin,
     /// Domain, f and law, seen from there in this unit.
     problem: PlaneProblem,
-    /// Its solution.
+    /// Solution of that problem.
     solution: PlaneSolution,
 }
 

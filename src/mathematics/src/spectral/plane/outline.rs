@@ -11,8 +11,8 @@ use std::f64::consts::TAU;
 const MOST_SIDES: usize = 60;
 /// Sine of the angle between two edges below which both belong to one straight side.
 const STRAIGHT: f64 = 1e-6;
-/// Distance of a node from the line between two corners, over the size of the curve, from which on it is a corner; nearer
-/// ones are bends, which are kept too, but have no functions of their own.
+/// Distance of a node from the line between two corners, over the size of the curve, from which on it is a corner;
+/// nearer ones are bends, which are kept too, but have no functions of their own.
 const OFF: f64 = 1e-9;
 /// That distance up to which it is on the line: the rounding errors of coordinates.
 const ON_LINE: f64 = 1e-15;

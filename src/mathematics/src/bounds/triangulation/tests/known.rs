@@ -103,34 +103,35 @@ impl KnownProblem {
         Self { network, f, law, line: Line::new(parts, law), mesh, n: n as usize }
     }
 
+    /// u' at a place.
+    fn slope(&self, parts: &[LinearPart], x: f64) -> f64 {
+        let (mut after, mut start) = (self.line.slopes[1], 0.0);
+        for &(to, [value, slope]) in parts {
+            let from = f64::max(start, x);
+            if from < to {
+                after += (to - from) * (value + 0.5 * slope * (from + to));
+            }
+            start = to;
+        }
+        after
+    }
+
     /// Values of u at the nodes.
     fn values(&self, parts: &[LinearPart]) -> Vec<f64> {
-        let column = |i: usize| {
-            const POINTS: usize = 400;
-            let end = i as f64 / self.n as f64;
-            let step = end / POINTS as f64;
-            let slope = |x: f64| {
-                let mut after = self.line.slopes[1];
-                let mut start = 0.0;
-                for &(to, [value, slope]) in parts {
-                    let from = f64::max(start, x);
-                    if from < to {
-                        after += (to - from) * (value + 0.5 * slope * (from + to));
-                    }
-                    start = to;
-                }
-                after
-            };
-            (0..POINTS).map(|k| step * slope((k as f64 + 0.5) * step)).sum::<f64>()
-        };
-        let columns: Vec<f64> = (0..=self.n).map(column).collect();
+        const POINTS: usize = 400;
+        let mut columns = Vec::new();
+        for i in 0..=self.n {
+            let step = i as f64 / self.n as f64 / POINTS as f64;
+            let points = (0..POINTS).map(|k| (k as f64 + 0.5) * step);
+            columns.push(points.map(|x| step * self.slope(parts, x)).sum::<f64>());
+        }
         (0..self.mesh.points().len()).map(|node| columns[node % (self.n + 1)]).collect()
     }
 
     /// Mean of a nodal vector along a column of nodes.
     fn mean_at(&self, i: usize, y: &[f64]) -> f64 {
-        let at = |j: usize| y[j * (self.n + 1) + i];
-        (0..self.n).map(|j| 0.5 * (at(j) + at(j + 1))).sum::<f64>() / self.n as f64
+        let column: Vec<f64> = y.iter().skip(i).step_by(self.n + 1).copied().collect();
+        column.windows(2).map(|ends| 0.5 * (ends[0] + ends[1])).sum::<f64>() / self.n as f64
     }
 
     /// Norm of the gradient of u less the linear function of a vector.
@@ -160,9 +161,9 @@ fn spoilt(n: usize, y: &[f64]) -> Vec<Vec<f64>> {
             let mut one = y.to_vec();
             one[column + side * (column % side)] += size;
             all.push(one);
-            let of_column = y.iter().enumerate();
-            let added = |k: usize| if k % side == column { size } else { 0.0 };
-            all.push(of_column.map(|(k, value)| value + added(k)).collect());
+            let mut whole = y.to_vec();
+            whole.iter_mut().skip(column).step_by(side).for_each(|value| *value += size);
+            all.push(whole);
         }
         all.push(y.iter().map(|value| value * (1.0 + size)).collect());
     }

@@ -242,7 +242,7 @@ impl BoundedEnergy {
             let far = z.norm().max(2.0 * square.sqrt());
             let by_value = 0.5 * (sign * l + node.psi_flux - 2.0 * q + h.flux).abs() + slope;
             let by_slope = 0.5 * (sign * v - node.psi - h.value).abs();
-            // Of the part of the energy that is an integral of f and psi alone: its derivatives, its terms, its rounding.
+            // Derivatives, terms and rounding of the part of the energy that is an integral of f and psi alone.
             let [of_psi, of_slope, of_f, rounded] = match &proof.setup.jumps.psi {
                 Psi::Jumps(_) => {
                     let rest = square * (node.psi_flux.abs() + 0.25 * f * far);

@@ -1,8 +1,8 @@
 //! A harmonic function h of few terms next to `g = v - psi`, by which rounding errors of v count less in the energy.
 //!
 //! By Green's second identity `oint h_n g - h g_n = 0`, where the index n is the derivative along the normal. With half
-//! of this integral the energy by the integrals of [`energy`](crate::spectral::plane::energy) is the same, but its derivatives by v and
-//! by dv/dn, `-g_n / 2` and `g / 2`, become those of g - h.
+//! of this integral the energy by the integrals of [`energy`](crate::spectral::plane::energy) is the same, but its
+//! derivatives by v and by dv/dn, `-g_n / 2` and `g / 2`, become those of g - h.
 
 use super::cells::ProofCell;
 use super::moduli::{Disc, Moduli, of_polynomial};
@@ -115,7 +115,7 @@ impl HarmonicNode {
         [node.value - node.psi, node.flux - node.psi_flux]
     }
 
-    /// Its part of half of the integral that is zero.
+    /// Part of the point in half of the integral that is zero.
     pub(super) fn term(&self, node: &PlaneNode) -> f64 {
         let [g, rate] = Self::of_g(node);
         0.5 * node.spot.weight * (self.flux * g - self.value * rate)

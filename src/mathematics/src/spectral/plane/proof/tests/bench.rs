@@ -1,7 +1,7 @@
 //! The problems.
 
 use super::known::{
-    HALF_DISC, KnownEnergy, Radial, SolvedKnown, circle, known, pieces, polygon, sector, slips,
+    BenchProblem, HALF_DISC, Radial, SolvedKnown, circle, known, pieces, polygon, sector, slips,
     sticks, with_disc,
 };
 use crate::mesh::Condition::{self, Contact, Fixed, Free};
@@ -16,7 +16,7 @@ use crate::spectral::plane::problem::PlaneSource;
 use std::f64::consts::PI;
 
 /// Problems that one fit solves: nothing moves.
-pub(in crate::spectral::plane::proof) fn all_known() -> Vec<KnownEnergy> {
+pub(in crate::spectral::plane::proof) fn all_known() -> Vec<BenchProblem> {
     [discs(), split_discs(), rings(), sectors(), polygons(), bars()].into_iter().flatten().collect()
 }
 
@@ -46,7 +46,7 @@ fn limit(hi: f64) -> Law {
     Law::limited(hi).unwrap()
 }
 
-fn discs() -> Vec<KnownEnergy> {
+fn discs() -> Vec<BenchProblem> {
     let mut all = vec![
         known("disc in contact", disc(Contact), one("else=-1"), vec![sticks()], -PI / 16.0),
         known("fixed disc", disc(Fixed), one("else=2"), vec![sticks()], -PI / 4.0),
@@ -80,13 +80,13 @@ fn discs() -> Vec<KnownEnergy> {
     ] {
         let own =
             known(name, disc(Contact), one(place), vec![sticks()], with_disc(-1.0, [w, e, p]));
-        all.push(KnownEnergy { is_hard: p > 0.0, ..own });
+        all.push(BenchProblem { is_hard: p > 0.0, ..own });
     }
     all
 }
 
 /// Discs with splits on the boundary.
-fn split_discs() -> Vec<KnownEnergy> {
+fn split_discs() -> Vec<BenchProblem> {
     let mut all = Vec::new();
     // Flux 1 of a law that ends there: a part may as well slip.
     let unit = PlaneCircle { centre: [0.0; 2], radius: 1.0 };
@@ -110,11 +110,11 @@ fn split_discs() -> Vec<KnownEnergy> {
         vec![sticks()],
         -PI / 4.0 - 0.5 * HALF_DISC,
     );
-    all.push(KnownEnergy { is_hard: true, ..own });
+    all.push(BenchProblem { is_hard: true, ..own });
     all
 }
 
-fn rings() -> Vec<KnownEnergy> {
+fn rings() -> Vec<BenchProblem> {
     let mut all = Vec::new();
     let slipping = Radial::slipping(1.0, 0.0).energy(0.0);
     all.push(known(
@@ -168,7 +168,7 @@ fn rings() -> Vec<KnownEnergy> {
     all
 }
 
-fn sectors() -> Vec<KnownEnergy> {
+fn sectors() -> Vec<BenchProblem> {
     let mut all = Vec::new();
     for (name, angle, condition) in
         [("sector of 60 degrees", PI / 3.0, Contact), ("three quarters of a disc", 1.5 * PI, Fixed)]
@@ -190,11 +190,11 @@ fn sectors() -> Vec<KnownEnergy> {
         })
         .collect();
     let own = known("half disc", half, one("else=-2"), vec![sticks()], -HALF_DISC);
-    all.push(KnownEnergy { is_hard: true, ..own });
+    all.push(BenchProblem { is_hard: true, ..own });
     all
 }
 
-fn polygons() -> Vec<KnownEnergy> {
+fn polygons() -> Vec<BenchProblem> {
     let mut all = Vec::new();
     let triangle = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
     let torsion = -3f64.sqrt() / 640.0;
@@ -219,7 +219,7 @@ fn polygons() -> Vec<KnownEnergy> {
     all
 }
 
-fn bars() -> Vec<KnownEnergy> {
+fn bars() -> Vec<BenchProblem> {
     let mut all = Vec::new();
     let bar = [[0.0, 0.0], [1.5, 0.0], [1.5, 1.0], [0.0, 1.0]];
     let open = vec![polygon(&bar, &[Fixed, Contact, Contact, Contact])];

@@ -11,7 +11,7 @@ use crate::spectral::plane::setup::{Level, Setup};
 use std::f64::consts::{LN_2, PI};
 
 /// Problem with a contact set and the energy of its solution.
-pub(in crate::spectral::plane::proof) struct KnownEnergy {
+pub(in crate::spectral::plane::proof) struct BenchProblem {
     pub name: &'static str,
     pub problem: PlaneProblem,
     pub contact: Vec<RingContact>,
@@ -28,7 +28,7 @@ pub(in crate::spectral::plane::proof) struct SolvedKnown {
     pub energy: f64,
 }
 
-impl KnownEnergy {
+impl BenchProblem {
     /// All conditions on a level.
     pub(in crate::spectral::plane::proof) fn solved(self) -> SolvedKnown {
         let level = if self.is_hard { &Level::FINE[0] } else { &Level::COARSE };
@@ -93,9 +93,9 @@ pub(super) fn known(
     (law, source): (Law, PlaneSource),
     contact: Vec<RingContact>,
     energy: f64,
-) -> KnownEnergy {
+) -> BenchProblem {
     let domain = PlaneDomain::new(loops).unwrap();
-    KnownEnergy {
+    BenchProblem {
         name,
         problem: PlaneProblem { domain, law, source },
         contact,

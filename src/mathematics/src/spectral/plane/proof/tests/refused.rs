@@ -1,7 +1,7 @@
 //! Setups for which the argument does not hold, each with the part that is not proved.
 
 use super::bench::{all_known, solved};
-use super::known::{KnownEnergy, SolvedKnown, circle};
+use super::known::{BenchProblem, SolvedKnown, circle};
 use super::spoilt::Spoiling;
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
@@ -131,7 +131,7 @@ fn a_flux_without_room_in_the_law_is_refused() {
     contact[0].arcs[0] = [1.0, 5.5];
     let mut problem = known.problem.clone();
     problem.domain.loops = vec![circle(1.0, Condition::Contact, true)];
-    let mut own = KnownEnergy { problem, contact, ..known }.solved();
+    let mut own = BenchProblem { problem, contact, ..known }.solved();
     Spoiling::Power(2, Complex::new(1e-5, 0.0)).spoil(&mut own.found.fit);
     assert_eq!(proved(&own.setup, &own.found), Err("room of the flux in the law"));
     // With room, but for what would be added.
