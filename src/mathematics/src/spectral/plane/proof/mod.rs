@@ -93,6 +93,7 @@ use super::fit::Fit;
 use super::functions::Family;
 use super::setup::Setup;
 use crate::problem::complex::Complex;
+use crate::spectral::curve::ROUNDING;
 use crate::spectral::jumps::JumpEdge;
 pub(super) use bounds::bracket;
 use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
@@ -227,12 +228,16 @@ impl<'a> Proof<'a> {
     }
 }
 
-/// True if `-Lap psi` is f on both sides of a jump, next to its middle.
+/// True if `-Lap psi` is f on both sides of a jump, next to its middle, nearer than the curves of all other jumps.
 fn has_values(setup: &Setup, edge: &JumpEdge) -> bool {
     let (curve, [from, to]) = (edge.arc.curve, edge.arc.span);
     let s = 0.5 * (from + to);
-    let step = curve.direction(s).turned().scaled(1e-6 * (to - from).abs().min(1.0));
-    let sides = [curve.at(s) + step, curve.at(s) - step].map(|z| setup.jumps.psi.source(z));
+    let z = curve.at(s);
+    let others = setup.jumps.edges.iter().map(|other| other.arc.curve.distance(z).abs());
+    let apart = others.filter(|&apart| apart > ROUNDING).fold(f64::INFINITY, f64::min);
+    let step = (1e-6 * (to - from).abs().min(1.0)).min(0.5 * apart);
+    let normal = curve.direction(s).turned();
+    let sides = [step, -step].map(|step| setup.jumps.psi.source(z + normal.scaled(step)));
     let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
     (0..2).all(|k| (sides[k] - edge.values[k]).abs() <= size)
 }
