@@ -185,6 +185,12 @@ fn solve(
             "the energy came out above zero, that of v = 0: rounding errors exceed it".into(),
         ));
     }
+    if bracket == Err(proof::ROUNDED) {
+        return Err(PlaneError::NotFound(
+            "rounding errors exceed a millionth of the energy, and no bracket of it is proved"
+                .into(),
+        ));
+    }
     let PlaneFound { integrals, sizes, signs, fit, nodes, .. } = &found;
     let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
     let checks = PlaneChecks {

@@ -60,6 +60,12 @@ pub(in crate::spectral::plane) fn bracket(
     Ok(PlaneBracket { lower, upper: upper.min(0.0), cause })
 }
 
+/// Reason for which there is no answer: neither a bracket nor an energy that rounding leaves as it is.
+pub(in crate::spectral::plane) const ROUNDED: &str = "an energy with fewer errors by rounding";
+
+/// Error of the energy by rounding, over the energy, above which an energy without a bracket is none.
+const ROUGH: f64 = 1e-6;
+
 /// Both ends by the argument above, with what most of their distance comes from.
 ///
 /// # Errors
@@ -92,7 +98,10 @@ pub(super) fn proved(
     let cells: Vec<ProofCell> = samples.iter().map(|own| own.own).collect();
     let room = Room::new(&fit.walk, &proof.chords, &cells);
     let distances = Distances::new(&proof, &samples, &left);
-    let balance = FluxBalance::new(&proof, &samples, &left, found.sizes.flux)?;
+    let balance = FluxBalance::new(&proof, &samples, &left, found.sizes.flux);
+    // Without a bracket nothing would say how far the energy is off.
+    let is_rough = exact.error > ROUGH * exact.energy.abs();
+    let balance = balance.map_err(|step| if is_rough { ROUNDED } else { step })?;
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
     let of_w = room.integral(&cells, [distances.range(), near], &distances.slopes);
     let of_e = room.integral(&cells, [balance.range, near], &balance.slopes);

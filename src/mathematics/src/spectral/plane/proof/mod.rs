@@ -95,7 +95,7 @@ use super::setup::Setup;
 use crate::problem::complex::Complex;
 use crate::spectral::curve::ROUNDING;
 use crate::spectral::jumps::JumpEdge;
-pub(super) use bounds::bracket;
+pub(super) use bounds::{ROUNDED, bracket};
 use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
 use extension::{Chord, share};
 use std::f64::consts::PI;
