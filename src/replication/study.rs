@@ -185,7 +185,7 @@ impl Study {
     }
 
     /// Returns a table with the number of warnings in place of their sentences.
-    pub(crate) fn counted(&self, table: &Table, all: &[Numbers]) -> Table {
+    pub(crate) fn counted(table: &Table, all: &[Numbers]) -> Table {
         let mut table = table.clone();
         if let Some(place) = table.head.iter().position(|column| column == WARNINGS) {
             for (row, numbers) in table.rows.iter_mut().zip(all) {

@@ -124,7 +124,7 @@ fn gc_makes_room_on_a_full_disk() {
     let Some(output) = with_mounts(&project, script) else { return };
     let said = Said::from(output);
     let [first, second] = said.lines()[..] else { panic!("{said:?}") };
-    assert!(first.starts_with("removed 5 files, "), "{said:?}");
+    assert!(first.starts_with("removed 5 files and 3 records of runs, "), "{said:?}");
     assert!(second.starts_with("removed 0 files, 0 B"), "{said:?}");
 }
 

@@ -341,12 +341,14 @@ fn a_scene_may_ask_for_an_accuracy_or_for_the_true_solution() {
         let said = project.run(&[&["solve", "close"], options].concat());
         assert!(said.out.contains("without accuracy = 0.05"), "{said:?}");
     }
-    // What no grid reaches is told in the words of the scene.
+    // What no grid reaches is told in options by `solve`, and in keys by `run`.
     project.scene("close", &format!("{plate}accuracy = 1e-9\noutputs = [\"table\"]\n"));
-    for args in [&["solve", "close"][..], &["run", "close"]] {
-        let said = project.run(args);
-        assert!(said.err.contains("accuracy = 1e-9 takes a grid"), "{said:?}");
-        assert!(said.err.contains("solver = \"spectral\" needs no grid"), "{said:?}");
+    for (command, [asked, remedy]) in [
+        ("solve", ["--accuracy 1e-9 takes a grid", "--solver spectral needs no grid"]),
+        ("run", ["accuracy = 1e-9 takes a grid", "solver = \"spectral\" needs no grid"]),
+    ] {
+        let said = project.run(&[command, "close"]);
+        assert!(said.err.contains(asked) && said.err.contains(remedy), "{said:?}");
     }
 }
 

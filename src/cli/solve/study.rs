@@ -84,8 +84,8 @@ impl<'a> Asked<'a> {
     /// Domain and f, as it is given, of all members; without what varies.
     fn in_common(&self, f: Option<&str>) -> String {
         let domain = &self.study.members[0].statement.domain.name;
-        let varies = |field: &str| self.study.names.iter().any(|name| name == field);
-        let parts = [(!varies("domain")).then(|| domain.clone()), f.map(|f| format!("f = {f}"))];
+        let varies = self.study.names.iter().any(|name| name == "domain");
+        let parts = [(!varies).then(|| domain.clone()), f.map(|f| format!("f = {f}"))];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         if parts.is_empty() { "study".into() } else { parts.join(": ") }
     }

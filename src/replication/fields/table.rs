@@ -294,8 +294,8 @@ impl Field {
     pub(super) fn options(&self, value: &Value) -> Vec<String> {
         match value {
             Value::Table(table) if self.name == "curve" => {
-                let numbers = |value: &Value| self.options(value).join(",");
-                table.iter().map(|(part, value)| format!("{part}={}", numbers(value))).collect()
+                let each = table.iter().map(|(part, value)| (part, self.options(value).join(",")));
+                each.map(|(part, numbers)| format!("{part}={numbers}")).collect()
             }
             Value::Table(_) => {
                 let rule = LoadRule::deserialize(value.clone());

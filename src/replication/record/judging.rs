@@ -248,8 +248,7 @@ impl Judge<'_> {
                 "the load vector sums to a non-negative number on {grids}, where the discrete problem has no solution"
             )));
         }
-        let cut_off = |end: &Outcome| !end.end.has_converged();
-        if let Some(grids) = named(problem, coarse, cut_off) {
+        if let Some(grids) = named(problem, coarse, |end| !end.end.has_converged()) {
             let fact = format!("the stopping rule was not met on {grids}");
             warnings.push(Warning::fact(fact));
         }

@@ -369,7 +369,9 @@ pub(super) fn warnings(inputs: &Inputs, scene: &Scene) -> Result<Vec<String>, St
 
 /// Returns these warnings in sentences with a space behind them.
 pub(super) fn warnings_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    Ok(warnings(inputs, scene)?.iter().map(|text| format!("Warning: {text}. ")).collect())
+    let warnings = warnings(inputs, scene)?;
+    let each: Vec<String> = warnings.iter().map(|text| format!("Warning: {text}. ")).collect();
+    Ok(each.concat())
 }
 
 /// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has

@@ -131,7 +131,7 @@ impl Tabulated {
         let study = &self.study;
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
-        let counted = study.counted(&table, &all);
+        let counted = Study::counted(&table, &all);
         let shown = tabulate::with_few_digits(&counted, study.names.len());
         let marks = study.marks(&all);
         let order =

@@ -318,8 +318,8 @@ fn on_sides(domain: &PlaneDomain, curve: Curve) -> Vec<CurveCut> {
 /// Remark on a shape without borders, unless it is empty or away from the domain.
 fn vanishes(domain: &PlaneDomain, shape: Shape<2>) -> Option<String> {
     let Shape::Ball { centre: [x, y], radius } = shape else { return None };
-    let is_away = || domain.depth(Complex::new(x, y)) < -radius;
-    let is_known = radius <= 0.0 || !borders(&shape).is_empty() || is_away();
+    let is_away = domain.depth(Complex::new(x, y)) < -radius;
+    let is_known = radius <= 0.0 || !borders(&shape).is_empty() || is_away;
     (!is_known).then(|| {
         "f has a disc of less than 2e-12 of the size of the domain, too small for this solver; make it larger and its \
          value smaller, with the same integral"

@@ -3,7 +3,7 @@
 //! The size of a polynomial is the sum of the moduli of its terms on a disc. That of a product is at most the product
 //! of both sizes, so that errors of factors go over to it.
 
-use super::polynomial::RealPolynomial;
+use super::real_polynomial::RealPolynomial;
 use crate::problem::complex::Complex;
 use crate::problem::formula::{Binary, Formula, FormulaValues, Unary};
 

@@ -50,6 +50,7 @@ mod polynomial;
 mod problem;
 mod proof;
 mod psi;
+mod real_polynomial;
 mod regions;
 mod search;
 mod setup;
@@ -171,9 +172,8 @@ fn solve(
     let setup = Setup::new(&frame.problem(problem))?;
     let mut found = search::search(&setup, &frame.start(start), effort)?;
     let mut bracket = proof::bracket(&setup, &found);
-    let is_wide = |of: &PlaneBracket| of.relative(found.integrals.energy) > NINE_DIGITS;
     if let Ok(wide) = bracket
-        && is_wide(&wide)
+        && wide.relative(found.integrals.energy) > NINE_DIGITS
         && let Some(refined) = found.refined(&setup)
         && let Ok(own) = proof::bracket(&setup, &refined)
         && own.upper - own.lower < wide.upper - wide.lower
