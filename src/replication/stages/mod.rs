@@ -33,7 +33,7 @@ pub(crate) enum Stage {
     Tabulate,
     /// Tables against the published ones.
     Diff,
-    /// Numbers of right-hand sides with which a published table agrees, and a search for one.
+    /// Right-hand sides that agree with a published table, and a search for one.
     Identify,
     /// Numerical experiments past the paper: accuracy, claims, stability.
     Bench,
