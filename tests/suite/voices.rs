@@ -79,7 +79,7 @@ impl Stated {
                 "load" => keys += &format!("load = {{ rule = \"{value}\" }}\n"),
                 "friction" => tables += &format!("[law]\nfriction = {value}\n"),
                 "solver" => {
-                    keys += &format!("solver = \"{value}\"\nr = [10]\nstop = [\"printed\"]\n")
+                    keys += &format!("solver = \"{value}\"\nr = [10]\nstop = [\"printed\"]\n");
                 }
                 _ => keys += &format!("{name} = {value}\n"),
             }
@@ -260,7 +260,7 @@ fn a_load_has_one_meaning_as_a_key_and_as_an_option() {
         let [one, other] = [&["solve", "--json", "a"][..], &arguments].map(|of| project.run(of));
         match (one.code, other.code) {
             (Some(0), Some(0)) => {
-                assert_eq!(one.json()["sum_load"], other.json()["sum_load"], "{key}")
+                assert_eq!(one.json()["sum_load"], other.json()["sum_load"], "{key}");
             }
             codes => {
                 assert_eq!(codes, (Some(3), Some(3)), "{one:?} {other:?}");
