@@ -97,6 +97,7 @@ fn texts_of_the_user_are_escaped_in_every_template() {
                 }
             }
         }
+        addresses += text.matches("\"figures/\" ~ (fig.file | address)").count();
     }
     assert!(shown >= 9 && addresses >= 8, "{shown} {addresses}");
 }

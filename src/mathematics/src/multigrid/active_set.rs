@@ -15,8 +15,8 @@
 //!    of least energy: otherwise the next system is singular.
 //! 4. Stop if no state has changed. If all have returned to earlier ones, stop if the residual is one of
 //!    rounding errors. Otherwise the steps go round in a circle, as the matrix of stretched cells is no M-matrix, and
-//!    no step may raise the energy from then on: go from the vector of least energy so far towards the solution as far as the
-//!    energy falls, sweep, and take the states from there. Go to step 2.
+//!    no step may raise the energy from then on: go from the vector of least energy so far towards the solution as far
+//!    as the energy falls, sweep, and take the states from there. Go to step 2.
 //!
 //! # Cost
 //! One factorisation per step, in the order of minimum degree.

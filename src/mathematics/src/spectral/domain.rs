@@ -201,6 +201,11 @@ impl PlaneDomain {
         (right - left).hypot(high - low)
     }
 
+    /// Power of two near half of the diameter.
+    pub(super) fn unit(&self) -> f64 {
+        libm::exp2(libm::log2(0.5 * self.diameter()).round())
+    }
+
     /// Least and greatest coordinates, to a hundredth of a turn of arcs.
     pub(super) fn extent(&self) -> [[f64; 2]; 2] {
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];

@@ -44,6 +44,7 @@ mod least_squares;
 mod medial;
 mod newton;
 mod on_mesh;
+mod origin;
 mod outline;
 mod panels;
 mod polynomial;

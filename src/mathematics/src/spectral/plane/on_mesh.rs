@@ -1,7 +1,7 @@
 //! Problems on the domains of meshes, solved from their finite element solutions.
 
 use super::fit::Effort;
-use super::frame::Origin;
+use super::origin::Origin;
 use super::outline::outline;
 use super::regions::regions;
 use super::start::MeshSolution;

@@ -1,7 +1,7 @@
 //! Polynomial right-hand sides, with psi and the integrals of both.
 
 use super::expansion::{Expansion, expanded};
-use super::frame::{Frame, Origin};
+use super::origin::Origin;
 use super::real_polynomial::RealPolynomial;
 use super::{PlaneDomain, PlaneError};
 use crate::problem::complex::Complex;
@@ -35,12 +35,11 @@ impl Polynomial {
         (height, Origin([x, y])): (f64, Origin),
         domain: &PlaneDomain,
     ) -> Result<Self, PlaneError> {
-        let frame = Frame::of(domain);
-        let [xs, ys] = domain.extent();
-        let seen = xs.into_iter().flat_map(|x| ys.map(|y| frame.seen([x, y]).norm()));
+        let (unit, [xs, ys]) = (domain.unit(), domain.extent());
+        let seen = xs.into_iter().flat_map(|x| ys.map(|y| Complex::new(x, y).norm() / unit));
         // Arcs are seen in a hundred points.
         let radius = 1.01 * seen.fold(0.0, f64::max);
-        let expansion = Expansion { origin: Complex::new(x, y), unit: frame.unit, radius };
+        let expansion = Expansion { origin: Complex::new(x, y), unit, radius };
         Self::in_coordinates(formula, height, &expansion)
     }
 
@@ -201,9 +200,10 @@ mod tests {
         let formula = Formula::read("(x - 1000)^8 - y/3", 2).unwrap();
         let origin = Origin([1000.0, 0.0]);
         let f = Polynomial::of_formula(&formula, (1.0, origin), &far).unwrap();
-        let frame = Frame::of(&far);
         for point in [[1000.1, 0.05], [1000.75, 0.5], [1001.0, 1.0]] {
-            let off = (f.value(frame.seen(origin.seen(point))) - formula.at(&point)).abs();
+            let [x, y] = origin.seen(point).map(|x| x / far.unit());
+            let seen = Complex::new(x, y);
+            let off = (f.value(seen) - formula.at(&point)).abs();
             assert!(off <= f.error + 1e-14 && f.error < 1e-9, "{off} {}", f.error);
         }
     }

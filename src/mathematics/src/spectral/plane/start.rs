@@ -1,7 +1,7 @@
 //! Contact set with which Newton's method begins, of a finite element solution.
 
 use super::domain::nearest_side;
-use super::frame::Origin;
+use super::origin::Origin;
 use super::{LoopStart, PlaneProblem, PlaneSide, PlaneStart, SidePlace};
 use crate::discrete::contact::reach;
 use crate::discrete::kkt::judge;

@@ -1,6 +1,6 @@
 //! Solutions of plane problems against digits of other methods, and against each other.
 
-use super::frame::Origin;
+use super::origin::Origin;
 use super::*;
 use crate::mesh::Condition;
 use crate::problem::formula::Formula;
