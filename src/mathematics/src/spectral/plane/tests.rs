@@ -7,6 +7,7 @@ use crate::problem::formula::Formula;
 use crate::problem::law::Law;
 use std::f64::consts::PI;
 
+mod bends;
 mod narrow;
 
 pub(super) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
