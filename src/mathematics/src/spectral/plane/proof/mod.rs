@@ -95,6 +95,8 @@ use super::setup::Setup;
 use crate::problem::complex::Complex;
 use crate::spectral::curve::ROUNDING;
 use crate::spectral::jumps::JumpEdge;
+#[cfg(test)]
+use bounds::proved;
 pub(super) use bounds::{ROUNDED, bracket};
 use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
 use extension::{Chord, share};

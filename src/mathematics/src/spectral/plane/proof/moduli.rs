@@ -6,8 +6,8 @@
 //! [`functions`](crate::spectral::plane::functions) are bounded by distances from the ends of cuts, polynomials by the
 //! maximum principle and their values on the circle: a trigonometric polynomial of degree m is at most
 //! `1 / cos(pi m / N)` times its largest value at N equally spaced points (by M. Riesz's comparison with a cosine;
-//! Ehlich and Zeller, Math. Z. 86, 1964), and a polynomial of degree n on a circle, turned back by half of n, has degree
-//! n / 2.
+//! Ehlich and Zeller, Math. Z. 86, 1964), and a polynomial of degree n on a circle, turned back by half of n, has
+//! degree n / 2.
 
 use crate::problem::complex::Complex;
 use crate::spectral::plane::fit::Fit;

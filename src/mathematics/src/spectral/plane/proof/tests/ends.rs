@@ -8,7 +8,7 @@ use crate::problem::law::Law;
 use crate::spectral::domain::{PlaneDomain, PlaneSide, SidePlace};
 use crate::spectral::plane::fit::Effort;
 use crate::spectral::plane::problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart};
-use crate::spectral::plane::proof::bounds::proved;
+use crate::spectral::plane::proof::proved;
 use crate::spectral::plane::search::{PlaneFound, search};
 use crate::spectral::plane::setup::Setup;
 

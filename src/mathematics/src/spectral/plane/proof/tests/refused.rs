@@ -7,7 +7,7 @@ use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use crate::spectral::plane::functions::{Family, Power};
 use crate::spectral::plane::proof::Proof;
-use crate::spectral::plane::proof::bounds::proved;
+use crate::spectral::plane::proof::proved;
 use crate::spectral::plane::search::PlaneFound;
 use std::f64::consts::PI;
 

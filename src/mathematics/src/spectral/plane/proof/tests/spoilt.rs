@@ -11,7 +11,7 @@ use crate::spectral::plane::field::nodes_at;
 use crate::spectral::plane::fit::Fit;
 use crate::spectral::plane::functions::{Family, Power};
 use crate::spectral::plane::panels::Spot;
-use crate::spectral::plane::proof::bounds::proved;
+use crate::spectral::plane::proof::proved;
 use crate::spectral::plane::search::PlaneFound;
 use crate::spectral::plane::setup::Setup;
 
