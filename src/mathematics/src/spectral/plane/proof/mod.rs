@@ -49,7 +49,7 @@
 //!    lower = J - error - delta int |eta| - 1/2 int |grad E|^2,     over where v should be zero,
 //!    upper = J + error + delta int |l - q| + 1/2 int |grad W|^2,   over where dv/dn should be q.
 //!    ```
-//!    Tests: `tests::spoilt`, more than twenty problems whose energies are known, each spoilt by harmonic functions of
+//!    Tests: `tests::brackets`, more than twenty problems whose energies are known, each spoilt by harmonic functions of
 //!    known energy in all places and both directions; `tests::ends`, with ends of contact that move.
 //!
 //! # Next to corners
@@ -273,5 +273,7 @@ fn is_clear(setup: &Setup, z: Complex) -> bool {
     setup.domain.distance(z) > 1e-9 && !setup.domain.holds(z)
 }
 
+#[cfg(test)]
+mod bench;
 #[cfg(test)]
 mod tests;

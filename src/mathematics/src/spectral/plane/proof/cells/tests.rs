@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::spectral::plane::proof::Proof;
-use crate::spectral::plane::proof::tests::bench::solved;
-use crate::spectral::plane::proof::tests::known::SolvedKnown;
+use crate::spectral::plane::proof::bench::known::SolvedKnown;
+use crate::spectral::plane::proof::bench::solved;
 use std::f64::consts::TAU;
 
 /// Cell of the unit interval (-1, 1) with an ellipse of a given sum of half axes.

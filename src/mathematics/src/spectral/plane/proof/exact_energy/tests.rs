@@ -4,11 +4,11 @@ use super::*;
 use crate::problem::complex::Complex;
 use crate::spectral::plane::field::{PlaneNode, nodes_at};
 use crate::spectral::plane::panels::Spot;
+use crate::spectral::plane::proof::bench::known::SolvedKnown;
+use crate::spectral::plane::proof::bench::spoilt::Spoiling;
+use crate::spectral::plane::proof::bench::{all_known, solved};
 use crate::spectral::plane::proof::psi_errors::PsiErrors;
 use crate::spectral::plane::proof::samples::{Quantity, Test};
-use crate::spectral::plane::proof::tests::bench::{all_known, solved};
-use crate::spectral::plane::proof::tests::known::SolvedKnown;
-use crate::spectral::plane::proof::tests::spoilt::Spoiling;
 
 /// Names of problems with all states, f of both kinds, and cells of both kinds.
 const NAMES: [&str; 5] = [

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::spectral::plane::proof::Proof;
-use crate::spectral::plane::proof::tests::bench::solved;
+use crate::spectral::plane::proof::bench::solved;
 
 /// Names of problems with all kinds of splits and pieces.
 const NAMES: [&str; 8] = [

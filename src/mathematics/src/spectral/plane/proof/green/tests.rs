@@ -3,7 +3,7 @@
 use super::*;
 use crate::spectral::plane::panels::Spot;
 use crate::spectral::plane::proof::Proof;
-use crate::spectral::plane::proof::tests::bench::solved;
+use crate::spectral::plane::proof::bench::solved;
 
 #[test]
 fn the_identity_is_zero_and_errors_are_those_of_positions_and_terms() {

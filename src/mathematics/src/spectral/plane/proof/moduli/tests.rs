@@ -3,7 +3,7 @@
 use super::*;
 use crate::spectral::plane::functions::Power;
 use crate::spectral::plane::panels::Spot;
-use crate::spectral::plane::proof::tests::bench::solved;
+use crate::spectral::plane::proof::bench::solved;
 
 /// Points on the border of a disc, and on a circle of half its size or just outside of what it leaves out.
 fn inside(disc: Disc) -> Vec<Complex> {

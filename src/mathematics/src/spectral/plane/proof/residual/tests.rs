@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::problem::complex::Complex;
+use crate::spectral::plane::proof::bench::known::SolvedKnown;
+use crate::spectral::plane::proof::bench::solved;
+use crate::spectral::plane::proof::bench::spoilt::Spoiling;
 use crate::spectral::plane::proof::extension::Room;
-use crate::spectral::plane::proof::tests::bench::solved;
-use crate::spectral::plane::proof::tests::known::SolvedKnown;
-use crate::spectral::plane::proof::tests::spoilt::Spoiling;
 
 fn sampled(own: &SolvedKnown) -> (Proof<'_>, Vec<Sampled>) {
     let proof = Proof::new(&own.setup, &own.found.fit).unwrap();

@@ -5,9 +5,9 @@ use crate::problem::complex::Complex;
 use crate::spectral::plane::field::nodes_at;
 use crate::spectral::plane::panels::Spot;
 use crate::spectral::plane::proof::Proof;
-use crate::spectral::plane::proof::tests::bench::solved;
-use crate::spectral::plane::proof::tests::known::SolvedKnown;
-use crate::spectral::plane::proof::tests::spoilt::Spoiling;
+use crate::spectral::plane::proof::bench::known::SolvedKnown;
+use crate::spectral::plane::proof::bench::solved;
+use crate::spectral::plane::proof::bench::spoilt::Spoiling;
 use crate::spectral::rule::gauss;
 use std::f64::consts::TAU;
 

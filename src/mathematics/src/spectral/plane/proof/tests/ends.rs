@@ -1,13 +1,13 @@
 //! Brackets of a solution with ends of contact, whose energy is that of the square's closed form.
 
-use super::known::{polygon, slips};
-use super::spoilt::{Spoiling, check};
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::domain::{PlaneDomain, PlaneSide, SidePlace};
 use crate::spectral::plane::fit::Effort;
 use crate::spectral::plane::problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart};
+use crate::spectral::plane::proof::bench::known::{polygon, slips};
+use crate::spectral::plane::proof::bench::spoilt::{Spoiling, check};
 use crate::spectral::plane::proof::proved;
 use crate::spectral::plane::search::{PlaneFound, search};
 use crate::spectral::plane::setup::Setup;

@@ -1,12 +1,12 @@
 //! Setups for which the argument does not hold, each with the part that is not proved.
 
-use super::bench::{all_known, solved};
-use super::known::{BenchProblem, SolvedKnown, circle};
-use super::spoilt::Spoiling;
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use crate::spectral::plane::functions::{Family, Power};
 use crate::spectral::plane::proof::Proof;
+use crate::spectral::plane::proof::bench::known::{BenchProblem, SolvedKnown, circle};
+use crate::spectral::plane::proof::bench::spoilt::Spoiling;
+use crate::spectral::plane::proof::bench::{all_known, solved};
 use crate::spectral::plane::proof::proved;
 use crate::spectral::plane::search::PlaneFound;
 use std::f64::consts::PI;

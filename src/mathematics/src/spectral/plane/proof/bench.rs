@@ -1,9 +1,8 @@
 //! The problems.
 
-use super::known::{
-    BenchProblem, HALF_DISC, Radial, SolvedKnown, circle, known, pieces, polygon, sector, slips,
-    sticks, with_disc,
-};
+pub(super) mod known;
+pub(super) mod spoilt;
+
 use crate::mesh::Condition::{self, Contact, Fixed, Free};
 use crate::problem::complex::Complex;
 use crate::problem::formula::Formula;
@@ -13,6 +12,10 @@ use crate::spectral::plane::boundary::RingContact;
 use crate::spectral::plane::expansion::Expansion;
 use crate::spectral::plane::polynomial::Polynomial;
 use crate::spectral::plane::problem::PlaneSource;
+use known::{
+    BenchProblem, HALF_DISC, Radial, SolvedKnown, circle, known, pieces, polygon, sector, slips,
+    sticks, with_disc,
+};
 use std::f64::consts::PI;
 
 /// Problems that one fit solves: nothing moves.
