@@ -49,8 +49,8 @@
 //!    lower = J - error - delta int |eta| - 1/2 int |grad E|^2,     over where v should be zero,
 //!    upper = J + error + delta int |l - q| + 1/2 int |grad W|^2,   over where dv/dn should be q.
 //!    ```
-//!    Tests: `tests::brackets`, more than twenty problems whose energies are known, each spoilt by harmonic functions of
-//!    known energy in all places and both directions; `tests::ends`, with ends of contact that move.
+//!    Tests: `tests::brackets`, more than twenty problems whose energies are known, each spoilt by harmonic functions
+//!    of known energy in all places and both directions; `tests::ends`, with ends of contact that move.
 //!
 //! # Next to corners
 //! Closer than `least` to a split H (or W) is `h`, on both sides a constant plus a sum of powers `c_p r^p`; let V be a
