@@ -4,4 +4,5 @@ pub(crate) mod extremes;
 pub mod memory;
 pub(crate) mod simd;
 pub mod streams;
+pub(crate) mod sums;
 pub(crate) mod threads;

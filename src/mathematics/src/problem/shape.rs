@@ -2,6 +2,7 @@
 
 mod notation;
 
+use crate::machine::sums::two_sum;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -173,9 +174,8 @@ impl Shape<2> {
         for axis in 0..2 {
             let product = -normal[axis] * origin[axis];
             rest += libm::fma(-normal[axis], origin[axis], -product);
-            let total = sum + product;
-            let part = total - sum;
-            rest += (sum - (total - part)) + (product - part);
+            let [total, remainder] = two_sum(sum, product);
+            rest += remainder;
             sum = total;
         }
         Self::HalfSpace { normal, d: (sum + rest) / unit }

@@ -1,5 +1,6 @@
 //! Polynomials in the plane with real values: sums, products with their remainders, values and gradients.
 
+use crate::machine::sums::two_sum;
 use crate::problem::complex::Complex;
 
 /// Polynomial with real values: the sum of `Re(c z^m) |z|^(2k)`.
@@ -151,11 +152,4 @@ fn add_products(sum: f64, [a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     let [both, of_both] = two_sum(one, other);
     let [all, of_all] = two_sum(sum, 0.5 * both);
     [all, 0.5 * (remainders + of_both.abs()) + of_all.abs()]
-}
-
-/// Sum of two numbers and its remainder, which is a number (Knuth).
-fn two_sum(a: f64, b: f64) -> [f64; 2] {
-    let sum = a + b;
-    let of_b = sum - a;
-    [sum, (a - (sum - of_b)) + (b - of_b)]
 }
