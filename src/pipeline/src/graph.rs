@@ -38,20 +38,6 @@ impl Graph {
         }
         text
     }
-
-    /// Returns the graph as text for Graphviz.
-    pub fn dot(&self) -> String {
-        let mut text = String::from("digraph signorini {\n  rankdir=LR; node [shape=box];\n");
-        for GraphNode { id, .. } in &self.0 {
-            text += &format!("  {};\n", in_dot(id));
-        }
-        for GraphNode { id, needs } in &self.0 {
-            for need in needs {
-                text += &format!("  {} -> {};\n", in_dot(need), in_dot(id));
-            }
-        }
-        text + "}\n"
-    }
 }
 
 impl GraphNode {
@@ -59,11 +45,6 @@ impl GraphNode {
     pub fn new(id: &str, needs: &[String]) -> Self {
         Self { id: id.into(), needs: needs.to_vec() }
     }
-}
-
-/// Quotes a name for Graphviz.
-fn in_dot(id: &str) -> String {
-    format!("\"{}\"", id.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 /// Escapes a name for Mermaid, to be put between quotes: characters that could end the name, or be read as markup, are
@@ -83,22 +64,6 @@ fn in_mermaid(id: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Returns the quoted names in a text for Graphviz by its rules: a backslash escapes the character after it.
-    fn quoted(dot: &str) -> Vec<String> {
-        let (mut names, mut open, mut chars) = (Vec::new(), None::<String>, dot.chars());
-        while let Some(c) = chars.next() {
-            match (&mut open, c) {
-                (None, '"') => open = Some(String::new()),
-                (None, _) => {}
-                (Some(_), '"') => names.extend(open.take()),
-                (Some(name), '\\') => name.extend(chars.next()),
-                (Some(name), c) => name.push(c),
-            }
-        }
-        assert_eq!(open, None, "{dot}");
-        names
-    }
 
     /// Returns the label in a line for Mermaid, which ends it at a quote and reads numbers between `#` and `;`.
     fn label(line: &str) -> Option<String> {
@@ -133,12 +98,8 @@ mod tests {
         ];
         let all: Vec<String> = names.map(str::to_owned).to_vec();
         let mut graph = Graph(all.iter().map(|id| GraphNode::new(id, &[])).collect());
-        assert_eq!(quoted(&graph.dot()), all);
         assert_eq!(labels(&graph.mermaid()), all);
         graph.0.push(GraphNode::new("last", &all));
-        let pairs = all.iter().flat_map(|id| [id.clone(), "last".into()]);
-        let wanted: Vec<String> = all.iter().cloned().chain(["last".into()]).chain(pairs).collect();
-        assert_eq!(quoted(&graph.dot()), wanted);
         assert_eq!(graph.mermaid().lines().filter(|line| line.ends_with(" --> t8")).count(), 8);
     }
 }
