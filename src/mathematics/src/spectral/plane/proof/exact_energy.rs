@@ -6,14 +6,15 @@
 //! such that these derivatives are small ([`green`](super::green)).
 
 use super::Proof;
-use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
+use super::cells::{CellStretch, EllipseCell, POINTS, Singular, Surroundings, Track};
 use super::green::{HarmonicFit, HarmonicNode};
 use super::moduli::{Moduli, of_f, of_psi};
 use super::samples::Sampled;
 use crate::problem::complex::Complex;
-use crate::spectral::jumps::JumpEdge;
+use crate::spectral::curve::Arc;
 use crate::spectral::plane::boundary::{JoinedCrossing, JoinedPiece, PlaneCrossing, State};
 use crate::spectral::plane::energy::Integrals;
+use crate::spectral::plane::groups::{GroupEdge, JumpGroup, PieceSide};
 use crate::spectral::plane::psi::Psi;
 use crate::spectral::plane::setup::Setup;
 use crate::spectral::rule::gauss;
@@ -55,8 +56,22 @@ pub(super) fn bounded_energy(
         sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
         largest = largest.max(h.value + h.slope);
     }
-    for edge in &proof.setup.jumps.edges {
-        sum.add_edge(proof.setup, edge)?;
+    if std::env::var("DBG").is_ok() {
+        eprintln!(
+            "boundary {:e} terms {:e} balance {:e} unb {:e}",
+            sum.error, sum.terms, sum.balance, sum.unbalanced
+        );
+    }
+    for group in &proof.setup.jumps.groups {
+        for edge in &group.edges {
+            sum.add_edge(proof.setup, group, edge)?;
+        }
+    }
+    if std::env::var("DBG").is_ok() {
+        eprintln!(
+            "after edges {:e} terms {:e} balance {:e} unb {:e}",
+            sum.error, sum.terms, sum.balance, sum.unbalanced
+        );
     }
     for piece in proof.fit.walk.joined_pieces() {
         sum.add_joined(proof, piece);
@@ -126,10 +141,7 @@ impl EnergyFactors {
                 let far = disc.centre.norm() + disc.radius;
                 2.0 * far * f.product_modulus(far)
             }
-            Psi::Jumps(_) => {
-                let far = 1.0 + far + disc.centre.norm();
-                8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + value + slope)
-            }
+            Psi::Jumps(_) => 2.0 * f * far * (value + far * slope + f * far * far),
         };
         Self { constants, rate: slope + q }
     }
@@ -145,11 +157,7 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let size = EnergyFactors::of(proof, own);
     // The normal of an arc, continued, is longer than 1.
     let green = h.value * slope + 1.8 * h.slope * value * r;
-    if let Psi::Polynomial(_) = &proof.setup.jumps.psi {
-        let of_v = 4.0 * (value + moduli.psi.value) * (slope + size.rate * r);
-        return of_v + size.constants * r + green;
-    }
-    size.constants * (value + 1.0) * (slope + size.rate * r) + green
+    4.0 * (value + moduli.psi.value) * (slope + size.rate * r) + size.constants * r + green
 }
 
 /// Bounds of the integrand of the energy that belongs to a change of f by 1 at a point of the boundary, and of its
@@ -159,12 +167,28 @@ fn per_change(proof: &Proof, z: Complex, f: f64, distance: f64) -> [f64; 2] {
     let (far, size) = ((z - setup.centre).norm(), setup.diameter);
     let (value, slope) = (psi.value(z).abs(), psi.gradients(&[z])[0].norm());
     // The second derivatives of psi are integrals of 1 / |w - z| along the jumps, J / 2 pi times.
-    let bend = psi.jumps() * (1.0 + libm::log(size / distance.max(f64::MIN_POSITIVE)).max(0.0));
+    let bend = jumps(psi, z) * (1.0 + libm::log(size / distance.max(f64::MIN_POSITIVE)).max(0.0));
     let sides = setup.domain.sides().map(|side| side.curvature().abs());
     let turns = 1.0 + size * sides.fold(0.0, f64::max);
     let integrand = 0.5 * far * (0.5 * value + 0.25 * far * slope + 0.125 * f * far * far);
     let rate = value + 2.0 * far * slope + far * far * (2.0 * bend + f);
     [integrand, turns * rate * distance]
+}
+
+/// Sum of the moduli of all jumps of f and of its background, but for those of small shapes, whose psi has a bound of
+/// its second derivatives in place of them.
+fn jumps(psi: &Psi, z: Complex) -> f64 {
+    let mut sum = 0.0;
+    for part in psi.parts() {
+        sum += match part.far_from(z) {
+            Some(far) => far.at_most(z - part.middle).bend,
+            None => {
+                let sizes = part.potential.jumps.iter().map(|jump| jump.size.abs());
+                sizes.sum::<f64>() + part.potential.background.abs()
+            }
+        };
+    }
+    sum
 }
 
 impl BoundedEnergy {
@@ -273,17 +297,18 @@ impl BoundedEnergy {
     }
 
     /// Adds the integrals along a jump of f.
-    fn add_edge(&mut self, setup: &Setup, edge: &JumpEdge) -> Result<(), &'static str> {
+    fn add_edge(
+        &mut self,
+        setup: &Setup,
+        group: &JumpGroup,
+        own: &GroupEdge,
+    ) -> Result<(), &'static str> {
         /// Part of a jump, over its longest cell in log r, that is left out at an end.
         const LEFT: f64 = 1e-24;
-        let singular = Singular { psi: &setup.jumps.psi, points: Vec::new() };
-        let (curve, rule) = (edge.arc.curve, gauss(POINTS));
-        let [start, end] = edge.arc.span;
+        let singular = Singular { psi: &group.psi, points: Vec::new() };
+        let Arc { curve, span: [start, end], ends } = own.edge.arc;
         let half = 0.5 * (end - start);
-        let [left, right] = edge.values;
-        let (jump, both) = ((left - right).abs(), left.abs() + right.abs());
-        let psi = &setup.jumps.psi;
-        for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])] {
+        for (from, way, vertex) in [(start, 1.0, ends[0]), (end, -1.0, ends[1])] {
             let centre = curve.at(from);
             let reach = (singular.room(centre, Some(usize::MAX)) / 2.4)
                 .min(0.25 / curve.curvature)
@@ -299,44 +324,76 @@ impl BoundedEnergy {
                 near: vertex.map(|_| near),
             };
             for cell in stretch.cells().ok_or("psi on jumps of f")? {
-                let (mut points, mut normals) = (Vec::new(), Vec::new());
-                for [r, weight] in cell.nodes(&rule) {
-                    let s = from + way * r;
-                    points.push(curve.at(s));
-                    normals.push((-curve.direction(s).turned()).scaled(weight));
-                }
-                let mut sums = Integrals::default();
-                sums.add_jump(setup, edge.values, &points, &normals);
-                self.energy += sums.completed().energy;
-                self.balance += sums.source;
-                let length: f64 = normals.iter().map(|normal| normal.norm()).sum();
-                let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
-                self.unbalanced += units * jump * length * (setup.diameter + centre.norm());
-                self.cells += 1;
-                let (gradients, errors) = (psi.gradients(&points), psi.errors(&points));
-                for (k, (&z, own)) in points.iter().zip(errors).enumerate() {
-                    let (weight, slope) = (0.5 * jump * normals[k].norm(), gradients[k].norm());
-                    let square = 0.25 * (z - setup.centre).norm2();
-                    // Coordinates are off by two units.
-                    let units = 2.0 * f64::EPSILON;
-                    let by_value = square.sqrt() * (own.value + units * slope);
-                    let by_slope = square * (own.slope + units * own.bend);
-                    let sizes = psi.value(z).abs() + 0.5 * both * square;
-                    self.error += weight * (by_value + by_slope);
-                    self.terms += weight * (square.sqrt() * sizes + square * slope);
-                }
-                let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
-                let Moduli { value, slope } = of_psi(psi, cell.disc);
-                let size = 4.0 * jump * far * far * far * (value + slope + both);
-                let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
-                self.error += cell.gauss_error(size * scale);
-                self.unbalanced += cell.gauss_error(jump * far * scale);
+                let size = self.add_cell(group, own, [from, way], &cell);
                 if cell.is_log && cell.span[0] <= 1.01 * near.least {
                     self.error += near.least * size;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Adds the integrals on a cell of a jump, seen from an end, with the way from there. Returns a bound of the
+    /// integrand of the energy.
+    fn add_cell(
+        &mut self,
+        group: &JumpGroup,
+        own: &GroupEdge,
+        [from, way]: [f64; 2],
+        cell: &EllipseCell,
+    ) -> f64 {
+        let curve = own.edge.arc.curve;
+        let (mut points, mut normals) = (Vec::new(), Vec::new());
+        for [r, weight] in cell.nodes(&gauss(POINTS)) {
+            let s = from + way * r;
+            points.push(curve.at(s));
+            normals.push((-curve.direction(s).turned()).scaled(weight));
+        }
+        let mut sums = Integrals::default();
+        sums.add_jump(group, own, &points, &normals);
+        self.energy += sums.completed().energy;
+        self.balance += sums.source;
+        self.cells += 1;
+        self.add_jump_rounding(group, own, &points, &normals);
+        let length: f64 = normals.iter().map(|normal| normal.norm()).sum();
+        let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
+        let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
+        let Moduli { value, slope } = of_psi(&group.psi, cell.disc);
+        let mut size = 0.0;
+        for PieceSide { quadratic, f, square } in &own.sides {
+            let [far, p, rate] = quadratic.bounds(cell.disc.centre, cell.disc.radius);
+            size += 4.0 * (f.abs() * (value * rate + p * slope) + square.abs() * far * p);
+            self.unbalanced += f.abs() * (units * length * (far + group.reach()));
+            self.unbalanced += cell.gauss_error(f.abs() * far * scale);
+        }
+        self.error += cell.gauss_error(size * scale);
+        size
+    }
+
+    /// Adds the error by rounding of psi and of coordinates at points of a jump.
+    fn add_jump_rounding(
+        &mut self,
+        group: &JumpGroup,
+        own: &GroupEdge,
+        points: &[Complex],
+        normals: &[Complex],
+    ) {
+        let psi = &group.psi;
+        // Coordinates are off by two units.
+        let off = 2.0 * f64::EPSILON * group.reach().min(1.0);
+        let both = points.iter().zip(normals).zip(psi.gradients(points)).zip(psi.errors(points));
+        for (((&z, normal), gradient), errors) in both {
+            let (weight, slope) = (0.5 * normal.norm(), gradient.norm());
+            for PieceSide { quadratic, f, square } in &own.sides {
+                let (p, rate) = quadratic.at(z);
+                let by_value = rate.norm() * (errors.value + off * slope);
+                let by_slope = p * (errors.slope + off * errors.bend);
+                let outward = 0.25 * square.abs() * (z - quadratic.centre).norm() * p;
+                let terms = rate.norm() * psi.value(z).abs() + p * slope;
+                self.error += weight * f.abs() * (by_value + by_slope);
+                self.terms += weight * (f.abs() * terms + outward);
+            }
+        }
     }
 }
 

@@ -91,10 +91,9 @@ mod samples;
 
 use super::fit::Fit;
 use super::functions::Family;
+use super::groups::{JumpGroup, beside};
 use super::setup::Setup;
 use crate::problem::complex::Complex;
-use crate::spectral::curve::ROUNDING;
-use crate::spectral::jumps::JumpEdge;
 #[cfg(test)]
 use bounds::proved;
 pub(super) use bounds::{ROUNDED, bracket};
@@ -143,7 +142,7 @@ impl<'a> Proof<'a> {
             let ends = family.lengths.iter().map(|&d| family.point - family.inwards.scaled(d));
             points.extend(ends.map(|end| (end, None)));
         }
-        if !setup.jumps.edges.iter().all(|edge| has_values(setup, edge)) {
+        if !setup.jumps.groups.iter().all(has_values) {
             return Err("f");
         }
         for hole in &fit.functions.holes {
@@ -230,18 +229,14 @@ impl<'a> Proof<'a> {
     }
 }
 
-/// True if `-Lap psi` is f on both sides of a jump, next to its middle, nearer than the curves of all other jumps.
-fn has_values(setup: &Setup, edge: &JumpEdge) -> bool {
-    let (curve, [from, to]) = (edge.arc.curve, edge.arc.span);
-    let s = 0.5 * (from + to);
-    let z = curve.at(s);
-    let others = setup.jumps.edges.iter().map(|other| other.arc.curve.distance(z).abs());
-    let apart = others.filter(|&apart| apart > ROUNDING).fold(f64::INFINITY, f64::min);
-    let step = (1e-6 * (to - from).abs().min(1.0)).min(0.5 * apart);
-    let normal = curve.direction(s).turned();
-    let sides = [step, -step].map(|step| setup.jumps.psi.source(z + normal.scaled(step)));
-    let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
-    (0..2).all(|k| (sides[k] - edge.values[k]).abs() <= size)
+/// True if `-Lap psi` is f on both sides of the jumps of a group, next to their middles.
+fn has_values(group: &JumpGroup) -> bool {
+    let edges = || group.edges.iter().map(|own| &own.edge);
+    edges().all(|edge| {
+        let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
+        let sides = beside(edge, edges()).into_iter().zip(edge.values);
+        sides.into_iter().all(|(z, f)| (group.psi.source(z) - f).abs() <= size)
+    })
 }
 
 /// True if all its functions are rational, so that the point itself is not singular.
