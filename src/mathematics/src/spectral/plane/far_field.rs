@@ -1,7 +1,8 @@
 //! psi of a small closed shape seen from outside of it, where the terms of its sides would cancel.
 //!
 //! With f of the shape alone, psi is `-(1 / 2 pi) int f (log|z - w| + 1)` over it. Of a rectangle that is the sum of six
-//! segments with charges, the nodes of a Gauss rule across it: farther away than eight of its widths, by 2^-60 of it.
+//! segments with charges, the nodes of a Gauss rule across it: outside, and farther away from its shorter sides than
+//! sixteen widths, to 2^-60 of it.
 //! Of other shapes, with moments `M_k = int f w^k`, it is
 //! ```text
 //! -(1 / 2 pi) (M_0 (log|z| + 1) - Re sum M_k / (k z^k)),     by 3^-35 of it from three radii on, for a disc M_0 alone.
@@ -10,7 +11,7 @@
 use super::quadratic::Extent;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
-use crate::spectral::potential::Potential;
+use crate::spectral::potential::{Jump, Potential};
 use crate::spectral::rule::{GaussNode, gauss};
 use std::f64::consts::{PI, TAU};
 
@@ -41,44 +42,67 @@ pub(super) struct FarSizes {
 }
 
 impl FarField {
-    /// psi of jumps that are closed, seen from the middle of their box.
+    /// psi of jumps that are closed, in a box.
     pub(super) fn new(potential: &Potential, extent: Extent) -> Self {
-        let [long, across] = extent.half;
-        let size: f64 = potential.jumps.iter().map(|jump| jump.size.abs()).sum();
-        let [jump, ..] = &potential.jumps[..] else { panic!("jumps") };
-        if let [_] = potential.jumps[..] {
-            let mass = jump.size * PI * long * across;
-            let charges = Charges::Moments(vec![Complex::new(mass, 0.0)]);
-            return Self { extent, mass: mass.abs(), clear: 0.5 * long, charges };
-        }
-        let is_side = |curve: crate::spectral::curve::Curve| {
-            let turned = extent.axis.conj() * curve.tangent;
-            curve.curvature == 0.0 && (turned.re == 0.0 || turned.im == 0.0)
+        let ([long, across], curve) = (extent.half, potential.jumps[0].arc.curve);
+        let f = potential.jumps[0].size;
+        let is_side = |jump: &Jump| {
+            let turned = extent.axis.conj() * jump.arc.curve.tangent;
+            jump.arc.curve.curvature == 0.0 && (turned.re == 0.0 || turned.im == 0.0)
         };
-        if potential.jumps.len() == 4 && potential.jumps.iter().all(|jump| is_side(jump.arc.curve))
-        {
-            let is_left = jump.arc.curve.local(Complex::default()).im > 0.0;
-            let f = if is_left { jump.size } else { -jump.size };
-            let mass = 4.0 * f.abs() * long * across;
-            let charges = Charges::Segments(2.0 * f * across);
-            return Self { extent, mass, clear: 16.0 * across, charges };
+        match &potential.jumps[..] {
+            [_] => {
+                let radius = 1.0 / curve.curvature;
+                let mass = f * PI * radius * radius;
+                let charges = Charges::Moments(vec![Complex::new(mass, 0.0)]);
+                Self { extent, mass: mass.abs(), clear: 0.5 * radius, charges }
+            }
+            all @ [_, _, _, _] if all.iter().all(is_side) => {
+                let is_left = curve.local(extent.centre).im > 0.0;
+                let charges = Charges::Segments(if is_left { f } else { -f } * 2.0 * across);
+                Self { extent, mass: 4.0 * f.abs() * long * across, clear: 32.0 * across, charges }
+            }
+            all => {
+                let size: f64 = all.iter().map(|jump| jump.size.abs()).sum();
+                let charges = Charges::Moments(moments(potential, 34));
+                let clear = 3.0 * (long + across);
+                Self { extent, mass: 4.0 * size * long * across, clear, charges }
+            }
         }
-        let radius = long + across;
-        let charges = Charges::Moments(moments(potential, 34));
-        Self { extent, mass: size * 4.0 * long * across, clear: 3.0 * radius, charges }
+    }
+
+    /// Distance of a point from all of a shape, or from the shorter sides of a rectangle, beside which psi has no
+    /// other singular points.
+    fn away(&self, z: Complex) -> f64 {
+        let Extent { half: [long, across], .. } = self.extent;
+        match self.charges {
+            Charges::Moments(_) => self.extent.distance(z),
+            Charges::Segments(_) => {
+                let [x, y] = self.extent.local(z).map(f64::abs);
+                let beyond = (y - across).max(0.0);
+                ((x - long) * (x - long) + beyond * beyond).sqrt()
+            }
+        }
     }
 
     /// True if psi is found so at a point.
     pub(super) fn holds(&self, z: Complex) -> bool {
-        self.extent.distance(z) > self.clear
+        let is_out = match self.charges {
+            Charges::Moments(_) => true,
+            Charges::Segments(_) => {
+                let [x, y] = self.extent.local(z).map(f64::abs);
+                x > self.extent.half[0] || y >= self.extent.half[1] * (1.0 - 4.0 * f64::EPSILON)
+            }
+        };
+        is_out && self.away(z) > self.clear
     }
 
     /// psi with its gradient.
     pub(super) fn at(&self, z: Complex) -> (f64, Complex) {
         match &self.charges {
             Charges::Segments(density) => {
-                let ([half, across], axis) = (self.extent.half, self.extent.axis);
-                let seen = axis.conj() * z;
+                let Extent { centre, axis, half: [half, across] } = self.extent;
+                let seen = axis.conj() * (z - centre);
                 let (mut value, mut slope) = (0.0, Complex::default());
                 for GaussNode { x, weight } in gauss(6) {
                     let charge = -weight * density / TAU;
@@ -104,16 +128,18 @@ impl FarField {
         }
     }
 
-    /// Bounds of the moduli of all terms, at least at a distance from the box and at most at one from its middle.
-    pub(super) fn sizes(&self, [least, most]: [f64; 2]) -> FarSizes {
+    /// Bounds of the moduli of all terms at a point where psi is found so.
+    pub(super) fn sizes(&self, z: Complex) -> FarSizes {
+        let (least, half) = (self.away(z), self.extent.half[0]);
+        let most = z.norm() + 2.0 * half;
         let log = libm::log(least).abs().max(libm::log(most).abs());
         let size = self.mass / TAU;
-        // The logarithm that a segment has is at most its length over the distance.
-        let turned = (1.0 / least).min((log + PI) / self.extent.half[0]);
+        // Of the logarithm that a segment has, over its length.
+        let part = if least > 2.0 * half { 2.0 / least } else { (2.0 * log + PI) / (2.0 * half) };
         FarSizes {
-            value: size * (2.0 + log + most * turned),
-            slope: size / least,
-            bend: size / (least * least),
+            value: size * (2.0 + log + most * part),
+            slope: size * part,
+            bend: size * part / least,
         }
     }
 }

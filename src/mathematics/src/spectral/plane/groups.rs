@@ -20,6 +20,8 @@ pub(super) struct JumpGroup {
     pub psi: Psi,
     /// Box round a small closed shape.
     pub extent: Option<Extent>,
+    /// Distance by which borders of a small shape may be off, seen from its middle.
+    pub off: f64,
 }
 
 impl JumpGroup {
@@ -34,6 +36,13 @@ pub(super) struct GroupEdge {
     pub edge: JumpEdge,
     /// One entry for each side, or one for both if they share a quadratic function.
     pub sides: Vec<PieceSide>,
+}
+
+impl GroupEdge {
+    /// f on the left less f on the right.
+    pub(super) fn jump(&self) -> f64 {
+        self.edge.values[0] - self.edge.values[1]
+    }
 }
 
 /// A side of the border of a piece of f, or of two, in [`quadratic`](super::quadratic)'s integrals.
@@ -59,6 +68,7 @@ struct SmallShape {
     part: PsiPart,
     edges: Vec<JumpEdge>,
     extent: Extent,
+    off: f64,
 }
 
 /// Groups of jumps, first of all that bound no small closed shape, with psi by f at some points of the domain.
@@ -82,7 +92,13 @@ pub(super) fn groups(
     let rest = edges
         .into_iter()
         .map(|edge| GroupEdge { sides: vec![PieceSide::of_jump(all, edge.values)], edge });
-    let rest = JumpGroup { middle: Complex::default(), edges: rest.collect(), psi, extent: None };
+    let rest = JumpGroup {
+        middle: Complex::default(),
+        edges: rest.collect(),
+        psi,
+        extent: None,
+        off: 0.0,
+    };
     let mut groups = vec![rest];
     for shape in &shapes {
         let around = shape.around(&shapes).map(|own| own.quadratic().seen_from(-own.middle));
@@ -92,6 +108,7 @@ pub(super) fn groups(
             edges: shape.edges.iter().map(|edge| shape.with_sides(edge, outer)).collect(),
             psi: groups[0].psi.seen_from(shape.middle),
             extent: Some(shape.extent),
+            off: shape.off,
         });
     }
     groups
@@ -131,7 +148,8 @@ impl SmallShape {
             return None;
         }
         let arcs: Vec<Arc> = edges.iter().map(|edge| edge.arc).collect();
-        let (extent, middle) = Extent::of(&arcs);
+        let extent = Extent::of(&arcs);
+        let middle = extent.centre;
         if 2.0 * extent.half[1] > WIDEST * domain.diameter() {
             return None;
         }
@@ -150,9 +168,14 @@ impl SmallShape {
             local.add(arc, edge.values[0] - edge.values[1]);
             seen.push(JumpEdge { arc, ..edge.clone() });
         }
+        let arcs: Vec<Arc> = seen.iter().map(|edge| edge.arc).collect();
+        let extent = Extent::of(&arcs);
         let far = FarField::new(&local, extent);
         let part = PsiPart::new(Complex::default(), local, Some(far));
-        let shape = Self { middle, part, edges: seen, extent };
+        // Radii, and coordinates of lines that are parallel to an axis, are those of f.
+        let is_exact = edges.iter().all(|edge| edge.is_circle() || is_exact(edge, potential));
+        let off = if is_exact { 4.0 * f64::EPSILON * extent.half[0] } else { ROUNDING };
+        let shape = Self { middle, part, edges: seen, extent, off };
         let mut holes = domain.loops.iter().map(|sides| sides[0].point(0.0));
         holes.all(|z| shape.is_outside(z - middle)).then_some(shape)
     }
@@ -193,6 +216,14 @@ impl SmallShape {
         }
         GroupEdge { edge: edge.clone(), sides }
     }
+}
+
+/// True if the ends of a segment that is parallel to an axis lie exactly on its line.
+fn is_exact(edge: &JumpEdge, potential: &Potential) -> bool {
+    let Arc { curve, ends, .. } = edge.arc;
+    let is_on = |v: usize| curve.local(potential.vertices[v]).im == 0.0;
+    let is_parallel = curve.tangent.re == 0.0 || curve.tangent.im == 0.0;
+    curve.curvature == 0.0 && is_parallel && ends.into_iter().flatten().all(is_on)
 }
 
 /// An arc with vertices at its ends, seen from a point; a segment is that between the vertices.

@@ -10,9 +10,10 @@
 use crate::problem::complex::Complex;
 use crate::spectral::curve::Arc;
 
-/// Box round a shape, seen from its middle.
+/// Box round a shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
+    pub centre: Complex,
     /// Direction of its longer sides.
     pub axis: Complex,
     /// Half of its sides, the longer ones first.
@@ -20,8 +21,8 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// Box round arcs whose sides are parallel to the longest straight one, and the middle of it.
-    pub(super) fn of(arcs: &[Arc]) -> (Self, Complex) {
+    /// Box round arcs whose sides are parallel to the longest straight one.
+    pub(super) fn of(arcs: &[Arc]) -> Self {
         let mut longest = (0.0, Complex::new(1.0, 0.0));
         for Arc { curve, span: [from, to], .. } in arcs {
             let length = (to - from).abs();
@@ -37,18 +38,23 @@ impl Extent {
             range[1] = [range[1][0].max(x + beyond), range[1][1].max(y + beyond)];
         }
         let [low, high] = range;
-        let middle = axis * Complex::new(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]));
+        let centre = axis * Complex::new(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]));
         let mut half = [0, 1].map(|k| 0.5 * (high[k] - low[k]));
         if half[0] < half[1] {
             half.reverse();
             axis = axis.turned();
         }
-        (Self { axis, half }, middle)
+        Self { centre, axis, half }
     }
 
-    /// Distance of a point, seen from the middle, from the box.
+    /// Coordinates of a point along the longer and the shorter sides, from the centre.
+    pub(super) fn local(&self, z: Complex) -> [f64; 2] {
+        (self.axis.conj() * (z - self.centre)).coordinates()
+    }
+
+    /// Distance of a point from the box.
     pub(super) fn distance(&self, z: Complex) -> f64 {
-        let [x, y] = (self.axis.conj() * z).coordinates();
+        let [x, y] = self.local(z);
         let [x, y] = [x.abs() - self.half[0], y.abs() - self.half[1]].map(|beyond| beyond.max(0.0));
         (x * x + y * y).sqrt()
     }
@@ -82,9 +88,9 @@ impl Quadratic {
     }
 
     /// That of a piece in a box.
-    pub(super) fn of(Extent { axis, half: [long, across] }: Extent) -> Self {
+    pub(super) fn of(Extent { centre, axis, half: [long, across] }: Extent) -> Self {
         let along = across * across / (long * long + across * across);
-        Self { centre: Complex::default(), axis, along }
+        Self { centre, axis, along }
     }
 
     /// The same function, with all seen from another point.

@@ -114,9 +114,6 @@ pub(super) fn proved(
         ("the flux through the boundary", 0.5 * of_e),
         ("rounding of the coefficients of f", 2.0 * change.of_v),
     ];
-    if std::env::var("DBG").is_ok() {
-        eprintln!("{terms:?} exact {:?}", exact.error);
-    }
     let (cause, _) =
         terms.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or_default();
     if both.into_iter().all(f64::is_finite) {

@@ -11,7 +11,7 @@ use super::green::{HarmonicFit, HarmonicNode};
 use super::moduli::{Moduli, of_f, of_psi};
 use super::samples::Sampled;
 use crate::problem::complex::Complex;
-use crate::spectral::curve::Arc;
+use crate::spectral::curve::{Arc, ROUNDING};
 use crate::spectral::plane::boundary::{JoinedCrossing, JoinedPiece, PlaneCrossing, State};
 use crate::spectral::plane::energy::Integrals;
 use crate::spectral::plane::groups::{GroupEdge, JumpGroup, PieceSide};
@@ -32,6 +32,8 @@ pub(super) struct BoundedEnergy {
     terms: f64,
     /// Number of cells, whose integrals are added.
     cells: usize,
+    /// Bound of |v - psi|, which is harmonic.
+    most_g: f64,
 }
 
 /// Energy of v on cells; `left` bounds the variation of v closer to splits than all cells, split by split.
@@ -46,6 +48,9 @@ pub(super) fn bounded_energy(
     let harmonic = HarmonicFit::new(proof.fit, samples);
     let mut sum = BoundedEnergy { cells: samples.len(), ..BoundedEnergy::default() };
     let mut largest = 0.0f64;
+    let g = samples.iter().flat_map(|own| &own.nodes).map(|node| HarmonicNode::of_g(node)[0].abs());
+    // Larger between the points, where v has been bounded, by less than all of it.
+    sum.most_g = 2.0 * g.fold(0.0, f64::max);
     for (own, h) in samples.iter().zip(harmonic.moduli(samples)) {
         let nodes = harmonic.on(own, h);
         let integrals = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed();
@@ -56,22 +61,11 @@ pub(super) fn bounded_energy(
         sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
         largest = largest.max(h.value + h.slope);
     }
-    if std::env::var("DBG").is_ok() {
-        eprintln!(
-            "boundary {:e} terms {:e} balance {:e} unb {:e}",
-            sum.error, sum.terms, sum.balance, sum.unbalanced
-        );
-    }
     for group in &proof.setup.jumps.groups {
         for edge in &group.edges {
             sum.add_edge(proof.setup, group, edge)?;
         }
-    }
-    if std::env::var("DBG").is_ok() {
-        eprintln!(
-            "after edges {:e} terms {:e} balance {:e} unb {:e}",
-            sum.error, sum.terms, sum.balance, sum.unbalanced
-        );
+        sum.add_moved(proof.setup, group);
     }
     for piece in proof.fit.walk.joined_pieces() {
         sum.add_joined(proof, piece);
@@ -175,13 +169,18 @@ fn per_change(proof: &Proof, z: Complex, f: f64, distance: f64) -> [f64; 2] {
     [integrand, turns * rate * distance]
 }
 
+/// Sum of the moduli of the products of coordinates.
+fn products(z: Complex, normal: Complex) -> f64 {
+    (z.re * normal.re).abs() + (z.im * normal.im).abs()
+}
+
 /// Sum of the moduli of all jumps of f and of its background, but for those of small shapes, whose psi has a bound of
 /// its second derivatives in place of them.
 fn jumps(psi: &Psi, z: Complex) -> f64 {
     let mut sum = 0.0;
     for part in psi.parts() {
         sum += match part.far_from(z) {
-            Some(far) => far.at_most(z - part.middle).bend,
+            Some(far) => far.sizes(z - part.middle).bend,
             None => {
                 let sizes = part.potential.jumps.iter().map(|jump| jump.size.abs());
                 sizes.sum::<f64>() + part.potential.background.abs()
@@ -333,6 +332,20 @@ impl BoundedEnergy {
         Ok(())
     }
 
+    /// Adds the error of the energy if all of a small shape is off by rounding of coordinates: the integral of f on it
+    /// times the gradient of what is smooth there of v.
+    fn add_moved(&mut self, setup: &Setup, group: &JumpGroup) {
+        let Some(extent) = group.extent else { return };
+        let jumps = group.edges.iter().map(|own| own.jump().abs());
+        let mass = 4.0 * extent.half[0] * extent.half[1] * jumps.sum::<f64>();
+        let parts = group.psi.parts().iter();
+        let others = parts.filter(|part| part.far.is_none() || part.middle != Complex::default());
+        let others = Psi::Jumps(others.cloned().collect());
+        let [rest] = others.gradients(&[Complex::default()])[..] else { return };
+        let slope = rest.norm() + 2.0 * self.most_g / setup.domain.distance(group.middle);
+        self.error += ROUNDING * mass * slope;
+    }
+
     /// Adds the integrals on a cell of a jump, seen from an end, with the way from there. Returns a bound of the
     /// integrand of the energy.
     fn add_cell(
@@ -355,7 +368,6 @@ impl BoundedEnergy {
         self.balance += sums.source;
         self.cells += 1;
         self.add_jump_rounding(group, own, &points, &normals);
-        let length: f64 = normals.iter().map(|normal| normal.norm()).sum();
         let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
         let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
         let Moduli { value, slope } = of_psi(&group.psi, cell.disc);
@@ -363,8 +375,12 @@ impl BoundedEnergy {
         for PieceSide { quadratic, f, square } in &own.sides {
             let [far, p, rate] = quadratic.bounds(cell.disc.centre, cell.disc.radius);
             size += 4.0 * (f.abs() * (value * rate + p * slope) + square.abs() * far * p);
-            self.unbalanced += f.abs() * (units * length * (far + group.reach()));
             self.unbalanced += cell.gauss_error(f.abs() * far * scale);
+            for (&z, normal) in points.iter().zip(&normals) {
+                // Coordinates across a line parallel to an axis are those of the line.
+                let outward = products(z, *normal) + products(quadratic.centre, *normal);
+                self.unbalanced += units * f.abs() * outward;
+            }
         }
         self.error += cell.gauss_error(size * scale);
         size
@@ -383,13 +399,15 @@ impl BoundedEnergy {
         let off = 2.0 * f64::EPSILON * group.reach().min(1.0);
         let both = points.iter().zip(normals).zip(psi.gradients(points)).zip(psi.errors(points));
         for (((&z, normal), gradient), errors) in both {
-            let (weight, slope) = (0.5 * normal.norm(), gradient.norm());
+            let (weight, slope, value) = (0.5 * normal.norm(), gradient.norm(), psi.value(z).abs());
+            // f differs next to a border that is off.
+            self.error += 2.0 * weight * own.jump().abs() * group.off * (value + self.most_g);
             for PieceSide { quadratic, f, square } in &own.sides {
                 let (p, rate) = quadratic.at(z);
                 let by_value = rate.norm() * (errors.value + off * slope);
                 let by_slope = p * (errors.slope + off * errors.bend);
                 let outward = 0.25 * square.abs() * (z - quadratic.centre).norm() * p;
-                let terms = rate.norm() * psi.value(z).abs() + p * slope;
+                let terms = rate.norm() * value + p * slope;
                 self.error += weight * f.abs() * (by_value + by_slope);
                 self.terms += weight * (f.abs() * terms + outward);
             }

@@ -187,8 +187,8 @@ impl PsiPart {
             && let least = far.extent.distance(disc.centre) - disc.radius
             && least > 0.0
         {
-            // In both coordinates half of it, at the centre too.
-            return 2.0 * far.sizes([least, disc.centre.norm() + disc.radius]).slope;
+            // In both coordinates half of it, here and in the centre.
+            return 2.0 * far.mass / (TAU * least);
         }
         let mut sum = 0.5 * self.potential.background.abs() * disc.radius;
         for jump in &self.potential.jumps {

@@ -5,7 +5,7 @@
 
 use crate::problem::complex::Complex;
 use crate::spectral::curve::{Arc, Polar};
-use crate::spectral::plane::far_field::{FarField, FarSizes};
+use crate::spectral::plane::far_field::FarSizes;
 use crate::spectral::plane::psi::{Psi, PsiPart};
 use crate::spectral::potential::{Jump, Potential};
 use std::f64::consts::TAU;
@@ -55,21 +55,15 @@ impl PsiErrors {
         let mut sum = Self::default();
         for part in parts {
             let own = match part.far_from(z) {
-                Some(far) => far.at_most(z - part.middle).scaled(UNITS * f64::EPSILON),
+                Some(far) => {
+                    let FarSizes { value, slope, bend } = far.sizes(z - part.middle);
+                    Self { value, slope, bend }.scaled(UNITS * f64::EPSILON)
+                }
                 None => part.potential.errors(z - part.middle),
             };
             sum.add(own, 1.0);
         }
         sum
-    }
-}
-
-impl FarField {
-    /// Bounds of the moduli of all terms at a point.
-    pub(super) fn at_most(&self, z: Complex) -> PsiErrors {
-        let away = self.extent.distance(z);
-        let FarSizes { value, slope, bend } = self.sizes([away, z.norm() + self.extent.half[0]]);
-        PsiErrors { value, slope, bend }
     }
 }
 
@@ -146,7 +140,7 @@ mod tests {
             let arc = Arc { curve, span: [pair[0], pair[1]], ends: [Some(k), Some(k + 1)] };
             potential.add(arc, 3.0);
         }
-        Psi::of_jumps(potential, &[Complex::default()], |_| 0.0)
+        Psi::of_jumps(potential, Vec::new(), &[Complex::default()], |_| 0.0)
     }
 
     #[test]
@@ -180,9 +174,10 @@ mod tests {
 
     /// The jumps alone.
     fn without_background(psi: Psi) -> Psi {
-        let Psi::Jumps(mut potential) = psi else { panic!("jumps") };
-        (potential.background, potential.gauge[0]) = (0.0, Complex::default());
-        Psi::Jumps(potential)
+        let Psi::Jumps(mut parts) = psi else { panic!("jumps") };
+        let own = &mut parts[0].potential;
+        (own.background, own.gauge[0]) = (0.0, Complex::default());
+        Psi::Jumps(parts)
     }
 
     #[test]
