@@ -171,14 +171,16 @@ impl BorderPoint {
 
 /// Pieces of an edge of a group, short next to singular points of psi.
 fn pieces(setup: &Setup, middle: Complex, arc: Arc) -> Vec<[f64; 2]> {
+    // No shorter than this, in lengths of the edge if that is short.
+    let least = 1e-9 * (arc.span[1] - arc.span[0]).abs().min(1.0);
     let ends = arc.span.map(|s| arc.curve.at(s));
     let singular = setup.jumps.singular.iter().map(|&z| z - middle);
     let others: Vec<Complex> =
-        singular.filter(|z| ends.iter().all(|end| (*z - *end).norm() > 1e-10)).collect();
+        singular.filter(|z| ends.iter().all(|end| (*z - *end).norm() > 0.1 * least)).collect();
     halved(arc.span, |[from, to]| {
         let middle = arc.curve.at(0.5 * (from + to));
         let length = to - from;
-        length > 1e-9
+        length > least
             && (length * arc.curve.curvature > 1.6
                 || others.iter().any(|&z| length > (z - middle).norm()))
     })

@@ -184,3 +184,6 @@ fn moments(potential: &Potential, most: usize) -> Vec<Complex> {
     }
     moments
 }
+
+#[cfg(test)]
+mod tests;

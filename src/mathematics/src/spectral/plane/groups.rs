@@ -20,7 +20,7 @@ pub(super) struct JumpGroup {
     pub psi: Psi,
     /// Box round a small closed shape.
     pub extent: Option<Extent>,
-    /// Distance by which borders of a small shape may be off, seen from its middle.
+    /// Distance by which borders of a small shape may be off, seen from its middle, but for units of its width.
     pub off: f64,
 }
 
@@ -174,7 +174,7 @@ impl SmallShape {
         let part = PsiPart::new(Complex::default(), local, Some(far));
         // Radii, and coordinates of lines that are parallel to an axis, are those of f.
         let is_exact = edges.iter().all(|edge| edge.is_circle() || is_exact(edge, potential));
-        let off = if is_exact { 4.0 * f64::EPSILON * extent.half[0] } else { ROUNDING };
+        let off = if is_exact { 4.0 * f64::EPSILON * extent.half[1] } else { ROUNDING };
         let shape = Self { middle, part, edges: seen, extent, off };
         let mut holes = domain.loops.iter().map(|sides| sides[0].point(0.0));
         holes.all(|z| shape.is_outside(z - middle)).then_some(shape)
@@ -233,7 +233,7 @@ fn seen_from(origin: Complex, arc: Arc, vertices: &[Complex]) -> Arc {
     {
         let way = vertices[to] - vertices[from];
         let length = way.norm();
-        let curve = Curve::line(vertices[from], way.scaled(1.0 / length));
+        let curve = Curve::line(vertices[from], Complex::new(way.re / length, way.im / length));
         return Arc { curve, span: [0.0, length], ..arc };
     }
     Arc { curve: Curve { origin: arc.curve.origin - origin, ..arc.curve }, ..arc }

@@ -49,7 +49,7 @@ impl PsiPart {
         self.far.as_ref().filter(|far| far.holds(z - self.middle))
     }
 
-    fn value(&self, z: Complex) -> f64 {
+    pub(super) fn value(&self, z: Complex) -> f64 {
         let seen = z - self.middle;
         if let Some(far) = self.far_from(z) {
             return far.at(seen).0;
@@ -64,7 +64,7 @@ impl PsiPart {
     }
 
     /// Adds gradients at points.
-    fn add_gradients(&self, points: &[Complex], sums: &mut [Complex]) {
+    pub(super) fn add_gradients(&self, points: &[Complex], sums: &mut [Complex]) {
         let (mut seen, mut near) = (Vec::new(), Vec::new());
         for (k, &z) in points.iter().enumerate() {
             match self.far_from(z) {

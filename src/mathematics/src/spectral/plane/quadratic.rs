@@ -113,3 +113,62 @@ impl Quadratic {
         [x + y, 0.5 * (a * x + b * y), a + b]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectral::curve::Curve;
+
+    #[test]
+    fn a_quadratic_has_laplacian_one_and_is_as_small_as_its_box() {
+        let way = Complex::new(0.6, 0.8);
+        for [long, across] in [[1e-3, 1e-3], [0.3, 1e-3], [0.2, 1e-8]] {
+            let from = Complex::new(0.1, -0.4);
+            let corners = [(0.0, 0.0), (2.0 * long, 0.0), (2.0 * long, 2.0 * across)];
+            let corners = corners.map(|(x, y)| from + way * Complex::new(x, y));
+            let arcs = [0, 1].map(|k| {
+                let step = corners[k + 1] - corners[k];
+                let curve = Curve::line(corners[k], step.scaled(1.0 / step.norm()));
+                Arc { curve, span: [0.0, step.norm()], ends: [None; 2] }
+            });
+            let extent = Extent::of(&arcs);
+            assert!((extent.half[0] / long - 1.0).abs() < 1e-12, "{extent:?}");
+            assert!((extent.half[1] / across - 1.0).abs() < 1e-7, "{extent:?}");
+            for z in corners {
+                assert!(extent.distance(z) < 1e-15, "{extent:?}");
+                let beyond = extent.centre + (z - extent.centre).scaled(2.0);
+                assert!((extent.distance(beyond) - (z - extent.centre).norm()).abs() < 1e-15);
+            }
+            let own = Quadratic::of(extent);
+            let step = 0.01;
+            let mut laplacian = -4.0 * own.at(from).0;
+            for (x, y) in [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)] {
+                let z = from + Complex::new(x, y);
+                laplacian += own.at(z).0;
+                let slope = (own.at(z).1 + own.at(from).1).scaled(0.5).dot(z - from);
+                assert!((own.at(z).0 - own.at(from).0 - slope).abs() < 1e-15);
+                let [far, value, rate] = own.bounds(from, 1.01 * step);
+                assert!(far >= (z - own.centre).norm(), "{far}");
+                assert!(value >= own.at(z).0 && rate >= own.at(z).1.norm(), "{value} {rate}");
+            }
+            assert!((laplacian / (step * step) - 1.0).abs() < 1e-8, "{laplacian}");
+            for z in corners {
+                assert!(own.at(z).0 <= 1.001 * across * across, "{extent:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn boxes_hold_circles_and_arcs() {
+        let tangent = Complex::new(0.8, -0.6);
+        let curve = Curve { origin: Complex::new(0.2, 0.1), tangent, curvature: 10.0 };
+        for length in [0.02, 0.1, 0.3, 0.2 * std::f64::consts::PI] {
+            let extent = Extent::of(&[Arc { curve, span: [0.1, 0.1 + length], ends: [None; 2] }]);
+            for k in 0..=100 {
+                let z = curve.at(0.1 + length * f64::from(k) / 100.0);
+                assert!(extent.distance(z) < 1e-15, "{length} {extent:?} {z:?}");
+            }
+            assert!(extent.half[0] <= 1.5 * length.min(0.1), "{length} {extent:?}");
+        }
+    }
+}

@@ -83,6 +83,7 @@ mod cells;
 mod exact_energy;
 mod extension;
 mod green;
+mod jump_energy;
 mod moduli;
 mod on_cells;
 mod psi_errors;
@@ -234,8 +235,8 @@ fn has_values(group: &JumpGroup) -> bool {
     let edges = || group.edges.iter().map(|own| &own.edge);
     edges().all(|edge| {
         let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
-        let sides = beside(edge, edges()).into_iter().zip(edge.values);
-        sides.into_iter().all(|(z, f)| (group.psi.source(z) - f).abs() <= size)
+        let [left, right] = beside(edge, edges()).map(|z| group.psi.source(z));
+        (left - edge.values[0]).abs() <= size && (right - edge.values[1]).abs() <= size
     })
 }
 
