@@ -2,9 +2,11 @@
 //!
 //! All is on the boundary and on jumps:
 //! ```text
-//! int f v   = int f psi + oint (psi l - v psi_n),     int f psi piece by piece of f as in [`quadratic`](super::quadratic),
-//! J(v)      = 1/2 oint v l - 1/2 int f v - int over gaps of q v,
+//! int f v = int f psi + oint (psi l - v psi_n),     int f psi for each piece of f by a quadratic function:
+//! J(v)    = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
 //! ```
+//! on the boundary by `|x|^2 / 4` from the middle of the domain, along jumps by [`quadratic`](super::quadratic).
+//!
 //! A crossing of f that is joined with a split has f of another interval on the piece between both; the change is
 //! added, by the integrand in the middle of the piece ([`JoinedPiece`](super::boundary::JoinedPiece)).
 //!

@@ -1,12 +1,12 @@
 //! psi of a small closed shape seen from outside of it, where the terms of its sides would cancel.
 //!
-//! With f of the shape alone, psi is `-(1 / 2 pi) int f (log|z - w| + 1)` over it. Of a rectangle that is the sum of six
-//! segments with charges, the nodes of a Gauss rule across it: outside, and farther away from its shorter sides than
-//! sixteen widths, to 2^-60 of it.
-//! Of other shapes, with moments `M_k = int f w^k`, it is
+//! With f of the shape alone, psi is `-(1 / 2 pi) int f (log|z - w| + 1)` over it. Of a rectangle that is the sum of
+//! six segments with charges, the nodes of a Gauss rule across it, to 2^-60 of it outside, sixteen widths away from its
+//! shorter sides. Of other shapes, with moments `M_k = int f w^k`, it is
 //! ```text
-//! -(1 / 2 pi) (M_0 (log|z| + 1) - Re sum M_k / (k z^k)),     by 3^-35 of it from three radii on, for a disc M_0 alone.
+//! -(1 / 2 pi) (M_0 (log|z| + 1) - Re sum M_k / (k z^k)),
 //! ```
+//! to 3^-35 of it from three radii on; of a disc that is M_0 alone.
 
 use super::quadratic::Extent;
 use crate::problem::complex::Complex;
@@ -46,10 +46,6 @@ impl FarField {
     pub(super) fn new(potential: &Potential, extent: Extent) -> Self {
         let ([long, across], curve) = (extent.half, potential.jumps[0].arc.curve);
         let f = potential.jumps[0].size;
-        let is_side = |jump: &Jump| {
-            let turned = extent.axis.conj() * jump.arc.curve.tangent;
-            jump.arc.curve.curvature == 0.0 && (turned.re == 0.0 || turned.im == 0.0)
-        };
         match &potential.jumps[..] {
             [_] => {
                 let radius = 1.0 / curve.curvature;
@@ -57,7 +53,7 @@ impl FarField {
                 let charges = Charges::Moments(vec![Complex::new(mass, 0.0)]);
                 Self { extent, mass: mass.abs(), clear: 0.5 * radius, charges }
             }
-            all @ [_, _, _, _] if all.iter().all(is_side) => {
+            all @ [_, _, _, _] if all.iter().all(|jump| is_side(jump, extent.axis)) => {
                 let is_left = curve.local(extent.centre).im > 0.0;
                 let charges = Charges::Segments(if is_left { f } else { -f } * 2.0 * across);
                 Self { extent, mass: 4.0 * f.abs() * long * across, clear: 32.0 * across, charges }
@@ -144,6 +140,12 @@ impl FarField {
     }
 }
 
+/// True if a jump is straight, and parallel or perpendicular to an axis.
+fn is_side(Jump { arc, .. }: &Jump, axis: Complex) -> bool {
+    let turned = axis.conj() * arc.curve.tangent;
+    arc.curve.curvature == 0.0 && (turned.re == 0.0 || turned.im == 0.0)
+}
+
 /// Integral of `log(z - t)` and its derivative over t from `-half` to `half`, plus the length.
 fn segment(z: Complex, half: f64) -> [Complex; 2] {
     let [to, from] = [half, -half].map(|t| z.shifted(t));
@@ -184,6 +186,3 @@ fn moments(potential: &Potential, most: usize) -> Vec<Complex> {
     }
     moments
 }
-
-#[cfg(test)]
-mod tests;

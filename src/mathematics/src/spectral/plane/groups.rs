@@ -81,8 +81,8 @@ pub(super) fn groups(
     let mut shapes = Vec::new();
     for own in connected(&edges) {
         if let Some(shape) = SmallShape::of(domain, &potential, &own) {
-            potential.jumps.retain(|jump| !bounds(&own, jump.arc));
-            edges.retain(|edge| !bounds(&own, edge.arc));
+            potential.jumps.retain(|jump| !holds_one(jump.arc, &own));
+            edges.retain(|edge| !holds_one(edge.arc, &own));
             shapes.push(shape);
         }
     }
@@ -114,11 +114,12 @@ pub(super) fn groups(
     groups
 }
 
-/// True if an arc of the potential is one of some closed edges.
-fn bounds(edges: &[JumpEdge], arc: Arc) -> bool {
-    edges.iter().any(|edge| match edge.arc.ends {
-        [None, None] => edge.arc.curve == arc.curve && arc.ends == [None; 2],
-        ends => arc.ends.iter().flatten().any(|end| ends.contains(&Some(*end))),
+/// True if an arc holds the middle of one of some edges.
+fn holds_one(arc: Arc, edges: &[JumpEdge]) -> bool {
+    edges.iter().filter(|edge| edge.arc.curve == arc.curve).any(|edge| {
+        let after = 0.5 * (edge.arc.span[0] + edge.arc.span[1]) - arc.span[0];
+        let after = arc.curve.period().map_or(after, |turn| after.rem_euclid(turn));
+        0.0 < after && after < arc.span[1] - arc.span[0]
     })
 }
 
@@ -127,10 +128,10 @@ fn connected(edges: &[JumpEdge]) -> Vec<Vec<JumpEdge>> {
     let mut groups: Vec<Vec<JumpEdge>> = Vec::new();
     for edge in edges {
         let ends = edge.arc.ends;
-        let meets =
-            |other: &JumpEdge| ends.iter().any(|e| e.is_some() && other.arc.ends.contains(e));
-        let (with, without): (Vec<_>, Vec<_>) =
-            groups.into_iter().partition(|own| own.iter().any(meets));
+        let (with, without): (Vec<_>, Vec<_>) = groups.into_iter().partition(|own| {
+            let mut others = own.iter().flat_map(|other| other.arc.ends).flatten();
+            others.any(|other| ends.contains(&Some(other)))
+        });
         groups = without;
         groups.push(with.into_iter().flatten().chain([edge.clone()]).collect());
     }
@@ -142,9 +143,11 @@ impl SmallShape {
     fn of(domain: &PlaneDomain, potential: &Potential, edges: &[JumpEdge]) -> Option<Self> {
         /// Width over the diameter of the domain.
         const WIDEST: f64 = 1.0 / 16.0;
-        let is_closed =
-            |edge: &JumpEdge| edge.is_circle() || edge.arc.ends.iter().all(Option::is_some);
-        if !edges.iter().all(is_closed) {
+        let mut closed = edges.iter().map(|edge| match edge.arc.ends {
+            [None, None] => edge.is_circle(),
+            ends => ends.iter().all(Option::is_some),
+        });
+        if !closed.all(|is_closed| is_closed) {
             return None;
         }
         let arcs: Vec<Arc> = edges.iter().map(|edge| edge.arc).collect();
@@ -196,10 +199,8 @@ impl SmallShape {
     /// Innermost shape in which it lies.
     fn around<'a>(&self, shapes: &'a [Self]) -> Option<&'a Self> {
         let around: Vec<&Self> = shapes.iter().filter(|other| self.lies_in(other)).collect();
-        let is_innermost = |own: &&&Self| {
-            around.iter().all(|other| std::ptr::eq(*other, **own) || own.lies_in(other))
-        };
-        around.iter().find(is_innermost).copied()
+        let mut inwards = around.iter();
+        inwards.find(|own| around.iter().all(|other| !other.lies_in(own))).copied()
     }
 
     fn quadratic(&self) -> Quadratic {

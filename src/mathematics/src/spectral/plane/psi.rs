@@ -235,3 +235,6 @@ fn dilogarithm(y: Complex) -> f64 {
     }
     (u - square.scaled(0.25) + sum * square * u).im
 }
+
+#[cfg(test)]
+mod tests;

@@ -136,3 +136,6 @@ impl BoundedEnergy {
 fn products(z: Complex, normal: Complex) -> f64 {
     (z.re * normal.re).abs() + (z.im * normal.im).abs()
 }
+
+#[cfg(test)]
+mod tests;

@@ -42,8 +42,11 @@
 //!    Tests: `extension::tests`, against harmonic functions of a circle, and all circles against the other pieces.
 //! 7. *The energy of v* ([`exact_energy`]). Gauss rules on the cells, with their errors, what lies closer to splits
 //!    than all cells (the integral of a sum of powers), and rounding: errors at points times the derivatives of the
-//!    integrand by them, which Green's identity makes small ([`green`]). Tests: `exact_energy::tests`, with derivatives
-//!    by differences, and energies in closed form.
+//!    integrand by them, which Green's identity makes small ([`green`]). A small closed shape of f is seen from the
+//!    middle of its box ([`jump_energy`]): what is off of its borders against each other changes f there, by the jump
+//!    times |v|, and what is off of all of it counts by the gradient of what is smooth there of v. Tests:
+//!    `exact_energy::tests`, with derivatives by differences, and energies in closed form; `plane::tests::small`, with
+//!    shapes down to 1e-9 of the domain.
 //! 8. *Both ends* ([`bounds`]):
 //!    ```text
 //!    lower = J - error - delta int |eta| - 1/2 int |grad E|^2,     over where v should be zero,
@@ -69,12 +72,12 @@
 //! # Rounding is a model
 //! That a function is off by some units in the last place of its terms is not proved but taken from how it is
 //! computed: 16 of each power of a corner, and 8 times the power more, since a logarithm is multiplied by it; 6 + k of
-//! the k-th polynomial or power of a hole; 16 and one for each jump of the terms of psi. Arnoldi's recurrence for
-//! polynomials multiplies by z and subtracts what came before, k times; that its errors are not magnified holds as far
-//! as the polynomials, orthogonal on the boundary, are of about unit size there, and is seen on bars of 1 : 20 and on
-//! polygons, where the true error is at most 0.4 of half of the distance of the bounds. Sums over cells lose no more
-//! than half a unit of all terms for each addition. Tests: `psi_errors::tests`, `green::tests`, and the differences of
-//! closed forms in `exact_energy::tests`.
+//! the k-th polynomial or power of a hole; 16 and one for each jump of the terms of psi, and 16 of those by which it is
+//! found away from small shapes. Arnoldi's recurrence for polynomials multiplies by z and subtracts what came before, k
+//! times; that its errors are not magnified holds as far as the polynomials, orthogonal on the boundary, are of about
+//! unit size there, and is seen on bars of 1 : 20 and on polygons, where the true error is at most 0.4 of half of the
+//! distance of the bounds. Sums over cells lose no more than half a unit of all terms for each addition. Tests:
+//! `psi_errors::tests`, `green::tests`, and the differences of closed forms in `exact_energy::tests`.
 //!
 //! So a guarantee is one for the statement as in step 1, and but for this model.
 

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::spectral::curve::{Arc, Curve};
-use crate::spectral::plane::psi::PsiPart;
+use crate::spectral::plane::quadratic::Extent;
+use std::f64::consts::PI;
 
 /// Jumps of 2 along a polygon, or along a circle round the origin, with their box.
 fn closed(corners: &[Complex], radius: f64) -> (Potential, Extent) {
@@ -79,12 +80,11 @@ fn psi_of_small_shapes_is_that_of_large_ones_scaled() {
     let square = points(&[(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]);
     for (corners, area) in [(points(&[]), PI * 0.0049), (corners, 0.0131), (square, 0.04)] {
         let scale = 1e-8;
-        let own = |s: f64| {
+        let [one, small] = [1.0, scale].map(|s| {
             let scaled: Vec<Complex> = corners.iter().map(|z| z.scaled(s)).collect();
             let (potential, extent) = closed(&scaled, 0.07 * s);
             FarField::new(&potential, extent)
-        };
-        let (one, small) = (own(1.0), own(scale));
+        });
         assert!((one.mass / small.mass * scale * scale - 1.0).abs() < 1e-12);
         assert!(one.mass >= 2.0 * area * (1.0 - 1e-12), "{}", one.mass);
         let z = Complex::new(3.0, -2.0);
