@@ -51,7 +51,7 @@ fn fields_of(answers: &[Value]) -> Fields {
 
 /// Fields in the rows of a table of the book, whose first cell names the command if `command` is one.
 fn documented(table: &str, command: Option<&str>) -> Fields {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/report/templates/commands.md.tera");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/report/templates/fields.md.tera");
     let page = fs::read_to_string(path).unwrap();
     let (_, table) = page.split_once(&format!("table name=\"{table}\"")).unwrap();
     let (table, _) = table.split_once("{% </table> %}").unwrap();

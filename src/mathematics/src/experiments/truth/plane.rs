@@ -6,7 +6,7 @@ use crate::levels::{Problem, Reserve};
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::solvers::{Adaption, Settings, Solved, Solver, find, solve};
-use crate::spectral::{TrueChecks, TrueSolution};
+use crate::spectral::TrueSolution;
 use serde::{Deserialize, Serialize};
 
 /// Problem on a built-in domain in the plane.
@@ -52,8 +52,8 @@ pub(super) struct PlaneTruthRow {
     arcs: usize,
     ends: usize,
     /// Largest |v| in contact, over its size, and the balance of the flux, over the integral of |f|.
-    residual: Option<f64>,
-    balance: Option<f64>,
+    residual: f64,
+    balance: f64,
     /// Ends of contact, and the cuts of the functions whose sum the solution is, from and to: as a picture shows them.
     contact: Vec<[f64; 2]>,
     cuts: Vec<[[f64; 2]; 2]>,
@@ -147,26 +147,19 @@ pub(super) fn against_plane(plan: &PlanePlan) -> Result<PlaneFindings, String> {
 
 impl PlaneTruthRow {
     fn of(PlanePlan { domain, f, .. }: &PlanePlan, truth: &TrueSolution) -> Self {
-        let [residual, balance] = match truth.checks {
-            TrueChecks::Plane(checks) => [Some(checks.residual), Some(checks.balance)],
-            TrueChecks::Square(_) => [None; 2],
-        };
-        let energy = truth.energy;
+        let (checks, energy) = (truth.checks, truth.energy);
         let open = truth.contact.iter().filter(|arc| !arc.closed);
         let contact: Vec<_> = open.flat_map(|arc| [arc.from, arc.to]).collect();
         Self {
             domain: domain.clone(),
             f: f.clone(),
             energy,
-            bracket: truth
-                .bracket
-                .and_then(Result::ok)
-                .map(|[low, high]| (high - low) / energy.abs()),
+            bracket: checks.bracket,
             steps: truth.steps,
             arcs: truth.contact.len(),
             ends: contact.len(),
-            residual,
-            balance: balance.map(f64::abs),
+            residual: checks.residual,
+            balance: checks.balance.abs(),
             contact,
             cuts: truth.cuts(),
         }

@@ -58,14 +58,15 @@ mod setup;
 mod signs;
 mod start;
 
-use super::domain;
+use super::{BoundaryPoint, domain};
 use crate::problem::text::plain;
 pub(crate) use arcs::PlaneArc;
 pub use domain::PlaneError;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
+use field::PlaneNode;
 use fit::Effort;
 use frame::Frame;
-pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
+pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
 use panels::Spot;
 pub(crate) use polynomial::Polynomial;
 pub(crate) use problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, RegionBorder, Regions};
@@ -239,6 +240,17 @@ impl PlaneSolution {
             }
         }
         cuts
+    }
+
+    /// dv/dn at the quadrature points of the boundary where the law holds.
+    pub(crate) fn boundary_points(&self) -> Vec<BoundaryPoint> {
+        let lawful = self.found.nodes.iter().filter(|node| node.lawful);
+        let of_node = |node: &PlaneNode| BoundaryPoint {
+            point: self.frame.outside(node.spot.z),
+            multiplier: self.frame.unit * node.flux,
+            weight: self.frame.unit * node.spot.weight,
+        };
+        lawful.map(of_node).collect()
     }
 
     /// Numbers of unknowns, and energies, of levels from coarse to fine.
