@@ -56,6 +56,7 @@ mod mesh_loads;
 mod meshes;
 mod multigrid;
 mod notices;
+mod over_scenes;
 mod pages;
 mod places;
 mod plain_code;
