@@ -40,7 +40,7 @@ impl PsiPart {
             };
             constant = constant + way.turned().scaled(size / (2.0 * TAU));
         }
-        potential.gauge[0] = constant.conj();
+        potential.constant = constant;
         Self { middle, potential, far }
     }
 

@@ -77,7 +77,7 @@ impl Potential {
         let slope = background * z.norm();
         let mut sum = PsiErrors {
             value: 0.5 * slope * z.norm(),
-            slope: slope + self.gauge[0].norm(),
+            slope: slope + self.constant.norm(),
             bend: background,
         };
         for jump in &self.jumps {
@@ -176,7 +176,7 @@ mod tests {
     fn without_background(psi: Psi) -> Psi {
         let Psi::Jumps(mut parts) = psi else { panic!("jumps") };
         let own = &mut parts[0].potential;
-        (own.background, own.gauge[0]) = (0.0, Complex::default());
+        (own.background, own.constant) = (0.0, Complex::default());
         Psi::Jumps(parts)
     }
 
