@@ -60,7 +60,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if !args.task.is_empty() {
         return single_tasks(args);
     }
-    let mut workplace = Workplace::open_for(&args.cache, &args.scenes)?.verifying(args.locked);
+    let mut workplace = Workplace::open_for(&args.cache, &args.scenes)?;
     let (scenes, unread) = args.readable(&workplace.project);
     let mut plan = args.plan(&workplace, &scenes)?;
     let scope = args.scope(&unread);
