@@ -2,6 +2,7 @@
 
 mod access;
 mod accuracy;
+mod active_sets;
 mod adapted;
 mod answer_text;
 mod answers;
@@ -56,6 +57,7 @@ mod mesh_loads;
 mod meshes;
 mod multigrid;
 mod notices;
+mod over_scenes;
 mod pages;
 mod places;
 mod plain_code;
