@@ -23,4 +23,4 @@ mod way_out;
 
 pub use plane::{PlaneChecks, PlaneError};
 pub use truth::TrueSolution;
-pub(crate) use truth::{BoundaryPoint, check_plane, true_solution_on, true_solution_on_square};
+pub(crate) use truth::{check_plane, true_solution_on, true_solution_on_square};

@@ -1,8 +1,11 @@
 //! True solution on all connected components of a domain.
 
 use super::PlaneError;
-use super::plane::{PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
+use super::plane::{
+    BoundaryPoint, PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square,
+};
 use crate::discrete::contact::ContactArc;
+use crate::discrete::load::integral;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -38,6 +41,7 @@ pub struct TrueSolution {
 pub(crate) fn true_solution_on_square(f: &Source, law: Law) -> Result<TrueSolution, PlaneError> {
     let (mesh, truth) = solve_on_square(f, law)?;
     let mut found = TrueSolution::of(vec![truth], &mesh);
+    found.integral = integral(f);
     // The boundary of the square has no parts.
     found.contact.iter_mut().for_each(|arc| arc.part = None);
     Ok(found)
@@ -66,17 +70,6 @@ pub(crate) fn true_solution_on(
 /// [`PlaneError`].
 pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), PlaneError> {
     mesh.split().iter().try_for_each(|component| check_on_mesh(component, f, law))
-}
-
-/// Flux at a quadrature point of the boundary where the law holds.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundaryPoint {
-    /// The point.
-    pub point: [f64; 2],
-    /// dv/dn.
-    pub multiplier: f64,
-    /// Quadrature weight with respect to the length of the boundary.
-    pub weight: f64,
 }
 
 impl TrueSolution {

@@ -21,18 +21,17 @@ pub(super) struct PlanePlan {
 }
 
 impl PlanePlan {
+    fn new(domain: &str, f: &str, refinements: [usize; 2]) -> Self {
+        Self { domain: domain.into(), f: f.into(), refinements }
+    }
+
     /// Problems of the book.
     pub(super) fn all() -> Vec<Self> {
-        let plan = |domain: &str, f: &str, refinements| Self {
-            domain: domain.into(),
-            f: f.into(),
-            refinements,
-        };
         vec![
-            plan("lshape", "else=-1", [2, 6]),
-            plan("lshape", "rect(0,9,0,9)=5; else=-3", [2, 6]),
-            plan("disc", "halfplane(1,0.3,-0.1)=4; else=-7", [2, 6]),
-            plan("annulus", "disc(0.2,0.8,0.15)=30; else=-2", [1, 5]),
+            Self::new("lshape", "else=-1", [2, 6]),
+            Self::new("lshape", "rect(0,9,0,9)=5; else=-3", [2, 6]),
+            Self::new("disc", "halfplane(1,0.3,-0.1)=4; else=-7", [2, 6]),
+            Self::new("annulus", "disc(0.2,0.8,0.15)=30; else=-2", [1, 5]),
         ]
     }
 }
@@ -197,11 +196,15 @@ fn distance(truth: &[ContactArc], found: &[ContactArc]) -> Option<f64> {
     if truth.len() != found.len() || truth.iter().chain(found).any(|arc| arc.closed) {
         return None;
     }
-    let apart = |[x, y]: [f64; 2], [u, v]: [f64; 2]| libm::hypot(u - x, v - y);
     let off = truth.iter().map(|arc| {
         let others =
             found.iter().map(|other| apart(arc.from, other.from).max(apart(arc.to, other.to)));
         others.fold(f64::INFINITY, f64::min)
     });
     off.reduce(f64::max)
+}
+
+/// Distance of two points.
+fn apart([x, y]: [f64; 2], [u, v]: [f64; 2]) -> f64 {
+    libm::hypot(u - x, v - y)
 }

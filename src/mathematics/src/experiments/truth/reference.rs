@@ -21,30 +21,31 @@ pub(super) struct ValueRow {
 
 /// Numbers of the solution of a problem, in the order of `pipeline/truth.toml`.
 pub(super) fn values(problem: &str, solution: &TrueSolution) -> Vec<ValueRow> {
-    let mut rows = Vec::new();
-    let mut put = |quantity, arc, value| {
-        rows.push(ValueRow { problem: problem.into(), quantity, arc, value });
-    };
-    put("energy", None, solution.energy);
-    put("centre", None, solution.values(&[[0.0; 2]])[0]);
+    let mut numbers =
+        vec![("energy", None, solution.energy), ("centre", None, solution.values(&[[0.0; 2]])[0])];
     for (quantity, corner) in [
         ("lower left", [-0.5, -0.5]),
         ("lower right", [0.5, -0.5]),
         ("upper right", [0.5, 0.5]),
         ("upper left", [-0.5, 0.5]),
     ] {
-        put(quantity, None, solution.on_boundary(corner)[0]);
+        numbers.push((quantity, None, solution.on_boundary(corner)[0]));
     }
     let mut arcs: Vec<&ContactArc> = solution.contact.iter().collect();
     arcs.sort_by(|one, other| place(one.to).total_cmp(&place(other.to)));
     for (k, arc) in arcs.into_iter().enumerate() {
-        put("from x", Some(k), arc.from[0]);
-        put("from y", Some(k), arc.from[1]);
-        put("to x", Some(k), arc.to[0]);
-        put("to y", Some(k), arc.to[1]);
-        put("force", Some(k), arc.force);
+        let ([from_x, from_y], [to_x, to_y]) = (arc.from, arc.to);
+        numbers.extend([
+            ("from x", Some(k), from_x),
+            ("from y", Some(k), from_y),
+            ("to x", Some(k), to_x),
+            ("to y", Some(k), to_y),
+            ("force", Some(k), arc.force),
+        ]);
     }
-    rows
+    let rows = numbers.into_iter();
+    rows.map(|(quantity, arc, value)| ValueRow { problem: problem.into(), quantity, arc, value })
+        .collect()
 }
 
 /// Length of the boundary from the lower right corner to a point of it, anticlockwise.

@@ -33,10 +33,12 @@ mod boundary;
 mod choice;
 mod energy;
 mod expansion;
+mod far_field;
 mod field;
 mod fit;
 mod frame;
 mod functions;
+mod groups;
 mod images;
 mod jumps;
 mod lanes;
@@ -51,6 +53,7 @@ mod polynomial;
 mod problem;
 mod proof;
 mod psi;
+mod quadratic;
 mod real_polynomial;
 mod regions;
 mod search;
@@ -58,12 +61,11 @@ mod setup;
 mod signs;
 mod start;
 
-use super::{BoundaryPoint, domain};
+use super::domain;
 use crate::problem::text::plain;
 pub(crate) use arcs::PlaneArc;
 pub use domain::PlaneError;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
-use field::PlaneNode;
 use fit::Effort;
 use frame::Frame;
 pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
@@ -91,6 +93,17 @@ impl PlaneBracket {
         let width = self.upper - self.lower;
         if width > 0.0 { width / energy.abs() } else { 0.0 }
     }
+}
+
+/// Flux at a quadrature point of the boundary where the law holds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoundaryPoint {
+    /// The point.
+    pub point: [f64; 2],
+    /// dv/dn.
+    pub multiplier: f64,
+    /// Quadrature weight with respect to the length of the boundary.
+    pub weight: f64,
 }
 
 /// Conditions that must hold of a solution and were not used to find it.
@@ -245,12 +258,12 @@ impl PlaneSolution {
     /// dv/dn at the quadrature points of the boundary where the law holds.
     pub(crate) fn boundary_points(&self) -> Vec<BoundaryPoint> {
         let lawful = self.found.nodes.iter().filter(|node| node.lawful);
-        let of_node = |node: &PlaneNode| BoundaryPoint {
+        let points = lawful.map(|node| BoundaryPoint {
             point: self.frame.outside(node.spot.z),
             multiplier: self.frame.unit * node.flux,
             weight: self.frame.unit * node.spot.weight,
-        };
-        lawful.map(of_node).collect()
+        });
+        points.collect()
     }
 
     /// Numbers of unknowns, and energies, of levels from coarse to fine.

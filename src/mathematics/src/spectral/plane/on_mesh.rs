@@ -6,8 +6,8 @@ use super::outline::outline;
 use super::regions::regions;
 use super::start::DiscreteStart;
 use super::{
-    PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem, PlaneSide,
-    PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
+    BoundaryPoint, PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem,
+    PlaneSide, PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
 };
 use crate::discrete::contact::ContactArc;
 use crate::mesh::{BuiltIn, Condition, Names, PlaneMesh, boundary_curves, centroid};
@@ -16,7 +16,6 @@ use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::text::plain;
-use crate::spectral::BoundaryPoint;
 
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
