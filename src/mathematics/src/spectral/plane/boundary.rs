@@ -174,12 +174,23 @@ pub(super) struct Walk {
 const TOGETHER: f64 = 1e-10;
 
 impl Walk {
-    /// True of an end of contact if the split next to it is a corner.
-    pub(super) fn is_beside_corner(&self, k: usize) -> bool {
+    /// Corner next to an end of contact, and true if v = 0 on one of its sides and not beyond the end, on the other.
+    pub(super) fn corner_beside(&self, k: usize) -> Option<(&Split, bool)> {
         let split = &self.splits[k];
+        split.end?;
         let near = usize::from(split.lengths[1] < split.lengths[0]);
-        let beside = self.intervals.iter().find(|own| own.splits[1 - near] == k);
-        split.end.is_some() && beside.is_some_and(|own| self.splits[own.splits[near]].corner)
+        let beside = self.intervals.iter().find(|own| own.splits[1 - near] == k)?;
+        let corner = &self.splits[beside.splits[near]];
+        let [before, beyond] =
+            [corner.states[near], split.states[1 - near]].map(|state| state == State::Held);
+        corner.corner.then_some((corner, before != beyond))
+    }
+
+    /// Least power of the distance that v has where both an end of contact and the corner beside it look like one point;
+    /// a half without a corner.
+    pub(super) fn power_beside(&self, k: usize) -> f64 {
+        self.corner_beside(k)
+            .map_or(0.5, |(corner, is_mixed)| PI / corner.angle * if is_mixed { 0.5 } else { 1.0 })
     }
 
     pub(super) fn new(
