@@ -4,7 +4,7 @@ use super::CacheArgs;
 use super::output::say;
 use super::pipeline::{CACHE, Workplace};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Engine, Graph, Plan};
+use crate::pipeline::{Engine, Plan, mermaid};
 use clap::Args;
 use std::io;
 use std::path::{Path, absolute};
@@ -47,7 +47,7 @@ pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let root = &workplace.project.root;
     let form = &args.form;
     say(&match () {
-        () if form.mermaid => Graph::of(plan.tasks()).mermaid(),
+        () if form.mermaid => mermaid(plan.tasks()),
         () if form.snakemake => workflow(&plan, root, &args.cache, |engine| engine.snakemake())?,
         () if form.json => workflow(&plan, root, &args.cache, |engine| Ok(engine.json()))?,
         () => list(&plan),

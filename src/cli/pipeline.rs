@@ -55,9 +55,7 @@ impl Workplace {
         let root = project_root()?;
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
         place(&root, &folder, "the cache", &TAKEN)?;
-        let mut project = read(root)?;
-        project.commands = super::commands;
-        Ok(Self { project, store: Store::new(&folder)? })
+        Ok(Self { project: read(root)?, store: Store::new(&folder)? })
     }
 
     pub(super) fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Plan> {

@@ -23,7 +23,7 @@ use crate::replication::fields::lists::{Varied, varied};
 use crate::replication::scene::Scene;
 use adapting::ShownMeshes;
 use answer::Answer;
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{Args, ValueEnum};
 use files::{Format, PictureKind};
 use points::PointArgs;
 use request::Request;
@@ -33,13 +33,13 @@ use signorini_mathematics::statement::Statement;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
-#[command(group = ArgGroup::new("problem").args(["scene", "f"]))]
 // That one of them may be missing is for studies of f.
 #[command(override_usage = "signorini solve [OPTIONS] <SCENE|--f <F>>")]
 pub(super) struct SolveArgs {
     /// A scene of the project
     ///
-    /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says.
+    /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says. Each option from --f to
+    /// --accuracy-energy, but for --domain, replaces what the scene has.
     #[arg(value_parser = name_parser)]
     scene: Option<String>,
     #[command(flatten)]

@@ -10,7 +10,6 @@ use crate::replication::scene::Scene;
 use crate::replication::scenes::{SCENES, SceneFolder, find, problems};
 use crate::report;
 use crate::timing::recorded::{self, Timings};
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -41,9 +40,6 @@ pub struct Project {
     pub templates: InputFiles,
     /// True if only some scenes were read: then no task is planned that concerns several scenes.
     pub(crate) partial: bool,
-    /// Returns the commands of the program, for the book: the `name` of each, empty for the program without a command,
-    /// and its `help`. Empty unless the command line has set it.
-    pub commands: fn() -> Vec<Value>,
 }
 
 impl Project {
@@ -122,7 +118,6 @@ impl Project {
             Some(file) => Paper::parse(file.bytes()?)?,
             None => Paper::default(),
         };
-        let (templates, commands): (_, fn() -> _) = (InputFiles::new(), Vec::new);
         Ok(Self {
             root,
             scenes,
@@ -130,9 +125,8 @@ impl Project {
             ignored,
             paper,
             files,
-            templates,
+            templates: InputFiles::new(),
             partial: false,
-            commands,
         })
     }
 

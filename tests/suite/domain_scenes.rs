@@ -104,7 +104,7 @@ fn counts_are_those_of_the_command() {
         ),
         "{said:?}"
     );
-    for option in [&["--h", "1/8"][..], &["--load", "exact"], &["--free", "rim"]] {
+    for option in [&["--h", "1/8"][..], &["--load", "exact"], &["--domain", "disc"]] {
         let said = project.run(&[&["solve", "a"], option].concat());
         assert!(said.refusal().contains(option[0]), "{said:?}");
     }

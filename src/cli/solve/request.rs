@@ -9,7 +9,7 @@ use crate::figures::Print;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::replication::fields::Fields;
-use crate::replication::fields::read::overridden;
+use crate::replication::fields::read::{is_problem_of, overridden};
 use crate::replication::fields::table::{Reading, Voice};
 use crate::replication::mesh_files;
 use crate::replication::record::Judge;
@@ -60,8 +60,10 @@ impl Request {
     /// one with which it begins.
     pub(super) fn read(args: &SolveArgs, scene: Option<&Scene>) -> Result<(Self, Problem)> {
         let clock = Clock::start();
-        scene.map(Scene::check).transpose()?;
-        let (statement, overridden) = stated(&args.fields, scene)?;
+        let statement = statement(&args.fields, scene)?;
+        let overridden = scene.map(|scene| overridden(&scene.statement, &statement, &[]));
+        let overridden = overridden.unwrap_or_default();
+        let scene_of_problem = scene.filter(|scene| is_problem_of(&scene.statement, &statement));
         args.check_file_options(&statement)?;
         args.check_most_nodes(&statement)?;
         let voice = match scene {
@@ -88,7 +90,7 @@ impl Request {
         if coarsest.is_none() {
             clock.ended(Part::Load);
         }
-        let title = match (scene, file) {
+        let title = match (scene_of_problem, file) {
             (Some(scene), _) => scene.title.clone(),
             (None, Some(file)) => file.to_owned(),
             (None, None) => problem.levels().facts().f.clone(),
@@ -104,7 +106,7 @@ impl Request {
             print: Print { width: args.width.clone(), title: !args.no_title },
             statement,
             voice,
-            is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
+            is_papers: scene_of_problem.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
             points: args.points.points(&problem)?,
             warnings,
@@ -208,13 +210,6 @@ impl Request {
             (other, _) => other,
         }
     }
-}
-
-/// Returns what the options ask, over a scene if one is named, and what they have in place of the scene's, in words.
-fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
-    let statement = statement(fields, scene)?;
-    let overridden = scene.map(|scene| overridden(&scene.statement, &statement));
-    Ok((statement, overridden.unwrap_or_default()))
 }
 
 /// Returns what the options ask, over a scene if one is named.

@@ -243,7 +243,7 @@ impl<'a> Walk<'a> {
         let at_work = interrupt.begin();
         scope.spawn(move |_| {
             let start = Instant::now();
-            let made = run((plan, task), job.inputs, needed, (store, interrupt));
+            let made = run(task, job.inputs, needed, (store, interrupt));
             drop(at_work);
             let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.

@@ -1,50 +1,21 @@
 //! Graph of tasks and their needs, as text for programs that draw graphs.
 
 use super::Task;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Nodes of the graph, each after all that it needs.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Graph(pub Vec<GraphNode>);
-
-/// Task with its needs.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct GraphNode {
-    /// Id of the task.
-    pub id: String,
-    /// Ids of the tasks that it needs.
-    pub needs: Vec<String>,
-}
-
-impl Graph {
-    /// Returns the graph of these tasks.
-    pub fn of(tasks: &[Task]) -> Self {
-        let nodes = tasks.iter();
-        Self(nodes.map(|Task { id, needs, .. }| GraphNode::new(id, needs)).collect())
+/// Returns the graph of these tasks, each after all that it needs, as text for Mermaid, which draws it in Markdown.
+pub fn mermaid(tasks: &[Task]) -> String {
+    let number: BTreeMap<&str, usize> = tasks.iter().map(|task| &*task.id).zip(0..).collect();
+    let mut text = String::from("graph LR\n");
+    for Task { id, .. } in tasks {
+        text += &format!("  t{}[\"{}\"]\n", number[&**id], in_mermaid(id));
     }
-
-    /// Returns the graph as text for Mermaid, which draws it in Markdown.
-    pub fn mermaid(&self) -> String {
-        let number: BTreeMap<&str, usize> = self.0.iter().map(|node| &*node.id).zip(0..).collect();
-        let mut text = String::from("graph LR\n");
-        for GraphNode { id, .. } in &self.0 {
-            text += &format!("  t{}[\"{}\"]\n", number[&**id], in_mermaid(id));
+    for Task { id, needs, .. } in tasks {
+        for need in needs {
+            text += &format!("  t{} --> t{}\n", number[&**need], number[&**id]);
         }
-        for GraphNode { id, needs } in &self.0 {
-            for need in needs {
-                text += &format!("  t{} --> t{}\n", number[&**need], number[&**id]);
-            }
-        }
-        text
     }
-}
-
-impl GraphNode {
-    /// Returns the node of a task.
-    pub fn new(id: &str, needs: &[String]) -> Self {
-        Self { id: id.into(), needs: needs.to_vec() }
-    }
+    text
 }
 
 /// Escapes a name for Mermaid, to be put between quotes: characters that could end the name, or be read as markup, are
@@ -64,6 +35,7 @@ fn in_mermaid(id: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Artifacts;
 
     /// Returns the label in a line for Mermaid, which ends it at a quote and reads numbers between `#` and `;`.
     fn label(line: &str) -> Option<String> {
@@ -97,9 +69,10 @@ mod tests {
             "a/é it's $HOME %x",
         ];
         let all: Vec<String> = names.map(str::to_owned).to_vec();
-        let mut graph = Graph(all.iter().map(|id| GraphNode::new(id, &[])).collect());
-        assert_eq!(labels(&graph.mermaid()), all);
-        graph.0.push(GraphNode::new("last", &all));
-        assert_eq!(graph.mermaid().lines().filter(|line| line.ends_with(" --> t8")).count(), 8);
+        let task = |id: &str, needs| Task::new(id, &(), needs, |(), _| Ok(Artifacts::new()));
+        let mut tasks: Vec<Task> = all.iter().map(|id| task(id, Vec::new())).collect();
+        assert_eq!(labels(&mermaid(&tasks)), all);
+        tasks.push(task("last", all));
+        assert_eq!(mermaid(&tasks).lines().filter(|line| line.ends_with(" --> t8")).count(), 8);
     }
 }

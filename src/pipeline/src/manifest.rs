@@ -130,7 +130,7 @@ impl Plan {
 
     /// Returns the inputs that no other task makes.
     fn own_inputs(&self, task: &Task) -> Result<BTreeMap<String, String>> {
-        let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.digest.clone())]);
+        let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.clone())]);
         for (key, value) in &task.parameters {
             inputs.insert(format!("parameter {key}"), value.clone());
         }

@@ -121,6 +121,15 @@ impl Vary {
                     format!("{words}: not all of them go together; leave one out"),
                 ));
             };
+            for (name, (value, found)) in self.names.iter().zip(values.iter().zip(&found)) {
+                let is_none = matches!(value, Value::Array(parts) if parts.is_empty());
+                // An option that is not given leaves a scene its own parts.
+                if is_none && *found != Varying::Parts(Vec::new()) {
+                    let text = "the scene has such parts, and keeps them where none is given; name others, or change \
+                                the scene";
+                    return Err(refused(voice, name, None, text));
+                }
+            }
             let meanings = self.names.iter().zip(&found).map(|(name, value)| value.meaning(name));
             if !seen.insert(meanings.collect::<Vec<_>>()) {
                 let words = in_words(&self.names, &found);

@@ -9,7 +9,7 @@ use super::solutions::Solutions;
 use super::{artifact, figures, files_of, results, study};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::names::composed;
-use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
+use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::study::Study;
@@ -89,8 +89,6 @@ struct BookParts {
     notebook: Vec<NotebookCell>,
     /// Reason for which pages made from templates are left out, if there is one.
     left_out: Option<String>,
-    /// Graph of all tasks.
-    graph: Graph,
     /// Origin of each figure.
     origins: Vec<FigureOrigin>,
 }
@@ -114,8 +112,6 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         files.insert(format!("report/{name}"), file.clone());
     }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
-    let mut graph = Graph::of(earlier);
-    graph.0.push(GraphNode::new(ID, &needs));
     let has_notebook = project.templates.contains_key("templates/notebook.md.tera");
     let studies = project.scenes.iter();
     let studies = studies.filter_map(|scene| Some((&scene.name, scene.study.as_ref()?)));
@@ -125,7 +121,6 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         studies: studies.map(|(name, study)| (name.clone(), study.clone())).collect(),
         notebook: if has_notebook { notebook::cells() } else { Vec::new() },
         left_out: left_out(project),
-        graph,
         origins: earlier.iter().filter_map(FigureOrigin::of).collect(),
     };
     Task::new(ID, &pages, needs, made).with_files(files).exported_to("report")
@@ -135,7 +130,7 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     // The book takes the most memory of all tasks: what those before have left would add to it.
     give_back();
-    let BookParts { problems, others, studies, notebook, left_out, graph, origins } = pages;
+    let BookParts { problems, others, studies, notebook, left_out, origins } = pages;
     if let Some(reason) = left_out {
         return book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)?));
     }
@@ -152,8 +147,6 @@ fn made(pages: &BookParts, inputs: &Inputs) -> Made {
         context.insert("studies", &rows);
         context.insert("notebook", notebook);
         context.insert("solutions", &listed);
-        context.insert("commands", &(inputs.program.commands)());
-        context.insert("mermaid", &graph.mermaid());
         context.insert("origins", origins);
         Ok(report::pages(templates, &context)?)
     })

@@ -110,22 +110,6 @@ impl Curve {
         Relation { a, b: b.re, c, bend, square: versine * (2.0 - versine), concentric }
     }
 
-    /// Angle at which the curve meets another one, or absolute value of an imaginary angle; for parallel lines, their
-    /// distance in the square. Zero if the curves touch or are equal.
-    pub(super) fn apartness(self, other: Self) -> f64 {
-        let Relation { square, .. } = self.relation(other);
-        let angle = square.abs().sqrt();
-        let straight = self.curvature == 0.0 && other.curvature == 0.0;
-        if straight { angle.max(other.distance(self.origin).abs()) } else { angle }
-    }
-
-    /// True if the curve equals another one or touches it, as [`Self::meets`] sees it.
-    pub(super) fn touches(self, other: Self) -> bool {
-        let Relation { square, bend, .. } = self.relation(other);
-        let straight = self.curvature == 0.0 && other.curvature == 0.0;
-        self.same(other) || (!straight && square.abs() < SAME * bend)
-    }
-
     /// Points at which the curve meets another one, as distances from the origin along it. Curves that overlap by, or
     /// lack, less than half of [`SAME`] touch, as is frequent with decimal input.
     pub(super) fn meets(self, other: Self) -> Vec<f64> {
@@ -204,25 +188,11 @@ pub(super) struct Arc {
 }
 
 impl Arc {
-    /// Part of the arc.
-    pub(super) fn part(self, span: [f64; 2]) -> Self {
-        let ends = [0, 1].map(|k| self.ends[k].filter(|_| span[k] == self.span[k]));
-        Self { span, ends, ..self }
-    }
-
     pub(super) fn reversed(self) -> Self {
         let ([a, b], [first, last]) = (self.span, self.ends);
         Self { span: [b, a], ends: [last, first], ..self }
     }
 }
-
-/// Lines of the left, right, lower and upper side.
-pub(super) const SIDES: [Curve; 4] = [
-    Curve::line(Complex::new(-0.5, 0.0), Complex::new(0.0, 1.0)),
-    Curve::line(Complex::new(0.5, 0.0), Complex::new(0.0, 1.0)),
-    Curve::line(Complex::new(0.0, -0.5), Complex::new(1.0, 0.0)),
-    Curve::line(Complex::new(0.0, 0.5), Complex::new(1.0, 0.0)),
-];
 
 /// Lines farther from the centre than this bound nothing in the square, and their points may overflow.
 const FARTHEST: f64 = 10.0;
@@ -302,7 +272,8 @@ mod tests {
             assert!((circle.at(touch) - middle).norm() < 1e-15, "{x} {y}");
         }
         let circle = borders(&disc(0.25, 0.125, 0.25))[0];
-        let [touch] = circle.meets(SIDES[1])[..] else { panic!("one point") };
+        let right = Curve::line(Complex::new(0.5, 0.0), Complex::new(0.0, 1.0));
+        let [touch] = circle.meets(right)[..] else { panic!("one point") };
         assert!((circle.at(touch) - Complex::new(0.5, 0.125)).norm() < 1e-15);
     }
 }

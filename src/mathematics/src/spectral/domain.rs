@@ -1,7 +1,7 @@
 //! Domains of the plane bounded by straight sides and circular arcs.
 
 use super::complex::distance;
-use super::curve::{Arc, Curve, SAME, SIDES};
+use super::curve::{Arc, Curve, SAME};
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 
@@ -172,19 +172,6 @@ impl PlaneDomain {
         Ok(domain)
     }
 
-    /// Square of side 1 around the origin.
-    pub(super) fn square() -> Self {
-        let [left, right, lower, upper] = SIDES;
-        let sides = [(right, 0.5), (upper, -0.5), (left, -0.5), (lower, 0.5)];
-        let sides = sides.map(|(curve, end)| PlaneSide {
-            arc: Arc { curve, span: [-end, end], ends: [None; 2] },
-            condition: Condition::Contact,
-            part: 0,
-            is_after_bend: false,
-        });
-        Self { loops: vec![sides.to_vec()] }
-    }
-
     /// Loops of sides, the outer one first.
     pub(crate) fn loops(&self) -> &[Vec<PlaneSide>] {
         &self.loops
@@ -337,7 +324,7 @@ pub enum PlaneError {
 
 impl PlaneError {
     /// True if the input is the reason, and not that no solution was found.
-    pub(crate) fn is_of_input(&self) -> bool {
+    pub fn is_of_input(&self) -> bool {
         !matches!(self, Self::NotFound(_))
     }
 }

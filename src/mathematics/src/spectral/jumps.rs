@@ -34,14 +34,10 @@ impl JumpEdge {
 #[derive(Clone, Default)]
 pub(super) struct Jumps {
     /// Curves on which f may jump: those of the borders of shapes, and then others of borders of regions.
-    pub curves: Vec<Curve>,
+    curves: Vec<Curve>,
     /// Parts of the curves that are such borders: of one of a shape, all of it.
     spans: Vec<Vec<[f64; 2]>>,
-    /// First shape that each of the first curves bounds.
-    pub shapes: Vec<Shape<2>>,
     pub edges: Vec<JumpEdge>,
-    /// Points at which edges meet the boundary.
-    pub crossings: Vec<Complex>,
     /// Remark on a part of f that is too small or too near to the boundary to be among the jumps.
     pub lost: Option<String>,
     /// Vertices that stand for all others within [`NEAR`].
@@ -53,7 +49,7 @@ pub(super) struct Jumps {
 
 /// Distance of vertices below which they count as one.
 const NEAR: f64 = 10.0 * SAME;
-/// Distance of crossings below which they are one, and of a point from the boundary below which it is there.
+/// Distance of a point from the boundary below which it is there.
 pub(super) const APART: f64 = 1e-13;
 /// Longest way along a curve outside of the domain: psi would grow with the square of the radius.
 const FARTHEST: f64 = 2.0;
@@ -101,7 +97,6 @@ impl Jumps {
                         jumps.curves.push(curve);
                         let whole = [f64::NEG_INFINITY, f64::INFINITY];
                         jumps.spans.push(vec![curve.period().map_or(whole, |turn| [0.0, turn])]);
-                        jumps.shapes.push(shape);
                     }
                 }
             }
@@ -144,7 +139,7 @@ impl Jumps {
     /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
     /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
     /// within `on` of the piece coincide with it.
-    pub(super) fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
+    fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
         let mut room = most;
         for (k, other) in self.curves.iter().enumerate() {
             if !other.holds(along, on) && self.is_border(k, other.place(along[1])) {
@@ -258,15 +253,9 @@ impl Jumps {
         Ok(())
     }
 
-    /// Records the point at which an edge ends. Returns the vertex there, or none on the boundary.
+    /// Vertex at which an edge ends; none on the boundary.
     fn meet(&mut self, domain: &PlaneDomain, z: Complex) -> Option<usize> {
-        if domain.depth(z) > APART {
-            return Some(self.vertex(z));
-        }
-        if !self.crossings.iter().any(|&other| (other - z).norm() < APART) {
-            self.crossings.push(z);
-        }
-        None
+        (domain.depth(z) > APART).then(|| self.vertex(z))
     }
 
     /// Number of the vertex at a point, a new one if there is none.

@@ -1,17 +1,16 @@
 //! A particular solution psi of -Lap psi = f, in closed form and smooth up to the boundary but for its jumps.
 
 use super::complex::{arg, ln};
-use super::curve::{Arc, Polar, SAME};
-use super::place::CORNERS;
+use super::curve::{Arc, Polar};
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use std::f64::consts::{PI, TAU};
 
-/// psi up to a harmonic polynomial of degree four, chosen so that its gradient vanishes in the corners.
+/// psi up to a linear function.
 ///
 /// The sum over all jumps J = left f - right f, each along an arc from a to b, of
 /// `-(J / 4 pi) Im int conj(w - z) (log|w - z| + 1/2) dw`. Its derivative `psi_x - i psi_y` is
-/// `(J / 4 pi i) int conj(w - z) / (w - z) dw` up to constants, which the polynomial has too. With z at
+/// `(J / 4 pi i) int conj(w - z) / (w - z) dw` up to constants. With z at
 /// `origin + tangent zeta` seen from an arc of length s and curvature k, and `nu = 1 + i k zeta`, the integral is
 /// ```text
 /// conj(tangent) (s + i (2 Im zeta - k |zeta|^2) log((b - z) / (a - z))) / nu;
@@ -25,8 +24,8 @@ pub(super) struct Potential {
     pub jumps: Vec<Jump>,
     /// Difference of f and the sum of all jumps, a constant.
     pub background: f64,
-    /// Coefficients of p', where Re p is the harmonic polynomial that is subtracted.
-    pub gauge: [Complex; 4],
+    /// Constant that is subtracted from the gradient.
+    pub constant: Complex,
 }
 
 /// A jump of f along an arc, whose ends are vertices or at infinity, or that is a whole circle.
@@ -40,18 +39,6 @@ pub(super) struct Jump {
 }
 
 impl Potential {
-    /// Number of the vertex at a point, if there is one.
-    pub(super) fn vertex_at(&self, z: Complex) -> Option<usize> {
-        self.vertices.iter().position(|&v| (v - z).norm() < 10.0 * SAME)
-    }
-
-    /// Singular points of psi, as continued from a piece of a curve that is given by its start, middle and end:
-    /// vertices, and centres of circles outside of which one of the three points lies.
-    pub(super) fn singular(&self, along: [Complex; 3]) -> impl Iterator<Item = Complex> {
-        let centres = self.jumps.iter().filter_map(move |jump| jump.centre_from_outside(along));
-        self.vertices.iter().copied().chain(centres)
-    }
-
     /// Adds a jump, of the given size.
     pub(super) fn add(&mut self, arc: Arc, size: f64) {
         let tangent = arc.curve.tangent;
@@ -60,22 +47,6 @@ impl Potential {
             [from, to] => to.map_or(arg(tangent), |_| 0.0) - from.map_or(arg(-tangent), |_| 0.0),
         };
         self.jumps.push(Jump { arc, size, far });
-    }
-
-    /// Finds the difference of f and the jumps, and the polynomial.
-    pub(super) fn complete(&mut self, f: impl Fn(Complex) -> f64) {
-        let points: [Complex; 25] = std::array::from_fn(|k| scattered(k as f64));
-        self.find_background(&points, f);
-        let corners = self.gradients(&CORNERS);
-        // Interpolation in the four corners is a discrete Fourier transform.
-        let mut power = [Complex::new(0.25, 0.0); 4];
-        for c in &mut self.gauge {
-            for ((power, corner), z) in power.iter_mut().zip(&corners).zip(CORNERS) {
-                *c = *c + corner.conj() * *power;
-                // The inverse of a corner is twice its conjugate.
-                *power = *power * z.conj().scaled(2.0);
-            }
-        }
     }
 
     /// Finds the difference of f and the jumps, from f at some points.
@@ -102,16 +73,12 @@ impl Potential {
 
     /// Gradients of psi at points: the central function of this file.
     pub(super) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
-        let [c0, c1, c2, c3] = self.gauge;
         vectorised(
             #[inline(always)]
             || {
                 let mut sums: Vec<Complex> = points
                     .iter()
-                    .map(|&z| {
-                        let gauge = (((c3 * z + c2) * z + c1) * z + c0).conj();
-                        z.scaled(-0.5 * self.background) - gauge
-                    })
+                    .map(|&z| z.scaled(-0.5 * self.background) - self.constant)
                     .collect();
                 let (logs, mut ratios) = (self.logs(points), points.to_vec());
                 for jump in &self.jumps {
@@ -137,19 +104,7 @@ impl Potential {
     }
 }
 
-/// One of a sequence of points that are spread evenly over the square.
-fn scattered(k: f64) -> Complex {
-    let [x, y] = [0.618_034 * k + 0.31, 0.754_878 * k + 0.17];
-    Complex::new(0.9 * (x - x.floor() - 0.5), 0.9 * (y - y.floor() - 0.5))
-}
-
 impl Jump {
-    /// Centre of a circle, if one of these points lies outside of the circle.
-    fn centre_from_outside(&self, points: [Complex; 3]) -> Option<Complex> {
-        let curve = self.arc.curve;
-        curve.centre().filter(|_| points.iter().any(|&z| curve.distance(z) > SAME))
-    }
-
     /// Angle by which the tangent turns.
     fn sweep(&self) -> f64 {
         self.arc.curve.curvature * (self.arc.span[1] - self.arc.span[0])

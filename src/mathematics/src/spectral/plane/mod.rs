@@ -66,7 +66,7 @@ pub use domain::PlaneError;
 pub(crate) use domain::{PlaneCircle, PlaneDomain, PlaneSide, SidePlace};
 use fit::Effort;
 use frame::Frame;
-pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh};
+pub(crate) use on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
 use panels::Spot;
 pub(crate) use polynomial::Polynomial;
 pub(crate) use problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart, RegionBorder, Regions};
@@ -91,6 +91,17 @@ impl PlaneBracket {
         let width = self.upper - self.lower;
         if width > 0.0 { width / energy.abs() } else { 0.0 }
     }
+}
+
+/// Flux at a quadrature point of the boundary where the law holds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoundaryPoint {
+    /// The point.
+    pub point: [f64; 2],
+    /// dv/dn.
+    pub multiplier: f64,
+    /// Quadrature weight with respect to the length of the boundary.
+    pub weight: f64,
 }
 
 /// Conditions that must hold of a solution and were not used to find it.
@@ -240,6 +251,17 @@ impl PlaneSolution {
             }
         }
         cuts
+    }
+
+    /// dv/dn at the quadrature points of the boundary where the law holds.
+    pub(crate) fn boundary_points(&self) -> Vec<BoundaryPoint> {
+        let lawful = self.found.nodes.iter().filter(|node| node.lawful);
+        let points = lawful.map(|node| BoundaryPoint {
+            point: self.frame.outside(node.spot.z),
+            multiplier: self.frame.unit * node.flux,
+            weight: self.frame.unit * node.spot.weight,
+        });
+        points.collect()
     }
 
     /// Numbers of unknowns, and energies, of levels from coarse to fine.

@@ -4,13 +4,13 @@ use super::fit::Effort;
 use super::origin::Origin;
 use super::outline::outline;
 use super::regions::regions;
-use super::start::MeshSolution;
+use super::start::DiscreteStart;
 use super::{
-    PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem, PlaneSide,
-    PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
+    BoundaryPoint, PlaneArc, PlaneBracket, PlaneChecks, PlaneDomain, PlaneError, PlaneProblem,
+    PlaneSide, PlaneSolution, PlaneSource, Polynomial, SidePlace, solve,
 };
 use crate::discrete::contact::ContactArc;
-use crate::mesh::{Condition, Names, PlaneMesh, boundary_curves, centroid};
+use crate::mesh::{BuiltIn, Condition, Names, PlaneMesh, boundary_curves, centroid};
 use crate::problem::complex::Complex;
 use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
@@ -20,6 +20,8 @@ use crate::problem::text::plain;
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
 const SIDES: f64 = 20.0;
+/// Cells per side of the grids whose solutions are starts in turn on the square.
+const GRIDS: [usize; 2] = [64, 256];
 /// Distance of the bounds, over the energy, from which on they are wide.
 const WIDE: f64 = 1e-6;
 
@@ -47,22 +49,25 @@ pub(crate) fn solve_on_mesh(
     f: &[Source],
     law: Law,
 ) -> Result<PlaneTruth, PlaneError> {
-    let height = height(mesh, f);
-    let origin = Origin::of(mesh);
-    let problem = problem(mesh, f, law, (height, origin))?;
-    let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
-    let sides = problem.domain.sides().filter(|side| !side.is_after_bend).count() as f64;
-    let mut effort = Effort::default();
-    for nodes in STARTS {
-        // Short sides want short edges.
-        let most_nodes = nodes * (sides / SIDES).max(1.0).powi(2);
-        let Some(solution) = MeshSolution::new(mesh, f, law, most_nodes) else { continue };
-        match solve(&problem, &solution.start(&problem, origin), &mut effort) {
-            Err(failed) => error = failed,
-            Ok(solution) => return Ok(PlaneTruth { height, origin, problem, solution }),
-        }
-    }
-    Err(error)
+    let unsolved = Unsolved::new(mesh, f, law)?;
+    let domain = &unsolved.problem.domain;
+    let sides = domain.sides().filter(|side| !side.is_after_bend).count() as f64;
+    // Short sides want short edges.
+    let most_nodes = STARTS.map(|nodes| nodes * (sides / SIDES).max(1.0).powi(2));
+    let starts =
+        most_nodes.into_iter().filter_map(|most| DiscreteStart::on_mesh(mesh, f, law, most));
+    unsolved.solved(starts)
+}
+
+/// Solves the problem on the square; returns its coarsest mesh with the solution.
+///
+/// # Errors
+/// [`PlaneError`].
+pub(crate) fn solve_on_square(f: &Source, law: Law) -> Result<(PlaneMesh, PlaneTruth), PlaneError> {
+    let mesh = BuiltIn::Square.plane().expect("the square lies in the plane");
+    let unsolved = Unsolved::new(&mesh, std::slice::from_ref(f), law)?;
+    let starts = GRIDS.into_iter().filter_map(|cells| DiscreteStart::on_square(cells, f, law));
+    Ok((mesh, unsolved.solved(starts)?))
 }
 
 /// Checks that [`solve_on_mesh`] takes the domain of a mesh, and f.
@@ -70,7 +75,7 @@ pub(crate) fn solve_on_mesh(
 /// # Errors
 /// [`PlaneError`].
 pub(crate) fn check_on_mesh(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), PlaneError> {
-    problem(mesh, f, law, (height(mesh, f), Origin::of(mesh))).map(|_| ())
+    Unsolved::new(mesh, f, law).map(|_| ())
 }
 
 /// Power of two next to the largest value of f in the middle of a cell, or on a piece: a unit that changes no digit.
@@ -82,6 +87,34 @@ fn height(mesh: &PlaneMesh, f: &[Source]) -> f64 {
         largest = largest.max(here);
     }
     if largest > 0.0 { libm::exp2(libm::log2(largest).round()) } else { 1.0 }
+}
+
+/// Problem on the domain of a mesh, before it is solved.
+struct Unsolved {
+    height: f64,
+    origin: Origin,
+    problem: PlaneProblem,
+}
+
+impl Unsolved {
+    fn new(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<Self, PlaneError> {
+        let (height, origin) = (height(mesh, f), Origin::of(mesh));
+        Ok(Self { height, origin, problem: problem(mesh, f, law, (height, origin))? })
+    }
+
+    /// Solves it from the contact sets of discrete solutions in turn.
+    fn solved(self, starts: impl Iterator<Item = DiscreteStart>) -> Result<PlaneTruth, PlaneError> {
+        let Self { height, origin, problem } = self;
+        let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
+        let mut effort = Effort::default();
+        for start in starts {
+            match solve(&problem, &start.seen(&problem, origin), &mut effort) {
+                Err(failed) => error = failed,
+                Ok(solution) => return Ok(PlaneTruth { height, origin, problem, solution }),
+            }
+        }
+        Err(error)
+    }
 }
 
 impl PlaneTruth {
@@ -181,6 +214,16 @@ impl PlaneTruth {
             arcs.push(ContactArc { closed: *closed, part, error, ..arc });
         }
         arcs
+    }
+
+    /// dv/dn at the quadrature points of the boundary where the law holds.
+    pub(crate) fn boundary_points(&self) -> Vec<BoundaryPoint> {
+        let mut points = self.solution.boundary_points();
+        for BoundaryPoint { point, multiplier, .. } in &mut points {
+            *point = self.origin.outside(*point);
+            *multiplier *= self.height;
+        }
+        points
     }
 
     /// Numbers of unknowns, and energies, of levels from coarse to fine.

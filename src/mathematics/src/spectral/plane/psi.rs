@@ -36,7 +36,7 @@ impl Psi {
             };
             constant = constant + way.turned().scaled(size / (2.0 * TAU));
         }
-        potential.gauge[0] = constant.conj();
+        potential.constant = constant;
         Self::Jumps(potential)
     }
 

@@ -4,12 +4,14 @@ use super::domain::nearest_side;
 use super::origin::Origin;
 use super::{LoopStart, PlaneProblem, PlaneSide, PlaneStart, SidePlace};
 use crate::discrete::contact::reach;
-use crate::discrete::kkt::judge;
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::load::{LoadRule, load};
 use crate::mesh::{
     AnyMesh, ClosedCurve, Condition, NestedMeshes, PlaneMesh, boundary_curves, mesh_load,
-    nested_meshes,
+    nested_meshes, square_boundary,
 };
-use crate::multigrid::MultigridParams;
+use crate::multigrid::{MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::complex::Complex;
 use crate::problem::law::{BoundaryState, Law};
@@ -20,7 +22,7 @@ use std::collections::HashMap;
 const MOST_TIMES: usize = 12;
 
 /// Finite element solution on the boundary.
-pub(super) struct MeshSolution {
+pub(super) struct DiscreteStart {
     /// v at all nodes.
     y: Vec<f64>,
     /// States of the nodes where the law holds.
@@ -28,9 +30,9 @@ pub(super) struct MeshSolution {
     curves: Vec<ClosedCurve>,
 }
 
-impl MeshSolution {
+impl DiscreteStart {
     /// Solution on the finest refinement of a mesh with no more nodes than this, about; none if there is no solution.
-    pub(super) fn new(
+    pub(super) fn on_mesh(
         coarsest: &PlaneMesh,
         f: &[Source],
         law: Law,
@@ -43,14 +45,26 @@ impl MeshSolution {
         let load = mesh_load(finest, f).ok()?.load;
         let params = MultigridParams::default();
         let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
-        let judgement = judge(network, law, &y, &load);
+        Some(Self::new(judge(network, law, &y, &load), y, boundary_curves(finest)))
+    }
+
+    /// Solution on the grid of the square with so many cells per side; none if there is no solution.
+    pub(super) fn on_square(cells: usize, f: &Source, law: Law) -> Option<Self> {
+        let grid = Grid::new(cells).ok()?;
+        let load = load(grid, f, LoadRule::Bilinear {});
+        let params = MultigridParams::default();
+        let (y, _) = solve_square(cells, law.with_load(&load), None, &params).ok()?;
+        Some(Self::new(judge(grid, law, &y, &load), y, vec![square_boundary(grid)]))
+    }
+
+    fn new(judgement: Judgement, y: Vec<f64>, curves: Vec<ClosedCurve>) -> Self {
         let nodes = judgement.contact.iter().map(|contact| contact.node);
         let states = nodes.zip(judgement.states.iter().copied()).collect();
-        Some(Self { y, states, curves: boundary_curves(finest) })
+        Self { y, states, curves }
     }
 
     /// Contact set on the loops of a problem that is seen from a place, with the fluxes of its law.
-    pub(super) fn start(&self, problem: &PlaneProblem, origin: Origin) -> PlaneStart {
+    pub(super) fn seen(&self, problem: &PlaneProblem, origin: Origin) -> PlaneStart {
         let mut curves = self.curves.clone();
         for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
             *point = origin.seen(*point);

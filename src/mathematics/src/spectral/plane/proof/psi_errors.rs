@@ -50,7 +50,7 @@ impl Potential {
         let (logs, many) = (self.logs(points), points.len());
         // One more for each addition.
         let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
-        let (background, constant) = (0.5 * self.background.abs(), self.gauge[0].norm());
+        let (background, constant) = (0.5 * self.background.abs(), self.constant.norm());
         let mut errors = Vec::with_capacity(many);
         for (i, &z) in points.iter().enumerate() {
             let slope = background * z.norm();
@@ -156,7 +156,7 @@ mod tests {
     /// The jumps alone.
     fn without_background(psi: Psi) -> Psi {
         let Psi::Jumps(mut potential) = psi else { panic!("jumps") };
-        (potential.background, potential.gauge[0]) = (0.0, Complex::default());
+        (potential.background, potential.constant) = (0.0, Complex::default());
         Psi::Jumps(potential)
     }
 
