@@ -117,6 +117,15 @@ pub(super) struct Split {
     pub end: Option<(usize, usize)>,
 }
 
+/// Corner next to an end of contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CornerBeside {
+    /// Inner angle.
+    pub angle: f64,
+    /// True if v = 0 on one side of the corner and the end together, and not on the other.
+    pub is_mixed: bool,
+}
+
 /// Part of a side between two splits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaneInterval {
@@ -174,23 +183,15 @@ pub(super) struct Walk {
 const TOGETHER: f64 = 1e-10;
 
 impl Walk {
-    /// Corner next to an end of contact, and true if v = 0 on one of its sides and not beyond the end, on the other.
-    pub(super) fn corner_beside(&self, k: usize) -> Option<(&Split, bool)> {
+    /// Corner next to an end of contact.
+    pub(super) fn corner_beside(&self, k: usize) -> Option<CornerBeside> {
         let split = &self.splits[k];
         split.end?;
         let near = usize::from(split.lengths[1] < split.lengths[0]);
         let beside = self.intervals.iter().find(|own| own.splits[1 - near] == k)?;
-        let corner = &self.splits[beside.splits[near]];
-        let [before, beyond] =
-            [corner.states[near], split.states[1 - near]].map(|state| state == State::Held);
-        corner.corner.then_some((corner, before != beyond))
-    }
-
-    /// Least power of the distance that v has where both an end of contact and the corner beside it look like one point;
-    /// a half without a corner.
-    pub(super) fn power_beside(&self, k: usize) -> f64 {
-        self.corner_beside(k)
-            .map_or(0.5, |(corner, is_mixed)| PI / corner.angle * if is_mixed { 0.5 } else { 1.0 })
+        let Split { corner, angle, states, .. } = self.splits[beside.splits[near]];
+        let is_held = [states[near], split.states[1 - near]].map(|state| state == State::Held);
+        corner.then_some(CornerBeside { angle, is_mixed: is_held[0] != is_held[1] })
     }
 
     pub(super) fn new(

@@ -1,14 +1,14 @@
 //! Ends of contact: the expansion of v there, and how far from the true end that which was found is.
 //!
 //! The first coefficient K of the expansion vanishes at the true end ([`newton`](super::newton)). What the conditions
-//! are missed by, rho(s) at a distance s from the end, changes it: next to a straight line, one half of which sticks,
-//! by at most
+//! are missed by, rho(s) at a distance s from the end, changes it: on a half-plane, half of whose border sticks, by
 //! ```text
-//! 1/pi int |rho| s^(-3/2) ds,
+//! 1/pi (int_held rho s^(-3/2) ds -+ int_free rho s^(-3/2) ds),
 //! ```
-//! where a constant on either side does not count: on the free one that of the integral of the flux is unknown, on
-//! the other g takes it. Beyond a corner at a distance e, where v looks like the power p of s, a conformal map to the
-//! line has the kernel `s^(-3/2) (e/s)^(p - 1/2)`. Newton's method turns an error of K into one of the end.
+//! minus where the held half comes last on the walk. A constant on either side does not count: on the free one that of
+//! the integral of the flux is unknown, on the other g takes it. Beyond a corner of angle `pi/a` at a distance e, where v looks like the power p of s, the
+//! conformal map `z^a` to the line makes the kernel `a^(3/2) s^(-3/2) (e/s)^(p - 1/2)`. Newton's method turns an error
+//! of K into one of the end.
 
 use super::boundary::State;
 use super::fit::Fit;
@@ -87,40 +87,49 @@ impl PlaneFound {
 
     /// Error of an end, which is one step of Newton's method beyond that of the fit.
     fn end_error(&self, setup: &Setup, end: &EndExpansion) -> f64 {
-        /// Part of the distance to the next split within which the error of a step is that times the step.
+        /// Part of the distance to the next split within which the expansion holds and steps become smaller as their
+        /// squares.
         const PART: f64 = 0.1;
         let split = &self.fit.walk.splits[end.split];
         let near = split.lengths[0].min(split.lengths[1]);
         let step = end.step().abs();
-        let after_step = step * (step / (PART * near)).min(1.0);
-        let moved = (end.rounding + self.missed_beside(end.split, near))
-            / (1.5 * end.coefficients[1].abs());
-        (after_step + moved).min(setup.perimeter)
+        let missed = 2.0 * (end.rounding + self.missed_beside(end, near));
+        let error = step * step / (PART * near) + missed / (1.5 * end.coefficients[1].abs());
+        // Next to a corner K vanishes twice, so that steps halve errors, and the end may lie beyond it.
+        let error = if error > PART * near { near + 2.0 * (error + step) } else { error };
+        error.min(setup.perimeter)
     }
 
-    /// Bound of the change of K by what the conditions are missed by.
-    fn missed_beside(&self, split: usize, near: f64) -> f64 {
-        let power = self.fit.walk.power_beside(split);
+    /// Estimate of the change of K by what the conditions are missed by: with its sign on both sides of the end as far
+    /// as it is the nearest split, and as a bound beyond.
+    fn missed_beside(&self, end: &EndExpansion, near: f64) -> f64 {
+        let corner = self.fit.walk.corner_beside(end.split);
+        let a = corner.map_or(1.0, |corner| PI / corner.angle);
+        let power = if corner.is_none_or(|corner| corner.is_mixed) { 0.5 * a } else { a };
+        let factor = (a * a.sqrt()).max(1.0);
         // On the side that sticks, and on the other.
-        let mut constants = [0.0; 2];
-        let mut nearest = [f64::INFINITY; 2];
-        for node in self.nodes.iter().filter(|node| node.spot.split == split) {
+        let (mut constants, mut nearest) = ([0.0; 2], [f64::INFINITY; 2]);
+        for node in self.nodes.iter().filter(|node| node.spot.split == end.split) {
             let side = usize::from(node.state != State::Held);
             if node.spot.offset < nearest[side] {
                 (nearest[side], constants[side]) = (node.spot.offset, node.residual);
             }
         }
-        let mut sum = 0.0;
+        let signs = [1.0, if end.which == 0 { -1.0 } else { 1.0 }];
+        let (mut beside, mut beyond) = (0.0, 0.0);
         for node in &self.nodes {
-            let missed = node.residual - constants[usize::from(node.state != State::Held)];
-            let s = match node.spot.split == split {
-                true => node.spot.offset,
-                false => (node.spot.z - self.fit.walk.splits[split].z).norm(),
-            };
-            let beyond = if s > near { libm::pow(near / s, power - 0.5) } else { 1.0 };
-            sum += node.spot.weight * missed.abs() * beyond / (s * s.sqrt());
+            let side = usize::from(node.state != State::Held);
+            let missed = node.spot.weight * (node.residual - constants[side]);
+            if node.spot.split == end.split {
+                let s = node.spot.offset;
+                beside += signs[side] * missed / (s * s.sqrt());
+            } else {
+                let s = (node.spot.z - self.fit.walk.splits[end.split].z).norm();
+                let kernel = factor * libm::pow((near / s).min(1.0), power - 0.5);
+                beyond += missed.abs() * kernel / (s * s.sqrt());
+            }
         }
-        sum / PI
+        (beside.abs() + beyond) / PI
     }
 }
 
