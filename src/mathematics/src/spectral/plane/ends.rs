@@ -27,8 +27,8 @@ pub(super) struct EndExpansion {
     pub which: usize,
     /// K and K1.
     pub coefficients: [f64; 2],
-    /// Rounding error of K.
-    rounding: f64,
+    /// Coefficient of r^(1/2) that violates the conditions, with the rounding error of K: what next to the end is missed.
+    missed: f64,
 }
 
 impl EndExpansion {
@@ -43,11 +43,11 @@ impl Fit {
     /// Expansions at all ends that may move.
     pub(super) fn ends(&self) -> Vec<EndExpansion> {
         let mut ends = Vec::new();
-        let mut first = 0;
+        let mut start = 0;
         for family in &self.functions.families {
             let many = family.powers.len();
-            let own = &self.coefficients[first..first + many * family.lengths.len()];
-            first += many * family.lengths.len();
+            let own = &self.coefficients[start..start + many * family.lengths.len()];
+            start += many * family.lengths.len();
             let Some(split) = family.split else { continue };
             let Some((arc, which)) = self.walk.splits[split].end else { continue };
             let (mut b0, mut b1, mut size) = (Complex::default(), Complex::default(), 0.0);
@@ -60,13 +60,14 @@ impl Fit {
             // On the free side w = f r.
             let f = Complex::new(0.0, if which == 0 { 1.0 } else { -1.0 });
             let root = f.sqrt();
-            let coefficients = [(root * b0).re, (root * f * b1).re];
+            let first = root * b0;
+            let coefficients = [first.re, (root * f * b1).re];
             ends.push(EndExpansion {
                 split,
                 arc,
                 which,
                 coefficients,
-                rounding: f64::EPSILON * size,
+                missed: first.im.abs() + f64::EPSILON * size,
             });
         }
         ends
@@ -92,17 +93,41 @@ impl PlaneFound {
         const PART: f64 = 0.1;
         let split = &self.fit.walk.splits[end.split];
         let near = split.lengths[0].min(split.lengths[1]);
-        let step = end.step().abs();
-        let missed = 2.0 * (end.rounding + self.missed_beside(end, near));
-        let error = step * step / (PART * near) + missed / (1.5 * end.coefficients[1].abs());
-        // Next to a corner K vanishes twice, so that steps halve errors, and the end may lie beyond it.
-        let error = if error > PART * near { near + 2.0 * (error + step) } else { error };
+        let ([k, known], step) = (end.coefficients, end.step());
+        let seen = self.seen_beside(end, near);
+        // Next to a corner coefficients may cancel, so that their sum is not what v shows.
+        let k1 = if (0.5..2.0).contains(&(seen / known)) { known } else { seen };
+        let missed = 2.0 * (end.missed + self.missed_beside(end, near));
+        let error =
+            (k / (1.5 * k1) + step).abs() + step * step / (PART * near) + missed / (1.5 * k1.abs());
+        // Next to a corner K vanishes twice, and the end may lie beyond it.
+        let error = if error > PART * near { near + 2.0 * (near * error).sqrt() } else { error };
         error.min(setup.perimeter)
     }
 
-    /// Estimate of the change of K by what the conditions are missed by: with its sign on both sides of the end as far
-    /// as it is the nearest split, and as a bound beyond.
+    /// K1 as v shows it on the side that does not stick, by least squares.
+    fn seen_beside(&self, end: &EndExpansion, near: f64) -> f64 {
+        let (mut squares, mut products) = ([0.0; 3], [0.0; 2]);
+        for node in self.nodes.iter().filter(|node| node.spot.split == end.split) {
+            let (r, weight) = (node.spot.offset, node.spot.weight);
+            if node.state == State::Held || r > 0.5 * near {
+                continue;
+            }
+            for (power, square) in (1..).zip(&mut squares) {
+                *square += weight * r.powi(power);
+            }
+            products[0] += weight * node.value * r.sqrt();
+            products[1] += weight * node.value * r * r.sqrt();
+        }
+        let [first, mixed, last] = squares;
+        (products[1] * first - products[0] * mixed) / (first * last - mixed * mixed)
+    }
+
+    /// Estimate of the change of K by what the conditions are missed by: what is missed no nearer than the next split
+    /// counts by the largest of it, since rounding errors hide its course, and what is missed beyond by the integral.
     fn missed_beside(&self, end: &EndExpansion, near: f64) -> f64 {
+        /// Integral of `s^(-3/2)` on both sides from a quarter of the distance to the next split, in roots of it.
+        const BOTH_SIDES: f64 = 8.0;
         let corner = self.fit.walk.corner_beside(end.split);
         let a = corner.map_or(1.0, |corner| PI / corner.angle);
         let power = if corner.is_none_or(|corner| corner.is_mixed) { 0.5 * a } else { a };
@@ -115,21 +140,18 @@ impl PlaneFound {
                 (nearest[side], constants[side]) = (node.spot.offset, node.residual);
             }
         }
-        let signs = [1.0, if end.which == 0 { -1.0 } else { 1.0 }];
-        let (mut beside, mut beyond) = (0.0, 0.0);
+        let (mut largest, mut beyond) = (0.0f64, 0.0);
         for node in &self.nodes {
-            let side = usize::from(node.state != State::Held);
-            let missed = node.spot.weight * (node.residual - constants[side]);
+            let missed = (node.residual - constants[usize::from(node.state != State::Held)]).abs();
+            let s = (node.spot.z - self.fit.walk.splits[end.split].z).norm();
             if node.spot.split == end.split {
-                let s = node.spot.offset;
-                beside += signs[side] * missed / (s * s.sqrt());
+                largest = largest.max(missed);
             } else {
-                let s = (node.spot.z - self.fit.walk.splits[end.split].z).norm();
                 let kernel = factor * libm::pow((near / s).min(1.0), power - 0.5);
-                beyond += missed.abs() * kernel / (s * s.sqrt());
+                beyond += node.spot.weight * missed * kernel / (s * s.sqrt());
             }
         }
-        (beside.abs() + beyond) / PI
+        (BOTH_SIDES * largest / near.sqrt() + beyond) / PI
     }
 }
 
