@@ -127,6 +127,11 @@ pub enum MeshError {
         /// Number of cells.
         cells: usize,
     },
+    /// A part with the name of the facets without one.
+    #[error(
+        "a part has the name `{0}`, which facets in no part have too; put these into a part, or rename that one"
+    )]
+    NameOfDefault(&'static str),
     /// A part or region that names nothing.
     #[error("`{0}` names no facet and no element; remove the name, or mesh what it names")]
     EmptyName(String),
