@@ -91,13 +91,15 @@ impl PlaneFound {
         /// Part of the distance to the next split within which the expansion holds and steps become smaller as their
         /// squares.
         const PART: f64 = 0.1;
+        /// Factor for what the estimate of the change of K leaves out: the boundary is no straight line.
+        const SAFETY: f64 = 8.0;
         let split = &self.fit.walk.splits[end.split];
         let near = split.lengths[0].min(split.lengths[1]);
         let ([k, known], step) = (end.coefficients, end.step());
         let seen = self.seen_beside(end, near);
         // Next to a corner coefficients may cancel, so that their sum is not what v shows.
         let k1 = if (0.5..2.0).contains(&(seen / known)) { known } else { seen };
-        let missed = 2.0 * (end.missed + self.missed_beside(end, near));
+        let missed = SAFETY * (end.missed + self.missed_beside(end, near));
         let error =
             (k / (1.5 * k1) + step).abs() + step * step / (PART * near) + missed / (1.5 * k1.abs());
         // Next to a corner K vanishes twice, and the end may lie beyond it.
