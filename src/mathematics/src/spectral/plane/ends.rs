@@ -1,14 +1,15 @@
-//! Ends of contact: the expansion of v there, and how far from the true end that which was found is.
+//! Ends of contact: the expansion of v there, and estimates of how far from the true ends those that were found are.
 //!
 //! The first coefficient K of the expansion vanishes at the true end ([`newton`](super::newton)). What the conditions
-//! are missed by, rho(s) at a distance s from the end, changes it: on a half-plane, half of whose border sticks, by
+//! are missed by, rho(s) at a distance s from the end, changes it: on a half-plane, half of whose border sticks, by at
+//! most
 //! ```text
-//! 1/pi (int_held rho s^(-3/2) ds -+ int_free rho s^(-3/2) ds),
+//! 1/pi int |rho| s^(-3/2) ds.
 //! ```
-//! minus where the held half comes last on the walk. A constant on either side does not count: on the free one that of
-//! the integral of the flux is unknown, on the other g takes it. Beyond a corner of angle `pi/a` at a distance e, where v looks like the power p of s, the
-//! conformal map `z^a` to the line makes the kernel `a^(3/2) s^(-3/2) (e/s)^(p - 1/2)`. Newton's method turns an error
-//! of K into one of the end.
+//! A constant on either side does not count: on the free one that of the integral of the flux is unknown, on the other
+//! g takes it. Beyond a corner of angle `pi/a` at a distance e, where v looks like the power p of s, the conformal map
+//! `z^a` to the line makes the kernel `a^(3/2) s^(-3/2) (e/s)^(p - 1/2)`. Newton's method turns an error of K into one
+//! of the end.
 
 use super::boundary::State;
 use super::fit::Fit;
@@ -27,7 +28,7 @@ pub(super) struct EndExpansion {
     pub which: usize,
     /// K and K1.
     pub coefficients: [f64; 2],
-    /// Coefficient of r^(1/2) that violates the conditions, with the rounding error of K: what next to the end is missed.
+    /// Coefficient of r^(1/2) that violates the conditions, with the rounding error of K.
     missed: f64,
 }
 
