@@ -221,7 +221,7 @@ fn short(ring: &RingContact, sides: &PlaneRing, least: f64) -> Option<(usize, bo
 impl PlaneFound {
     /// Solution with a fit that is known.
     pub(super) fn known(setup: &Setup, contact: &[RingContact], fit: Fit) -> Self {
-        let level = Level::FINE[1];
+        let level = Level::FINE[2];
         let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
         let sizes = Sizes::new(setup, &nodes);
         let signs = PlaneSigns { flux: 0.0, value: 0.0, mended: None };

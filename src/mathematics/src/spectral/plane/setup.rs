@@ -64,7 +64,20 @@ impl Level {
         noise: 1e-3,
     };
     /// Levels on which the solution is checked, in turn.
-    pub(super) const FINE: [Self; 2] = [
+    pub(super) const FINE: [Self; 3] = [
+        Self {
+            ratio: 3.0,
+            strong: 4,
+            weak: 4,
+            image: 4,
+            degree: 22,
+            hole: 12,
+            poles: 3.5,
+            nodes: 6,
+            shortest: 1e-4,
+            found: 1e-7,
+            noise: 1e-6,
+        },
         Self {
             ratio: 2.2,
             strong: 5,
@@ -97,7 +110,7 @@ impl Level {
 impl Level {
     /// Level between the others, with one cut at least, and with `more`.
     pub(super) fn with_few_cuts(more: usize) -> Self {
-        let fine = Self::FINE[1];
+        let fine = Self::FINE[2];
         let cuts = fine.strong.min(more + 1);
         Self { strong: cuts, weak: cuts, image: cuts, hole: fine.hole.min(4 * cuts), ..fine }
     }
