@@ -81,7 +81,10 @@ impl Request {
             clock.ended(Part::Setup);
         }
         let steps = |step| clock.ended_step(step);
-        let problem = statement.problem(coarsest.as_ref(), &steps);
+        let problem = match args.out {
+            None => statement.without_nodes(coarsest.as_ref()).problem(coarsest.as_ref(), &steps),
+            Some(_) => statement.problem(coarsest.as_ref(), &steps),
+        };
         let on = args.scene.as_deref().unwrap_or(&statement.domain.name);
         let problem = problem.map_err(|e| match (Voice::Options.stated(&e), &coarsest) {
             (Error::Input(text), Some(_)) => Error::input(format!("{on}: {text}")),
