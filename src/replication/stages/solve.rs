@@ -151,8 +151,8 @@ fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     .with_files(files)
 }
 
-/// Solves a statement; a mesh is read from these files, and refined for values at nodes if `has_nodes`. Between two grids or meshes it ends if it is interrupted. A
-/// refusal is written in this voice.
+/// Solves a statement; a mesh is read from these files, and refined for values at nodes if `has_nodes`. Between two
+/// grids or meshes it ends if it is interrupted. A refusal is written in this voice.
 pub(super) fn solved(
     (statement, voice): (&Statement, Voice),
     files: &InputFiles,

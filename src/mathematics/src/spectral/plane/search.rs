@@ -165,7 +165,7 @@ pub(super) fn search(
             }
             Err(error) => refusal = Some(error),
         }
-        if best.as_ref().is_some_and(|best| best.errors() < ENOUGH) {
+        if best.as_ref().is_some_and(|best| best.errors() < level.enough) {
             break;
         }
     }
@@ -176,8 +176,7 @@ pub(super) fn search(
     }
 }
 
-/// Errors with which no finer level is tried, and with which a solution is refused.
-const ENOUGH: f64 = 3e-10;
+/// Errors with which a solution is refused.
 const ACCEPTED: f64 = 2e-8;
 
 /// Contact set of a start, without arcs and gaps of one or two edges of its mesh.

@@ -46,6 +46,8 @@ pub(super) struct Level {
     pub found: f64,
     /// Size below which steps that no longer fall are at rest.
     pub noise: f64,
+    /// Errors of checks with which no finer level is tried.
+    pub enough: f64,
 }
 
 impl Level {
@@ -62,6 +64,7 @@ impl Level {
         shortest: 1e-4,
         found: 1e-5,
         noise: 1e-3,
+        enough: 3e-10,
     };
     /// Levels on which the solution is checked, in turn.
     pub(super) const FINE: [Self; 3] = [
@@ -77,6 +80,7 @@ impl Level {
             shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
+            enough: 1e-11,
         },
         Self {
             ratio: 2.2,
@@ -90,6 +94,7 @@ impl Level {
             shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
+            enough: 3e-10,
         },
         Self {
             ratio: 1.8,
@@ -103,6 +108,7 @@ impl Level {
             shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
+            enough: 3e-10,
         },
     ];
 }
