@@ -97,7 +97,7 @@ pub(super) fn layout_around(mesh: &PlaneMesh, title: &str) -> (Panels, [(f64, f6
     let (size, ranges) = Extent::of(mesh).frame(SIDE);
     let mut layout = layout([title], size);
     let up = Ticks::inside(ranges[1].0, ranges[1].1, steps((0.0, size.1)));
-    layout.beside.0 = layout.beside.0.max(distance_of_name(&up) + NORMAL);
+    layout.beside.0 = layout.beside.0.max(distance_of_name(&up) + 0.5 * NORMAL);
     (layout, ranges)
 }
 
