@@ -214,6 +214,12 @@ impl PlaneDomain {
         extent
     }
 
+    /// Middle of the box round the domain.
+    pub(super) fn centre(&self) -> Complex {
+        let [[left, right], [low, high]] = self.extent();
+        Complex::new(0.5 * (left + right), 0.5 * (low + high))
+    }
+
     /// Length of the boundary.
     pub(super) fn perimeter(&self) -> f64 {
         self.sides().map(PlaneSide::length).sum()
