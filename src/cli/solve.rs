@@ -75,11 +75,13 @@ pub(super) struct SolveArgs {
     save: Option<String>,
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
-    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. A .pvd lists a .vtu of
-    /// each mesh, the coarsest first, and a .csv has v and its gradient at the points of --at and --line. The ending
-    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or
-    /// of the mesh of --refine. A picture is a shaded surface on the square and a map on every other domain in the
-    /// plane, unless --map or --surface says otherwise; a solution in space has none.
+    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The multiplier is zero
+    /// inside and on fixed and free parts. A .pvd lists a .vtu of each refinement of the mesh, of an accuracy also
+    /// those between solutions, all with the last v, the coarsest first, and a .csv has v and its gradient at the
+    /// points of --at and --line. The ending alone, `vti`, names the file after the scene. The spectral solver's
+    /// solution is written at the nodes of --h, or of the mesh of --refine. A picture is a shaded surface on the square
+    /// and a map on every other domain in the plane, unless --map or --surface says otherwise; a solution in space has
+    /// none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]

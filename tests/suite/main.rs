@@ -2,6 +2,7 @@
 
 mod access;
 mod accuracy;
+mod active_sets;
 mod adapted;
 mod answer_text;
 mod answers;

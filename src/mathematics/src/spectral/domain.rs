@@ -136,8 +136,11 @@ impl PlaneDomain {
     /// Domain with these loops.
     ///
     /// # Errors
-    /// [`PlaneError::Domain`] if a loop does not close, or the domain does not lie on its left.
+    /// [`PlaneError::Domain`] if a loop does not close, two of its sides lie on each other, or the domain does not lie
+    /// on its left.
     pub(crate) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+        /// Distance of points, over the diameter, up to which they are one.
+        const CLOSE: f64 = 1e-9;
         /// Least length of a side, over the diameter, and over the perimeter: shorter ones are one point of a walk.
         const SHORTEST: [f64; 2] = [1e-9, 2e-10];
         let domain = Self { loops };
@@ -147,7 +150,7 @@ impl PlaneDomain {
             let many = sides.len();
             let closes = (0..many).all(|k| {
                 let end = sides[k].point(sides[k].length());
-                (end - sides[(k + 1) % many].point(0.0)).norm() < 1e-9 * size
+                (end - sides[(k + 1) % many].point(0.0)).norm() < CLOSE * size
             });
             if many == 0 || !closes {
                 return Err(PlaneError::Domain(format!(
@@ -160,6 +163,10 @@ impl PlaneDomain {
                     "the boundary has a side of length {:.1e} at ({x}, {y}), too short for this solver; join both ends",
                     short.length()
                 )));
+            }
+            if has_slit(sides, CLOSE * size) {
+                let text = "the domain has a slit, and this solver wants room between the sides of its boundary";
+                return Err(PlaneError::Domain(text.into()));
             }
             let middle = 0.5 * sides[0].length();
             let inwards = sides[0].tangent(middle).turned().scaled(1e-6 * size);
@@ -205,6 +212,12 @@ impl PlaneDomain {
             }
         }
         extent
+    }
+
+    /// Middle of the box round the domain.
+    pub(super) fn centre(&self) -> Complex {
+        let [[left, right], [low, high]] = self.extent();
+        Complex::new(0.5 * (left + right), 0.5 * (low + high))
     }
 
     /// Length of the boundary.
@@ -299,6 +312,19 @@ pub(super) fn ray_hits<'a>(
         }
     }
     hits
+}
+
+/// True if the middle of a side of a loop lies on another one that runs the other way, by a tolerance.
+fn has_slit(sides: &[PlaneSide], tolerance: f64) -> bool {
+    sides.iter().enumerate().any(|(k, side)| {
+        let middle = 0.5 * side.length();
+        let (point, along) = (side.point(middle), side.tangent(middle));
+        sides.iter().enumerate().any(|(j, other)| {
+            j != k
+                && other.distance(point) < tolerance
+                && other.tangent(other.nearest(point)).dot(along) < 0.0
+        })
+    })
 }
 
 /// Number of the side that is nearest to a point, and its distance.

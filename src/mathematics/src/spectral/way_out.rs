@@ -15,14 +15,14 @@ impl PlaneDomain {
     /// Way from a point outside of the domain to infinity, or in a hole to its middle, with the fewest bends: in posts
     /// before corners and sides. None if there is none by those.
     pub(super) fn way_out(&self, z: Complex) -> Option<WayOut> {
-        let [x, y] = self.extent().map(|[low, high]| 0.5 * (low + high));
+        let centre = self.centre();
         let middles: Vec<Complex> = self.loops[1..].iter().map(|hole| middle(hole)).collect();
         let (mut ways, mut posts): (Vec<Vec<Complex>>, _) = (vec![vec![]], None);
         let mut next = 0;
         while next < ways.len() {
             let bends = ways[next].clone();
             let last = bends.last().copied().unwrap_or(z);
-            if let ray @ Some(_) = self.free_ray(last, last - Complex::new(x, y)) {
+            if let ray @ Some(_) = self.free_ray(last, last - centre) {
                 return Some(WayOut { bends, ray });
             }
             if let Some(&middle) = middles.iter().find(|&&middle| self.sees(last, middle)) {

@@ -1,11 +1,12 @@
 //! Energy and moments, from integrals over the boundary and along the jumps of f.
 //!
-//! With `q = |x|^2 / 4` and psi, all is on the boundary and on jumps, J = left f - right f:
+//! All is on the boundary and on jumps:
 //! ```text
-//! int f v   = int f psi + oint (psi l - v psi_n),
-//! int f psi = oint f (psi q_n - q psi_n) - oint f^2 (x.n) q / 4 + sum int J (psi q_n - q psi_n) - J (f + f') (x.n) q /
-//! 4, J(v)      = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
+//! int f v = int f psi + oint (psi l - v psi_n),     int f psi for each piece of f by a quadratic function:
+//! J(v)    = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
 //! ```
+//! on the boundary by `|x|^2 / 4` from the middle of the domain, along jumps by [`quadratic`](super::quadratic).
+//!
 //! A crossing of f that is joined with a split has f of another interval on the piece between both; the change is
 //! added, by the integrand in the middle of the piece ([`JoinedPiece`](super::boundary::JoinedPiece)).
 //!
@@ -14,7 +15,9 @@
 use super::boundary::{JoinedPiece, State, Walk};
 use super::field::PlaneNode;
 use super::fit::Fit;
+use super::groups::{GroupEdge, JumpGroup, PieceSide};
 use super::psi::Psi;
+use super::quadratic::Quadratic;
 use super::setup::Setup;
 use crate::problem::complex::Complex;
 use crate::spectral::curve::Arc;
@@ -54,23 +57,22 @@ impl Integrals {
     /// The part of the boundary.
     pub(super) fn on_boundary(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
         let mut sums = Self::default();
-        let origin = setup.centre;
+        let all = Quadratic::round(setup.centre);
         for node in nodes {
             let weight = node.spot.weight;
             let (z, f) = (node.spot.z, fit.walk.intervals[node.spot.interval].f);
-            let outward = (z - origin).dot(node.normal());
-            let square = 0.25 * (z - origin).norm2();
             sums.force += weight * node.flux;
             sums.flux_work += weight * node.value * node.flux;
             sums.work += weight * (node.psi * node.flux - node.value * node.psi_flux);
             match &setup.jumps.psi {
                 Psi::Jumps(_) => {
-                    sums.source += 0.5 * weight * f * outward;
-                    sums.work += weight
-                        * f
-                        * (0.5 * outward * node.psi
-                            - square * node.psi_flux
-                            - 0.25 * f * outward * square);
+                    let own = BorderPoint {
+                        z,
+                        normal: node.normal().scaled(weight),
+                        psi: node.psi,
+                        psi_flux: weight * node.psi_flux,
+                    };
+                    sums.add_side(PieceSide::of_jump(all, [f, 0.0]), own);
                 }
                 Psi::Polynomial(f) => {
                     sums.source += weight * z.dot(node.normal()) * f.radial(z);
@@ -100,73 +102,87 @@ impl Integrals {
         let place = ring.place(split.t + 0.5 * (from + to));
         let side = &ring.sides[place.side];
         let (z, normal) = (side.point(place.s), -side.tangent(place.s).turned());
-        let (change, square) = (f - counted, 0.25 * (z - setup.centre).norm2());
-        let outward = (z - setup.centre).dot(normal);
-        let psi = setup.jumps.psi.value(z);
-        let psi_flux = setup.jumps.psi.gradients(&[z])[0].dot(normal);
-        self.source += 0.5 * length * change * outward;
-        self.work += length
-            * change
-            * (0.5 * outward * psi - square * psi_flux - 0.25 * (f + counted) * outward * square);
+        let psi = &setup.jumps.psi;
+        let own = BorderPoint::new(psi.value(z), psi.gradients(&[z])[0], z, normal.scaled(length));
+        self.add_side(PieceSide::of_jump(Quadratic::round(setup.centre), [f, counted]), own);
     }
 
     fn add_jumps(&mut self, setup: &Setup) {
         let rule = gauss(32);
-        for edge in &setup.jumps.edges {
-            let curve = edge.arc.curve;
-            let (mut points, mut normals) = (Vec::new(), Vec::new());
-            for [from, to] in pieces(setup, edge.arc) {
-                for &GaussNode { x, weight } in &rule {
-                    // Short steps at both ends.
-                    let part = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-                    let slope = 30.0 * x * x * (1.0 - x) * (1.0 - x);
-                    let s = from + (to - from) * part;
-                    points.push(curve.at(s));
-                    normals
-                        .push((-curve.direction(s).turned()).scaled(weight * slope * (to - from)));
+        for group in &setup.jumps.groups {
+            for own in &group.edges {
+                let curve = own.edge.arc.curve;
+                let (mut points, mut normals) = (Vec::new(), Vec::new());
+                for [from, to] in pieces(setup, group.middle, own.edge.arc) {
+                    for &GaussNode { x, weight } in &rule {
+                        // Short steps at both ends.
+                        let part = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
+                        let slope = 30.0 * x * x * (1.0 - x) * (1.0 - x);
+                        let s = from + (to - from) * part;
+                        points.push(curve.at(s));
+                        let length = weight * slope * (to - from);
+                        normals.push((-curve.direction(s).turned()).scaled(length));
+                    }
                 }
+                self.add_jump(group, own, &points, &normals);
             }
-            self.add_jump(setup, edge.values, &points, &normals);
         }
     }
 
-    /// Adds the part of a jump from f on its left and right, by points with normals to the right as long as their
-    /// weights.
+    /// Adds the part of a jump, by points with normals to the right as long as their weights.
     pub(super) fn add_jump(
         &mut self,
-        setup: &Setup,
-        [left, right]: [f64; 2],
+        group: &JumpGroup,
+        edge: &GroupEdge,
         points: &[Complex],
         normals: &[Complex],
     ) {
-        for ((z, &normal), gradient) in
-            points.iter().zip(normals).zip(setup.jumps.psi.gradients(points))
-        {
-            let seen = *z - setup.centre;
-            let (outward, square) = (seen.dot(normal), 0.25 * seen.norm2());
-            let psi = setup.jumps.psi.value(*z);
-            self.source += 0.5 * (left - right) * outward;
-            self.work += (left - right)
-                * ((0.5 * psi - 0.25 * (left + right) * square) * outward
-                    - square * gradient.dot(normal));
+        let gradients = group.psi.gradients(points);
+        for ((&z, &normal), gradient) in points.iter().zip(normals).zip(gradients) {
+            let own = BorderPoint::new(group.psi.value(z), gradient, z, normal);
+            edge.sides.iter().for_each(|&side| self.add_side(side, own));
         }
+    }
+
+    /// Adds a point of the border of a piece of f.
+    fn add_side(&mut self, PieceSide { quadratic, f, square }: PieceSide, own: BorderPoint) {
+        let outward = (own.z - quadratic.centre).dot(own.normal);
+        let (value, slope) = quadratic.at(own.z);
+        self.source += 0.5 * f * outward;
+        self.work += f * (own.psi * slope.dot(own.normal) - value * own.psi_flux)
+            - 0.25 * square * outward * value;
     }
 }
 
-/// Pieces of an edge, short next to singular points of psi.
-fn pieces(setup: &Setup, arc: Arc) -> Vec<[f64; 2]> {
+/// Point of a border of f.
+#[derive(Clone, Copy)]
+struct BorderPoint {
+    z: Complex,
+    /// Normal as long as the weight of the point.
+    normal: Complex,
+    psi: f64,
+    /// Derivative of psi along the normal, times the weight.
+    psi_flux: f64,
+}
+
+impl BorderPoint {
+    fn new(psi: f64, gradient: Complex, z: Complex, normal: Complex) -> Self {
+        Self { z, normal, psi, psi_flux: gradient.dot(normal) }
+    }
+}
+
+/// Pieces of an edge of a group, short next to singular points of psi.
+fn pieces(setup: &Setup, middle: Complex, arc: Arc) -> Vec<[f64; 2]> {
+    // No shorter than this, in lengths of the edge if that is short.
+    let least = 1e-9 * (arc.span[1] - arc.span[0]).abs().min(1.0);
     let ends = arc.span.map(|s| arc.curve.at(s));
-    let others: Vec<Complex> = setup
-        .jumps
-        .singular
-        .iter()
-        .copied()
-        .filter(|z| ends.iter().all(|end| (*z - *end).norm() > 1e-10))
-        .collect();
+    let singular = setup.jumps.singular.iter().map(|&z| z - middle);
+    let others: Vec<Complex> =
+        singular.filter(|z| ends.iter().all(|end| (*z - *end).norm() > 0.1 * least)).collect();
     halved(arc.span, |[from, to]| {
         let middle = arc.curve.at(0.5 * (from + to));
         let length = to - from;
-        length > 1e-9
+        length > least
             && (length * arc.curve.curvature > 1.6
                 || others.iter().any(|&z| length > (z - middle).norm()))
     })

@@ -2,6 +2,7 @@
 
 use super::boundary::PlaneCrossing;
 use super::domain::PlaneDomain;
+use super::groups::{JumpGroup, groups};
 use super::psi::Psi;
 use super::{PlaneError, PlaneSource};
 use crate::problem::complex::Complex;
@@ -10,7 +11,8 @@ use crate::spectral::jumps::{JumpEdge, Jumps};
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
 pub(super) struct PlaneJumps {
     pub psi: Psi,
-    pub edges: Vec<JumpEdge>,
+    /// Jumps, none of a polynomial.
+    pub groups: Vec<JumpGroup>,
     /// Points of the boundary at which jumps end, one for each of their ends.
     pub crossings: Vec<PlaneCrossing>,
     /// Points at which psi, continued beyond the boundary, may be singular: vertices, and centres of circles.
@@ -19,33 +21,46 @@ pub(super) struct PlaneJumps {
 
 impl PlaneJumps {
     pub(super) fn new(domain: &PlaneDomain, source: &PlaneSource) -> Result<Self, PlaneError> {
-        let (jumps, psi) = match source {
-            PlaneSource::Polynomial(f) => (Jumps::default(), Psi::Polynomial(f.clone())),
+        match source {
+            PlaneSource::Polynomial(f) => Ok(Self {
+                psi: Psi::Polynomial(f.clone()),
+                groups: Vec::new(),
+                crossings: Vec::new(),
+                singular: Vec::new(),
+            }),
             PlaneSource::Pieces(f) => {
                 let jumps = Jumps::of_pieces(domain, f)?;
-                let points = domain.inner_points(25);
-                let psi = Psi::of_jumps(jumps.psi.clone(), &points, |z| f.at(z.coordinates()));
-                (jumps, psi)
+                Self::of_jumps(domain, jumps, |z| f.at(z.coordinates()))
             }
             PlaneSource::Regions(regions) => {
                 let borders = regions.borders.iter().filter(|border| border.is_inside());
                 let arcs = borders.map(|border| border.side.arc);
                 let jumps = Jumps::new(domain, &regions.pieces, arcs, |z| regions.at(z))?;
-                let points = domain.inner_points(25);
-                let psi = Psi::of_jumps(jumps.psi.clone(), &points, |z| regions.at(z));
-                (jumps, psi)
+                Self::of_jumps(domain, jumps, |z| regions.at(z))
             }
-        };
-        let Jumps { edges, psi: potential, lost, .. } = jumps;
+        }
+    }
+
+    fn of_jumps(
+        domain: &PlaneDomain,
+        Jumps { edges, psi: potential, lost, .. }: Jumps,
+        f: impl Fn(Complex) -> f64,
+    ) -> Result<Self, PlaneError> {
         if let Some(text) = lost {
             return Err(PlaneError::Source(text));
         }
         let centres = potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre());
-        Ok(Self {
-            psi,
-            crossings: edges.iter().flat_map(|edge| crossings(domain, edge)).collect(),
-            edges,
-            singular: potential.vertices.iter().copied().chain(centres).collect(),
+        let singular = potential.vertices.iter().copied().chain(centres).collect();
+        let crossings = edges.iter().flat_map(|edge| crossings(domain, edge)).collect();
+        let groups = groups(domain, potential, edges, f);
+        Ok(Self { psi: groups[0].psi.clone(), groups, crossings, singular })
+    }
+
+    /// Distances of a point from the curves of all jumps.
+    pub(super) fn distances(&self, z: Complex) -> impl Iterator<Item = f64> {
+        self.groups.iter().flat_map(move |group| {
+            let curves = group.edges.iter().map(|own| own.edge.arc.curve);
+            curves.map(move |curve| curve.distance(z - group.middle).abs())
         })
     }
 }

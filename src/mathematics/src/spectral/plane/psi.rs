@@ -5,6 +5,7 @@
 //! polynomial f, the real part of a sum of `c z^j conj(z)^k`, has
 //! `psi = -Re sum c z^(j+1) conj(z)^(k+1) / (4 (j + 1) (k + 1))`.
 
+use super::far_field::FarField;
 use super::polynomial::Polynomial;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
@@ -14,19 +15,22 @@ use std::f64::consts::TAU;
 /// psi with `-Lap psi = f`.
 #[derive(Clone)]
 pub(super) enum Psi {
-    Jumps(Potential),
+    Jumps(Vec<PsiPart>),
     Polynomial(Polynomial),
 }
 
-impl Psi {
-    /// psi of jumps, from f at some points of the domain.
-    pub(super) fn of_jumps(
-        mut potential: Potential,
-        points: &[Complex],
-        f: impl Fn(Complex) -> f64,
-    ) -> Self {
-        potential.find_background(points, f);
-        // The gradient is that of `value` but for a constant.
+/// Part of psi that belongs to some jumps, seen from a point.
+#[derive(Clone)]
+pub(super) struct PsiPart {
+    pub middle: Complex,
+    pub potential: Potential,
+    /// psi away from these jumps, if they are those of a small closed shape.
+    pub far: Option<FarField>,
+}
+
+impl PsiPart {
+    /// Part of jumps, seen from a point, with their gradients as those of [`Psi::value`].
+    pub(super) fn new(middle: Complex, mut potential: Potential, far: Option<FarField>) -> Self {
         let mut constant = Complex::default();
         for Jump { arc, size, .. } in &potential.jumps {
             let [a, b] = arc.span;
@@ -37,14 +41,96 @@ impl Psi {
             constant = constant + way.turned().scaled(size / (2.0 * TAU));
         }
         potential.constant = constant;
-        Self::Jumps(potential)
+        Self { middle, potential, far }
+    }
+
+    /// psi away from the jumps, if a point is there.
+    pub(super) fn far_from(&self, z: Complex) -> Option<&FarField> {
+        self.far.as_ref().filter(|far| far.holds(z - self.middle))
+    }
+
+    pub(super) fn value(&self, z: Complex) -> f64 {
+        let seen = z - self.middle;
+        if let Some(far) = self.far_from(z) {
+            return far.at(seen).0;
+        }
+        let Potential { vertices, jumps, background, .. } = &self.potential;
+        let logs = self.potential.logs(&[seen]);
+        let mut sum = -0.25 * background * seen.norm2();
+        for jump in jumps {
+            sum += jump.value(seen, vertices, &logs);
+        }
+        sum
+    }
+
+    /// Adds gradients at points.
+    pub(super) fn add_gradients(&self, points: &[Complex], sums: &mut [Complex]) {
+        let (mut seen, mut near) = (Vec::new(), Vec::new());
+        for (k, &z) in points.iter().enumerate() {
+            match self.far_from(z) {
+                Some(far) => sums[k] = sums[k] + far.at(z - self.middle).1,
+                None => {
+                    seen.push(z - self.middle);
+                    near.push(k);
+                }
+            }
+        }
+        if !near.is_empty() {
+            for (gradient, k) in self.potential.gradients(&seen).into_iter().zip(near) {
+                sums[k] = sums[k] + gradient;
+            }
+        }
+    }
+
+    /// f of these jumps, with their background.
+    pub(super) fn source(&self, z: Complex) -> f64 {
+        let mut f = [self.potential.background];
+        if self.far_from(z).is_none() {
+            self.potential.add_jumps(&[z - self.middle], 1.0, &mut f);
+        }
+        f[0]
+    }
+}
+
+impl Psi {
+    /// psi of jumps, from f at some points of the domain, with those of small closed shapes.
+    pub(super) fn of_jumps(
+        mut potential: Potential,
+        small: Vec<PsiPart>,
+        points: &[Complex],
+        f: impl Fn(Complex) -> f64,
+    ) -> Self {
+        potential.find_background(points, f);
+        let mut parts = vec![PsiPart::new(Complex::default(), potential, None)];
+        parts.extend(small);
+        Self::Jumps(parts)
+    }
+
+    /// The same function, with all seen from another point.
+    pub(super) fn seen_from(&self, origin: Complex) -> Self {
+        let mut seen = self.clone();
+        if let Self::Jumps(parts) = &mut seen {
+            parts.iter_mut().for_each(|part| part.middle = part.middle - origin);
+        }
+        seen
+    }
+
+    /// Parts of jumps, none of a polynomial.
+    pub(super) fn parts(&self) -> &[PsiPart] {
+        match self {
+            Self::Jumps(parts) => parts,
+            Self::Polynomial(_) => &[],
+        }
     }
 
     /// Gradients at points.
     pub(super) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
         match self {
-            _ if points.is_empty() => Vec::new(),
-            Self::Jumps(potential) => potential.gradients(points),
+            Self::Jumps(parts) => {
+                let mut sums = vec![Complex::default(); points.len()];
+                parts.iter().for_each(|part| part.add_gradients(points, &mut sums));
+                sums
+            }
             Self::Polynomial(f) => points.iter().map(|&z| f.psi_gradient(z)).collect(),
         }
     }
@@ -53,25 +139,7 @@ impl Psi {
     pub(super) fn value(&self, z: Complex) -> f64 {
         match self {
             Self::Polynomial(f) => f.psi(z),
-            Self::Jumps(potential) => {
-                let logs = potential.logs(&[z]);
-                let mut sum = -0.25 * potential.background * z.norm2();
-                for jump in &potential.jumps {
-                    sum += jump.value(z, &potential.vertices, &logs);
-                }
-                sum
-            }
-        }
-    }
-
-    /// Sum of the moduli of all jumps of f and of its background; none of a polynomial.
-    pub(super) fn jumps(&self) -> f64 {
-        match self {
-            Self::Polynomial(_) => 0.0,
-            Self::Jumps(potential) => {
-                let sizes = potential.jumps.iter().map(|jump| jump.size.abs());
-                sizes.sum::<f64>() + potential.background.abs()
-            }
+            Self::Jumps(parts) => parts.iter().map(|part| part.value(z)).sum(),
         }
     }
 
@@ -79,11 +147,7 @@ impl Psi {
     pub(super) fn source(&self, z: Complex) -> f64 {
         match self {
             Self::Polynomial(f) => f.value(z),
-            Self::Jumps(potential) => {
-                let mut f = [potential.background];
-                potential.add_jumps(&[z], 1.0, &mut f);
-                f[0]
-            }
+            Self::Jumps(parts) => parts.iter().map(|part| part.source(z)).sum(),
         }
     }
 }
@@ -99,7 +163,7 @@ impl Jump {
             None => self.line_value(z, vertices, logs, angle),
             Some(centre) => {
                 let ends = self.arc.ends.map(|end| end.map(|v| [vertices[v] - centre, logs[v]]));
-                self.circle_value(z - centre, ends, angle)
+                self.circle_value(z - centre, ends, [power, angle])
             }
         };
         self.size / (2.0 * TAU) * part
@@ -118,27 +182,27 @@ impl Jump {
     }
 
     /// With z seen from the centre, and the ends seen from there with the logarithms of their distances from z.
-    fn circle_value(&self, z: Complex, ends: [Option<[Complex; 2]>; 2], angle: f64) -> f64 {
+    fn circle_value(
+        &self,
+        z: Complex,
+        ends: [Option<[Complex; 2]>; 2],
+        [power, angle]: [f64; 2],
+    ) -> f64 {
         let radius = 1.0 / self.arc.curve.curvature;
         let sweep = (self.arc.span[1] - self.arc.span[0]) * self.arc.curve.curvature;
-        let (square, far) = (radius * radius, z.norm2());
-        let inside = far <= square;
+        let square = radius * radius;
+        let inside = z.norm2() <= square;
         // Im L less the sweep inside.
         let turn = if inside { angle + sweep } else { angle };
-        let (mut mixed, mut moved) = (0.0, 0.0);
+        let mut mixed = 0.0;
         let log = ln(z).re;
         let mut lambda = sweep * if inside { ln(Complex::new(radius, 0.0)).re } else { log };
         for (end, sign) in ends.into_iter().zip([-1.0, 1.0]) {
             let Some([u, log]) = end else { continue };
-            let y = z.cross(u) * sign;
-            mixed += y * log.re;
-            moved += y;
+            mixed += sign * z.cross(u) * log.re;
             lambda += sign * if inside { dilogarithm(z / u) } else { -dilogarithm(u / z) };
         }
-        let e = mixed + 0.25 * (square - far) * (2.0 * turn - sweep)
-            - 0.25 * (square + far) * sweep
-            - 0.5 * moved;
-        -(square * lambda - e + 0.5 * (square * sweep - moved))
+        mixed + 0.5 * radius * power * turn - square * (lambda + sweep)
     }
 }
 
@@ -171,3 +235,6 @@ fn dilogarithm(y: Complex) -> f64 {
     }
     (u - square.scaled(0.25) + sum * square * u).im
 }
+
+#[cfg(test)]
+mod tests;

@@ -126,11 +126,11 @@ impl Setup {
     pub(super) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
         let PlaneProblem { domain, law, source } = problem;
         let jumps = PlaneJumps::new(domain, source)?;
-        let (diameter, [[left, right], [low, high]]) = (domain.diameter(), domain.extent());
+        let diameter = domain.diameter();
         Ok(Self {
             images: images(domain, &jumps.singular, diameter),
             rings: domain.loops.iter().map(|sides| PlaneRing::new(sides)).collect(),
-            centre: Complex::new(0.5 * (left + right), 0.5 * (low + high)),
+            centre: domain.centre(),
             perimeter: domain.perimeter(),
             domain: domain.clone(),
             law: *law,
@@ -146,10 +146,7 @@ impl Setup {
             let mut farthest = (-1.0, 0, Complex::default());
             for (k, own) in walk.intervals.iter().enumerate().filter(|(_, own)| own.ring == ring) {
                 let spot = walk.spot(k, 0, 0.4142 * own.length, 0.0);
-                let edges = self.jumps.edges.iter();
-                let room = edges
-                    .map(|edge| edge.arc.curve.distance(spot.z).abs())
-                    .fold(0.5 * own.length, f64::min);
+                let room = self.jumps.distances(spot.z).fold(0.5 * own.length, f64::min);
                 if room > farthest.0 {
                     let inwards = spot.tangent.turned().scaled(0.5 * room.min(1e-6));
                     farthest = (room, k, spot.z + inwards);

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 
 mod bends;
 mod narrow;
+mod small;
 
 pub(super) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
     let side = |k: usize| {

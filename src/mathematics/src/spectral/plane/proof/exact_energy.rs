@@ -6,17 +6,14 @@
 //! such that these derivatives are small ([`green`](super::green)).
 
 use super::Proof;
-use super::cells::{CellStretch, POINTS, Singular, Surroundings, Track};
+use super::cells::POINTS;
 use super::green::{HarmonicFit, HarmonicNode};
-use super::moduli::{Moduli, of_f, of_psi};
+use super::moduli::{Moduli, of_f};
 use super::samples::Sampled;
 use crate::problem::complex::Complex;
-use crate::spectral::jumps::JumpEdge;
 use crate::spectral::plane::boundary::{JoinedCrossing, JoinedPiece, PlaneCrossing, State};
 use crate::spectral::plane::energy::Integrals;
 use crate::spectral::plane::psi::Psi;
-use crate::spectral::plane::setup::Setup;
-use crate::spectral::rule::gauss;
 
 /// Energy with a bound of its error.
 #[derive(Default)]
@@ -24,13 +21,15 @@ pub(super) struct BoundedEnergy {
     pub energy: f64,
     pub error: f64,
     /// Integral of dv/dn over the boundary plus that of f, which is zero.
-    balance: f64,
+    pub(super) balance: f64,
     /// Bound of the error of that.
-    unbalanced: f64,
+    pub(super) unbalanced: f64,
     /// Sum of the moduli of all terms.
-    terms: f64,
+    pub(super) terms: f64,
     /// Number of cells, whose integrals are added.
-    cells: usize,
+    pub(super) cells: usize,
+    /// Bound of |v - psi|, which is harmonic.
+    pub(super) most_g: f64,
 }
 
 /// Energy of v on cells; `left` bounds the variation of v closer to splits than all cells, split by split.
@@ -45,6 +44,9 @@ pub(super) fn bounded_energy(
     let harmonic = HarmonicFit::new(proof.fit, samples);
     let mut sum = BoundedEnergy { cells: samples.len(), ..BoundedEnergy::default() };
     let mut largest = 0.0f64;
+    let g = samples.iter().flat_map(|own| &own.nodes).map(|node| HarmonicNode::of_g(node)[0].abs());
+    // Larger between the points, where v has been bounded, by less than all of it.
+    sum.most_g = 2.0 * g.fold(0.0, f64::max);
     for (own, h) in samples.iter().zip(harmonic.moduli(samples)) {
         let nodes = harmonic.on(own, h);
         let integrals = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed();
@@ -55,8 +57,11 @@ pub(super) fn bounded_energy(
         sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
         largest = largest.max(h.value + h.slope);
     }
-    for edge in &proof.setup.jumps.edges {
-        sum.add_edge(proof.setup, edge)?;
+    for group in &proof.setup.jumps.groups {
+        for edge in &group.edges {
+            sum.add_edge(proof.setup, group, edge)?;
+        }
+        sum.add_moved(proof.setup, group);
     }
     for piece in proof.fit.walk.joined_pieces() {
         sum.add_joined(proof, piece);
@@ -126,10 +131,7 @@ impl EnergyFactors {
                 let far = disc.centre.norm() + disc.radius;
                 2.0 * far * f.product_modulus(far)
             }
-            Psi::Jumps(_) => {
-                let far = 1.0 + far + disc.centre.norm();
-                8.0 * (1.0 + f) * (1.0 + f) * libm::pow(far, 4.0) * (1.0 + value + slope)
-            }
+            Psi::Jumps(_) => 2.0 * f * far * (value + far * slope + f * far * far),
         };
         Self { constants, rate: slope + q }
     }
@@ -145,11 +147,7 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let size = EnergyFactors::of(proof, own);
     // The normal of an arc, continued, is longer than 1.
     let green = h.value * slope + 1.8 * h.slope * value * r;
-    if let Psi::Polynomial(_) = &proof.setup.jumps.psi {
-        let of_v = 4.0 * (value + moduli.psi.value) * (slope + size.rate * r);
-        return of_v + size.constants * r + green;
-    }
-    size.constants * (value + 1.0) * (slope + size.rate * r) + green
+    4.0 * (value + moduli.psi.value) * (slope + size.rate * r) + size.constants * r + green
 }
 
 /// Bounds of the integrand of the energy that belongs to a change of f by 1 at a point of the boundary, and of its
@@ -159,12 +157,28 @@ fn per_change(proof: &Proof, z: Complex, f: f64, distance: f64) -> [f64; 2] {
     let (far, size) = ((z - setup.centre).norm(), setup.diameter);
     let (value, slope) = (psi.value(z).abs(), psi.gradients(&[z])[0].norm());
     // The second derivatives of psi are integrals of 1 / |w - z| along the jumps, J / 2 pi times.
-    let bend = psi.jumps() * (1.0 + libm::log(size / distance.max(f64::MIN_POSITIVE)).max(0.0));
+    let bend = jumps(psi, z) * (1.0 + libm::log(size / distance.max(f64::MIN_POSITIVE)).max(0.0));
     let sides = setup.domain.sides().map(|side| side.curvature().abs());
     let turns = 1.0 + size * sides.fold(0.0, f64::max);
     let integrand = 0.5 * far * (0.5 * value + 0.25 * far * slope + 0.125 * f * far * far);
     let rate = value + 2.0 * far * slope + far * far * (2.0 * bend + f);
     [integrand, turns * rate * distance]
+}
+
+/// Sum of the moduli of all jumps of f and of its background, but for those of small shapes, whose psi has a bound of
+/// its second derivatives in place of them.
+fn jumps(psi: &Psi, z: Complex) -> f64 {
+    let mut sum = 0.0;
+    for part in psi.parts() {
+        sum += match part.far_from(z) {
+            Some(far) => far.sizes(z - part.middle).bend,
+            None => {
+                let sizes = part.potential.jumps.iter().map(|jump| jump.size.abs());
+                sizes.sum::<f64>() + part.potential.background.abs()
+            }
+        };
+    }
+    sum
 }
 
 impl BoundedEnergy {
@@ -270,73 +284,6 @@ impl BoundedEnergy {
             self.error += node.spot.weight * error;
             self.terms += node.spot.weight * terms;
         }
-    }
-
-    /// Adds the integrals along a jump of f.
-    fn add_edge(&mut self, setup: &Setup, edge: &JumpEdge) -> Result<(), &'static str> {
-        /// Part of a jump, over its longest cell in log r, that is left out at an end.
-        const LEFT: f64 = 1e-24;
-        let singular = Singular { psi: &setup.jumps.psi, points: Vec::new() };
-        let (curve, rule) = (edge.arc.curve, gauss(POINTS));
-        let [start, end] = edge.arc.span;
-        let half = 0.5 * (end - start);
-        let [left, right] = edge.values;
-        let (jump, both) = ((left - right).abs(), left.abs() + right.abs());
-        let psi = &setup.jumps.psi;
-        for (from, way, vertex) in [(start, 1.0, edge.arc.ends[0]), (end, -1.0, edge.arc.ends[1])] {
-            let centre = curve.at(from);
-            let reach = (singular.room(centre, Some(usize::MAX)) / 2.4)
-                .min(0.25 / curve.curvature)
-                .min(setup.diameter);
-            let top = (0.2 * reach).min(half);
-            let near = Surroundings { centre, top, least: LEFT * top, reach };
-            let stretch = CellStretch {
-                track: Track::Curve(curve, from, way),
-                singular: &singular,
-                curvature: curve.curvature,
-                length: half,
-                longest: 0.25 * setup.diameter,
-                near: vertex.map(|_| near),
-            };
-            for cell in stretch.cells().ok_or("psi on jumps of f")? {
-                let (mut points, mut normals) = (Vec::new(), Vec::new());
-                for [r, weight] in cell.nodes(&rule) {
-                    let s = from + way * r;
-                    points.push(curve.at(s));
-                    normals.push((-curve.direction(s).turned()).scaled(weight));
-                }
-                let mut sums = Integrals::default();
-                sums.add_jump(setup, edge.values, &points, &normals);
-                self.energy += sums.completed().energy;
-                self.balance += sums.source;
-                let length: f64 = normals.iter().map(|normal| normal.norm()).sum();
-                let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
-                self.unbalanced += units * jump * length * (setup.diameter + centre.norm());
-                self.cells += 1;
-                let (gradients, errors) = (psi.gradients(&points), psi.errors(&points));
-                for (k, (&z, own)) in points.iter().zip(errors).enumerate() {
-                    let (weight, slope) = (0.5 * jump * normals[k].norm(), gradients[k].norm());
-                    let square = 0.25 * (z - setup.centre).norm2();
-                    // Coordinates are off by two units.
-                    let units = 2.0 * f64::EPSILON;
-                    let by_value = square.sqrt() * (own.value + units * slope);
-                    let by_slope = square * (own.slope + units * own.bend);
-                    let sizes = psi.value(z).abs() + 0.5 * both * square;
-                    self.error += weight * (by_value + by_slope);
-                    self.terms += weight * (square.sqrt() * sizes + square * slope);
-                }
-                let far = 1.0 + (cell.disc.centre - setup.centre).norm() + cell.disc.radius;
-                let Moduli { value, slope } = of_psi(psi, cell.disc);
-                let size = 4.0 * jump * far * far * far * (value + slope + both);
-                let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
-                self.error += cell.gauss_error(size * scale);
-                self.unbalanced += cell.gauss_error(jump * far * scale);
-                if cell.is_log && cell.span[0] <= 1.01 * near.least {
-                    self.error += near.least * size;
-                }
-            }
-        }
-        Ok(())
     }
 }
 

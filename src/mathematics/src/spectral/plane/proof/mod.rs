@@ -42,8 +42,11 @@
 //!    Tests: `extension::tests`, against harmonic functions of a circle, and all circles against the other pieces.
 //! 7. *The energy of v* ([`exact_energy`]). Gauss rules on the cells, with their errors, what lies closer to splits
 //!    than all cells (the integral of a sum of powers), and rounding: errors at points times the derivatives of the
-//!    integrand by them, which Green's identity makes small ([`green`]). Tests: `exact_energy::tests`, with derivatives
-//!    by differences, and energies in closed form.
+//!    integrand by them, which Green's identity makes small ([`green`]). A small closed shape of f is seen from the
+//!    middle of its box ([`jump_energy`]): what is off of its borders against each other changes f there, by the jump
+//!    times |v|, and what is off of all of it counts by the gradient of what is smooth there of v. Tests:
+//!    `exact_energy::tests`, with derivatives by differences, and energies in closed form; `plane::tests::small`, with
+//!    shapes down to 1e-9 of the domain.
 //! 8. *Both ends* ([`bounds`]):
 //!    ```text
 //!    lower = J - error - delta int |eta| - 1/2 int |grad E|^2,     over where v should be zero,
@@ -69,12 +72,12 @@
 //! # Rounding is a model
 //! That a function is off by some units in the last place of its terms is not proved but taken from how it is
 //! computed: 16 of each power of a corner, and 8 times the power more, since a logarithm is multiplied by it; 6 + k of
-//! the k-th polynomial or power of a hole; 16 and one for each jump of the terms of psi. Arnoldi's recurrence for
-//! polynomials multiplies by z and subtracts what came before, k times; that its errors are not magnified holds as far
-//! as the polynomials, orthogonal on the boundary, are of about unit size there, and is seen on bars of 1 : 20 and on
-//! polygons, where the true error is at most 0.4 of half of the distance of the bounds. Sums over cells lose no more
-//! than half a unit of all terms for each addition. Tests: `psi_errors::tests`, `green::tests`, and the differences of
-//! closed forms in `exact_energy::tests`.
+//! the k-th polynomial or power of a hole; 16 and one for each jump of the terms of psi, and 16 of those by which it is
+//! found away from small shapes. Arnoldi's recurrence for polynomials multiplies by z and subtracts what came before, k
+//! times; that its errors are not magnified holds as far as the polynomials, orthogonal on the boundary, are of about
+//! unit size there, and is seen on bars of 1 : 20 and on polygons, where the true error is at most 0.4 of half of the
+//! distance of the bounds. Sums over cells lose no more than half a unit of all terms for each addition. Tests:
+//! `psi_errors::tests`, `green::tests`, and the differences of closed forms in `exact_energy::tests`.
 //!
 //! So a guarantee is one for the statement as in step 1, and but for this model.
 
@@ -83,6 +86,7 @@ mod cells;
 mod exact_energy;
 mod extension;
 mod green;
+mod jump_energy;
 mod moduli;
 mod on_cells;
 mod psi_errors;
@@ -91,10 +95,9 @@ mod samples;
 
 use super::fit::Fit;
 use super::functions::Family;
+use super::groups::{JumpGroup, beside};
 use super::setup::Setup;
 use crate::problem::complex::Complex;
-use crate::spectral::curve::ROUNDING;
-use crate::spectral::jumps::JumpEdge;
 #[cfg(test)]
 use bounds::proved;
 pub(super) use bounds::{ROUNDED, bracket};
@@ -143,7 +146,7 @@ impl<'a> Proof<'a> {
             let ends = family.lengths.iter().map(|&d| family.point - family.inwards.scaled(d));
             points.extend(ends.map(|end| (end, None)));
         }
-        if !setup.jumps.edges.iter().all(|edge| has_values(setup, edge)) {
+        if !setup.jumps.groups.iter().all(has_values) {
             return Err("f");
         }
         for hole in &fit.functions.holes {
@@ -230,18 +233,14 @@ impl<'a> Proof<'a> {
     }
 }
 
-/// True if `-Lap psi` is f on both sides of a jump, next to its middle, nearer than the curves of all other jumps.
-fn has_values(setup: &Setup, edge: &JumpEdge) -> bool {
-    let (curve, [from, to]) = (edge.arc.curve, edge.arc.span);
-    let s = 0.5 * (from + to);
-    let z = curve.at(s);
-    let others = setup.jumps.edges.iter().map(|other| other.arc.curve.distance(z).abs());
-    let apart = others.filter(|&apart| apart > ROUNDING).fold(f64::INFINITY, f64::min);
-    let step = (1e-6 * (to - from).abs().min(1.0)).min(0.5 * apart);
-    let normal = curve.direction(s).turned();
-    let sides = [step, -step].map(|step| setup.jumps.psi.source(z + normal.scaled(step)));
-    let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
-    (0..2).all(|k| (sides[k] - edge.values[k]).abs() <= size)
+/// True if `-Lap psi` is f on both sides of the jumps of a group, next to their middles.
+fn has_values(group: &JumpGroup) -> bool {
+    let edges = || group.edges.iter().map(|own| &own.edge);
+    edges().all(|edge| {
+        let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
+        let [left, right] = beside(edge, edges()).map(|z| group.psi.source(z));
+        (left - edge.values[0]).abs() <= size && (right - edge.values[1]).abs() <= size
+    })
 }
 
 /// True if all its functions are rational, so that the point itself is not singular.

@@ -13,8 +13,8 @@ use crate::problem::complex::Complex;
 use crate::spectral::plane::fit::Fit;
 use crate::spectral::plane::functions::{Family, Functions, Hole};
 use crate::spectral::plane::panels::Spot;
-use crate::spectral::plane::psi::Psi;
-use crate::spectral::potential::Jump;
+use crate::spectral::plane::psi::{Psi, PsiPart};
+use crate::spectral::potential::{Jump, Potential};
 use std::f64::consts::{PI, TAU};
 
 /// Disc round a panel, or round the split that a panel is near to.
@@ -170,15 +170,32 @@ pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
             let [_, value, slope] = f.moduli(centre.norm() + radius);
             Moduli { value, slope }
         }
-        Psi::Jumps(potential) => {
-            let mut slope = potential.gradients(&[centre])[0].norm()
-                + 0.5 * potential.background.abs() * radius;
-            for jump in &potential.jumps {
-                let part = jump.modulus(disc, &potential.vertices);
-                slope += 2.0 * jump.size.abs() / (2.0 * TAU) * part;
+        Psi::Jumps(parts) => {
+            let mut slope = psi.gradients(&[centre])[0].norm();
+            for part in parts {
+                slope += part.change(Disc { centre: centre - part.middle, ..disc });
             }
             Moduli { value: psi.value(centre).abs() + 4.0 * radius * slope, slope }
         }
+    }
+}
+
+impl PsiPart {
+    /// Bound of the change of the gradient on a disc that is seen from the middle.
+    fn change(&self, disc: Disc) -> f64 {
+        if let Some(far) = &self.far
+            && let least = far.extent.distance(disc.centre) - disc.radius
+            && least > 0.0
+        {
+            // In both coordinates half of it, here and in the centre.
+            return 2.0 * far.mass / (TAU * least);
+        }
+        let mut sum = 0.5 * self.potential.background.abs() * disc.radius;
+        for jump in &self.potential.jumps {
+            let part = jump.modulus(disc, &self.potential.vertices);
+            sum += 2.0 * jump.size.abs() / (2.0 * TAU) * part;
+        }
+        sum
     }
 }
 
@@ -218,21 +235,27 @@ impl Jump {
 
 /// Distance from a point up to which psi, as continued from there, is known to be analytic.
 pub(super) fn room_of_psi(psi: &Psi, z: Complex, at_split: bool) -> f64 {
-    let Psi::Jumps(potential) = psi else { return f64::INFINITY };
-    let mut room = f64::INFINITY;
-    for &vertex in &potential.vertices {
-        let away = (vertex - z).norm();
-        if !(at_split && away < TOUCHES) {
-            room = room.min(away);
+    let rooms = psi.parts().iter().map(|part| part.potential.room(z - part.middle, at_split));
+    rooms.fold(f64::INFINITY, f64::min)
+}
+
+impl Potential {
+    fn room(&self, z: Complex, at_split: bool) -> f64 {
+        let mut room = f64::INFINITY;
+        for &vertex in &self.vertices {
+            let away = (vertex - z).norm();
+            if !(at_split && away < TOUCHES) {
+                room = room.min(away);
+            }
         }
+        for jump in self.jumps.iter().filter(|jump| jump.arc.curve.curvature > 0.0) {
+            let size = jump.arc.curve.polar(z).nu.norm();
+            // Inside the circle up to it, or up to its centre.
+            let part = if size < 1.0 - 1e-9 { size.max(1.0 - size) } else { size };
+            room = room.min(part / jump.arc.curve.curvature);
+        }
+        room
     }
-    for jump in potential.jumps.iter().filter(|jump| jump.arc.curve.curvature > 0.0) {
-        let size = jump.arc.curve.polar(z).nu.norm();
-        // Inside the circle up to it, or up to its centre.
-        let part = if size < 1.0 - 1e-9 { size.max(1.0 - size) } else { size };
-        room = room.min(part / jump.arc.curve.curvature);
-    }
-    room
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@
 
 use crate::problem::complex::Complex;
 use crate::spectral::curve::{Arc, Polar};
-use crate::spectral::plane::psi::Psi;
+use crate::spectral::plane::far_field::FarSizes;
+use crate::spectral::plane::psi::{Psi, PsiPart};
 use crate::spectral::potential::{Jump, Potential};
 use std::f64::consts::TAU;
 
@@ -29,7 +30,7 @@ impl Psi {
     /// Bounds at points.
     pub(super) fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
         match self {
-            Self::Jumps(potential) => potential.errors(points),
+            Self::Jumps(parts) => points.iter().map(|&z| PsiErrors::of_parts(parts, z)).collect(),
             Self::Polynomial(f) => {
                 let moduli = points.iter().map(|z| f.moduli(z.norm()));
                 let errors = moduli.map(|[_, value, slope]| PsiErrors { value, slope, bend: 0.0 });
@@ -43,33 +44,47 @@ impl PsiErrors {
     fn scaled(self, units: f64) -> Self {
         Self { value: units * self.value, slope: units * self.slope, ..self }
     }
+
+    fn add(&mut self, other: Self, factor: f64) {
+        self.value += factor * other.value;
+        self.slope += factor * other.slope;
+        self.bend += factor * other.bend;
+    }
+
+    fn of_parts(parts: &[PsiPart], z: Complex) -> Self {
+        let mut sum = Self::default();
+        for part in parts {
+            let own = match part.far_from(z) {
+                Some(far) => {
+                    let FarSizes { value, slope, bend } = far.sizes(z - part.middle);
+                    Self { value, slope, bend }.scaled(UNITS * f64::EPSILON)
+                }
+                None => part.potential.errors(z - part.middle),
+            };
+            sum.add(own, 1.0);
+        }
+        sum
+    }
 }
 
 impl Potential {
-    fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
-        let (logs, many) = (self.logs(points), points.len());
+    /// Bounds at a point.
+    fn errors(&self, z: Complex) -> PsiErrors {
+        let logs = self.logs(&[z]);
         // One more for each addition.
         let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
-        let (background, constant) = (0.5 * self.background.abs(), self.constant.norm());
-        let mut errors = Vec::with_capacity(many);
-        for (i, &z) in points.iter().enumerate() {
-            let slope = background * z.norm();
-            let mut sum = PsiErrors {
-                value: 0.5 * slope * z.norm(),
-                slope: slope + constant,
-                bend: background,
-            };
-            for jump in &self.jumps {
-                let ends = jump.arc.ends;
-                let ends = ends.map(|end| end.map(|v| [self.vertices[v] - z, logs[v * many + i]]));
-                let (own, factor) = (jump.sizes(z, ends), jump.size.abs() / (2.0 * TAU));
-                sum.value += factor * own.value;
-                sum.slope += factor * own.slope;
-                sum.bend += factor * own.bend;
-            }
-            errors.push(sum.scaled(units));
+        let background = 0.5 * self.background.abs();
+        let slope = background * z.norm();
+        let mut sum = PsiErrors {
+            value: 0.5 * slope * z.norm(),
+            slope: slope + self.constant.norm(),
+            bend: background,
+        };
+        for jump in &self.jumps {
+            let ends = jump.arc.ends.map(|end| end.map(|v| [self.vertices[v] - z, logs[v]]));
+            sum.add(jump.sizes(z, ends), jump.size.abs() / (2.0 * TAU));
         }
-        errors
+        sum.scaled(units)
     }
 }
 
@@ -81,7 +96,13 @@ impl Jump {
         let Arc { curve, span, .. } = self.arc;
         let Polar { nu, power } = curve.polar(z);
         let (nu, away) = (nu.norm().max(CENTRE), (z - curve.origin).norm());
-        let power = power.abs() + 0.2 * away * (1.0 + curve.curvature * away);
+        // Of a line parallel to an axis the other coordinate does not count.
+        let seen = (z - curve.origin).coordinates().map(f64::abs);
+        let off = match curve.curvature {
+            0.0 => curve.tangent.re.abs() * seen[1] + curve.tangent.im.abs() * seen[0],
+            curvature => away * (1.0 + curvature * away),
+        };
+        let power = power.abs() + 0.2 * off;
         let length = (span[1] - span[0]).abs();
         let sweep = curve.curvature * length;
         let (mut logs, mut moments) = (TAU + sweep, 0.0);
@@ -97,11 +118,9 @@ impl Jump {
                 let (radius, far) = (1.0 / curve.curvature, (z - centre).norm());
                 let [log, own] = [far.max(CENTRE * radius), radius].map(|r| libm::log(r).abs());
                 let dilogarithms = ends.iter().flatten().map(|end| 2.0 + end[1].norm() + own);
-                let [square, round] =
-                    [(radius * radius - far * far).abs(), radius * radius + far * far];
                 radius * (radius + far) * dilogarithms.sum::<f64>()
-                    + round * sweep * (1.0 + log + own)
-                    + 0.5 * (square + 0.2 * round) * logs
+                    + radius * radius * sweep * (1.0 + log + own)
+                    + 0.5 * radius * power * logs
             }
         };
         PsiErrors { value, slope, bend }
@@ -121,7 +140,7 @@ mod tests {
             let arc = Arc { curve, span: [pair[0], pair[1]], ends: [Some(k), Some(k + 1)] };
             potential.add(arc, 3.0);
         }
-        Psi::of_jumps(potential, &[Complex::default()], |_| 0.0)
+        Psi::of_jumps(potential, Vec::new(), &[Complex::default()], |_| 0.0)
     }
 
     #[test]
@@ -155,9 +174,10 @@ mod tests {
 
     /// The jumps alone.
     fn without_background(psi: Psi) -> Psi {
-        let Psi::Jumps(mut potential) = psi else { panic!("jumps") };
-        (potential.background, potential.constant) = (0.0, Complex::default());
-        Psi::Jumps(potential)
+        let Psi::Jumps(mut parts) = psi else { panic!("jumps") };
+        let own = &mut parts[0].potential;
+        (own.background, own.constant) = (0.0, Complex::default());
+        Psi::Jumps(parts)
     }
 
     #[test]

@@ -138,9 +138,13 @@ fn a_logarithm_counts_with_the_turns_it_makes_on_the_way() {
 
 #[test]
 fn psi_is_bounded_on_discs() {
-    for name in
-        ["crossings on a disc", "disc in a disc", "disc beside the middle", "disc in contact"]
-    {
+    for name in [
+        "crossings on a disc",
+        "disc in a disc",
+        "disc beside the middle",
+        "small disc",
+        "disc in contact",
+    ] {
         let own = solved(name);
         let psi = &own.setup.jumps.psi;
         let centres = (0..12).map(|k| Complex::unit(0.3 + 0.5 * f64::from(k)).scaled(0.95));

@@ -12,8 +12,7 @@ fn brackets_hold_energies_that_are_known() {
         let own = known.solved();
         let (bounds, _) = proved(&own.setup, &own.found).unwrap();
         check(own.name, bounds, own.energy);
-        let width = if own.name == "small disc" { 1e-9 } else { 3e-11 };
-        assert!(bounds[1] - bounds[0] < width * own.energy.abs(), "{}: {bounds:?}", own.name);
+        assert!(bounds[1] - bounds[0] < 3e-11 * own.energy.abs(), "{}: {bounds:?}", own.name);
         many += 1;
     }
     assert!(many >= 20, "{many} problems");

@@ -68,8 +68,8 @@ fn jumps_with_other_values_are_refused() {
         for (side, by) in [(0, 1e-3), (1, -1e-3)] {
             let mut own = solved(name);
             assert!(Proof::new(&own.setup, &own.found.fit).is_ok(), "{name}");
-            let last = own.setup.jumps.edges.len() - 1;
-            own.setup.jumps.edges[last].values[side] += by;
+            let last = own.setup.jumps.groups.last_mut().and_then(|group| group.edges.last_mut());
+            last.unwrap().edge.values[side] += by;
             assert_eq!(Proof::new(&own.setup, &own.found.fit).err(), Some("f"), "{name}");
         }
     }
