@@ -81,10 +81,14 @@ impl Request {
             clock.ended(Part::Setup);
         }
         let steps = |step| clock.ended_step(step);
-        let problem = statement.problem(coarsest.as_ref(), &steps);
-        let on = args.scene.as_deref().unwrap_or(&statement.domain.name);
-        let problem = problem.map_err(|e| match (Voice::Options.stated(&e), &coarsest) {
-            (Error::Input(text), Some(_)) => Error::input(format!("{on}: {text}")),
+        let problem = match args.out {
+            None => statement.without_nodes(coarsest.as_ref()).problem(coarsest.as_ref(), &steps),
+            Some(_) => statement.problem(coarsest.as_ref(), &steps),
+        };
+        let of_scene = scene.map(|scene| format!("scene `{}`", scene.name));
+        let on = of_scene.or_else(|| coarsest.is_some().then(|| statement.domain.name.clone()));
+        let problem = problem.map_err(|e| match (Voice::Options.stated(&e), on) {
+            (Error::Input(text), Some(on)) => Error::input(format!("{on}: {text}")),
             (other, _) => other,
         })?;
         if coarsest.is_none() {

@@ -2,7 +2,7 @@
 
 use super::Fields;
 use super::names::check_names;
-use super::table::{FIELDS, Field, Reading, Refused, Voice};
+use super::table::{FIELDS, Reading, Refused, Voice};
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
