@@ -8,14 +8,11 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{interval, plain, shared};
 use signorini_mathematics::solvers::Solved;
 
-/// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`.
+/// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`;
+/// a warning says why there are none.
 pub(super) fn text(solved: &Solved, recovered: bool) -> String {
     let problem = &solved.problem;
-    let bound = match solved.bounds().last() {
-        Some(Ok(bounds)) => bounds,
-        Some(Err(reason)) => return format!("no bound of the error: {reason}\n"),
-        None => return String::new(),
-    };
+    let Some(Ok(bound)) = solved.bounds().last() else { return String::new() };
     let domain = if problem.levels().facts().dimension == 2 { "polygon" } else { "polyhedron" };
     let guaranteed = match &solved.reserves()[..] {
         [] => "guaranteed:".to_owned(),
