@@ -229,7 +229,7 @@ mod tests {
         );
         assert_eq!(
             after(|data| data.points[3] = [0.5, 0.5]),
-            "element 22 is flat: its vertices lie in a line or plane; mend or remove it"
+            "element 22 is flat: its vertices lie in a line or plane; move one of them, or mesh again"
         );
         assert_eq!(
             after(|data| data.points.push([2.0, 2.0])),

@@ -23,7 +23,9 @@ pub enum MeshError {
         node: u64,
     },
     /// A cell without volume.
-    #[error("element {0} is flat: its vertices lie in a line or plane; mend or remove it")]
+    #[error(
+        "element {0} is flat: its vertices lie in a line or plane; move one of them, or mesh again"
+    )]
     Flat(u64),
     /// A node without a cell.
     #[error("node {0} belongs to no element; save the mesh without unused nodes")]

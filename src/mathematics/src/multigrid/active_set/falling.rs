@@ -23,8 +23,11 @@ use crate::discrete::network::ContactRow;
 use crate::discrete::stop::Stop;
 use crate::problem::law::{BoundaryState, ContactNode};
 
-/// Limit on the number of linear systems: of 2 000 random meshes with aspects up to 1e6 none took a thousand.
-const MOST_STEPS: usize = 4000;
+/// Work of all linear systems at most, in multiplications: a minute or two.
+const MOST_WORK: f64 = 1e11;
+/// Least and greatest number of linear systems at most, whatever their work: of 2 000 random meshes with aspects up to
+/// 1e6 none took a thousand.
+const MOST_STEPS: [f64; 2] = [30.0, 4000.0];
 /// Sweeps over all values: at the end of a strip of contact each lets a node or more slip.
 const SWEEPS: usize = 4;
 
@@ -34,7 +37,9 @@ pub(super) fn fall(system: &mut StateSystem<'_>, y: &mut Vec<f64>) -> Stop {
     let mut states = problem.states_by_sign(y);
     let mut seen = Vec::new();
     let mut stop = Stop::IterationLimit;
-    for _ in 0..MOST_STEPS {
+    let [least, greatest] = MOST_STEPS;
+    let most_steps = (MOST_WORK / system.direct.step_work()).clamp(least, greatest) as usize;
+    for _ in 0..most_steps {
         let mut best = y.clone();
         system.solve(&states, &mut best);
         if !best.iter().all(|value| value.is_finite()) {
