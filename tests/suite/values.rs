@@ -109,6 +109,16 @@ fn points_outside_have_no_value_and_what_is_no_point_is_refused() {
 }
 
 #[test]
+fn values_at_points_are_printed_unless_a_file_has_them() {
+    let project = Project::with(TABLE);
+    let line = ["solve", "--f", "else=-1", "--h", "1/8", "--line", "0,0,0.5,0"];
+    assert!(project.run(&line).lines().len() > 100);
+    let said = project.run(&[&line[..], &["--out", "v.csv"]].concat());
+    assert!(said.lines().len() < 20 && said.lines().contains(&"wrote v.csv"), "{said:?}");
+    assert_eq!(fs::read_to_string(project.path("v.csv")).unwrap().lines().count(), 102);
+}
+
+#[test]
 fn all_meshes_of_an_accuracy_are_listed_for_paraview() {
     let project = Project::with(TABLE);
     let f = "rect(-9,0,-9,0)=3; else=-2";
