@@ -31,6 +31,7 @@
 mod arcs;
 mod boundary;
 mod choice;
+mod ends;
 mod energy;
 mod expansion;
 mod far_field;
