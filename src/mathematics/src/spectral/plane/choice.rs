@@ -30,7 +30,7 @@ impl Functions {
             let near = split.lengths[0].min(split.lengths[1]);
             let plain = powers.iter().all(|power| power.log || power.power == 1.0);
             let (least, to) = if plain { (level.weak, 0.5) } else { (level.strong, 3.0) };
-            let is_seen = walk.is_beside_corner(k) && BESIDE * near < to * size;
+            let is_seen = walk.corner_beside(k).is_some() && BESIDE * near < to * size;
             let inner = near.min(clearance(&setup.domain, split.z));
             let ladder = Ladder {
                 from: 0.5 * inner,

@@ -7,7 +7,6 @@
 use super::boundary::{RingContact, State};
 use super::fit::{Effort, Fit};
 use super::setup::{Level, Setup};
-use crate::problem::complex::Complex;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -125,26 +124,12 @@ impl EndStep {
     }
 }
 
-/// Coefficient `K` and `K1` of all ends that may move, and their steps.
+/// Steps of all ends that may move.
 fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> {
     let mut steps = Vec::new();
-    let mut first = 0;
-    for family in &fit.functions.families {
-        let many = family.powers.len();
-        let own = &fit.coefficients[first..first + many * family.lengths.len()];
-        first += many * family.lengths.len();
-        let Some(split) = family.split.map(|k| &fit.walk.splits[k]) else { continue };
-        let Some((arc, which)) = split.end else { continue };
-        let (mut b0, mut b1) = (Complex::default(), Complex::default());
-        for (c, d) in own.chunks_exact(many).zip(&family.lengths) {
-            let root = 1.0 / d.sqrt();
-            b0 = b0 + c[0].scaled(root);
-            b1 = b1 + (c[2] - c[0].scaled(0.5)).scaled(root / d);
-        }
-        // On the free side w = f r.
-        let f = Complex::new(0.0, if which == 0 { 1.0 } else { -1.0 });
-        let root = f.sqrt();
-        let (k, k1) = ((root * b0).re, (root * f * b1).re);
+    for end in fit.ends() {
+        let (split, [k, k1]) = (&fit.walk.splits[end.split], end.coefficients);
+        let (arc, which) = (end.arc, end.which);
         let flux = split
             .states
             .iter()
@@ -158,7 +143,7 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
         let [arc_length, gap] = around(ring, arc, which, turn);
         // Towards the free side.
         let wanted = match k1 * sign > 0.0 {
-            true => -k / (1.5 * k1),
+            true => end.step(),
             false => -(k * sign).signum() * f64::INFINITY,
         };
         let near = split.lengths[0].min(split.lengths[1]);
