@@ -240,7 +240,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if args.json {
         say_json(&answer.json(&request))
     } else {
-        tell(&answer.text(&request, args.recover))
+        let points_in_file = file.as_ref().is_some_and(|(_, format)| *format == Format::Csv);
+        tell(&answer.text(&request, args.recover, points_in_file))
     }?;
     written?;
     if let Some((file, _)) = file.filter(|_| !args.json) {

@@ -81,7 +81,10 @@ impl Request {
             clock.ended(Part::Setup);
         }
         let steps = |step| clock.ended_step(step);
-        let problem = statement.problem(coarsest.as_ref(), &steps);
+        let problem = match args.out {
+            None => statement.without_nodes(coarsest.as_ref()).problem(coarsest.as_ref(), &steps),
+            Some(_) => statement.problem(coarsest.as_ref(), &steps),
+        };
         let of_scene = scene.map(|scene| format!("scene `{}`", scene.name));
         let on = of_scene.or_else(|| coarsest.is_some().then(|| statement.domain.name.clone()));
         let problem = problem.map_err(|e| match (Voice::Options.stated(&e), on) {

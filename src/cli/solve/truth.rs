@@ -5,7 +5,7 @@ use super::clock::turning;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::problem::text::{plain, shared};
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::spectral::PlaneChecks;
 
@@ -26,6 +26,9 @@ pub(super) fn json(solved: &Solved) -> Option<Value> {
     Some(json)
 }
 
+/// Digits of numbers without bounds, as many as the solver says that it has.
+const TEN: usize = 10;
+
 /// Returns a true solution in words; nothing of another.
 pub(super) fn text(solved: &Solved) -> String {
     let Some(found) = solved.truth() else { return String::new() };
@@ -36,13 +39,17 @@ pub(super) fn text(solved: &Solved) -> String {
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
-    text += &format!("energy {}\n{}", plain(found.energy, 16), bound::text(solved, false));
+    let energy = match found.bracket {
+        Ok(bracket) => shared(bracket),
+        Err(_) => plain(found.energy, TEN),
+    };
+    text += &format!("energy {energy}\n{}", bound::text(solved, false));
     let has_parts = problem.levels().mesh(0).part_names().nth(1).is_some();
     for arc in &found.contact {
         let part = arc.part.clone().filter(|_| has_parts);
-        text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 16);
+        text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, TEN);
     }
-    text += &words.force([found.force, 0.0 - found.integral], rounding, 16);
+    text += &words.force([found.force, 0.0 - found.integral], rounding, TEN);
     if problem.domain(problem.finest()).has_fixed_part() {
         text += "fixed parts carry the difference\n";
     }

@@ -8,7 +8,7 @@ use super::lists::{EXAMPLE, MOST_MEMBERS, Varied, product_of, products};
 use super::member::{Member, Varying, in_words};
 use super::names::{is_name, names, with_numbers};
 use super::table::{FIELDS, Field, Reading, Refused, Voice, field, text};
-use crate::replication::columns::COLUMNS;
+use crate::replication::columns::{COLUMNS, END};
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Args, Command, FromArgMatches};
@@ -241,7 +241,7 @@ impl Field {
 
 /// True if a row has a key of this name besides what is varied.
 fn is_taken(name: &str) -> bool {
-    name == "schema" || COLUMNS.contains(&name)
+    ["schema", END].contains(&name) || COLUMNS.contains(&name)
 }
 
 impl<'de> Deserialize<'de> for Vary {

@@ -44,7 +44,8 @@ impl Judge<'_> {
         let notes = facts.notes.iter().cloned().map(Warning::fact);
         let Some(last) = solved.ends().last() else {
             let of_truth = solved.truth().into_iter().flat_map(|found| found.notes.clone());
-            let warnings = notes.chain(of_truth.map(Warning::fact)).collect();
+            let warnings =
+                notes.chain(of_truth.map(Warning::fact)).chain(no_bound(solved)).collect();
             return Record { warnings, ..Record::default() };
         };
         let (mut warnings, mut failure) = self.verdict(solved, last);
@@ -59,6 +60,7 @@ impl Judge<'_> {
         }
         if failure.is_none() {
             warnings.extend(self.of_force(solved, last));
+            warnings.extend(no_bound(solved));
         }
         let mut shortfall = None;
         match (solved.bounds().last(), self.statement.accuracy(), &failure) {
@@ -361,6 +363,12 @@ impl Judge<'_> {
         }
         warnings
     }
+}
+
+/// Warns if there is no bound of the error.
+fn no_bound(solved: &Solved) -> Option<Warning> {
+    let reason = solved.bounds().last()?.as_ref().err()?;
+    Some(Warning::fact(format!("no bound of the error: {reason}")))
 }
 
 /// As [`plain`], with a plus before a positive number.

@@ -151,14 +151,15 @@ fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     .with_files(files)
 }
 
-/// Solves a statement; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted. A
-/// refusal is written in this voice.
+/// Solves a statement; a mesh is read from these files, and refined for values at nodes if `has_nodes`. Between two
+/// grids or meshes it ends if it is interrupted. A refusal is written in this voice.
 pub(super) fn solved(
     (statement, voice): (&Statement, Voice),
     files: &InputFiles,
+    has_nodes: bool,
     recorder: &mut Recorder<'_>,
 ) -> Read<Solved> {
-    let problem = mesh_files::problem_in(voice, statement, files)?;
+    let problem = mesh_files::problem_in(voice, statement, files, has_nodes)?;
     let memory = Memory::new(machine::available_memory());
     let solved = statement.solve(problem, memory, recorder, &|_| ());
     let solved = solved.map_err(|e| voice.refused(statement, &e))?;
@@ -178,7 +179,7 @@ impl Cell {
         let mut recorder =
             Recorder { keep_history: self.keep_history, ..Recorder::new(interrupted) };
         let (statement, voice) = (&self.statement, Voice::Keys);
-        let solved = solved((statement, voice), files, &mut recorder)?;
+        let solved = solved((statement, voice), files, self.keep_pair, &mut recorder)?;
         let judge = Judge { statement, voice, is_papers: self.is_papers };
         if let Some(diverged) = judge.diverged(&solved) {
             return Err(Error::Stage(vec![diverged.sentence()]));

@@ -23,6 +23,11 @@ pub(super) struct JumpEdge {
 }
 
 impl JumpEdge {
+    /// f on the left less f on the right.
+    pub(super) fn jump(&self) -> f64 {
+        self.values[0] - self.values[1]
+    }
+
     /// True if it is all of a circle.
     pub(super) fn is_circle(&self) -> bool {
         let Arc { curve, span: [from, to], .. } = self.arc;

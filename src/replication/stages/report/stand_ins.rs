@@ -1,4 +1,4 @@
-//! What stands in pages in the place of tables and pictures of scenes that failed.
+//! Files in the place of tables and pictures of scenes that failed, which say why.
 
 use crate::figures::escaped;
 use crate::pipeline::{Artifacts, Task};

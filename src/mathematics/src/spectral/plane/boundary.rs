@@ -117,6 +117,15 @@ pub(super) struct Split {
     pub end: Option<(usize, usize)>,
 }
 
+/// Corner next to an end of contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CornerBeside {
+    /// Inner angle.
+    pub angle: f64,
+    /// True if v = 0 on one side of the corner and the end together, and not on the other.
+    pub is_mixed: bool,
+}
+
 /// Part of a side between two splits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaneInterval {
@@ -174,12 +183,15 @@ pub(super) struct Walk {
 const TOGETHER: f64 = 1e-10;
 
 impl Walk {
-    /// True of an end of contact if the split next to it is a corner.
-    pub(super) fn is_beside_corner(&self, k: usize) -> bool {
+    /// Corner next to an end of contact.
+    pub(super) fn corner_beside(&self, k: usize) -> Option<CornerBeside> {
         let split = &self.splits[k];
+        split.end?;
         let near = usize::from(split.lengths[1] < split.lengths[0]);
-        let beside = self.intervals.iter().find(|own| own.splits[1 - near] == k);
-        split.end.is_some() && beside.is_some_and(|own| self.splits[own.splits[near]].corner)
+        let beside = self.intervals.iter().find(|own| own.splits[1 - near] == k)?;
+        let Split { corner, angle, states, .. } = self.splits[beside.splits[near]];
+        let is_held = [states[near], split.states[1 - near]].map(|state| state == State::Held);
+        corner.then_some(CornerBeside { angle, is_mixed: is_held[0] != is_held[1] })
     }
 
     pub(super) fn new(

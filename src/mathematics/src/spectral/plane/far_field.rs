@@ -1,7 +1,7 @@
 //! psi of a small closed shape seen from outside of it, where the terms of its sides would cancel.
 //!
 //! With f of the shape alone, psi is `-(1 / 2 pi) int f (log|z - w| + 1)` over it. Of a rectangle that is the sum of
-//! six segments with charges, the nodes of a Gauss rule across it, to 2^-60 of it outside, sixteen widths away from its
+//! ten segments with charges, the nodes of a Gauss rule across it, to 2^-60 of it outside, two widths away from its
 //! shorter sides. Of other shapes, with moments `M_k = int f w^k`, it is
 //! ```text
 //! -(1 / 2 pi) (M_0 (log|z| + 1) - Re sum M_k / (k z^k)),
@@ -56,7 +56,7 @@ impl FarField {
             all @ [_, _, _, _] if all.iter().all(|jump| is_side(jump, extent.axis)) => {
                 let is_left = curve.local(extent.centre).im > 0.0;
                 let charges = Charges::Segments(if is_left { f } else { -f } * 2.0 * across);
-                Self { extent, mass: 4.0 * f.abs() * long * across, clear: 32.0 * across, charges }
+                Self { extent, mass: 4.0 * f.abs() * long * across, clear: 4.0 * across, charges }
             }
             all => {
                 let size: f64 = all.iter().map(|jump| jump.size.abs()).sum();
@@ -100,7 +100,7 @@ impl FarField {
                 let Extent { centre, axis, half: [half, across] } = self.extent;
                 let seen = axis.conj() * (z - centre);
                 let (mut value, mut slope) = (0.0, Complex::default());
-                for GaussNode { x, weight } in gauss(6) {
+                for GaussNode { x, weight } in gauss(10) {
                     let charge = -weight * density / TAU;
                     let [own, rate] =
                         segment(seen - Complex::new(0.0, across * (2.0 * x - 1.0)), half);

@@ -4,6 +4,7 @@
 //! away its terms are V, and their squares would be in the energy.
 
 use super::PlaneDomain;
+use super::closed_edges::{ClosedEdges, holds, is_parallel};
 use super::far_field::FarField;
 use super::psi::{Psi, PsiPart};
 use super::quadratic::{Extent, Quadratic};
@@ -36,13 +37,6 @@ pub(super) struct GroupEdge {
     pub edge: JumpEdge,
     /// One entry for each side, or one for both if they share a quadratic function.
     pub sides: Vec<PieceSide>,
-}
-
-impl GroupEdge {
-    /// f on the left less f on the right.
-    pub(super) fn jump(&self) -> f64 {
-        self.edge.values[0] - self.edge.values[1]
-    }
 }
 
 /// A side of the border of a piece of f, or of two, in [`quadratic`](super::quadratic)'s integrals.
@@ -79,106 +73,90 @@ pub(super) fn groups(
     f: impl Fn(Complex) -> f64,
 ) -> Vec<JumpGroup> {
     let mut shapes = Vec::new();
-    for own in connected(&edges) {
-        if let Some(shape) = SmallShape::of(domain, &potential, &own) {
-            potential.jumps.retain(|jump| !holds_one(jump.arc, &own));
-            edges.retain(|edge| !holds_one(edge.arc, &own));
+    for closed in ClosedEdges::all(&edges) {
+        if let Some(shape) = SmallShape::of(domain, &potential, &closed) {
+            closed.take_from(&mut potential);
+            edges.retain(|edge| !closed.edges.iter().any(|own| holds(edge.arc, own)));
             shapes.push(shape);
         }
     }
     let parts = shapes.iter().map(|own| PsiPart { middle: own.middle, ..own.part.clone() });
     let psi = Psi::of_jumps(potential, parts.collect(), &domain.inner_points(25), f);
     let all = Quadratic::round(domain.centre());
-    let rest = edges
-        .into_iter()
-        .map(|edge| GroupEdge { sides: vec![PieceSide::of_jump(all, edge.values)], edge });
-    let rest = JumpGroup {
-        middle: Complex::default(),
-        edges: rest.collect(),
+    let origin = Complex::default();
+    let mut groups = vec![JumpGroup {
+        middle: origin,
+        edges: edges.iter().map(|own| with_sides(own, (&edges, origin), &shapes, all)).collect(),
         psi,
         extent: None,
         off: 0.0,
-    };
-    let mut groups = vec![rest];
-    for shape in &shapes {
-        let around = shape.around(&shapes).map(|own| own.quadratic().seen_from(-own.middle));
-        let outer = around.unwrap_or(all).seen_from(shape.middle);
+    }];
+    for SmallShape { middle, edges, extent, off, .. } in &shapes {
+        let sides = edges.iter().map(|own| with_sides(own, (edges, *middle), &shapes, all));
         groups.push(JumpGroup {
-            middle: shape.middle,
-            edges: shape.edges.iter().map(|edge| shape.with_sides(edge, outer)).collect(),
-            psi: groups[0].psi.seen_from(shape.middle),
-            extent: Some(shape.extent),
-            off: shape.off,
+            middle: *middle,
+            edges: sides.collect(),
+            psi: groups[0].psi.seen_from(*middle),
+            extent: Some(*extent),
+            off: *off,
         });
     }
     groups
 }
 
-/// True if an arc holds the middle of one of some edges.
-fn holds_one(arc: Arc, edges: &[JumpEdge]) -> bool {
-    edges.iter().filter(|edge| edge.arc.curve == arc.curve).any(|edge| {
-        let after = 0.5 * (edge.arc.span[0] + edge.arc.span[1]) - arc.span[0];
-        let after = arc.curve.period().map_or(after, |turn| after.rem_euclid(turn));
-        0.0 < after && after < arc.span[1] - arc.span[0]
-    })
-}
-
-/// Edges that are connected by vertices.
-fn connected(edges: &[JumpEdge]) -> Vec<Vec<JumpEdge>> {
-    let mut groups: Vec<Vec<JumpEdge>> = Vec::new();
-    for edge in edges {
-        let ends = edge.arc.ends;
-        let (with, without): (Vec<_>, Vec<_>) = groups.into_iter().partition(|own| {
-            let mut others = own.iter().flat_map(|other| other.arc.ends).flatten();
-            others.any(|other| ends.contains(&Some(other)))
-        });
-        groups = without;
-        groups.push(with.into_iter().flatten().chain([edge.clone()]).collect());
-    }
-    groups
+/// An edge with its sides, each by the quadratic function of the innermost shape that it lies in; all are seen from a
+/// point, among edges.
+fn with_sides(
+    edge: &JumpEdge,
+    (edges, middle): (&[JumpEdge], Complex),
+    shapes: &[SmallShape],
+    all: Quadratic,
+) -> GroupEdge {
+    let around = beside(edge, edges.iter()).map(|z| SmallShape::around(z, middle, shapes));
+    let sides = match around {
+        [None, None] => vec![PieceSide::of_jump(all.seen_from(middle), edge.values)],
+        _ => (0..2)
+            .map(|k| {
+                let (f, sign) = (edge.values[k], [1.0, -1.0][k]);
+                let quadratic = around[k]
+                    .map_or(all, |shape| Quadratic::of(shape.extent).seen_from(-shape.middle));
+                let quadratic = quadratic.seen_from(middle);
+                PieceSide { quadratic, f: sign * f, square: sign * f * f }
+            })
+            .collect(),
+    };
+    GroupEdge { edge: edge.clone(), sides }
 }
 
 impl SmallShape {
-    /// The shape with these edges, if they are closed, small, and round no hole.
-    fn of(domain: &PlaneDomain, potential: &Potential, edges: &[JumpEdge]) -> Option<Self> {
+    /// The shape with closed edges, if it is small and round no hole.
+    fn of(domain: &PlaneDomain, potential: &Potential, closed: &ClosedEdges) -> Option<Self> {
         /// Width over the diameter of the domain.
         const WIDEST: f64 = 1.0 / 16.0;
-        let mut closed = edges.iter().map(|edge| match edge.arc.ends {
-            [None, None] => edge.is_circle(),
-            ends => ends.iter().all(Option::is_some),
-        });
-        if !closed.all(|is_closed| is_closed) {
-            return None;
-        }
-        let arcs: Vec<Arc> = edges.iter().map(|edge| edge.arc).collect();
+        let arcs: Vec<Arc> = closed.edges.iter().map(|edge| edge.arc).collect();
         let extent = Extent::of(&arcs);
-        let middle = extent.centre;
         if 2.0 * extent.half[1] > WIDEST * domain.diameter() {
             return None;
         }
-        let mut vertices: Vec<usize> = arcs.iter().flat_map(|arc| arc.ends).flatten().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let mut local = Potential {
-            vertices: vertices.iter().map(|&v| potential.vertices[v] - middle).collect(),
-            ..Potential::default()
+        let (middle, sides) = (extent.centre, closed.arcs());
+        let (numbers, vertices) = closed.vertices(potential, middle);
+        let seen_from = |arc: Arc| {
+            let ends = arc.ends.map(|end| end.and_then(|v| numbers.binary_search(&v).ok()));
+            seen_from(middle, Arc { ends, ..arc }, &vertices)
         };
-        let mut seen = Vec::new();
-        for edge in edges {
-            let ends = edge.arc.ends;
-            let ends = ends.map(|end| end.map(|v| vertices.binary_search(&v).expect("a vertex")));
-            let arc = seen_from(middle, Arc { ends, ..edge.arc }, &local.vertices);
-            local.add(arc, edge.values[0] - edge.values[1]);
-            seen.push(JumpEdge { arc, ..edge.clone() });
-        }
-        let arcs: Vec<Arc> = seen.iter().map(|edge| edge.arc).collect();
+        let mut local = Potential { vertices: vertices.clone(), ..Potential::default() };
+        sides.iter().for_each(|&(arc, jump)| local.add(seen_from(arc), jump));
+        let edges = closed.edges.iter();
+        let edges = edges.map(|edge| JumpEdge { arc: seen_from(edge.arc), ..edge.clone() });
+        let edges: Vec<JumpEdge> = edges.collect();
+        let arcs: Vec<Arc> = local.jumps.iter().map(|jump| jump.arc).collect();
         let extent = Extent::of(&arcs);
         let far = FarField::new(&local, extent);
         let part = PsiPart::new(Complex::default(), local, Some(far));
         // Radii, and coordinates of lines that are parallel to an axis, are those of f.
-        let is_exact = edges.iter().all(|edge| edge.is_circle() || is_exact(edge, potential));
+        let is_exact = sides.iter().all(|(arc, _)| arc.ends == [None; 2] || is_parallel(arc.curve));
         let off = if is_exact { 4.0 * f64::EPSILON * extent.half[1] } else { ROUNDING };
-        let shape = Self { middle, part, edges: seen, extent, off };
+        let shape = Self { middle, part, edges, extent, off };
         let mut holes = domain.loops.iter().map(|sides| sides[0].point(0.0));
         holes.all(|z| shape.is_outside(z - middle)).then_some(shape)
     }
@@ -189,42 +167,20 @@ impl SmallShape {
         self.part.source(z).abs() < 1e-9 * sizes.sum::<f64>()
     }
 
+    /// Innermost shape in which a point lies that is seen from another point.
+    fn around(z: Complex, origin: Complex, shapes: &[Self]) -> Option<&Self> {
+        let around = shapes.iter().filter(|own| !own.is_outside(z + (origin - own.middle)));
+        let around: Vec<&Self> = around.collect();
+        let mut inwards = around.iter();
+        inwards.find(|own| around.iter().all(|other| !other.lies_in(own))).copied()
+    }
+
     /// True if it lies in another shape.
     fn lies_in(&self, other: &Self) -> bool {
         let Arc { curve, span: [from, to], .. } = self.edges[0].arc;
         let z = curve.at(0.5 * (from + to)) + (self.middle - other.middle);
         !std::ptr::eq(self, other) && !other.is_outside(z)
     }
-
-    /// Innermost shape in which it lies.
-    fn around<'a>(&self, shapes: &'a [Self]) -> Option<&'a Self> {
-        let around: Vec<&Self> = shapes.iter().filter(|other| self.lies_in(other)).collect();
-        let mut inwards = around.iter();
-        inwards.find(|own| around.iter().all(|other| !other.lies_in(own))).copied()
-    }
-
-    fn quadratic(&self) -> Quadratic {
-        Quadratic::of(self.extent)
-    }
-
-    /// An edge with its sides: outside of the shape by the function of what is around.
-    fn with_sides(&self, edge: &JumpEdge, outer: Quadratic) -> GroupEdge {
-        let mut sides = Vec::new();
-        let beside = beside(edge, self.edges.iter());
-        for ((z, f), sign) in beside.into_iter().zip(edge.values).zip([1.0, -1.0]) {
-            let quadratic = if self.is_outside(z) { outer } else { self.quadratic() };
-            sides.push(PieceSide { quadratic, f: sign * f, square: sign * f * f });
-        }
-        GroupEdge { edge: edge.clone(), sides }
-    }
-}
-
-/// True if the ends of a segment that is parallel to an axis lie exactly on its line.
-fn is_exact(edge: &JumpEdge, potential: &Potential) -> bool {
-    let Arc { curve, ends, .. } = edge.arc;
-    let is_on = |v: usize| curve.local(potential.vertices[v]).im == 0.0;
-    let is_parallel = curve.tangent.re == 0.0 || curve.tangent.im == 0.0;
-    curve.curvature == 0.0 && is_parallel && ends.into_iter().flatten().all(is_on)
 }
 
 /// An arc with vertices at its ends, seen from a point; a segment is that between the vertices.

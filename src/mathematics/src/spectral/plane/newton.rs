@@ -7,7 +7,7 @@
 use super::boundary::{RingContact, State};
 use super::fit::{Effort, Fit};
 use super::setup::{Level, Setup};
-use crate::problem::complex::Complex;
+use crate::mesh::Condition;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -125,26 +125,12 @@ impl EndStep {
     }
 }
 
-/// Coefficient `K` and `K1` of all ends that may move, and their steps.
+/// Steps of all ends that may move.
 fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> {
     let mut steps = Vec::new();
-    let mut first = 0;
-    for family in &fit.functions.families {
-        let many = family.powers.len();
-        let own = &fit.coefficients[first..first + many * family.lengths.len()];
-        first += many * family.lengths.len();
-        let Some(split) = family.split.map(|k| &fit.walk.splits[k]) else { continue };
-        let Some((arc, which)) = split.end else { continue };
-        let (mut b0, mut b1) = (Complex::default(), Complex::default());
-        for (c, d) in own.chunks_exact(many).zip(&family.lengths) {
-            let root = 1.0 / d.sqrt();
-            b0 = b0 + c[0].scaled(root);
-            b1 = b1 + (c[2] - c[0].scaled(0.5)).scaled(root / d);
-        }
-        // On the free side w = f r.
-        let f = Complex::new(0.0, if which == 0 { 1.0 } else { -1.0 });
-        let root = f.sqrt();
-        let (k, k1) = ((root * b0).re, (root * f * b1).re);
+    for end in fit.ends() {
+        let (split, [k, k1]) = (&fit.walk.splits[end.split], end.coefficients);
+        let (arc, which) = (end.arc, end.which);
         let flux = split
             .states
             .iter()
@@ -158,7 +144,7 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
         let [arc_length, gap] = around(ring, arc, which, turn);
         // Towards the free side.
         let wanted = match k1 * sign > 0.0 {
-            true => -k / (1.5 * k1),
+            true => end.step(),
             false => -(k * sign).signum() * f64::INFINITY,
         };
         let near = split.lengths[0].min(split.lengths[1]);
@@ -278,7 +264,7 @@ pub(super) fn remove(ring: &mut RingContact, number: usize, is_gap: bool, turn: 
     }
 }
 
-/// Moves ends that lie in a corner, but for little, out of it.
+/// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there.
 fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
     for (own, ring) in contact.iter_mut().zip(&setup.rings) {
         let least = 1e-7 * setup.perimeter;
@@ -286,10 +272,17 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
         for (which, t) in own.arcs.iter_mut().flat_map(|arc| arc.iter_mut().enumerate()) {
             for corner in ring.corners() {
                 let after = (*t - corner + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
-                if after.abs() < least && ring.sides.len() > 1 {
-                    // Contact leaves the corner free.
-                    *t += if which == 0 { least - after } else { -least - after };
+                if after.abs() >= least || ring.sides.len() == 1 {
+                    continue;
                 }
+                let side = ring.place(corner).side;
+                let beyond = if which == 1 { side } else { side + ring.sides.len() - 1 };
+                *t += match (ring.sides[beyond % ring.sides.len()].condition, which) {
+                    (Condition::Fixed | Condition::Free, _) => -after,
+                    // Contact leaves the corner free.
+                    (Condition::Contact, 0) => least - after,
+                    (Condition::Contact, _) => -least - after,
+                };
             }
         }
         for arc in &mut own.arcs {

@@ -180,7 +180,7 @@ impl PlaneTruth {
     /// Arcs in contact, with the names of the parts of a mesh: those on sides where the law holds.
     pub(crate) fn contact(&self, mesh: &PlaneMesh) -> Vec<ContactArc> {
         let mut arcs = Vec::new();
-        for PlaneArc { ring, ends, closed, force, .. } in &self.solution.arcs {
+        for PlaneArc { ring, ends, closed, force, errors, .. } in &self.solution.arcs {
             let sides = &self.problem.domain.loops()[*ring];
             let [from, to] = *ends;
             let count = match closed {
@@ -193,17 +193,25 @@ impl PlaneTruth {
             let lawful: Vec<usize> =
                 along.filter(|&side| sides[side].condition == Condition::Contact).collect();
             let (Some(&first), Some(&last)) = (lawful.first(), lawful.last()) else { continue };
-            let start = if first == from.side { from.s } else { 0.0 };
-            let end = if last == to.side { to.s } else { sides[last].length() };
+            // An arc that goes on over fixed and free sides ends at their corner.
+            let [mut start, mut end] = [(0.0, 0.0), (sides[last].length(), 0.0)];
+            if first == from.side {
+                start = (from.s, errors[0]);
+            }
+            if last == to.side {
+                end = (to.s, errors[1]);
+            }
             let names = lawful.iter().map(|&side| &mesh.parts()[sides[side].part].names);
             let part = Some(Names::all(names));
-            let points = [sides[first].at(start), sides[last].at(end)];
+            let points = [sides[first].at(start.0), sides[last].at(end.0)];
             let points = points.map(|point| self.origin.outside(point));
+            let rounding = points.map(|[x, y]| f64::EPSILON * (x.abs() + y.abs()));
+            let error = Some([start.1 + rounding[0], end.1 + rounding[1]]);
             let whole: f64 = lawful.iter().map(|&side| sides[side].length()).sum();
-            let length = whole - start - (sides[last].length() - end);
+            let length = whole - start.0 - (sides[last].length() - end.0);
             let length = if *closed { whole } else { length };
             let arc = ContactArc::new(points, self.height * force, length);
-            arcs.push(ContactArc { closed: *closed, part, ..arc });
+            arcs.push(ContactArc { closed: *closed, part, error, ..arc });
         }
         arcs
     }

@@ -165,7 +165,7 @@ pub(super) fn search(
             }
             Err(error) => refusal = Some(error),
         }
-        if best.as_ref().is_some_and(|best| best.errors() < ENOUGH) {
+        if best.as_ref().is_some_and(|best| best.errors() < level.enough) {
             break;
         }
     }
@@ -176,8 +176,7 @@ pub(super) fn search(
     }
 }
 
-/// Errors with which no finer level is tried, and with which a solution is refused.
-const ENOUGH: f64 = 3e-10;
+/// Errors with which a solution is refused.
 const ACCEPTED: f64 = 2e-8;
 
 /// Contact set of a start, without arcs and gaps of one or two edges of its mesh.
@@ -221,7 +220,7 @@ fn short(ring: &RingContact, sides: &PlaneRing, least: f64) -> Option<(usize, bo
 impl PlaneFound {
     /// Solution with a fit that is known.
     pub(super) fn known(setup: &Setup, contact: &[RingContact], fit: Fit) -> Self {
-        let level = Level::FINE[1];
+        let level = Level::FINE[2];
         let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
         let sizes = Sizes::new(setup, &nodes);
         let signs = PlaneSigns { flux: 0.0, value: 0.0, mended: None };

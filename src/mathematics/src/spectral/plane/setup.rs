@@ -46,6 +46,8 @@ pub(super) struct Level {
     pub found: f64,
     /// Size below which steps that no longer fall are at rest.
     pub noise: f64,
+    /// Errors of checks with which no finer level is tried.
+    pub enough: f64,
 }
 
 impl Level {
@@ -62,9 +64,24 @@ impl Level {
         shortest: 1e-4,
         found: 1e-5,
         noise: 1e-3,
+        enough: 3e-10,
     };
     /// Levels on which the solution is checked, in turn.
-    pub(super) const FINE: [Self; 2] = [
+    pub(super) const FINE: [Self; 3] = [
+        Self {
+            ratio: 3.0,
+            strong: 4,
+            weak: 4,
+            image: 4,
+            degree: 22,
+            hole: 12,
+            poles: 3.5,
+            nodes: 6,
+            shortest: 1e-4,
+            found: 1e-7,
+            noise: 1e-6,
+            enough: 1e-11,
+        },
         Self {
             ratio: 2.2,
             strong: 5,
@@ -77,6 +94,7 @@ impl Level {
             shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
+            enough: 3e-10,
         },
         Self {
             ratio: 1.8,
@@ -90,6 +108,7 @@ impl Level {
             shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
+            enough: 3e-10,
         },
     ];
 }
@@ -97,7 +116,7 @@ impl Level {
 impl Level {
     /// Level between the others, with one cut at least, and with `more`.
     pub(super) fn with_few_cuts(more: usize) -> Self {
-        let fine = Self::FINE[1];
+        let fine = Self::FINE[2];
         let cuts = fine.strong.min(more + 1);
         Self { strong: cuts, weak: cuts, image: cuts, hole: fine.hole.min(4 * cuts), ..fine }
     }

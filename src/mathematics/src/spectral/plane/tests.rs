@@ -108,6 +108,13 @@ fn the_square_has_the_digits_of_the_closed_form() {
     ] {
         let found = solved(square(), pieces(f), &ends);
         assert!((found.energy / energy - 1.0).abs() < 1e-12, "{f}: {}", found.energy);
+        for arc in found.arcs.iter().filter(|arc| !arc.closed) {
+            for (point, error) in arc.points.iter().zip(arc.errors) {
+                let apart = ends.iter().map(|end| (end[0] - point[0]).hypot(end[1] - point[1]));
+                let apart = apart.fold(f64::INFINITY, f64::min);
+                assert!(apart <= error && error < 1e-9, "{f}: {apart:e} {error:e}");
+            }
+        }
         assert!((found.value([0.0; 2]) - centre).abs() < 1e-10, "{f}: {}", found.value([0.0; 2]));
     }
 }

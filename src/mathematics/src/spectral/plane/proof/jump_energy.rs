@@ -53,7 +53,7 @@ impl BoundedEnergy {
     /// times the gradient of what is smooth there of v.
     pub(super) fn add_moved(&mut self, setup: &Setup, group: &JumpGroup) {
         let Some(extent) = group.extent else { return };
-        let jumps = group.edges.iter().map(|own| own.jump().abs());
+        let jumps = group.edges.iter().map(|own| own.edge.jump().abs());
         let mass = 4.0 * extent.half[0] * extent.half[1] * jumps.sum::<f64>();
         let parts = group.psi.parts().iter();
         let others = parts.filter(|part| part.far.is_none() || part.middle != Complex::default());
@@ -118,7 +118,7 @@ impl BoundedEnergy {
         for (((&z, normal), gradient), errors) in both {
             let (weight, slope, value) = (0.5 * normal.norm(), gradient.norm(), psi.value(z).abs());
             // f differs next to a border that is off.
-            self.error += 2.0 * weight * own.jump().abs() * group.off * (value + self.most_g);
+            self.error += 2.0 * weight * own.edge.jump().abs() * group.off * (value + self.most_g);
             for PieceSide { quadratic, f, square } in &own.sides {
                 let (p, rate) = quadratic.at(z);
                 let by_value = rate.norm() * (errors.value + off * slope);

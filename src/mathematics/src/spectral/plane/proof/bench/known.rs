@@ -31,7 +31,7 @@ pub(in crate::spectral::plane::proof) struct SolvedKnown {
 impl BenchProblem {
     /// All conditions on a level.
     pub(in crate::spectral::plane::proof) fn solved(self) -> SolvedKnown {
-        let level = if self.is_hard { &Level::FINE[0] } else { &Level::COARSE };
+        let level = if self.is_hard { &Level::FINE[1] } else { &Level::COARSE };
         let setup = Setup::new(&self.problem).unwrap();
         let fit = Fit::new(&setup, &self.contact, level);
         let found = PlaneFound::known(&setup, &self.contact, fit);
