@@ -20,115 +20,120 @@ const BESIDE: f64 = 100.0;
 impl Functions {
     /// Functions for one contact set.
     pub(super) fn chosen(setup: &Setup, walk: &Walk, level: &Level) -> Self {
-        let mut families = Vec::new();
-        let size = setup.diameter;
-        for (k, split) in walk.splits.iter().enumerate() {
-            let mut powers = powers(split);
-            if powers.is_empty() {
-                continue;
-            }
-            let near = split.lengths[0].min(split.lengths[1]);
-            let plain = powers.iter().all(|power| power.log || power.power == 1.0);
-            let (least, to) = if plain { (level.weak, 0.5) } else { (level.strong, 3.0) };
-            let is_seen = walk.corner_beside(k).is_some() && BESIDE * near < to * size;
-            let inner = near.min(clearance(&setup.domain, split.z));
-            let ladder = Ladder {
-                from: 0.5 * inner,
-                ratio: level.ratio,
-                to: if is_seen { BESIDE * near } else { to * size },
-                least,
-                most: usize::MAX,
-            };
-            let lengths = ladder.lengths(&setup.domain, split.z, split.inwards());
-            if split.end.is_some() && !is_seen && lengths.iter().all(|&d| d < 0.5 * size) {
-                // Cuts are short: more powers in their place.
-                powers.extend([2.0, 2.5, 3.0, 3.5].map(Power::plain));
-            }
-            families.push(Family {
-                point: split.z,
-                split: Some(k),
-                inwards: split.inwards(),
-                lengths,
-                powers,
-            });
-        }
-        for image in &setup.images {
-            let ladder = Ladder {
-                from: image.distance,
-                ratio: 3.5,
-                to: 0.3 * size,
-                least: 1,
-                most: level.image,
-            };
-            let lengths = ladder.lengths(&setup.domain, image.point, image.inwards);
-            let powers = vec![
-                Power::with_log(0.0),
-                Power::plain(1.0),
-                Power::with_log(1.0),
-                Power::plain(2.0),
-                Power::with_log(2.0),
-            ];
-            families.push(Family {
-                point: image.point,
-                split: None,
-                inwards: image.inwards,
-                lengths,
-                powers,
-            });
-        }
+        let splits = 0..walk.splits.len();
+        let mut families: Vec<Family> =
+            splits.filter_map(|k| at_split(setup, walk, k, level)).collect();
+        families.extend(setup.images.iter().map(|image| at_image(setup, image, level)));
         families.extend(walk.splits.iter().flat_map(|split| corner_images(setup, split, level)));
         if level.poles > 0.0 {
             families.extend(poles(setup, level.poles));
         }
         families.retain(|family| !family.lengths.is_empty());
-        let holes = setup.domain.loops.iter().skip(1).map(|sides| {
-            let middle = middle(sides);
-            let away = sides.iter().map(|side| side.distance(middle)).fold(f64::INFINITY, f64::min);
-            Hole { middle, radius: away, powers: level.hole }
-        });
-        let holes = holes.collect();
-        Self { families, holes, arnoldi: Vec::new() }
+        Self { families, holes: holes(setup, level), arnoldi: Vec::new() }
     }
+}
+
+/// Functions at a split, none if the solution is smooth there.
+fn at_split(setup: &Setup, walk: &Walk, k: usize, level: &Level) -> Option<Family> {
+    let (split, size) = (&walk.splits[k], setup.diameter);
+    let mut powers = powers(split);
+    if powers.is_empty() {
+        return None;
+    }
+    let near = split.lengths[0].min(split.lengths[1]);
+    let plain = powers.iter().all(|power| power.log || power.power == 1.0);
+    let (least, to) = if plain { (level.weak, 0.5) } else { (level.strong, 3.0) };
+    let is_seen = walk.corner_beside(k).is_some() && BESIDE * near < to * size;
+    let inner = near.min(clearance(&setup.domain, split.z));
+    let ladder = Ladder {
+        from: 0.5 * inner,
+        ratio: level.ratio,
+        to: if is_seen { BESIDE * near } else { to * size },
+        least,
+        most: usize::MAX,
+    };
+    let lengths = ladder.lengths(&setup.domain, split.z, split.inwards());
+    if split.end.is_some() && !is_seen && lengths.iter().all(|&d| d < 0.5 * size) {
+        // Cuts are short: more powers in their place.
+        powers.extend([2.0, 2.5, 3.0, 3.5].map(Power::plain));
+    }
+    Some(Family { point: split.z, split: Some(k), inwards: split.inwards(), lengths, powers })
+}
+
+/// Functions at an image of a point where psi is singular.
+fn at_image(setup: &Setup, image: &Image, level: &Level) -> Family {
+    let powers = vec![
+        Power::with_log(0.0),
+        Power::plain(1.0),
+        Power::with_log(1.0),
+        Power::plain(2.0),
+        Power::with_log(2.0),
+    ];
+    behind_boundary(setup, image, level, powers)
+}
+
+/// Functions with these powers at a point behind the boundary.
+fn behind_boundary(setup: &Setup, image: &Image, level: &Level, powers: Vec<Power>) -> Family {
+    let Image { point, inwards, distance } = *image;
+    let (ratio, to) = (3.5, 0.3 * setup.diameter);
+    let ladder = Ladder { from: distance, ratio, to, least: 1, most: level.image };
+    let lengths = ladder.lengths(&setup.domain, point, inwards);
+    Family { point, split: None, inwards, lengths, powers }
+}
+
+/// Powers and logarithms round the middle of each hole.
+fn holes(setup: &Setup, level: &Level) -> Vec<Hole> {
+    let holes = setup.domain.loops.iter().skip(1).map(|sides| {
+        let middle = middle(sides);
+        let radius = sides.iter().map(|side| side.distance(middle)).fold(f64::INFINITY, f64::min);
+        Hole { middle, radius, powers: level.hole }
+    });
+    holes.collect()
 }
 
 /// Powers at a split.
 fn powers(split: &Split) -> Vec<Power> {
-    let is_held = split.states.map(|state| state == State::Held);
-    let mixed = is_held[0] != is_held[1];
-    let mut powers = Vec::new();
-    if split.end.is_some() {
-        powers.extend([0.5, 1.0, 1.5].map(Power::plain));
+    let mut powers = if split.end.is_some() {
+        [0.5, 1.0, 1.5].map(Power::plain).to_vec()
     } else if split.corner {
-        let first = PI / split.angle;
-        let mut resonant = false;
-        for k in 1..=40 {
-            let power = first * (f64::from(k) - if mixed { 0.5 } else { 0.0 });
-            let whole = power.round();
-            resonant |= (whole == 2.0 || whole == 3.0) && (power - whole).abs() < 0.02;
-            if power < WEAKEST && (power - whole).abs() > 1e-9 && powers.len() < MOST {
-                powers.push(Power::plain(power));
-            }
-        }
-        let fluxes =
-            split.states.map(|state| if let State::Flux(q) = state { Some(q) } else { None });
-        let steps = match fluxes {
-            [Some(a), Some(b)] => a != b,
-            [Some(q), None] | [None, Some(q)] => q != 0.0,
-            [None, None] => false,
-        };
-        if steps {
-            powers.extend([Power::plain(1.0), Power::with_log(1.0)]);
-        }
-        if resonant {
-            powers.extend([Power::with_log(2.0), Power::with_log(3.0)]);
-        }
-    }
+        corner_powers(split)
+    } else {
+        Vec::new()
+    };
     if split.crossing {
         for power in [Power::plain(1.0), Power::with_log(2.0), Power::with_log(3.0)] {
             if !powers.contains(&power) {
                 powers.push(power);
             }
         }
+    }
+    powers
+}
+
+/// Powers at a corner: multiples of pi over its angle, halves of odd ones where v = 0 on one side alone; logarithms
+/// where these meet the whole powers of psi, and where the flux differs from side to side.
+fn corner_powers(split: &Split) -> Vec<Power> {
+    let is_held = split.states.map(|state| state == State::Held);
+    let mixed = is_held[0] != is_held[1];
+    let (mut powers, mut resonant) = (Vec::new(), false);
+    for k in 1..=40 {
+        let power = PI / split.angle * (f64::from(k) - if mixed { 0.5 } else { 0.0 });
+        let whole = power.round();
+        resonant |= (whole == 2.0 || whole == 3.0) && (power - whole).abs() < 0.02;
+        if power < WEAKEST && (power - whole).abs() > 1e-9 && powers.len() < MOST {
+            powers.push(Power::plain(power));
+        }
+    }
+    let differs = match split.states {
+        [State::Flux(a), State::Flux(b)] => a != b,
+        [State::Flux(q), State::Held] | [State::Held, State::Flux(q)] => q != 0.0,
+        [State::Held, State::Held] => false,
+    };
+    if differs {
+        powers.extend([Power::plain(1.0), Power::with_log(1.0)]);
+    }
+    if resonant {
+        powers.extend([Power::with_log(2.0), Power::with_log(3.0)]);
     }
     powers
 }
@@ -179,15 +184,8 @@ fn corner_images(setup: &Setup, split: &Split, level: &Level) -> Vec<Family> {
     if !split.corner || split.angle < 1.01 * PI {
         return Vec::new();
     }
-    let mut families = Vec::new();
-    for image in images_across(&setup.domain, split.z, NEAR * setup.diameter) {
-        let Image { point, inwards, distance } = image;
-        let (ratio, to) = (3.5, 0.3 * setup.diameter);
-        let ladder = Ladder { from: distance, ratio, to, least: 1, most: level.image };
-        let lengths = ladder.lengths(&setup.domain, point, inwards);
-        families.push(Family { point, split: None, inwards, lengths, powers: powers(split) });
-    }
-    families
+    let images = images_across(&setup.domain, split.z, NEAR * setup.diameter).into_iter();
+    images.map(|image| behind_boundary(setup, &image, level, powers(split))).collect()
 }
 
 /// Poles on the medial axis outside of the domain, `density` of them on the radius of each disc; fewer, or none, where

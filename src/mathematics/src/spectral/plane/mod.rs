@@ -11,7 +11,7 @@
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds,    C one unknown for each run of such sides.
 //! ```
 //! That is the exact form of the singularities, so the error falls exponentially with the number of functions: ten to
-//! thirteen digits of the energy with 200 to 700 unknowns.
+//! thirteen digits of the energy with 100 to 700 unknowns.
 //!
 //! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong
 //! a gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy
@@ -31,6 +31,7 @@
 mod arcs;
 mod boundary;
 mod choice;
+mod closed_edges;
 mod ends;
 mod energy;
 mod expansion;

@@ -7,6 +7,7 @@
 use super::boundary::{RingContact, State};
 use super::fit::{Effort, Fit};
 use super::setup::{Level, Setup};
+use crate::mesh::Condition;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -263,7 +264,7 @@ pub(super) fn remove(ring: &mut RingContact, number: usize, is_gap: bool, turn: 
     }
 }
 
-/// Moves ends that lie in a corner, but for little, out of it.
+/// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there.
 fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
     for (own, ring) in contact.iter_mut().zip(&setup.rings) {
         let least = 1e-7 * setup.perimeter;
@@ -271,10 +272,17 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
         for (which, t) in own.arcs.iter_mut().flat_map(|arc| arc.iter_mut().enumerate()) {
             for corner in ring.corners() {
                 let after = (*t - corner + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
-                if after.abs() < least && ring.sides.len() > 1 {
-                    // Contact leaves the corner free.
-                    *t += if which == 0 { least - after } else { -least - after };
+                if after.abs() >= least || ring.sides.len() == 1 {
+                    continue;
                 }
+                let side = ring.place(corner).side;
+                let beyond = if which == 1 { side } else { side + ring.sides.len() - 1 };
+                *t += match (ring.sides[beyond % ring.sides.len()].condition, which) {
+                    (Condition::Fixed | Condition::Free, _) => -after,
+                    // Contact leaves the corner free.
+                    (Condition::Contact, 0) => least - after,
+                    (Condition::Contact, _) => -least - after,
+                };
             }
         }
         for arc in &mut own.arcs {

@@ -142,6 +142,9 @@ pub(super) struct FluxBalance {
     pub missed: f64,
 }
 
+/// Room of the flux, over its size, that is enough for what is added.
+const ROOM: f64 = 1e-4;
+
 /// Bounds of eta on a cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Eta {
@@ -151,8 +154,80 @@ struct Eta {
     unknown: f64,
     /// Bound of the integral of its modulus.
     most: f64,
+    /// Bound of its modulus; in log r times r.
+    slope: f64,
     /// Length of a part on which a constant may be added.
     open: f64,
+}
+
+impl Eta {
+    /// Where the flux should be q: eta is q less the flux.
+    fn where_flux_is(q: f64, own: &Sampled) -> Self {
+        let (cell, mut eta) = (&own.own.cell, Self::default());
+        for (node, [_, error]) in own.nodes.iter().zip(&own.rounding) {
+            eta.known += node.spot.weight * (q - node.flux);
+            eta.unknown += node.spot.weight * error;
+        }
+        eta.slope = own.most(Test { constant: q, ..Test::of(Quantity::Flux) });
+        eta.most = eta.slope * cell.length();
+        let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
+        let terms = own.moduli.slope.iter();
+        let modulus: f64 = terms.map(|[g, m]| m * libm::pow(scale, *g)).sum();
+        eta.unknown += cell.gauss_error(modulus + q.abs() * scale);
+        eta
+    }
+
+    /// Where v should be zero under the law, with `fixed`: true for a loop with a fixed part, where nothing is added.
+    fn under_law(law: &Deficit, own: &Sampled, least: f64, fixed: bool) -> Self {
+        let cell = &own.own.cell;
+        let (most, unknown) = (law.integral, law.integral);
+        let slope = if cell.is_log { law.scaled } else { law.most };
+        let is_open = law.room > least && !fixed && !cell.is_log;
+        Self { most, unknown, slope, open: if is_open { cell.length() } else { 0.0 }, known: 0.0 }
+    }
+
+    /// Where v is fixed at zero, whatever the flux.
+    fn where_fixed(own: &Sampled) -> Self {
+        let cell = &own.own.cell;
+        Self { open: if cell.is_log { 0.0 } else { cell.length() }, ..Self::default() }
+    }
+}
+
+/// Sums of eta on a loop.
+struct LoopEta {
+    /// Positions of its cells.
+    cells: Vec<usize>,
+    /// Integral, as far as it is known.
+    known: f64,
+    /// Bound of the rest of the integral.
+    unknown: f64,
+    /// Bound of the variation of what is closer to splits than the cells.
+    near: f64,
+    /// Length of the parts on which a constant may be added.
+    open: f64,
+    /// True if v is fixed on a part of the loop.
+    is_fixed: bool,
+    /// True if [`hole_logs`] balances the loop.
+    is_balanced: bool,
+}
+
+impl LoopEta {
+    /// Bound of the constant that, added where it may, makes the integral of eta zero; `flux` is the size of the flux.
+    fn added(&self, flux: f64) -> Result<f64, &'static str> {
+        if self.is_balanced {
+            return Ok(0.0);
+        }
+        let added = (self.known.abs() + self.unknown) / self.open;
+        match added <= ROOM * flux || self.is_fixed && added.is_finite() {
+            true => Ok(added),
+            false => Err("room of the flux in the law"),
+        }
+    }
+
+    /// The constant itself, but for what is unknown.
+    fn share(&self) -> f64 {
+        if self.is_balanced { 0.0 } else { -self.known / self.open }
+    }
 }
 
 impl FluxBalance {
@@ -166,70 +241,32 @@ impl FluxBalance {
         left: &[Leftover],
         flux: f64,
     ) -> Result<Self, &'static str> {
-        /// Room of the flux, over its size, that is enough for what is added.
-        const ROOM: f64 = 1e-4;
-        let (mut etas, mut slopes) = (Vec::new(), Vec::new());
+        let fixed = fixed_loops(proof);
         let mut balance = Self { range: 0.0, slopes: Vec::new(), moved: 0.0, missed: 0.0 };
-        let rings = proof.setup.rings.len();
-        let mut fixed = vec![false; rings];
-        for own in &proof.fit.walk.intervals {
-            fixed[own.ring] |= own.state == State::Held && !own.lawful;
-        }
+        let mut etas = Vec::with_capacity(samples.len());
         for own in samples {
-            let cell = &own.own.cell;
-            let (mut eta, mut slope) = (Eta::default(), 0.0);
-            match condition(proof, own) {
+            etas.push(match condition(proof, own) {
                 (State::Flux(q), _) => {
-                    for (node, [_, error]) in own.nodes.iter().zip(&own.rounding) {
-                        eta.known += node.spot.weight * (q - node.flux);
-                        eta.unknown += node.spot.weight * error;
-                    }
-                    slope = own.most(Test { constant: q, ..Test::of(Quantity::Flux) });
-                    eta.most = slope * cell.length();
-                    let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
-                    let terms = own.moduli.slope.iter();
-                    let modulus: f64 = terms.map(|[g, m]| m * libm::pow(scale, *g)).sum();
-                    eta.unknown += cell.gauss_error(modulus + q.abs() * scale);
+                    let eta = Eta::where_flux_is(q, own);
                     balance.missed += eta.most;
+                    eta
                 }
-                (State::Held, false) => eta.open = if cell.is_log { 0.0 } else { cell.length() },
+                (State::Held, false) => Eta::where_fixed(own),
                 (State::Held, true) => {
                     let law = violation(proof, own);
-                    (eta.most, eta.unknown) = (law.integral, law.integral);
-                    slope = if cell.is_log { law.scaled } else { law.most };
-                    let is_open = law.room > ROOM * flux && !fixed[own.nodes[0].ring];
-                    eta.open = if is_open && !cell.is_log { cell.length() } else { 0.0 };
                     balance.moved += law.integral;
+                    Eta::under_law(&law, own, ROOM * flux, fixed[own.nodes[0].ring])
                 }
-            }
-            etas.push(eta);
-            slopes.push(slope);
-        }
-        let balanced = balanced(samples, rings);
-        for (ring, &is_fixed) in fixed.iter().enumerate() {
-            let own: Vec<usize> =
-                (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
-            let near =
-                left.iter().filter(|own| proof.fit.walk.intervals[own.interval].ring == ring);
-            let near: f64 = near.map(|own| own.variation).sum();
-            let [excess, open, unknown] = own.iter().fold([0.0, 0.0, near], |[a, b, c], &p| {
-                let eta = etas[p];
-                [a + eta.known, b + eta.open, c + eta.unknown]
             });
-            let is_balanced = balanced[ring];
-            let mut added = 0.0;
-            if !is_balanced {
-                added = (excess.abs() + unknown) / open;
-                if !(added <= ROOM * flux || is_fixed && added.is_finite()) {
-                    return Err("room of the flux in the law");
-                }
-            }
-            let share = if is_balanced { 0.0 } else { -excess / open };
-            balance.moved += added * if is_balanced { 0.0 } else { open } + near;
-            balance.missed += near;
+        }
+        let mut slopes: Vec<f64> = etas.iter().map(|eta| eta.slope).collect();
+        for own in loops(proof, samples, left, &etas) {
+            let added = own.added(flux)?;
+            balance.moved += added * own.open + own.near;
+            balance.missed += own.near;
             balance.range =
-                balance.range.max(range(proof, samples, &own, &etas, share) + 2.0 * unknown);
-            for &p in &own {
+                balance.range.max(range(proof, samples, &own, &etas) + 2.0 * own.unknown);
+            for p in own.cells {
                 if etas[p].open > 0.0 {
                     slopes[p] += added;
                 }
@@ -238,6 +275,36 @@ impl FluxBalance {
         balance.slopes = slopes;
         Ok(balance)
     }
+}
+
+/// For each loop, true if v is fixed on a part of it.
+fn fixed_loops(proof: &Proof) -> Vec<bool> {
+    let mut fixed = vec![false; proof.setup.rings.len()];
+    for own in &proof.fit.walk.intervals {
+        fixed[own.ring] |= own.state == State::Held && !own.lawful;
+    }
+    fixed
+}
+
+/// Sums of eta on each loop.
+fn loops(proof: &Proof, samples: &[Sampled], left: &[Leftover], etas: &[Eta]) -> Vec<LoopEta> {
+    let fixed = fixed_loops(proof);
+    let balanced = balanced(samples, fixed.len());
+    let mut loops = Vec::with_capacity(fixed.len());
+    for (ring, (is_fixed, is_balanced)) in fixed.into_iter().zip(balanced).enumerate() {
+        let cells: Vec<usize> =
+            (0..samples.len()).filter(|&p| samples[p].nodes[0].ring == ring).collect();
+        let near = left.iter().filter(|own| proof.fit.walk.intervals[own.interval].ring == ring);
+        let near: f64 = near.map(|own| own.variation).sum();
+        let (mut known, mut open, mut unknown) = (0.0, 0.0, near);
+        for &p in &cells {
+            known += etas[p].known;
+            open += etas[p].open;
+            unknown += etas[p].unknown;
+        }
+        loops.push(LoopEta { cells, known, unknown, near, open, is_fixed, is_balanced });
+    }
+    loops
 }
 
 /// Loops that [`hole_logs`] balances.
@@ -251,8 +318,8 @@ fn balanced(samples: &[Sampled], rings: usize) -> Vec<bool> {
 }
 
 /// Range of H on a loop, but for what is unknown of eta.
-fn range(proof: &Proof, samples: &[Sampled], own: &[usize], etas: &[Eta], share: f64) -> f64 {
-    let mut order = own.to_vec();
+fn range(proof: &Proof, samples: &[Sampled], own: &LoopEta, etas: &[Eta]) -> f64 {
+    let (mut order, share) = (own.cells.clone(), own.share());
     order.sort_by(|&p, &q| {
         let [one, other] = [p, q].map(|p| samples[p].own);
         let [from, start] = [one, other].map(|own| own.along(&proof.fit.walk)[0]);

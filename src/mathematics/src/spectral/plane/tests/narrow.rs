@@ -22,8 +22,12 @@ fn with_free(loops: &[&[[f64; 2]]], lines: [Option<f64>; 2]) -> PlaneDomain {
 /// Guaranteed bracket for f = -1 under the paper's law, all in contact.
 fn bracket_of(domain: PlaneDomain) -> [f64; 2] {
     let loops = vec![LoopStart::default(); domain.loops().len()];
-    let start = PlaneStart { loops, spacing: 1e-3 };
-    let problem = PlaneProblem { domain, law: Law::SIGNORINI, source: pieces("else=-1") };
+    bracket_from(domain, "else=-1", PlaneStart { loops, spacing: 1e-3 })
+}
+
+/// Guaranteed bracket under the paper's law from a contact set.
+fn bracket_from(domain: PlaneDomain, f: &str, start: PlaneStart) -> [f64; 2] {
+    let problem = PlaneProblem { domain, law: Law::SIGNORINI, source: pieces(f) };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     let PlaneBracket { lower, upper, .. } = found.bracket.unwrap();
     [lower, upper]
@@ -84,4 +88,24 @@ fn a_square_with_a_slender_hole_has_twice_the_energy_of_its_half() {
     let whole = bracket_of(with_free(&[&outer, &hole], [None; 2]));
     let half = bracket_of(with_free(&[&half], [None, Some(0.5)]));
     check_parts(whole, half, 2.0, 1e-5);
+}
+
+#[test]
+fn contact_that_ends_where_a_side_is_free_ends_in_the_corner() {
+    const F: &str = "disc(0,0,0.34)=4; else=-2.92";
+    let a = 0.178;
+    let ends =
+        [[0.5, a], [a, 0.5], [-a, 0.5], [-0.5, a], [-0.5, -a], [-a, -0.5], [a, -0.5], [0.5, -a]];
+    let whole = bracket_from(square(), F, start(&square(), &[(&ends, 0.0)]));
+    // Sides that are free meet the other at right angles and at 45 degrees, where powers are whole.
+    let points = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5]];
+    let side = |k: usize| {
+        let condition = if k == 1 { Condition::Contact } else { Condition::Free };
+        PlaneSide::segment([points[k], points[(k + 1) % 3]], condition, usize::from(k != 1))
+    };
+    let part = PlaneDomain::new(vec![(0..3).map(side).collect()]).unwrap();
+    // Next to the corner, as Newton's method finds it there.
+    let arcs = vec![[a, 0.5 - 1e-8].map(|s| SidePlace { side: 1, s })];
+    let from = PlaneStart { loops: vec![LoopStart { arcs, gaps: vec![0.0] }], spacing: 1e-3 };
+    check_parts(whole, bracket_from(part, F, from), 8.0, 1e-9);
 }
