@@ -1,11 +1,11 @@
 //! True solution on any domain of the plane with straight and circular sides, holes, and parts that are fixed or free.
 //!
 //! # Method
-//! `v = psi + Re g`. psi is a particular solution in closed form ([`psi`]), so that `-Lap v = f` holds exactly; g is a
-//! sum of analytic functions ([`functions`]): at each corner, end of contact and crossing of a jump of f the fractional
-//! powers and logarithms that a solution has there, with a cut of finite length outside of the domain, in a ladder of
-//! lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole; poles
-//! behind the sides of slots; polynomials. They are fitted to both boundary conditions by least squares ([`fit`]):
+//! `v = psi + Re g`. psi is a particular solution in closed form (`source::psi`), so that `-Lap v = f` holds exactly; g
+//! is a sum of analytic functions (`functions`): at each corner, end of contact and crossing of a jump of f the
+//! fractional powers and logarithms that a solution has there, with a cut of finite length outside of the domain, in a
+//! ladder of lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole;
+//! poles behind the sides of slots; polynomials. They are fitted to both boundary conditions by least squares (`fit`):
 //! ```text
 //! where v = 0:          Re g = -psi,
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds,    C one unknown for each run of such sides.
@@ -13,10 +13,15 @@
 //! That is the exact form of the singularities, so the error falls exponentially with the number of functions: ten to
 //! thirteen digits of the energy with 100 to 700 unknowns.
 //!
-//! The ends of the arcs that stick are moved by Newton's method, one division each ([`newton`]); where a sign is wrong
-//! a gap is opened or an arc inserted ([`signs`]), first on a coarse level, then on fine ones ([`search`]). The energy
-//! is a sum of integrals over the boundary and the jumps of f, with an error that is quadratic in the residual
-//! ([`energy`]); two bounds follow from how the conditions are missed, which is proved between points too ([`proof`]).
+//! The ends of the arcs that stick are moved by Newton's method, one division each (`contact::newton`); where a sign is
+//! wrong a gap is opened or an arc inserted (`contact::signs`), first on a coarse level, then on fine ones
+//! (`contact::search`). The energy is a sum of integrals over the boundary and the jumps of f, with an error that is
+//! quadratic in the residual (`fit::energy`); two bounds follow from how the conditions are missed, which is proved
+//! between points too (`proof`).
+//!
+//! # Rooms
+//! `geometry`, `source` (f with psi), `functions`, `fit`, `contact`, `proof`. `on_mesh` makes a `problem` of a mesh,
+//! `setup` has what does not depend on the contact set, `solution` solves on one connected domain, `truth` on all.
 //!
 //! # Limits
 //! Work grows with the cube of the number of corners: half a second for twenty, five for forty. A contact set whose
@@ -41,6 +46,6 @@ mod source;
 mod truth;
 
 pub use crate::spectral::geometry::domain::PlaneError;
-pub use crate::spectral::solution::PlaneChecks;
+pub use solution::PlaneChecks;
 pub use truth::TrueSolution;
 pub(crate) use truth::{check_plane, true_solution_on, true_solution_on_square};

@@ -3,8 +3,7 @@
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide, SidePlace};
-use crate::spectral::geometry::domain::{directions, ray_hits};
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide, SidePlace, directions, ray_hits};
 use crate::spectral::source::polynomial::Polynomial;
 
 /// Right-hand side of a domain in the plane.

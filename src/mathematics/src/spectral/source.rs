@@ -1,4 +1,8 @@
-//! source
+//! f and its particular solution psi, with -Lap psi = f, in closed form.
+//!
+//! Of constant pieces: [`curves`] finds the curves across which f jumps, [`jumps`] has f with psi, whose gradient is a
+//! sum over the jumps ([`potential`]) and whose values are in [`psi`]; small closed shapes are seen from their own
+//! middles ([`groups`]). Of formulas: [`expansion`] multiplies them out to a [`polynomial`].
 
 pub(super) mod closed_edges;
 pub(super) mod complex;

@@ -5,10 +5,10 @@
 //! int f v = int f psi + oint (psi l - v psi_n),     int f psi for each piece of f by a quadratic function:
 //! J(v)    = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
 //! ```
-//! on the boundary by `|x|^2 / 4` from the middle of the domain, along jumps by [`quadratic`](crate::spectral::source::quadratic).
+//! on the boundary by `|x|^2 / 4` from the middle of the domain, along jumps by [`quadratic`].
 //!
 //! A crossing of f that is joined with a split has f of another interval on the piece between both; the change is
-//! added, by the integrand in the middle of the piece ([`JoinedPiece`](crate::spectral::geometry::boundary::JoinedPiece)).
+//! added, by the integrand in the middle of the piece ([`JoinedPiece`]).
 //!
 //! J(v) less the integral of v l where v should be zero has an error that is quadratic in the residual.
 

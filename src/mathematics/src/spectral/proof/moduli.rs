@@ -3,7 +3,7 @@
 //! Along a panel v is analytic in the distance s from its start. Where s is complex, z(s) is a complex number, and the
 //! function conj(z(conj(s))), which is conj(z) on the panel, another one; both lie in a disc round the panel and its
 //! mirror image, so that `|Re g|` is at most the largest |g| on the disc. There the functions of
-//! [`functions`](crate::spectral::functions) are bounded by distances from the ends of cuts, polynomials by the
+//! [`functions`] are bounded by distances from the ends of cuts, polynomials by the
 //! maximum principle and their values on the circle: a trigonometric polynomial of degree m is at most
 //! `1 / cos(pi m / N)` times its largest value at N equally spaced points (by M. Riesz's comparison with a cosine;
 //! Ehlich and Zeller, Math. Z. 86, 1964), and a polynomial of degree n on a circle, turned back by half of n, has
@@ -209,7 +209,7 @@ pub(super) fn of_f(psi: &Psi, here: f64, disc: Disc) -> f64 {
 
 impl Jump {
     /// Bound of the part of the gradient that is not constant, for a jump of 4 pi: with nu and the logarithm of
-    /// [`Potential`](crate::spectral::source::potential::Potential), `(s + i power log) / nu`.
+    /// [`Potential`], `(s + i power log) / nu`.
     fn modulus(&self, disc: Disc, vertices: &[Complex]) -> f64 {
         let curve = self.arc.curve;
         let seen = curve.polar(disc.centre);

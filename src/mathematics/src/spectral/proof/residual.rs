@@ -161,7 +161,7 @@ struct Eta {
 }
 
 impl Eta {
-    /// Where the flux should be q: eta is q less the flux.
+    /// Eta where the flux should be q: q less the flux.
     fn where_flux_is(q: f64, own: &Sampled) -> Self {
         let (cell, mut eta) = (&own.own.cell, Self::default());
         for (node, [_, error]) in own.nodes.iter().zip(&own.rounding) {
@@ -177,7 +177,8 @@ impl Eta {
         eta
     }
 
-    /// Where v should be zero under the law, with `fixed`: true for a loop with a fixed part, where nothing is added.
+    /// Eta where v should be zero under the law; a constant may be added on a loop that is not `fixed`, if the room of
+    /// the flux is more than `least`.
     fn under_law(law: &Deficit, own: &Sampled, least: f64, fixed: bool) -> Self {
         let cell = &own.own.cell;
         let (most, unknown) = (law.integral, law.integral);
@@ -186,7 +187,7 @@ impl Eta {
         Self { most, unknown, slope, open: if is_open { cell.length() } else { 0.0 }, known: 0.0 }
     }
 
-    /// Where v is fixed at zero, whatever the flux.
+    /// Eta where v is fixed at zero, whatever the flux.
     fn where_fixed(own: &Sampled) -> Self {
         let cell = &own.own.cell;
         Self { open: if cell.is_log { 0.0 } else { cell.length() }, ..Self::default() }

@@ -1,4 +1,4 @@
-//! Functions of complex numbers that loops take from [`elementary`](super::elementary), and a distance in the plane.
+//! Functions of complex numbers that loops take from [`elementary`], and a distance in the plane.
 
 use super::elementary;
 use crate::problem::complex::Complex;

@@ -4,8 +4,7 @@ use super::groups::{JumpGroup, groups};
 use super::psi::Psi;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::boundary::PlaneCrossing;
-use crate::spectral::geometry::domain::PlaneDomain;
-use crate::spectral::geometry::domain::PlaneError;
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::spectral::problem::PlaneSource;
 use crate::spectral::source::curves::{JumpEdge, Jumps};
 

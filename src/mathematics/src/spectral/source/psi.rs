@@ -110,7 +110,7 @@ impl Psi {
         Self::Jumps(parts)
     }
 
-    /// The same function, with all seen from another point.
+    /// This function, with all seen from another point.
     pub(in crate::spectral) fn seen_from(&self, origin: Complex) -> Self {
         let mut seen = self.clone();
         if let Self::Jumps(parts) = &mut seen {

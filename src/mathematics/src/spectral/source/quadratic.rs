@@ -93,7 +93,7 @@ impl Quadratic {
         Self { centre, axis, along }
     }
 
-    /// The same function, with all seen from another point.
+    /// This function, with all seen from another point.
     pub(in crate::spectral) fn seen_from(self, origin: Complex) -> Self {
         Self { centre: self.centre - origin, ..self }
     }

@@ -6,8 +6,7 @@ use crate::spectral::contact::search;
 use crate::spectral::fit::Effort;
 use crate::spectral::geometry::domain::SidePlace;
 use crate::spectral::geometry::frame::Frame;
-use crate::spectral::problem::LoopStart;
-use crate::spectral::problem::{PlaneProblem, PlaneSource, PlaneStart};
+use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart};
 use crate::spectral::solution::tests::polygon;
 
 /// Solution on a polygon from one arc between places of its sides.
