@@ -6,15 +6,14 @@
 //! polynomials are those of Brubeck, Nakatsukasa and Trefethen, *Vandermonde with Arnoldi*, SIAM Rev. 63 (2021).
 
 pub(super) mod choice;
-pub(super) mod images;
 pub(super) mod lanes;
 
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
+use crate::spectral::complex::ln;
+use crate::spectral::elementary::{exp, sincos_pi};
 use crate::spectral::functions::lanes::{ComplexLanes, TOGETHER, bounded_sum, summed};
 use crate::spectral::geometry::panels::Spot;
-use crate::spectral::source::complex::ln;
-use crate::spectral::source::elementary::{exp, sincos_pi};
 use std::f64::consts::PI;
 
 /// u^power, or u^power log u.

@@ -33,7 +33,9 @@
 //!   Numer. Anal. 57 (2019).
 //! - P. D. Brubeck, Y. Nakatsukasa, L. N. Trefethen, Vandermonde with Arnoldi, SIAM Rev. 63 (2021).
 
+mod complex;
 mod contact;
+mod elementary;
 mod fit;
 mod functions;
 mod geometry;

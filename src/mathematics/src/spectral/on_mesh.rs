@@ -13,10 +13,12 @@ use crate::spectral::contact::start::DiscreteStart;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError, PlaneSide, SidePlace};
 use crate::spectral::geometry::origin::Origin;
 use crate::spectral::geometry::outline::outline;
-use crate::spectral::geometry::regions::regions;
-use crate::spectral::problem::{PlaneProblem, PlaneSource};
-use crate::spectral::solution::{BoundaryPoint, PlaneBracket, PlaneChecks, PlaneSolution, solve};
+use crate::spectral::problem::PlaneProblem;
+use crate::spectral::proof::PlaneBracket;
+use crate::spectral::solution::{BoundaryPoint, PlaneChecks, PlaneSolution, solve};
+use crate::spectral::source::PlaneSource;
 use crate::spectral::source::polynomial::Polynomial;
+use crate::spectral::source::regions::regions;
 
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
@@ -381,3 +383,6 @@ fn source(
     let pieces: Vec<Source> = f.iter().map(|f| in_unit(f, unit)).collect();
     Ok(PlaneSource::Regions(regions(mesh, pieces)?))
 }
+
+#[cfg(test)]
+mod bends;

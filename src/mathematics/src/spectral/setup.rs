@@ -2,9 +2,9 @@
 
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
-use crate::spectral::functions::images::{Image, images};
 use crate::spectral::geometry::boundary::{PlaneRing, Walk};
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::geometry::images::{Image, images};
 use crate::spectral::geometry::medial::{MedialDisc, medial_discs};
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::source::jumps::PlaneJumps;

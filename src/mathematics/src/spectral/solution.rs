@@ -4,32 +4,13 @@ use super::contact::arcs::{PlaneArc, arcs};
 use super::contact::search::{self, PlaneFound};
 use super::fit::{Effort, field};
 use super::geometry::domain::{PlaneError, SidePlace};
-use super::geometry::frame::Frame;
 use super::geometry::panels::Spot;
+use super::problem::frame::Frame;
 use super::problem::{PlaneProblem, PlaneStart};
-use super::proof;
+use super::proof::{self, PlaneBracket};
 use super::setup::Setup;
 use crate::problem::text::plain;
 use std::fmt;
-
-/// Two bounds of the energy, guaranteed but for the model of rounding errors in [`proof`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PlaneBracket {
-    /// Lower bound.
-    pub lower: f64,
-    /// Upper bound, at most zero.
-    pub upper: f64,
-    /// Name of the largest term of their distance.
-    pub cause: &'static str,
-}
-
-impl PlaneBracket {
-    /// Distance of the bounds over an energy.
-    pub(crate) fn relative(&self, energy: f64) -> f64 {
-        let width = self.upper - self.lower;
-        if width > 0.0 { width / energy.abs() } else { 0.0 }
-    }
-}
 
 /// Flux at a quadrature point of the boundary where the law holds.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use super::search::PlaneFound;
 use crate::spectral::fit::field::PlaneNode;
 use crate::spectral::geometry::domain::{PlaneDomain, SidePlace};
-use crate::spectral::geometry::frame::Frame;
+use crate::spectral::problem::frame::Frame;
 use crate::spectral::setup::Setup;
 
 /// Arc of the boundary that sticks.

@@ -298,7 +298,8 @@ mod tests {
     use crate::mesh::Condition;
     use crate::problem::law::Law;
     use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
-    use crate::spectral::problem::{PlaneProblem, PlaneSource};
+    use crate::spectral::problem::PlaneProblem;
+    use crate::spectral::source::PlaneSource;
 
     #[test]
     fn what_shrinks_is_left_out_but_for_arcs_between_both_signs_and_gaps_with_an_end_at_rest() {

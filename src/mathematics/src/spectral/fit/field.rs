@@ -1,12 +1,12 @@
 //! v and its flux at quadrature points of the boundary, other ones than the rows of the fit.
 
 use crate::problem::complex::Complex;
+use crate::spectral::complex::ln;
 use crate::spectral::fit::{Fit, conditions, continue_logs, panels, spots_on};
 use crate::spectral::geometry::boundary::State;
 use crate::spectral::geometry::panels::Spot;
 use crate::spectral::geometry::rule::gauss;
 use crate::spectral::setup::{Level, Setup};
-use crate::spectral::source::complex::ln;
 
 /// Values at a point of the boundary.
 #[derive(Clone, Copy, Debug)]

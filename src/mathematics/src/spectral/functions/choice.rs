@@ -1,10 +1,10 @@
 //! Which functions are fitted: at corners, ends of contact and crossings, at mirror images, in holes, behind sides.
 
-use super::images::{Image, images_across};
 use crate::problem::complex::Complex;
 use crate::spectral::functions::{Family, Functions, Hole, Power};
 use crate::spectral::geometry::boundary::{Split, State, Walk};
 use crate::spectral::geometry::domain::PlaneDomain;
+use crate::spectral::geometry::images::{Image, images_across};
 use crate::spectral::geometry::medial::MedialDisc;
 use crate::spectral::geometry::way_out::middle;
 use crate::spectral::setup::{Level, Setup};

@@ -2,7 +2,7 @@
 
 use crate::problem::complex::Complex;
 use crate::problem::shape::{Shape, scaled};
-use crate::spectral::source::complex::arg;
+use crate::spectral::complex::arg;
 use std::f64::consts::TAU;
 
 /// Points closer than this count as one: about 1e-12, but no decimal number, so that a decimal distance is never at

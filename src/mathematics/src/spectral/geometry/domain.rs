@@ -3,7 +3,7 @@
 use super::curve::{Arc, Curve, SAME};
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
-use crate::spectral::source::complex::distance;
+use crate::spectral::complex::distance;
 
 /// Side of a domain: a segment, or an arc of a circle, with one condition.
 #[derive(Clone, Copy, Debug)]

@@ -2,9 +2,9 @@
 
 use crate::mesh::{ClosedCurve, Condition, Round};
 use crate::problem::complex::Complex;
+use crate::spectral::complex::{arg, distance};
 use crate::spectral::geometry::curve::Curve;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneError, PlaneSide};
-use crate::spectral::source::complex::{arg, distance};
 use std::f64::consts::TAU;
 
 /// Most sides of a closed curve, for which the time is still one of seconds.

@@ -9,7 +9,7 @@ use crate::problem::formula::Formula;
 use crate::problem::law::Law;
 use crate::spectral::geometry::boundary::RingContact;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneSide};
-use crate::spectral::problem::PlaneSource;
+use crate::spectral::source::PlaneSource;
 use crate::spectral::source::expansion::Expansion;
 use crate::spectral::source::polynomial::Polynomial;
 use known::{

@@ -35,15 +35,14 @@
 //! `int |g v|`, the upper one by `int |g W|` more, and in the lower one `|grad E|` becomes `|grad E| + |r|`. By the
 //! maximum principle for `v - psi`, `|v|` is at most its bound on the boundary and twice that of psi more.
 
-use super::Proof;
 use super::cells::ProofCell;
 use super::exact_energy::{Leftover, bounded_energy};
 use super::extension::Room;
 use super::residual::{Distances, FluxBalance, hole_logs, uncertain};
 use super::samples::{Quantity, Sampled, Test};
+use super::{PlaneBracket, Proof};
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::setup::Setup;
-use crate::spectral::solution::PlaneBracket;
 use crate::spectral::source::psi::Psi;
 use std::f64::consts::PI;
 

@@ -26,9 +26,9 @@
 
 use super::cells::ProofCell;
 use crate::problem::complex::Complex;
+use crate::spectral::complex::distance;
 use crate::spectral::geometry::boundary::Walk;
 use crate::spectral::geometry::rule::halved;
-use crate::spectral::source::complex::distance;
 use std::f64::consts::{LN_2, PI};
 
 /// Part of the boundary, as the segment between its ends from which it is no farther than `off`.

@@ -103,6 +103,25 @@ use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
 use extension::{Chord, share};
 use std::f64::consts::PI;
 
+/// Two bounds of the energy, guaranteed but for the model of rounding errors on this page.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlaneBracket {
+    /// Lower bound.
+    pub lower: f64,
+    /// Upper bound, at most zero.
+    pub upper: f64,
+    /// Name of the largest term of their distance.
+    pub cause: &'static str,
+}
+
+impl PlaneBracket {
+    /// Distance of the bounds over an energy.
+    pub(crate) fn relative(&self, energy: f64) -> f64 {
+        let width = self.upper - self.lower;
+        if width > 0.0 { width / energy.abs() } else { 0.0 }
+    }
+}
+
 /// All that is needed to bound v on the boundary.
 struct Proof<'a> {
     setup: &'a Setup,

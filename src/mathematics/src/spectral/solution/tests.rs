@@ -1,32 +1,22 @@
 //! Solutions of plane problems against digits of other methods, and against each other.
 
 use super::super::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
-use super::super::problem::{LoopStart, PlaneSource, RegionBorder, Regions};
+use super::super::geometry::polygons::{polygon, square};
+use super::super::problem::LoopStart;
 use super::super::source::polynomial::Polynomial;
 use super::*;
 use crate::mesh::Condition;
 use crate::problem::formula::Formula;
 use crate::problem::law::Law;
 use crate::spectral::geometry::origin::Origin;
+use crate::spectral::source::{PlaneSource, RegionBorder, Regions};
 use std::f64::consts::PI;
 
-mod bends;
 mod narrow;
 mod small;
 
-pub(in crate::spectral) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
-    let side = |k: usize| {
-        PlaneSide::segment([points[k], points[(k + 1) % points.len()]], Condition::Contact, 0)
-    };
-    PlaneDomain::new(vec![(0..points.len()).map(side).collect()]).unwrap()
-}
-
 fn lshape() -> PlaneDomain {
     polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [0.0, -1.0]])
-}
-
-pub(in crate::spectral) fn square() -> PlaneDomain {
-    polygon(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 }
 
 fn triangle() -> PlaneDomain {

@@ -10,8 +10,8 @@
 
 use super::quadratic::Extent;
 use crate::problem::complex::Complex;
+use crate::spectral::complex::ln;
 use crate::spectral::geometry::rule::{GaussNode, gauss};
-use crate::spectral::source::complex::ln;
 use crate::spectral::source::potential::{Jump, Potential};
 use std::f64::consts::{PI, TAU};
 

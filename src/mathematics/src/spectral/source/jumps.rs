@@ -5,7 +5,7 @@ use super::psi::Psi;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::boundary::PlaneCrossing;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
-use crate::spectral::problem::PlaneSource;
+use crate::spectral::source::PlaneSource;
 use crate::spectral::source::curves::{JumpEdge, Jumps};
 
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.

@@ -122,7 +122,7 @@ impl Polynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectral::solution::tests::square;
+    use crate::spectral::geometry::polygons::square;
 
     const UNIT: (f64, Origin) = (1.0, Origin([0.0; 2]));
 
@@ -196,7 +196,8 @@ mod tests {
 
     #[test]
     fn the_error_of_an_expansion_is_bounded_far_from_the_origin_too() {
-        let far = crate::spectral::solution::tests::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        let far =
+            crate::spectral::geometry::polygons::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
         let formula = Formula::read("(x - 1000)^8 - y/3", 2).unwrap();
         let origin = Origin([1000.0, 0.0]);
         let f = Polynomial::of_formula(&formula, (1.0, origin), &far).unwrap();

@@ -1,8 +1,8 @@
 //! A particular solution psi of -Lap psi = f, in closed form and smooth up to the boundary but for its jumps.
 
-use super::complex::{arg, ln};
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
+use crate::spectral::complex::{arg, ln};
 use crate::spectral::geometry::curve::{Arc, Polar};
 use std::f64::consts::{PI, TAU};
 

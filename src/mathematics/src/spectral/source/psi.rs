@@ -8,7 +8,7 @@
 use super::far_field::FarField;
 use super::polynomial::Polynomial;
 use crate::problem::complex::Complex;
-use crate::spectral::source::complex::ln;
+use crate::spectral::complex::ln;
 use crate::spectral::source::potential::{Jump, Potential};
 use std::f64::consts::TAU;
 

@@ -5,9 +5,10 @@ use crate::problem::law::Law;
 use crate::spectral::contact::search;
 use crate::spectral::fit::Effort;
 use crate::spectral::geometry::domain::SidePlace;
-use crate::spectral::geometry::frame::Frame;
-use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart};
-use crate::spectral::solution::tests::polygon;
+use crate::spectral::geometry::polygons::polygon;
+use crate::spectral::problem::frame::Frame;
+use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
+use crate::spectral::source::PlaneSource;
 
 /// Solution on a polygon from one arc between places of its sides.
 fn found(points: &[[f64; 2]], f: &str, arc: [(usize, f64); 2]) -> (Setup, PlaneFound) {

@@ -6,8 +6,9 @@ use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
 use crate::spectral::geometry::boundary::RingContact;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
-use crate::spectral::problem::{PlaneProblem, PlaneSource};
+use crate::spectral::problem::PlaneProblem;
 use crate::spectral::setup::{Level, Setup};
+use crate::spectral::source::PlaneSource;
 use std::f64::consts::{LN_2, PI};
 
 /// Problem with a contact set and the energy of its solution.

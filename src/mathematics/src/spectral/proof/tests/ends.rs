@@ -6,11 +6,12 @@ use crate::problem::law::Law;
 use crate::spectral::contact::search::{PlaneFound, search};
 use crate::spectral::fit::Effort;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide, SidePlace};
-use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneSource, PlaneStart};
+use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
 use crate::spectral::proof::bench::known::{polygon, slips};
 use crate::spectral::proof::bench::spoilt::{Spoiling, check};
 use crate::spectral::proof::bounds::proved;
 use crate::spectral::setup::Setup;
+use crate::spectral::source::PlaneSource;
 
 /// Solution with arcs that stick, by side and place of both ends.
 fn found(loops: Vec<PlaneSide>, f: &str, arcs: &[[(usize, f64); 2]]) -> (Setup, PlaneFound) {

@@ -1,7 +1,7 @@
 //! Functions of complex numbers that loops take from [`elementary`], and a distance in the plane.
 
-use super::elementary;
 use crate::problem::complex::Complex;
+use crate::spectral::elementary;
 
 /// Principal logarithm; finite at zero.
 #[inline(always)]

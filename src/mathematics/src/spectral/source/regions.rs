@@ -1,12 +1,12 @@
 //! Borders between regions of a mesh on which f differs: the polygons that the edges of the mesh are. No part of a mesh
 //! lies inside of it, so that no circle can be named for a border.
 
-use super::outline::{MeshOutline, OutlineEdge};
 use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
 use crate::problem::source::Source;
 use crate::spectral::geometry::domain::PlaneError;
-use crate::spectral::problem::{RegionBorder, Regions};
+use crate::spectral::geometry::outline::{MeshOutline, OutlineEdge};
+use crate::spectral::source::{RegionBorder, Regions};
 use std::collections::BTreeMap;
 
 /// Returns f with these pieces on the regions of a mesh.

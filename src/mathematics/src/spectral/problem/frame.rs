@@ -1,15 +1,14 @@
 //! Coordinates in which a domain lies near the origin and has about unit size, so that lengths can be compared with
 //! fixed small numbers.
 
-use super::domain::{PlaneDomain, PlaneSide, SidePlace};
-use super::origin::pieces_seen;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::geometry::curve::{Arc, Curve};
-use crate::spectral::problem::{
-    LoopStart, PlaneProblem, PlaneSource, PlaneStart, RegionBorder, Regions,
-};
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide, SidePlace};
+use crate::spectral::geometry::origin::pieces_seen;
+use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
+use crate::spectral::source::{PlaneSource, RegionBorder, Regions};
 
 /// Coordinates `z / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by its fourth
 /// power.
