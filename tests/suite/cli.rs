@@ -370,7 +370,7 @@ fn solve_refuses_in_one_line() {
         (&["--f", "else=-1", "--h", "1/8", "--out", "v.npy/"], "it is a folder; name a file"),
         (&["nobody"], "no scene `nobody`; there are: a"),
         (&["--domain", "cube", "--f", "else=1"], "lower f somewhere"),
-        (&["--domain", "cube", "--f", "disc(0,0,1)=1; else=-1"], "write e.g. 'box("),
+        (&["--domain", "cube", "--f", "disc(0,0,1)=1; else=-1"], "and regions as 'box("),
         (
             &["--domain", "cube", "--f", "ball(0,0,0,0.1)=1"],
             "without `else=value` for where no piece is; write e.g. '",
