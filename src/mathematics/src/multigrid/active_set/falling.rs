@@ -25,7 +25,7 @@ use crate::problem::law::{BoundaryState, ContactNode};
 
 /// Work of all linear systems at most, in multiplications: a minute or two.
 const MOST_WORK: f64 = 1e11;
-/// Least and greatest number of linear systems at most, whatever their work: of 2 000 random meshes with aspects up to
+/// Least and greatest number of linear systems at most, whatever their work: of 1 500 random meshes with aspects up to
 /// 1e6 none took a thousand.
 const MOST_STEPS: [f64; 2] = [30.0, 4000.0];
 /// Sweeps over all values: at the end of a strip of contact each lets a node or more slip.
