@@ -3,6 +3,7 @@
 mod cube;
 mod known;
 mod random;
+mod rounding;
 mod stretched;
 
 use super::linear::{at_vertices, outflows, product};
@@ -221,25 +222,44 @@ fn noise(count: usize, frequency: f64) -> Vec<f64> {
     (1..=count).map(|k| libm::sin(k as f64 * frequency)).collect()
 }
 
+/// Checks that a flux balances f on all cells, and that the law allows it.
+fn check_flux(cells: &Cells<'_, 2, 3>, sides: &Sides<3>, flux: &[SideFlux<2>]) {
+    for (cell, mass) in (0..).zip(cells.masses()) {
+        let outflows = outflows(sides, cell, &cells.mesh.cells()[cell as usize], flux);
+        let outflow = 0.5 * outflows.as_flattened().iter().sum::<f64>();
+        assert!((outflow + mass).abs() < 1e-12, "{}: {outflow} {mass}", cells.law);
+    }
+    check_law(cells, sides, flux);
+}
+
+/// Checks that the law allows a flux through the boundary.
+fn check_law(cells: &Cells<'_, 2, 3>, sides: &Sides<3>, flux: &[SideFlux<2>]) {
+    for (facet, at) in cells.mesh.facets().iter().zip(sides.of_facets()) {
+        let (interval, flux) = (cells.interval(facet), flux[at.side as usize]);
+        assert_eq!(flux.map(|flux| interval.clamp(flux)), flux, "{}", cells.law);
+    }
+}
+
 #[test]
 fn sigma_is_a_flux_for_every_vector() {
-    let mut problem = annulus(Condition::Free).refined();
-    problem.y = noise(problem.y.len(), 12.9898);
-    let w = admissible(&problem.network, Slips::of_law(Law::SIGNORINI), &problem.y);
-    let sides = Sides::new(&problem.mesh);
-    let (mesh, f) = (&problem.mesh, &problem.f.cells);
-    let cells = Cells { mesh, w: &w, f, law: Law::SIGNORINI };
-    let flux = equilibrated(&cells, &sides, &problem.network, &OnceLock::new()).unwrap();
-    for (cell, mass) in (0..).zip(cells.masses()) {
-        let outflows = outflows(&sides, cell, &mesh.cells()[cell as usize], &flux);
-        let outflow = 0.5 * outflows.as_flattened().iter().sum::<f64>();
-        assert!((outflow + mass).abs() < 1e-13);
-    }
-    let facets = problem.mesh.facets();
-    for (facet, &BoundarySide { side, .. }) in facets.iter().zip(sides.of_facets()) {
-        let flux = flux[side as usize];
-        let is_free = problem.mesh.condition(facet) == Condition::Free;
-        assert!(flux.iter().all(|flux| if is_free { *flux == 0.0 } else { *flux >= 0.0 }));
+    let laws = [Law::SIGNORINI, Law::friction(0.7).unwrap(), Law::limited(1.3).unwrap()];
+    for (inner, law) in [Condition::Free, Condition::Fixed]
+        .into_iter()
+        .flat_map(|inner| laws.map(|law| (inner, law)))
+    {
+        let mut problem = annulus(inner).refined();
+        problem.y = noise(problem.y.len(), 12.9898);
+        let w = admissible(&problem.network, Slips::of_law(law), &problem.y);
+        let sides = Sides::new(&problem.mesh);
+        let cells = Cells { mesh: &problem.mesh, w: &w, f: &problem.f.cells, law };
+        let forest = OnceLock::new();
+        let mut flux = equilibrated(&cells, &sides, &problem.network, &forest).unwrap();
+        check_flux(&cells, &sides, &flux);
+        let before = flux.clone();
+        let forest = forest.get().unwrap();
+        circulate_quadratic(&cells, &sides, forest, 1.0, &mut flux);
+        assert_ne!(flux, before);
+        check_flux(&cells, &sides, &flux);
     }
 }
 
