@@ -60,7 +60,7 @@ fn rounding_errors_of_energies_are_at_most_what_is_added_for_them() {
         problem.y = noise(count, 7.0 + value).into_iter().map(short).collect();
         check_thrice(&problem, value);
         // A constant and a small f: all is the law.
-        let mut level = square(3, |_, _| -1.0 / (1 << 20) as f64);
+        let mut level = square(3, |_, _| -1.0 / f64::from(1 << 20));
         level.y = vec![value; count];
         check_thrice(&level, short(0.3));
     }

@@ -193,7 +193,7 @@ fn region(corners: &[Complex], f: f64) -> PlaneSource {
         borders.push(RegionBorder { side, regions: [Some(0), Some(1)] });
     }
     let boundary = &ring(1.0, true, Condition::Contact)[0];
-    borders.push(RegionBorder { side: boundary.clone(), regions: [Some(1), None] });
+    borders.push(RegionBorder { side: *boundary, regions: [Some(1), None] });
     let pieces = [format!("else={f}"), "else=-1".into()].map(|f| f.parse().unwrap()).to_vec();
     PlaneSource::Regions(Regions { borders, pieces })
 }
