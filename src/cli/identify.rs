@@ -73,9 +73,9 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     // However it is interrupted, what was found is shown.
     let _at_work = at_work();
     if args.variants {
-        search.compare(args.json)?
+        search.compare(args.json)?;
     } else {
-        search.find(args.json)?
+        search.find(args.json)?;
     }
     match interrupted().is_asked() {
         true => Ok(Error::Interrupted.exit_code()),

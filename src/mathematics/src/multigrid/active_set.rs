@@ -14,7 +14,7 @@
 //!    has the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
 //!    of least energy: otherwise the next system is singular.
 //! 4. Stop if no state has changed. If all have returned to earlier ones, stop if the residual is one of
-//!    rounding errors. Otherwise, and after many steps, go on with [steps that lower the energy](falling).
+//!    rounding errors. Otherwise, and after many steps, go on with steps that lower the energy (`falling`).
 //!
 //! # Cost
 //! One factorisation per step, in the order of minimum degree.

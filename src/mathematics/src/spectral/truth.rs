@@ -1,14 +1,13 @@
 //! True solution on all connected components of a domain.
 
-use super::PlaneError;
-use super::plane::{
-    BoundaryPoint, PlaneChecks, PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square,
-};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::load::integral;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::spectral::geometry::domain::PlaneError;
+use crate::spectral::on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
+use crate::spectral::solution::{BoundaryPoint, PlaneChecks};
 
 /// True solution.
 pub struct TrueSolution {

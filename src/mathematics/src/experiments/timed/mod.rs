@@ -125,7 +125,8 @@ impl TimedPlan {
         let has_spectral = self.solvers.contains(&Solver::Spectral);
         let scaling = has_multigrid.then(|| scaling::runs(self));
         let solved = solved::runs(self, known);
-        let truths = has_spectral.then(|| truths.into_iter().map(truth::run));
+        let truths =
+            has_spectral.then(|| truths.into_iter().map(|truth| Ok(vec![truth::run(truth)])));
         let refined = has_multigrid.then(|| refined::runs(self.finest));
         let on_square = scaling.into_iter().flatten().chain(solved);
         Ok(on_square.chain(truths.into_iter().flatten()).chain(refined.into_iter().flatten()))

@@ -1,6 +1,6 @@
 //! The spectral solver on the square, from f to the energy.
 
-use super::{Prepared, TimedFacts, TimedRun};
+use super::{TimedFacts, TimedRun};
 use crate::discrete::grid::nested;
 use crate::discrete::load::LoadRule;
 use crate::experiments::rows::row_of;
@@ -21,8 +21,8 @@ struct SpectralRow {
 }
 
 /// Run from f to the energy.
-pub(super) fn run((problem, f): (String, Source)) -> Prepared {
-    Ok(vec![TimedRun::new(
+pub(super) fn run((problem, f): (String, Source)) -> TimedRun {
+    TimedRun::new(
         format!("spectral, {problem}"),
         move || solved(&f),
         move |found: Result<TrueSolution, String>| {
@@ -33,7 +33,7 @@ pub(super) fn run((problem, f): (String, Source)) -> Prepared {
             let row = SpectralRow { problem: problem.clone(), unknowns, error };
             Ok(Some(TimedFacts { table: "spectral", row: row_of(row) }))
         },
-    )])
+    )
 }
 
 fn solved(f: &Source) -> Result<TrueSolution, String> {

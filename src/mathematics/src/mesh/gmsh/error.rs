@@ -242,30 +242,6 @@ mod tests {
                 "2.2 1 8",
                 "$MeshFormat, line 3: the number 1 that tells the order of bytes is missing; save the mesh again",
             ),
-            (
-                "\"south\"",
-                "south",
-                "$PhysicalNames, line 6: the name of group 1 is not one to 127 printed letters in quotes; change the \
-                 name",
-            ),
-            (
-                "1 1 \"south\"",
-                "1 \"south\"",
-                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
-                 save it again",
-            ),
-            (
-                "1 1 \"south\"",
-                "1\"south\"",
-                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
-                 save it again",
-            ),
-            (
-                "$Nodes\n4",
-                "$ParametricNodes\n4",
-                "$ParametricNodes, line 9: nodes with parameters are not read in version 2; save with \
-                 `Mesh.MshFileVersion = 4.1`",
-            ),
             ("13 1 1 0", "13 1 1,5 0", "$Nodes, line 13: `1,5` stands in the place of a number"),
             (
                 "13 1 1 0",
@@ -321,6 +297,42 @@ mod tests {
         ] {
             assert_eq!(after(SQUARE_22, from, to), message);
         }
+    }
+
+    #[test]
+    fn what_stands_otherwise_in_version_2_is_refused_with_its_line() {
+        for (from, to, message) in [
+            (
+                "\"south\"",
+                "south",
+                "$PhysicalNames, line 6: the name of group 1 is not one to 127 printed letters in quotes; change the \
+                 name",
+            ),
+            (
+                "1 1 \"south\"",
+                "1 \"south\"",
+                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
+                 save it again",
+            ),
+            (
+                "1 1 \"south\"",
+                "1\"south\"",
+                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
+                 save it again",
+            ),
+            (
+                "$Nodes\n4",
+                "$ParametricNodes\n4",
+                "$ParametricNodes, line 9: nodes with parameters are not read in version 2; save with \
+                 `Mesh.MshFileVersion = 4.1`",
+            ),
+        ] {
+            assert_eq!(after(SQUARE_22, from, to), message);
+        }
+    }
+
+    #[test]
+    fn versions_are_numbers_and_sections_must_be_there() {
         for version in ["2.000000", "2", "2.1", "2.20", "2.2000", "2.200000047683716"] {
             assert!(
                 read(SQUARE_22.replace("2.2 0 8", &format!("{version} 0 8")).as_bytes()).is_ok()
