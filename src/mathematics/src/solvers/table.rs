@@ -93,7 +93,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         solver: Solver::Spectral,
         name: "spectral",
         in_words: "spectral",
-        description: "The true solution in the plane, its energy in a guaranteed bracket",
+        description: "The true solution in the plane, with a guaranteed bracket",
         run: truth,
         method: None,
         is_discrete: false,
