@@ -62,7 +62,7 @@ fn checks(PlaneChecks { residual, balance, flux, sign, .. }: &PlaneChecks) -> St
     let zero = |least: f64| if least.abs() < f64::EPSILON { 0.0 } else { least };
     let [flux, sign] = [*flux, *sign].map(|least| plain(zero(least), 2));
     format!(
-        "checks: least distance of the flux to the limits of the law {flux}, \
+        "checks: least distance of the flux to the limits of the law {flux},\n  \
         least v of the right sign {sign}\n  \
         zero but for the error: v in contact {residual:.1e}, balance {balance:.1e}\n"
     )
