@@ -60,9 +60,8 @@ impl PlaneVerdict {
     fn on_slipping(node: &PlaneNode, q: f64, setup: &Setup, sizes: Sizes) -> (Self, f64) {
         let right = if q == setup.law.hi() { -node.value } else { node.value };
         // Beside an end that is a little off.
-        let near = if node.spot.offset < NEAR * setup.perimeter { NEAR } else { 0.0 };
-        let tolerated =
-            VALUE * sizes.value * (1.0 + 1e3 * near / NEAR) + RESIDUALS * sizes.residual;
+        let beside = if node.spot.offset < NEAR * setup.perimeter { 1e3 } else { 0.0 };
+        let tolerated = VALUE * sizes.value * (1.0 + beside) + RESIDUALS * sizes.residual;
         (if right < -tolerated { Self::Sticks } else { Self::Right }, right)
     }
 }

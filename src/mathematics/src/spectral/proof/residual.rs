@@ -261,7 +261,7 @@ impl FluxBalance {
             });
         }
         let mut slopes: Vec<f64> = etas.iter().map(|eta| eta.slope).collect();
-        for own in loops(proof, samples, left, &etas) {
+        for own in loops(proof, samples, left, (&etas, fixed)) {
             let added = own.added(flux)?;
             balance.moved += added * own.open + own.near;
             balance.missed += own.near;
@@ -287,9 +287,13 @@ fn fixed_loops(proof: &Proof) -> Vec<bool> {
     fixed
 }
 
-/// Sums of eta on each loop.
-fn loops(proof: &Proof, samples: &[Sampled], left: &[Leftover], etas: &[Eta]) -> Vec<LoopEta> {
-    let fixed = fixed_loops(proof);
+/// Sums of eta on each loop, with what is true for each: that v is fixed on a part of it.
+fn loops(
+    proof: &Proof,
+    samples: &[Sampled],
+    left: &[Leftover],
+    (etas, fixed): (&[Eta], Vec<bool>),
+) -> Vec<LoopEta> {
     let balanced = balanced(samples, fixed.len());
     let mut loops = Vec::with_capacity(fixed.len());
     for (ring, (is_fixed, is_balanced)) in fixed.into_iter().zip(balanced).enumerate() {
