@@ -1,6 +1,7 @@
 //! Lines and circles: the points at which they meet, and the curves that bound a shape.
 
 use super::complex::arg;
+use crate::machine::sums::two_sum;
 use crate::problem::complex::Complex;
 use crate::problem::shape::{Shape, scaled};
 use std::f64::consts::TAU;
@@ -126,6 +127,15 @@ impl Curve {
         self.same(other) || (!straight && square.abs() < SAME * bend)
     }
 
+    /// What the curve shares with another one that it touches, as [`Self::meets`] sees it, by two points of both.
+    pub(super) fn overlap(self, other: Self) -> Option<Overlap> {
+        let Relation { square, bend, .. } = self.relation(other);
+        let is_one = self.curvature == 0.0 && other.curvature == 0.0 || self.same(other);
+        // By the angle at both points, and the difference of the curvatures.
+        (!is_one && square > 0.0 && square < SAME * bend)
+            .then(|| Overlap { width: square / bend, length: 4.0 * square.sqrt() / bend })
+    }
+
     /// Points at which the curve meets another one, as distances from the origin along it. Curves that overlap by, or
     /// lack, less than half of [`SAME`] touch, as is frequent with decimal input.
     pub(super) fn meets(self, other: Self) -> Vec<f64> {
@@ -177,6 +187,13 @@ pub(super) struct Polar {
     pub nu: Complex,
     /// `(1 - |nu|^2) / k`: positive to the left of the curve, and near to it twice the distance.
     pub power: f64,
+}
+
+/// Bounds of the width and the length of what two curves share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Overlap {
+    pub width: f64,
+    pub length: f64,
 }
 
 /// Position of two curves with respect to each other. They meet at the distances s along the first, of curvature k, for
@@ -235,8 +252,7 @@ pub(super) fn borders(shape: &Shape<2>) -> Vec<Curve> {
             let (centre, small, large) =
                 (Complex::new(x, y), x.abs().min(y.abs()), x.abs().max(y.abs()));
             let away = centre.norm();
-            // Of a large disc the point nearest to the square, without cancellation.
-            let nearest = ((large - radius) * (large + radius) + small * small) / (away + radius);
+            let nearest = less_square([large, small], radius) / (away + radius);
             let (normal, origin) = if away > 0.5 * radius {
                 (centre.scaled(1.0 / away), centre.scaled(nearest / away))
             } else {
@@ -249,6 +265,16 @@ pub(super) fn borders(shape: &Shape<2>) -> Vec<Curve> {
             lines.filter(|line| line.origin.norm() < FARTHEST).collect()
         }
     }
+}
+
+/// `large^2 + small^2 - radius^2`, with the digits that are left where that nearly vanishes.
+fn less_square([large, small]: [f64; 2], radius: f64) -> f64 {
+    let [difference, rest] = two_sum(large, -radius);
+    let [sum, remainder] = two_sum(large, radius);
+    let (product, square) = (difference * sum, small * small);
+    let [total, last] = two_sum(product, square);
+    let of_products = libm::fma(difference, sum, -product) + libm::fma(small, small, -square);
+    total + (last + of_products + difference * remainder + rest * sum)
 }
 
 /// Line `a x + b y = c`.

@@ -98,6 +98,7 @@
 mod along;
 mod arcs;
 mod boundary;
+mod changes;
 mod checks;
 mod complex;
 mod contact;

@@ -5,7 +5,11 @@ use super::domain::PlaneDomain;
 use super::psi::Psi;
 use super::{PlaneError, PlaneSource};
 use crate::problem::complex::Complex;
+use crate::problem::shape::Shape;
+use crate::problem::source::Source;
+use crate::spectral::changes::Changes;
 use crate::spectral::jumps::{JumpEdge, Jumps};
+use std::f64::consts::{PI, TAU};
 
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
 pub(super) struct PlaneJumps {
@@ -13,14 +17,24 @@ pub(super) struct PlaneJumps {
     pub edges: Vec<JumpEdge>,
     /// Points of the boundary at which jumps end, one for each of their ends.
     pub crossings: Vec<PlaneCrossing>,
+    /// What f may differ from that of the statement.
+    pub changes: Changes,
+    /// Bound of |v| inside of the domain less that on its boundary.
+    pub inner: f64,
     /// Points at which psi, continued beyond the boundary, may be singular: vertices, and centres of circles.
     pub singular: Vec<Complex>,
 }
 
 impl PlaneJumps {
+    /// # Errors
+    /// [`PlaneError`] if f has parts that are too small, or jumps that do not fit.
     pub(super) fn new(domain: &PlaneDomain, source: &PlaneSource) -> Result<Self, PlaneError> {
         let (jumps, psi) = match source {
-            PlaneSource::Polynomial(f) => (Jumps::default(), Psi::Polynomial(f.clone())),
+            PlaneSource::Polynomial(f) => {
+                let mut jumps = Jumps::default();
+                jumps.changes = Changes::of_disc(f.error, f.radius);
+                (jumps, Psi::Polynomial(f.clone()))
+            }
             PlaneSource::Pieces(f) => {
                 let jumps = Jumps::of_pieces(domain, f)?;
                 let points = domain.inner_points(25);
@@ -36,17 +50,76 @@ impl PlaneJumps {
                 (jumps, psi)
             }
         };
-        let Jumps { edges, psi: potential, lost, .. } = jumps;
-        if let Some(text) = lost {
-            return Err(PlaneError::Source(text));
+        let Jumps { edges, psi: potential, changes, .. } = jumps;
+        let size = SourceSize::of(source, domain.diameter());
+        let inner = match &psi {
+            Psi::Jumps(_) => size.inner(),
+            // v less psi has its bounds on the boundary.
+            Psi::Polynomial(f) => 2.0 * f.moduli(f.radius)[1],
+        };
+        if matches!(psi, Psi::Jumps(_)) && changes.mass > LOST * size.integral {
+            return Err(PlaneError::Source(
+                "f has a part that is too narrow, or too near to the boundary, for this solver, which tells 1e-12 of the \
+                 size of the domain apart; make it wider and its value smaller, with the same integral"
+                    .into(),
+            ));
         }
         let centres = potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre());
         Ok(Self {
             psi,
             crossings: edges.iter().flat_map(|edge| crossings(domain, edge)).collect(),
             edges,
+            changes,
+            inner,
             singular: potential.vertices.iter().copied().chain(centres).collect(),
         })
+    }
+}
+
+/// Share of the integral of |f| that may be lost: the bounds of the energy are apart by no less.
+const LOST: f64 = 1e-7;
+
+/// Bounds of |f| on a domain.
+struct SourceSize {
+    largest: f64,
+    /// That of its integral.
+    integral: f64,
+    /// Length of the diagonal of the box round the domain.
+    diameter: f64,
+}
+
+impl SourceSize {
+    fn of(source: &PlaneSource, diameter: f64) -> Self {
+        let around = PI * diameter * diameter;
+        let (mut largest, mut integral) = (0.0f64, 0.0);
+        let all_pieces = match source {
+            PlaneSource::Polynomial(_) => &[][..],
+            PlaneSource::Pieces(f) => std::slice::from_ref(f),
+            PlaneSource::Regions(regions) => &regions.pieces,
+        };
+        for f in all_pieces {
+            let Source::Pieces { background, pieces } = f else { continue };
+            largest = largest.max(f.largest().unwrap_or_default());
+            integral += background.abs() * around;
+            for (shape, value) in pieces {
+                let area = match *shape {
+                    Shape::Ball { radius, .. } => (PI * radius * radius).min(around),
+                    Shape::Box(_) | Shape::HalfSpace { .. } => around,
+                };
+                integral += value.abs() * area;
+            }
+        }
+        Self { largest, integral, diameter }
+    }
+
+    /// Bound of the integral of `|f| 1 / 2 pi log(2 diameter / |x - y|)`, which is positive with |f| for its Laplacian:
+    /// largest in the middle of a disc.
+    fn inner(&self) -> f64 {
+        if self.integral == 0.0 {
+            return 0.0;
+        }
+        let radius = (self.integral / (PI * self.largest)).sqrt();
+        self.integral / TAU * (0.5 + libm::log((2.0 * self.diameter / radius).max(1.0)))
     }
 }
 

@@ -50,7 +50,9 @@ impl Potential {
         let (logs, many) = (self.logs(points), points.len());
         // One more for each addition.
         let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
-        let (background, constant) = (0.5 * self.background.abs(), self.gauge[0].norm());
+        // The background is off by no more than two units of the jumps from which it is found.
+        let background = 0.5 * (self.background.abs() + 2.0 / UNITS * self.rounded);
+        let constant = self.gauge[0].norm();
         let mut errors = Vec::with_capacity(many);
         for (i, &z) in points.iter().enumerate() {
             let slope = background * z.norm();
