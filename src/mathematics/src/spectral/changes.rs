@@ -81,3 +81,73 @@ impl Changes {
         self.field * self.mass * radius
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::complex::Complex;
+
+    #[test]
+    fn fields_of_strips_and_discs_are_below_their_bounds() {
+        // 3 / 2 pi times the integral of 1 / |x - y|, x in the middle: over a rectangle, its corners seen from there.
+        for [width, length] in [[1e-3, 1e-3], [1e-3, 0.1], [1e-9, 2.0]] {
+            let mut changes = Changes::default();
+            changes.add_strip(3.0, [width, length]);
+            let [half, thick] = [0.5 * length, 0.5 * width];
+            let parts = half * libm::asinh(thick / half) + thick * libm::asinh(half / thick);
+            let field = 3.0 / TAU * 4.0 * parts;
+            assert!(field < changes.field && changes.field < 8.0 * field, "{width} {length}");
+            assert_eq!(changes.mass, 3.0 * width * length);
+        }
+        let mut changes = Changes::default();
+        changes.add_disc(3.0, 0.2);
+        assert!((changes.field - 3.0 * 0.2).abs() < 1e-15 && changes.mass >= 3.0 * 0.125);
+        // The middle of a disc: |r| is 1.5 |x| inside and 0.06 / |x| outside.
+        let square = PI * 0.2f64.powi(4) * 1.125 + TAU * 0.06 * 0.06 * 5f64.ln();
+        assert!(square < changes.square(1.0), "{square}");
+    }
+
+    #[test]
+    fn what_lies_between_two_curves_is_bounded() {
+        for (curvature, shift, turn, bend) in [
+            (0.0, 2e-14, 0.0, 0.0),
+            (0.0, 0.0, 5e-15, 0.0),
+            (2.0, 1e-14, 0.0, 0.0),
+            (0.5, 0.0, 0.0, 3e-15),
+        ] {
+            let (origin, tangent) = (Complex::new(0.1, 0.2), Complex::unit(0.3));
+            let curve = Curve { origin, tangent, curvature };
+            let origin = origin + tangent.turned().scaled(shift);
+            let other =
+                Curve { origin, tangent: Complex::unit(0.3 + turn), curvature: curvature + bend };
+            let mut changes = Changes::default();
+            changes.add_moved(1.0, curve, other);
+            let length = curve.period().unwrap_or(2.0 * REACH);
+            let at =
+                |k: i32| other.distance(curve.at(length * (f64::from(k) / 1000.0 - 0.5))).abs();
+            let between = (0..1000).map(at).sum::<f64>() * length / 1000.0;
+            assert!(between > 0.0 && between < changes.mass, "{curvature}: {between} {changes:?}");
+        }
+        let mut none = Changes::default();
+        let curve = Curve::line(Complex::new(0.1, 0.2), Complex::unit(0.3));
+        none.add_moved(1.0, curve, Curve::line(curve.at(0.7), -curve.tangent));
+        assert_eq!(none, Changes::default());
+    }
+
+    #[test]
+    fn curves_that_touch_by_a_tolerance_share_no_more_than_is_bounded() {
+        let [line, circle] = [0.0, 1.6].map(|curvature| {
+            let [origin, tangent] = [Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
+            Curve { origin, tangent, curvature }
+        });
+        for depth in [1e-13, 3e-14] {
+            let raised = Curve { origin: Complex::new(0.0, depth), ..line };
+            let Overlap { width, length } = circle.overlap(raised).expect("they overlap");
+            let chord = 2.0 * (2.0 * depth / 1.6f64).sqrt();
+            assert!(width >= depth && width < 4.0 * depth, "{width}");
+            assert!(length >= chord && length < 4.0 * chord, "{length}");
+            let lowered = Curve { origin: Complex::new(0.0, -depth), ..line };
+            assert!(circle.overlap(lowered).is_none());
+        }
+    }
+}

@@ -331,4 +331,16 @@ mod tests {
         let [touch] = circle.meets(SIDES[1])[..] else { panic!("one point") };
         assert!((circle.at(touch) - Complex::new(0.5, 0.125)).norm() < 1e-15);
     }
+
+    #[test]
+    fn large_circles_are_known_to_the_last_digit() {
+        // At a right angle, 5 = |(3, 4)|: a quarter less than the distance of the centre from the origin.
+        let unit = 16_777_216.0;
+        for [x, y] in [[3.0, 4.0], [-4.0, 3.0], [5.0, 0.0]] {
+            let [circle] = borders(&disc(x * unit, y * unit, 5.0 * unit - 0.25))[..] else {
+                panic!()
+            };
+            assert!((circle.origin.norm() - 0.25).abs() < 1e-16, "{x} {y}: {:?}", circle.origin);
+        }
+    }
 }

@@ -102,7 +102,7 @@ impl Jumps {
         let mut jumps = Self { most: 4.0 * largest, ..Self::default() };
         for source in sources {
             let Source::Pieces { pieces, .. } = source else { continue };
-            pieces.iter().for_each(|&(shape, _)| jumps.add_shape(shape));
+            pieces.iter().for_each(|&(shape, _)| jumps.add_shape(domain, shape));
         }
         regions.into_iter().for_each(|arc| jumps.add_region(arc));
         for (k, curve) in jumps.curves.clone().into_iter().enumerate() {
@@ -115,10 +115,11 @@ impl Jumps {
     }
 
     /// Adds the borders of a shape; common borders of two shapes are one curve.
-    fn add_shape(&mut self, shape: Shape<2>) {
+    fn add_shape(&mut self, domain: &PlaneDomain, shape: Shape<2>) {
         let curves = borders(&shape);
-        if let Shape::Ball { radius, .. } = shape
+        if let Shape::Ball { centre: [x, y], radius } = shape
             && curves.is_empty()
+            && domain.depth(Complex::new(x, y)) >= -radius
         {
             self.changes.add_disc(self.most, radius.max(0.0));
         }

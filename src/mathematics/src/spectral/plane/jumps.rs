@@ -51,13 +51,16 @@ impl PlaneJumps {
             }
         };
         let Jumps { edges, psi: potential, changes, .. } = jumps;
-        let size = SourceSize::of(source, domain.diameter());
+        // All parts of the domain between jumps are beside one.
+        let values = edges.iter().flat_map(|edge| edge.values).map(f64::abs);
+        let largest = values.fold(if edges.is_empty() { psi.jumps() } else { 0.0 }, f64::max);
+        let size = SourceSize::of(source, largest, domain.diameter(), changes.mass);
         let inner = match &psi {
             Psi::Jumps(_) => size.inner(),
             // v less psi has its bounds on the boundary.
             Psi::Polynomial(f) => 2.0 * f.moduli(f.radius)[1],
         };
-        if matches!(psi, Psi::Jumps(_)) && changes.mass > LOST * size.integral {
+        if matches!(psi, Psi::Jumps(_)) && changes.mass > LOST * (size.integral - changes.mass) {
             return Err(PlaneError::Source(
                 "f has a part that is too narrow, or too near to the boundary, for this solver, which tells 1e-12 of the \
                  size of the domain apart; make it wider and its value smaller, with the same integral"
@@ -79,7 +82,7 @@ impl PlaneJumps {
 /// Share of the integral of |f| that may be lost: the bounds of the energy are apart by no less.
 const LOST: f64 = 1e-7;
 
-/// Bounds of |f| on a domain.
+/// Bounds of |f|, as psi has it, on a domain.
 struct SourceSize {
     largest: f64,
     /// That of its integral.
@@ -89,9 +92,10 @@ struct SourceSize {
 }
 
 impl SourceSize {
-    fn of(source: &PlaneSource, diameter: f64) -> Self {
+    /// By the largest |f|, and a bound of the integral of its changes.
+    fn of(source: &PlaneSource, largest: f64, diameter: f64, changed: f64) -> Self {
         let around = PI * diameter * diameter;
-        let (mut largest, mut integral) = (0.0f64, 0.0);
+        let mut integral = changed;
         let all_pieces = match source {
             PlaneSource::Polynomial(_) => &[][..],
             PlaneSource::Pieces(f) => std::slice::from_ref(f),
@@ -99,14 +103,16 @@ impl SourceSize {
         };
         for f in all_pieces {
             let Source::Pieces { background, pieces } = f else { continue };
-            largest = largest.max(f.largest().unwrap_or_default());
-            integral += background.abs() * around;
+            integral += background.abs().min(largest) * around;
             for (shape, value) in pieces {
                 let area = match *shape {
-                    Shape::Ball { radius, .. } => (PI * radius * radius).min(around),
-                    Shape::Box(_) | Shape::HalfSpace { .. } => around,
+                    Shape::Ball { radius, .. } => PI * radius * radius,
+                    Shape::Box(sides) => {
+                        sides.map(|[low, high]| (high - low).min(diameter)).iter().product()
+                    }
+                    Shape::HalfSpace { .. } => around,
                 };
-                integral += value.abs() * area;
+                integral += value.abs().min(largest) * area.clamp(0.0, around);
             }
         }
         Self { largest, integral, diameter }
@@ -115,7 +121,7 @@ impl SourceSize {
     /// Bound of the integral of `|f| 1 / 2 pi log(2 diameter / |x - y|)`, which is positive with |f| for its Laplacian:
     /// largest in the middle of a disc.
     fn inner(&self) -> f64 {
-        if self.integral == 0.0 {
+        if self.largest == 0.0 {
             return 0.0;
         }
         let radius = (self.integral / (PI * self.largest)).sqrt();
