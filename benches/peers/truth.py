@@ -1,9 +1,9 @@
 """True solutions to twenty decimals, by a program that shares no code with ours.
 
-The mathematics is that of the book's chapter on the true solution, conformal map and Riemann-Hilbert problem, but in
-balls of sixty digits, so that cancellation needs no care, and only for problems that are symmetric about x = y,
-with a known number of arcs, so that symmetry closes the gaps. Not needed to build or test: it takes a minute for all
-problems and needs PyPI's python-flint, and what it finds is kept.
+A conformal map to the disc and a scalar Riemann-Hilbert problem there, solved in closed form for given ends of
+contact, and Newton's method for the ends. In balls of sixty digits, so that cancellation needs no care, and only for
+problems that are symmetric about x = y, with a known number of arcs, so that symmetry closes the gaps. Not needed to
+build or test: it takes a minute for all problems and needs PyPI's python-flint, and what it finds is kept.
 
     python3 benches/peers/truth.py [PROBLEM ...]        all problems: writes pipeline/truth.toml
 

@@ -108,7 +108,8 @@ const rightHandSide = (() => {
     const pieces = [];
     let background;
     for (const item of text.split(/[;\n]/).map(trim).filter((item) => item)) {
-      const cannotRead = new Error(`cannot read \`${item}\` in f; write e.g. '${EXAMPLE}' or 'else=-1'`);
+      const cannotRead = new Error(`cannot read \`${item}\` in f; write a constant as 'else=-1', an expression as ` +
+        `'formula(3*x - 1)', and regions as '${EXAMPLE}'`);
       const sides = splitOnce(item, "=");
       if (!sides) throw cannotRead;
       const [left, value] = [trim(sides[0]), number(sides[1])];

@@ -1,7 +1,6 @@
 //! `certificate`: a record of the run for a reviewer to attach to a review: a page on it, an RO-Crate, and a CODECHECK
 //! manifest if the run has a table of the paper.
 
-mod checkout;
 mod contents;
 mod machine;
 
@@ -18,7 +17,6 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::stages::{files_of, report};
 use crate::table::{code_in_markdown, in_markdown};
 use crate::timing::machine::COMPILER;
-use checkout::{Checkout, without_places};
 use clap::Args;
 use contents::{File, differing, files, inputs, reservations, sentences};
 use std::fs;
@@ -56,7 +54,7 @@ pub(super) struct CertificateArgs {
 pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let name = args.name.trim();
     refuse_forbidden("--name", name)?;
-    let workplace = Workplace::open(&args.cache)?.verifying(true);
+    let workplace = Workplace::open(&args.cache)?;
     let folder = args.output.clone().unwrap_or(workplace.project.root.join("codecheck"));
     place(&workplace.project.root, &folder, "the certificate", &TAKEN)?;
     refuse_taken(&folder)?;
@@ -69,7 +67,6 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     context.insert("inputs", &hashes(&read)?);
     context.insert("reviewer", name);
     context.insert("is_named", &(name != NOBODY));
-    let checkout = checkout(&workplace.project.root, &read, &mut context);
     let count = files.len();
     let inputs = inputs(&workplace.project, &read)?;
     let bundle = bundle(files, inputs, context, !tables.is_empty());
@@ -90,9 +87,6 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
             table.delta_a_exact,
             table.rows.len()
         ));
-    }
-    if let Err(why) = checkout {
-        talk(&format!("warning: the certificate names no commit: {why}"));
     }
     Ok(0)
 }
@@ -129,19 +123,6 @@ fn write(bundle: &[File], folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Adds the commit to the data of the templates, or the reason why none can be named, and returns the reason.
-fn checkout(
-    root: &Path,
-    read: &InputFiles,
-    context: &mut Context,
-) -> std::result::Result<(), String> {
-    let paths: Vec<&str> = read.keys().map(String::as_str).collect();
-    let checkout = Checkout::of(root, &paths, LOCK_FILE);
-    context.insert("checkout", &checkout.as_ref().ok());
-    context.insert("no_checkout", &checkout.as_ref().err().map(|why| without_places(why)));
-    checkout.map(|_| ())
-}
-
 /// Returns all files of the bundle: the results, the inputs, the page, the record, and the manifest if there is a
 /// published table, without which nobody checks the code of a paper.
 fn bundle(
@@ -171,9 +152,6 @@ fn bundle(
 fn hashes(files: &InputFiles) -> Result<Vec<(&str, &str)>> {
     files.iter().map(|(path, file)| Ok((&**path, file.hash()?))).collect()
 }
-
-/// Path of the lock file in the project, in the form that git takes.
-const LOCK_FILE: &str = "pipeline/lock.toml";
 
 const MANIFEST: &str = "codecheck.yml";
 const PAGE: &str = "certificate.md";
@@ -214,7 +192,7 @@ fn up_to_date(workplace: &Workplace, plan: &Plan) -> Result<Summary> {
     )))
 }
 
-/// Returns the data of the templates, but for what is known of the user and of git, and of files only after they are
+/// Returns the data of the templates, but for what is known of the user, and of files only after they are
 /// made.
 fn context(
     workplace: &Workplace,

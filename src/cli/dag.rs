@@ -4,7 +4,7 @@ use super::CacheArgs;
 use super::output::say;
 use super::pipeline::{CACHE, Workplace};
 use crate::pipeline::error::{Error, Result};
-use crate::pipeline::{Engine, Graph, Plan};
+use crate::pipeline::{Engine, Plan, mermaid};
 use clap::Args;
 use std::io;
 use std::path::{Path, absolute};
@@ -14,7 +14,7 @@ pub(super) const EXAMPLES: &str = "\
 A workflow is to be run in the folder of the project. `signorini run` then finds \
 everything done, and writes figures/ and report/.\n\
 Examples:\n  \
-  signorini dag --dot | dot -Tsvg > dag.svg\n  \
+  signorini dag --mermaid > dag.mmd\n  \
   signorini dag --snakemake > Snakefile && snakemake --cores 8";
 
 #[derive(Args)]
@@ -32,9 +32,6 @@ struct Form {
     /// For Mermaid, which draws it in Markdown
     #[arg(long)]
     mermaid: bool,
-    /// For Graphviz
-    #[arg(long)]
-    dot: bool,
     /// As a Snakefile that runs one task per job, on this machine or a cluster
     #[arg(long)]
     snakemake: bool,
@@ -50,8 +47,7 @@ pub(super) fn dag(args: &DagArgs) -> Result<u8> {
     let root = &workplace.project.root;
     let form = &args.form;
     say(&match () {
-        () if form.mermaid => Graph::of(plan.tasks()).mermaid(),
-        () if form.dot => Graph::of(plan.tasks()).dot(),
+        () if form.mermaid => mermaid(plan.tasks()),
         () if form.snakemake => workflow(&plan, root, &args.cache, |engine| engine.snakemake())?,
         () if form.json => workflow(&plan, root, &args.cache, |engine| Ok(engine.json()))?,
         () => list(&plan),

@@ -1,22 +1,53 @@
-//! `identify`: the search for the right-hand sides of Figure 1.
+//! `identify`: the search for the right-hand sides of Figure 1, as the stage of that name makes it.
 
-mod args;
 mod table;
-mod watch;
 
 use super::interrupt::{at_work, interrupted};
-use super::output::{say_json, tell};
+use super::output::{say_json, talk, tell};
 use super::project_root;
-use crate::pipeline::error::{Error, Result};
-use crate::replication::project::Project;
-pub(super) use args::{EXAMPLES, IdentifyArgs};
-use args::{Published, Search};
+use crate::pipeline::error::{Error, Result, from_record};
+use crate::replication::identified::IdentifiedRecord;
+use crate::replication::project::{IDENTIFIED, Project};
+use clap::Args;
 use serde::Serialize;
 use signorini_mathematics::identify::{
-    Evaluator, Found, Geometry, IdentifyError, SearchReport, Variant, found, search,
+    Evaluator, Found, Geometry, IdentifyError, Lattice, SearchReport, Target, Variant, found,
+    search,
 };
-use std::time::Instant;
-use watch::Watch;
+
+/// End of `identify --help`.
+pub(super) const EXAMPLES: &str = "\
+How it works: f takes one value on a quadrant, any of the four, and one elsewhere, decimals from the range \
+`values` of pipeline/identified.toml, and every such f with a negative integral is tried, grid by grid: nearly \
+all miss a count on the two coarsest, where a run costs microseconds.\n\n\
+Before that, the f in pipeline/identified.toml are run. Found are at most twenty f with all counts: first \
+those with the most values of Delta a to both printed digits, and of these those that are the shortest to \
+write. The same range finds the same f whatever the threads.\n\n\
+Exit codes: 0 done, 2 wrong input, 130 interrupted (what was found is shown).";
+
+#[derive(Args, Debug)]
+pub(super) struct IdentifyArgs {
+    /// Repeat the search under every reading of the method that differs in one choice
+    #[arg(long)]
+    variants: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Published tables, and what is asked about them.
+struct Search {
+    lattice: Lattice,
+    tables: Vec<Published>,
+}
+
+/// A published table, and the f that are on record for it.
+struct Published {
+    number: u8,
+    target: Target,
+    /// By their values on the quadrants.
+    recorded: Vec<[f64; 4]>,
+}
 
 /// Results for one table.
 #[derive(Debug, Serialize)]
@@ -26,7 +57,6 @@ struct Answer {
     recorded: Vec<Found>,
     #[serde(flatten)]
     report: SearchReport,
-    seconds: f64,
 }
 
 /// Results of the search under one reading of the method.
@@ -39,16 +69,13 @@ struct Reading {
 }
 
 pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
-    let project = Project::read(project_root()?)?;
-    // A search takes long: better in a project without mistakes.
-    project.select(&[])?;
-    let asked = Search::read(args, &project)?;
+    let search = Search::read(&Project::read(project_root()?)?)?;
     // However it is interrupted, what was found is shown.
     let _at_work = at_work();
-    let answer = || if args.variants { compare(args, &asked) } else { find(args, &asked) };
-    match &asked.pool {
-        Some(pool) => pool.install(answer)?,
-        None => answer()?,
+    if args.variants {
+        search.compare(args.json)?
+    } else {
+        search.find(args.json)?
     }
     match interrupted().is_asked() {
         true => Ok(Error::Interrupted.exit_code()),
@@ -56,73 +83,80 @@ pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
     }
 }
 
-/// Runs the f on record and searches, for each table in turn, and shows what was found.
-fn find(args: &IdentifyArgs, asked: &Search) -> Result<()> {
-    let mut answers = Vec::new();
-    for table in &asked.tables {
-        if interrupted().is_asked() {
-            break;
+impl Search {
+    /// Reads the tables of the paper, and the questions about them.
+    fn read(project: &Project) -> Result<Self> {
+        // A search takes long: better in a project without mistakes.
+        project.select(&[])?;
+        if project.paper.table.is_empty() {
+            return Err(Error::input("no published table is in pipeline/paper.toml; add one"));
         }
-        let recorded = verify(table)?;
-        let (began, name) = (Instant::now(), format!("problem {}", table.number));
-        let report = searched(asked, table, &Variant::default(), &mut Watch::new(&name))?;
-        let seconds = began.elapsed().as_secs_f64();
-        answers.push(Answer { problem: table.number, recorded, report, seconds });
+        let Some(file) = project.files.get(IDENTIFIED) else {
+            return Err(Error::input(format!("{IDENTIFIED} is not there; restore it")));
+        };
+        let record: IdentifiedRecord = from_record(IDENTIFIED, file.bytes()?)?;
+        let lattice = record.questions.values.parse();
+        let lattice = lattice.map_err(|e| Error::input(format!("{IDENTIFIED}: values: {e}")))?;
+        let mut tables = Vec::new();
+        for number in project.paper.table.iter().map(|table| table.number) {
+            let recorded = record.alternatives(number).to_vec();
+            tables.push(Published { number, target: project.paper.target(number)?, recorded });
+        }
+        Ok(Self { lattice, tables })
     }
-    if args.json {
-        say_json(&serde_json::json!({ "schema": 1, "problems": answers }))?;
-    } else {
+
+    /// Runs the f on record and searches, for each table in turn, and shows what was found.
+    fn find(&self, json: bool) -> Result<()> {
+        let mut answers = Vec::new();
+        for table in &self.tables {
+            let recorded = table.on_record()?;
+            let report = self.searched(table, &Variant::default())?;
+            answers.push(Answer { problem: table.number, recorded, report });
+        }
+        if json {
+            return say_json(&serde_json::json!({ "schema": 1, "problems": answers })).map(drop);
+        }
         let parts: Vec<_> = answers.iter().map(table::found).collect();
-        tell(&(parts.join("\n") + table::LEGEND))?;
+        tell(&(parts.join("\n") + table::LEGEND)).map(drop)
     }
-    Ok(())
-}
 
-/// Runs the f that are on record for a table.
-fn verify(table: &Published) -> Result<Vec<Found>> {
-    let quadrants = [Geometry::quadrants()];
-    let evaluator = Evaluator::new(&table.target, &Variant::default(), &quadrants);
-    let mut evaluator = evaluator.map_err(refused)?;
-    let recorded = table.recorded.iter();
-    Ok(recorded.map(|values| found(&mut evaluator, 0, &quadrants[0], values)).collect())
-}
-
-fn searched(
-    asked: &Search,
-    table: &Published,
-    variant: &Variant,
-    watch: &mut Watch,
-) -> Result<SearchReport> {
-    let mut observe = |share: f64, report: &SearchReport| watch.show(share, report);
-    let report = search(&asked.lattice, variant, &table.target, interrupted().flag(), &mut observe);
-    watch.end();
-    report.map_err(refused)
-}
-
-/// Repeats the search under each reading of the method, and shows how far it comes in each.
-fn compare(args: &IdentifyArgs, asked: &Search) -> Result<()> {
-    let mut readings = Vec::new();
-    for variant in Variant::neighbours() {
-        let description = variant.to_string();
-        let mut searches = Vec::new();
-        for table in &asked.tables {
+    /// Repeats the search under each reading of the method, and shows how far it comes in each.
+    fn compare(&self, json: bool) -> Result<()> {
+        let numbers: Vec<u8> = self.tables.iter().map(|table| table.number).collect();
+        let mut readings = Vec::new();
+        for variant in Variant::neighbours() {
+            let searches: Result<Vec<_>> =
+                self.tables.iter().map(|table| self.searched(table, &variant)).collect();
             if interrupted().is_asked() {
                 break;
             }
-            let mut watch = Watch::new(&format!("problem {}, {description}", table.number));
-            searches.push(searched(asked, table, &variant, &mut watch)?);
+            let description = variant.to_string();
+            talk(&description);
+            readings.push(Reading { variant, description, searches: searches? });
         }
-        if searches.len() == asked.tables.len() {
-            readings.push(Reading { variant, description, searches });
+        if json {
+            let json =
+                serde_json::json!({ "schema": 1, "problems": numbers, "readings": readings });
+            return say_json(&json).map(drop);
         }
+        tell(&table::readings(&readings, &numbers)).map(drop)
     }
-    let numbers: Vec<u8> = asked.tables.iter().map(|table| table.number).collect();
-    if args.json {
-        say_json(&serde_json::json!({ "schema": 1, "problems": numbers, "readings": readings }))?;
-    } else {
-        tell(&table::readings(&readings, &numbers))?;
+
+    fn searched(&self, table: &Published, variant: &Variant) -> Result<SearchReport> {
+        let stop = interrupted().flag();
+        search(&self.lattice, variant, &table.target, stop, &mut |_, _| ()).map_err(refused)
     }
-    Ok(())
+}
+
+impl Published {
+    /// Runs the f that are on record for this table.
+    fn on_record(&self) -> Result<Vec<Found>> {
+        let quadrants = [Geometry::quadrants()];
+        let evaluator = Evaluator::new(&self.target, &Variant::default(), &quadrants);
+        let mut evaluator = evaluator.map_err(refused)?;
+        let recorded = self.recorded.iter();
+        Ok(recorded.map(|values| found(&mut evaluator, 0, &quadrants[0], values)).collect())
+    }
 }
 
 fn refused(error: IdentifyError) -> Error {

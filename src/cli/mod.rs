@@ -30,7 +30,6 @@ use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::{say, styled, talk};
-use serde_json::{Value, json};
 use std::convert::Infallible;
 use std::panic::PanicHookInfo;
 use std::path::PathBuf;
@@ -379,24 +378,6 @@ fn similar(word: &str) -> Option<String> {
         }
         _ => None,
     }
-}
-
-/// Returns name and help of the program, whose name is empty, and of each command, as plain text of one width.
-fn commands() -> Vec<Value> {
-    let cli = Cli::command().term_width(HELP_WIDTH);
-    let mut names = vec![""];
-    names.extend(cli.get_subcommands().map(clap::Command::get_name));
-    names.iter().map(|name| json!({ "name": name, "help": help(&cli, name) })).collect()
-}
-
-/// Returns the text of `--help` of a command, or of the program for an empty name.
-fn help(cli: &clap::Command, name: &str) -> String {
-    // Only the parser itself chooses between the short and the long form of the text.
-    let args = ["signorini", name, "--help"].into_iter().filter(|arg| !arg.is_empty());
-    let printed = cli.clone().try_get_matches_from(args).expect_err("help ends the parsing");
-    let text = printed.render().to_string();
-    // Without the padding of empty lines.
-    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
 /// Returns the root of the project that the current folder is in.

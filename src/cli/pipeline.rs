@@ -7,8 +7,8 @@ use crate::pipeline::error::{CONFLICT, Error, Result};
 use crate::pipeline::files::remove;
 use crate::pipeline::place::{TAKEN, place};
 use crate::pipeline::{
-    Editor, Exports, Interrupt, KnownHashes, LockFile, Manifest, Options, Plan, Progress, Rights,
-    Store, Summary, WalkResults, execute, work,
+    Editor, Exports, Interrupt, LockFile, Manifest, Options, Plan, Progress, Rights, Store,
+    Summary, WalkResults, execute, work,
 };
 use crate::replication::project::{Project, refuse_broken};
 use crate::replication::stages::{Stage, plan, scene_of};
@@ -55,20 +55,7 @@ impl Workplace {
         let root = project_root()?;
         let folder = cache.cache_dir.clone().unwrap_or_else(|| root.join(CACHE));
         place(&root, &folder, "the cache", &TAKEN)?;
-        let mut project = read(root)?;
-        project.commands = super::commands;
-        let mut store = Store::new(&folder)?;
-        store.known = KnownHashes::read(&project.root);
-        Ok(Self { project, store })
-    }
-
-    /// Returns the workplace; if asked, one that reads all files, also those that have not changed for all that the
-    /// file system tells.
-    pub(super) fn verifying(mut self, asked: bool) -> Self {
-        if asked {
-            self.store.known = KnownHashes::default();
-        }
-        self
+        Ok(Self { project: read(root)?, store: Store::new(&folder)? })
     }
 
     pub(super) fn tasks(&self, scenes: &[String], only: Option<Stage>) -> Result<Plan> {
@@ -118,14 +105,9 @@ impl Workplace {
         // only if the project can be run.
         let summary = self.rehearse(plan, scope, options, progress)?;
         if summary.nothing_to_do() && self.leftovers(&summary).is_empty() {
-            if self.store.known.missed() {
-                self.note(plan, scope, &summary);
-            }
             return Ok(summary);
         }
         let _locks = [Exports::lock(&self.project.root)?, self.store.lock()?];
-        // What is used is read.
-        self.store.known = KnownHashes::default();
         let root = &self.project.root;
         // All is run again, and overwritten, that does not depend on a task that fails.
         let options = Options { keep_going: options.keep_going || options.force, ..options };
@@ -150,18 +132,7 @@ impl Workplace {
         if summary.lock_file_changed {
             recorded(scope, &summary, &known).write(root)?;
         }
-        self.note(plan, scope, &summary);
         Ok(summary)
-    }
-
-    /// Notes the hashes of all files for the next run; one of a part would lose those of the rest.
-    fn note(&self, plan: &Plan, scope: Scope, summary: &Summary) {
-        if scope != Scope::Part {
-            // Without notes, the next run reads all files.
-            let (root, cache) = (&self.project.root, self.store.folder());
-            let files = self.results(plan, &summary.manifests).paths(root);
-            let _ = self.store.known.note(root, cache, &files);
-        }
     }
 
     fn results<'a>(
@@ -213,8 +184,6 @@ impl Workplace {
         }
         refuse_broken(&self.check(part, &look, &progress)?)?;
         let _lock = self.store.lock()?;
-        // What is used is read.
-        self.store.known = KnownHashes::default();
         let options = Options { jobs: jobs(0), ..Options::default() };
         let summary = self.execute(part, options, &progress)?;
         match summary.failed.is_empty() {
@@ -233,7 +202,6 @@ impl Workplace {
         let plan = plan.only(|id| asked.iter().any(|asked| asked == id));
         let summary = workplace.execute(&plan, LOOK, progress)?;
         refuse_broken(&workplace.check(&plan, &summary, progress)?)?;
-        let workplace = workplace.verifying(true);
         work(&plan, asked, &workplace.store, progress, interrupted())
     }
 

@@ -11,8 +11,10 @@ use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
+use crate::replication::stages::report::stand_ins::stand_ins;
 use crate::replication::stages::{Stage, report, scene_of, solve, study};
 use clap::{Args, ValueEnum};
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 #[derive(Args, Clone, Debug)]
@@ -35,7 +37,8 @@ pub(super) struct RunArgs {
     /// Run everything again, and overwrite figures and pages edited by hand
     #[arg(short, long)]
     force: bool,
-    /// After a failure, go on with what does not depend on it
+    /// After a failure, go on with what does not depend on it; the book and results.csv are made without scenes that
+    /// fail
     #[arg(short, long, hide_short_help = true)]
     keep_going: bool,
     /// Threads; 0 is one per core. Results do not depend on it
@@ -60,7 +63,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     if !args.task.is_empty() {
         return single_tasks(args);
     }
-    let mut workplace = Workplace::open_for(&args.cache, &args.scenes)?.verifying(args.locked);
+    let mut workplace = Workplace::open_for(&args.cache, &args.scenes)?;
     let (scenes, unread) = args.readable(&workplace.project);
     let mut plan = args.plan(&workplace, &scenes)?;
     let scope = args.scope(&unread);
@@ -80,7 +83,13 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let start = Instant::now();
     let ran = workplace.run(&mut plan, scope, args.options(), &args.progress());
     let summary = match ran {
-        Err(Error::Stage(reasons)) => return failed([unread, reasons].concat()),
+        Err(Error::Stage(reasons)) => {
+            let reasons = match args.keep_going && scope == Scope::Whole {
+                true => args.run_without_failed(&mut workplace, &plan, reasons)?,
+                false => reasons,
+            };
+            return failed([unread, reasons].concat());
+        }
         ran => ran?,
     };
     let tables = comparisons(&workplace, &summary.manifests)?;
@@ -112,6 +121,17 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
 /// Ends a command with these reasons for which some of it could not be done, if there are any.
 fn failed(reasons: Vec<String>) -> Result<u8> {
     if reasons.is_empty() { Ok(0) } else { Err(Error::Stage(reasons)) }
+}
+
+/// Returns the scenes of the project of which a task failed, each with the first reason.
+fn failed_scenes(project: &Project, reasons: &[String]) -> BTreeMap<String, String> {
+    let mut failed = BTreeMap::new();
+    for (id, reason) in reasons.iter().filter_map(|line| line.split_once(": ")) {
+        if let Some(scene) = scene_of(id).filter(|name| project.scene(name).is_ok()) {
+            failed.entry(scene.to_owned()).or_insert_with(|| reason.to_owned());
+        }
+    }
+    failed
 }
 
 /// Runs single tasks beside other processes that do the same.
@@ -186,6 +206,37 @@ impl RunArgs {
             "figures show all published problems together, and the book all scenes: name none, or see `outputs`"
         };
         Err(Error::input(format!("there is nothing of this kind to make; {remedy}")))
+    }
+
+    /// Makes of the other scenes what shows all scenes, if tasks of the plan failed for these reasons; returns the
+    /// reasons for what is not made.
+    fn run_without_failed(
+        &self,
+        workplace: &mut Workplace,
+        plan: &Plan,
+        mut reasons: Vec<String>,
+    ) -> Result<Vec<String>> {
+        let failed = failed_scenes(&workplace.project, &reasons);
+        workplace.project.leave_out(&failed, stand_ins(plan.tasks(), &failed));
+        if failed.is_empty() || workplace.project.scenes.is_empty() {
+            return Ok(reasons);
+        }
+        let mut others = workplace.tasks(&[], None)?;
+        let ran = workplace.run(&mut others, Scope::Part, self.options(), &self.progress());
+        reasons
+            .retain(|line| line.split_once(": ").is_none_or(|(id, _)| others.task(id).is_none()));
+        match ran {
+            Ok(summary) => {
+                let names = failed.into_keys().collect::<Vec<_>>().join(", ");
+                tell(&format!(
+                    "all that shows several scenes is made without {names}\n{}",
+                    book(&summary)
+                ))?;
+            }
+            Err(Error::Stage(more)) => reasons.extend(more),
+            Err(other) => return Err(other),
+        }
+        Ok(reasons)
     }
 
     /// Part of the project that is run, in which some scenes are `unread`.

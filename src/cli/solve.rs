@@ -23,7 +23,7 @@ use crate::replication::fields::lists::{Varied, varied};
 use crate::replication::scene::Scene;
 use adapting::ShownMeshes;
 use answer::Answer;
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{Args, ValueEnum};
 use files::{Format, PictureKind};
 use points::PointArgs;
 use request::Request;
@@ -33,13 +33,13 @@ use signorini_mathematics::statement::Statement;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
-#[command(group = ArgGroup::new("problem").args(["scene", "f"]))]
 // That one of them may be missing is for studies of f.
 #[command(override_usage = "signorini solve [OPTIONS] <SCENE|--f <F>>")]
 pub(super) struct SolveArgs {
     /// A scene of the project
     ///
-    /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says.
+    /// r is the scene's `draw_r`, the stopping rule its first, all else as the scene says. Each option from --f to
+    /// --accuracy-energy, but for --domain, replaces what the scene has.
     #[arg(value_parser = name_parser)]
     scene: Option<String>,
     #[command(flatten)]
@@ -75,11 +75,13 @@ pub(super) struct SolveArgs {
     save: Option<String>,
     /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
     ///
-    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. A .pvd lists a .vtu of
-    /// each mesh, the coarsest first, and a .csv has v and its gradient at the points of --at and --line. The ending
-    /// alone, `vti`, names the file after the scene. The spectral solver's solution is written at the nodes of --h, or
-    /// of the mesh of --refine. A picture is a shaded surface on the square and a map on every other domain in the
-    /// plane, unless --map or --surface says otherwise; a solution in space has none.
+    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The multiplier is zero
+    /// inside and on fixed and free parts. A .pvd lists a .vtu of each refinement of the mesh, of an accuracy also
+    /// those between solutions, all with the last v, the coarsest first, and a .csv has v and its gradient at the
+    /// points of --at and --line. The ending alone, `vti`, names the file after the scene. The spectral solver's
+    /// solution is written at the nodes of --h, or of the mesh of --refine. A picture is a shaded surface on the square
+    /// and a map on every other domain in the plane, unless --map or --surface says otherwise; a solution in space has
+    /// none.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
@@ -238,7 +240,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if args.json {
         say_json(&answer.json(&request))
     } else {
-        tell(&answer.text(&request, args.recover))
+        let points_in_file = file.as_ref().is_some_and(|(_, format)| *format == Format::Csv);
+        tell(&answer.text(&request, args.recover, points_in_file))
     }?;
     written?;
     if let Some((file, _)) = file.filter(|_| !args.json) {

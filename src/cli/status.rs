@@ -23,9 +23,6 @@ pub(super) struct StatusArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Read all files, also those that have not changed for all that the file system tells
-    #[arg(long)]
-    verify: bool,
     #[command(flatten)]
     cache: CacheArgs,
 }
@@ -43,7 +40,7 @@ pub(super) struct ExplainArgs {
 }
 
 pub(super) fn status(args: &StatusArgs) -> Result<u8> {
-    let workplace = Workplace::open_for(&args.cache, &args.scenes)?.verifying(args.verify);
+    let workplace = Workplace::open_for(&args.cache, &args.scenes)?;
     let scope = if args.scenes.is_empty() { Scope::Whole } else { Scope::Part };
     let summary = workplace.judge(&workplace.tasks(&args.scenes, None)?, scope, false)?;
     let stale = !summary.nothing_to_do();

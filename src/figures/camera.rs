@@ -99,8 +99,8 @@ mod tests {
             ([-2.0, -1.0], [1.0, 1.0]),
             ([1.0, -1.0], [-1.0, 1.0]),
         ] {
-            let height = |[x, y]: &[f64; 2]| slope[0] * x + slope[1] * y;
-            let y: Vec<f64> = mesh.points().iter().map(height).collect();
+            let heights = mesh.points().iter().map(|[x, y]| slope[0] * x + slope[1] * y);
+            let y: Vec<f64> = heights.collect();
             assert_eq!(Camera::new(uphill(&mesh, &y)).near, near);
         }
         let even: Vec<f64> = mesh.points().iter().map(|[x, y]| x * x + y * y).collect();

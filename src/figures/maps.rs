@@ -92,10 +92,13 @@ pub(super) fn layout<'a>(
     layout.titled(titles, [high, 46.0])
 }
 
-/// Lays out the map of a mesh; returns the ranges of its axes too.
+/// Lays out the map of a mesh, with room for its numbers; returns the ranges of its axes too.
 pub(super) fn layout_around(mesh: &PlaneMesh, title: &str) -> (Panels, [(f64, f64); 2]) {
     let (size, ranges) = Extent::of(mesh).frame(SIDE);
-    (layout([title], size), ranges)
+    let mut layout = layout([title], size);
+    let up = Ticks::inside(ranges[1].0, ranges[1].1, steps((0.0, size.1)));
+    layout.beside.0 = layout.beside.0.max(distance_of_name(&up) + 0.5 * NORMAL);
+    (layout, ranges)
 }
 
 /// Draws maps of these ranges, each what `paint` draws in its frame, with axes.
@@ -162,6 +165,12 @@ fn draw_map(
     }
 }
 
+/// Distance of the name of the vertical axis from a frame, beside its numbers.
+fn distance_of_name(up: &Ticks) -> f64 {
+    let widest = up.widest();
+    if widest > SHORT_NUMBER { 14.0 + SMALL * widest } else { 48.0 }
+}
+
 /// Draws outline and axes of a map.
 pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     frame.outline(picture);
@@ -169,8 +178,7 @@ pub(super) fn draw_axes(picture: &mut Picture, frame: &Frame) {
     frame.label_below(picture, Ticks::inside(frame.x.0, frame.x.1, steps(frame.across)).labelled());
     frame.label_left(picture, up.labelled());
     let (x, y) = frame.middle();
-    let widest = up.widest();
-    let name = if widest > SHORT_NUMBER { 14.0 + SMALL * widest } else { 48.0 };
+    let name = distance_of_name(&up);
     picture.text("x", (x, frame.down.1 + 31.0), italic(NORMAL));
     picture.text("y", (frame.across.0 - name, y), italic(NORMAL));
 }

@@ -41,7 +41,7 @@ pub(crate) use gradient::{GradientPanel, gradients};
 pub(crate) use history::{HistoryCurve, HistoryPanel, histories};
 pub(crate) use identifiability::{IdentifiabilityPanel, identifiability};
 pub(crate) use maps::{map_of_f, maps_of_f};
-pub(crate) use picture::Picture;
+pub(crate) use picture::{Picture, escaped};
 pub(crate) use plan::mesh_picture;
 pub(crate) use print::{Print, Width};
 pub(crate) use series::{Chart, Curve, Scale, Stroke};

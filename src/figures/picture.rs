@@ -235,7 +235,8 @@ fn dark() -> String {
     rules
 }
 
-fn escaped(text: &str) -> String {
+/// Returns a text as an element of SVG has it.
+pub(crate) fn escaped(text: &str) -> String {
     text.chars()
         .filter(|c| !is_forbidden(*c) || *c == '\n')
         .map(|c| match c {

@@ -46,19 +46,19 @@ pub(crate) fn grid() -> Picture {
     let grid = Grid::new(CELLS).expect("fine enough");
     let (mut picture, frame) = square();
     picture.text("h = 1/4", (frame.middle().0, MARGIN - 22.0), bold(LARGE));
-    let at = |k: usize| grid.coordinate(k);
-    for k in 0..=CELLS {
-        picture.path([frame.at(at(k), -0.5), frame.at(at(k), 0.5)], INK, 0.6);
-        picture.path([frame.at(-0.5, at(k)), frame.at(0.5, at(k))], INK, 0.6);
+    let lines: Vec<f64> = (0..=CELLS).map(|k| grid.coordinate(k)).collect();
+    for &line in &lines {
+        picture.path([frame.at(line, -0.5), frame.at(line, 0.5)], INK, 0.6);
+        picture.path([frame.at(-0.5, line), frame.at(0.5, line)], INK, 0.6);
     }
-    for j in 0..CELLS {
-        for i in 0..CELLS {
-            picture.path([frame.at(at(i), at(j)), frame.at(at(i + 1), at(j + 1))], INK, 0.6);
+    for y in lines.windows(2) {
+        for x in lines.windows(2) {
+            picture.path([frame.at(x[0], y[0]), frame.at(x[1], y[1])], INK, 0.6);
         }
     }
     for j in 0..=CELLS {
         for i in 0..=CELLS {
-            let place = frame.at(at(i), at(j));
+            let place = frame.at(lines[i], lines[j]);
             let outermost = [0, CELLS];
             let boundary = outermost.contains(&i) || outermost.contains(&j);
             let color = if boundary { CONTACT } else { INK };

@@ -240,6 +240,16 @@ fn coordinates_of_any_size_neither_overlap_nor_run_out() {
 }
 
 #[test]
+fn numbers_of_maps_far_from_the_origin_are_inside_the_picture() {
+    for shift in [-7_654_321.3, 12_345.6, 1e9] {
+        for (wide, high) in [(1.0, 1.0), (1.0, 0.1), (0.01, 1.0)] {
+            let mesh = &rectangle([shift, -shift], [shift + wide, high - shift]);
+            readable(&format!("map at {shift}"), &maps::mesh_map("far", mesh, &[1.0, -2.0]));
+        }
+    }
+}
+
+#[test]
 fn words_of_fixed_parts_are_inside_the_picture() {
     let mut mesh = rectangle([0.0, 0.0], [1.0, 1.0]);
     mesh.parts_mut()[0].condition = Condition::Fixed;

@@ -16,7 +16,7 @@ pub(crate) const COLUMNS: [&str; 21] = [
     "nodes",
     "iterations",
     "iterations_per_grid",
-    "stop",
+    STOP,
     "kkt_relative",
     "solver",
     "reserve",
@@ -24,3 +24,7 @@ pub(crate) const COLUMNS: [&str; 21] = [
     "remedy",
     "reason",
 ];
+
+/// Column of the end of the solver, and its name in studies of the stopping rule.
+pub(crate) const STOP: &str = "stop";
+pub(crate) const END: &str = "end";

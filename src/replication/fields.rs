@@ -123,7 +123,7 @@ pub(crate) struct DomainFields {
     /// `region(name)=value` in --f, in quotes if the name has = or ;, and parts of the boundary. In space f is made of
     /// box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and halfspace(a,b,c,d).
     #[arg(id = "domain", long = "domain", value_name = "NAME|FILE", hide_possible_values = true,
-        value_parser = Suggested(AnyMesh::built_in_names()), conflicts_with = "scene")]
+        value_parser = Suggested(AnyMesh::built_in_names()))]
     pub name: Option<String>,
     /// Number of refinements of the mesh [default: up to 20 000 nodes]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..=20))]
@@ -149,15 +149,9 @@ pub(crate) struct DomainFields {
 #[serde(expecting = "a table such as { friction = 0.3 } or { limit = 2.0 }")]
 pub(crate) struct LawFields {
     /// Friction on the boundary: |dv/dn| is at most G, and v leaves zero only where it is G
-    #[arg(long, value_name = "G", conflicts_with = "scene", allow_negative_numbers = true)]
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
     pub friction: Option<f64>,
     /// Limited flow: the paper's law, but dv/dn is at most LIMIT, and v < 0 where it is LIMIT
-    #[arg(
-        long,
-        value_name = "LIMIT",
-        conflicts_with = "scene",
-        allow_negative_numbers = true,
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "LIMIT", allow_negative_numbers = true, hide_short_help = true)]
     pub limit: Option<f64>,
 }

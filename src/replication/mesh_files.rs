@@ -57,17 +57,22 @@ fn mesh_in(voice: Voice, statement: &Statement, files: &InputFiles) -> Result<Op
 
 /// Returns the problem of a statement of a scene, whose mesh is read from these files.
 pub(crate) fn problem(statement: &Statement, files: &InputFiles) -> Result<Problem> {
-    problem_in(Voice::Keys, statement, files)
+    problem_in(Voice::Keys, statement, files, true)
 }
 
-/// As [`problem`], of a statement in these words.
+/// As [`problem`], of a statement in these words; `has_nodes` if values at nodes are wanted of every solver.
 pub(crate) fn problem_in(
     voice: Voice,
     statement: &Statement,
     files: &InputFiles,
+    has_nodes: bool,
 ) -> Result<Problem> {
     let mesh = mesh_in(voice, statement, files)?;
-    statement.problem(mesh.as_ref(), &|_| ()).map_err(|e| voice.stated(&e))
+    let problem = match has_nodes {
+        true => statement.problem(mesh.as_ref(), &|_| ()),
+        false => statement.without_nodes(mesh.as_ref()).problem(mesh.as_ref(), &|_| ()),
+    };
+    problem.map_err(|e| voice.stated(&e))
 }
 
 /// Checks that there is a problem, and that its meshes are of a sensible size; `coarsest` is what [`mesh`] has read.

@@ -1,5 +1,6 @@
 //! Numbers of a solution: a row of the table of a study.
 
+use crate::replication::columns::{END, STOP};
 use crate::replication::record::Record;
 use crate::replication::record::advice::Warning;
 use serde::{Deserialize, Serialize};
@@ -129,14 +130,13 @@ impl Numbers {
 
     /// Value in a column, null where there is none.
     pub(crate) fn value(&self, column: &str) -> Value {
-        let value = serde_json::to_value(self).expect("numbers are plain data");
-        value.get(column).cloned().unwrap_or_default()
+        let mut all = serde_json::to_value(self).expect("numbers are plain data");
+        all[if column == END { STOP } else { column }].take()
     }
 
     /// Values in some columns, with all digits; empty where there is none.
     pub(crate) fn cells(&self, columns: &[&str]) -> Vec<String> {
-        let all = serde_json::to_value(self).expect("numbers are plain data");
-        columns.iter().map(|column| cell(&all[column])).collect()
+        columns.iter().map(|column| cell(&self.value(column))).collect()
     }
 }
 

@@ -10,7 +10,6 @@ use crate::replication::scene::Scene;
 use crate::replication::scenes::{SCENES, SceneFolder, find, problems};
 use crate::report;
 use crate::timing::recorded::{self, Timings};
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -41,9 +40,8 @@ pub struct Project {
     pub templates: InputFiles,
     /// True if only some scenes were read: then no task is planned that concerns several scenes.
     pub(crate) partial: bool,
-    /// Returns the commands of the program, for the book: the `name` of each, empty for the program without a command,
-    /// and its `help`. Empty unless the command line has set it.
-    pub commands: fn() -> Vec<Value>,
+    /// Files of scenes that failed, by their paths in the pages, each with the reason.
+    pub(crate) stand_ins: BTreeMap<String, String>,
 }
 
 impl Project {
@@ -122,7 +120,6 @@ impl Project {
             Some(file) => Paper::parse(file.bytes()?)?,
             None => Paper::default(),
         };
-        let (templates, commands): (_, fn() -> _) = (InputFiles::new(), Vec::new);
         Ok(Self {
             root,
             scenes,
@@ -130,9 +127,9 @@ impl Project {
             ignored,
             paper,
             files,
-            templates,
+            templates: InputFiles::new(),
             partial: false,
-            commands,
+            stand_ins: BTreeMap::new(),
         })
     }
 
@@ -181,6 +178,16 @@ impl Project {
             report::check_settings(file.bytes()?)?;
         }
         Ok(checked)
+    }
+
+    /// Leaves out scenes that failed; pages have these files in place of theirs.
+    pub(crate) fn leave_out(
+        &mut self,
+        failed: &BTreeMap<String, String>,
+        stand_ins: BTreeMap<String, String>,
+    ) {
+        self.scenes.retain(|scene| !failed.contains_key(&scene.name));
+        self.stand_ins = stand_ins;
     }
 
     /// Returns the scenes with these names, each once, or all if no name is given.

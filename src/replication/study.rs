@@ -1,6 +1,6 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
-use crate::replication::columns::COLUMNS;
+use crate::replication::columns::{COLUMNS, END, STOP};
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
@@ -43,12 +43,10 @@ const USUAL: [&str; 4] = ["energy", "error_relative", "contact_length", "force"]
 const ALWAYS: [&str; 2] = [WARNINGS, "reason"];
 /// Column with sentences in CSV and JSON, and their number in other tables.
 pub(crate) const WARNINGS: &str = "warnings";
-/// Column that marks what is no solution.
-const STOP: &str = "stop";
 
 /// Columns of texts, which no axis shows.
-const TEXTS: [&str; 7] =
-    ["iterations_per_grid", STOP, "solver", "reserve", WARNINGS, "remedy", "reason"];
+const TEXTS: [&str; 8] =
+    ["iterations_per_grid", STOP, END, "solver", "reserve", WARNINGS, "remedy", "reason"];
 
 impl Study {
     /// Study of these members, which vary these names.
@@ -121,7 +119,7 @@ impl Study {
     /// True if the table in Markdown and LaTeX has this column.
     pub(crate) fn shows(&self, column: &str) -> bool {
         match &self.columns[..] {
-            [] => self.names.iter().any(|name| name == column) || USUAL.contains(&column),
+            [] => self.varies(column) || USUAL.contains(&column),
             columns => columns.iter().any(|wanted| wanted == column),
         }
     }
@@ -135,11 +133,19 @@ impl Study {
         columns
     }
 
-    /// Columns of what was found, without those that are varied.
+    /// Columns of what was found, without those that are varied: where the stopping rule is, the column of the end has
+    /// another name.
     pub(crate) fn found(&self) -> Vec<&'static str> {
         let mut columns = COLUMNS.to_vec();
-        columns.retain(|column| !self.names.iter().any(|name| name == column));
+        if self.varies(STOP) {
+            columns.iter_mut().filter(|column| **column == STOP).for_each(|column| *column = END);
+        }
+        columns.retain(|column| !self.varies(column));
         columns
+    }
+
+    fn varies(&self, column: &str) -> bool {
+        self.names.iter().any(|name| name == column)
     }
 
     /// Returns the table of the members with their numbers, with all digits: what was varied, then what was found, of
@@ -178,9 +184,9 @@ impl Study {
     /// solver if one has ended without a solution.
     pub(crate) fn marks(&self, all: &[Numbers]) -> Vec<&'static str> {
         let mut marks = Vec::new();
-        marks.extend(all.iter().any(Numbers::is_no_solution).then_some(STOP));
+        let end = if self.varies(STOP) { END } else { STOP };
+        marks.extend(all.iter().any(Numbers::is_no_solution).then_some(end));
         marks.extend(all.iter().any(|of| !of.warnings().is_empty()).then_some(WARNINGS));
-        marks.retain(|mark| !self.names.iter().any(|name| name == mark));
         marks
     }
 

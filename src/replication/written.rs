@@ -45,14 +45,7 @@ impl Voice {
             Refusal::Spectral(e) if e.is_of_input() => {
                 Error::input(format!("{e}; use {multigrid}, or change f"))
             }
-            Refusal::Spectral(e) => {
-                let more = match (e.is_of_touch(), self) {
-                    (false, _) => String::new(),
-                    (true, Self::Keys) => ", accuracy_energy = 1e-6".into(),
-                    (true, _) => " --accuracy-energy 1e-6".into(),
-                };
-                Error::Stage(vec![format!("{e}; use {multigrid}{more}")])
-            }
+            Refusal::Spectral(e) => Error::Stage(vec![format!("{e}; use {multigrid}")]),
             _ if is_multigrid => Error::input(format!("{refusal}; check f")),
             _ => Error::input(format!("{refusal}; check f, or use {multigrid}")),
         }

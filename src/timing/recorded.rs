@@ -34,9 +34,9 @@ pub struct Timings {
     /// vectors.
     #[serde(default)]
     pub solver: Rows,
-    /// The spectral solver on the problems with piecewise constant f, by the Gauss nodes of a panel and the number of
-    /// panels that get shorter towards corners and jumps. The error is that of the energy against a finer resolution,
-    /// relative, at least one rounding; the time is that from f to the energy, the start on a coarse grid included.
+    /// The spectral solver on the paper's problems and those that test contact. The error is the guaranteed one of the
+    /// energy, relative, at least one rounding; the time is that from f to the bracket, the start on a coarse grid
+    /// included.
     #[serde(default)]
     pub spectral: Rows,
     /// Solvers of others beside ours, in the same run of a script of `benches/peers`, entered by hand: microseconds per
@@ -58,7 +58,7 @@ pub struct Timings {
 pub(crate) const TABLES: [(&str, &str); 6] = [
     ("multigrid", "cells threads goal work_units traffic seconds spread"),
     ("solver", "solver problem cells goal error discretisation kkt seconds spread"),
-    ("spectral", "problem nodes levels error seconds spread"),
+    ("spectral", "problem unknowns error seconds spread"),
     ("peer", "solver f cells theirs their_kkt ours our_kkt whole"),
     ("own_mesh", "mesh nodes solver theirs their_kkt ours our_kkt"),
     ("adapted", "problem way nodes error seconds"),
@@ -105,7 +105,7 @@ fn mistake(table: &str, column: &str, value: &Value) -> Option<String> {
         ("multigrid", "goal") => (GOALS.iter().any(|goal| value == goal), "unknown variant"),
         ("adapted", "way") => (WAYS.iter().any(|way| value == way), "unknown variant"),
         (_, "f" | "goal" | "mesh" | "problem" | "solver") => (value.is_string(), "not a text"),
-        (_, "cells" | "threads" | "nodes" | "levels") => (value.is_u64(), "not a natural number"),
+        (_, "cells" | "threads" | "nodes" | "unknowns") => (value.is_u64(), "not a natural number"),
         (_, "kkt" | "spread") => (value.is_number(), "not a number"),
         (_, "whole") => (value.is_boolean(), "neither true nor false"),
         _ => (value.as_f64() > Some(0.0), "not a positive number"),

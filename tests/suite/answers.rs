@@ -413,30 +413,6 @@ fn published_values_that_are_no_numbers_are_refused() {
     }
 }
 
-/// A published table of two grids and three rows, and a scene whose f is made of quadrants.
-fn searched() -> Project {
-    let project =
-        Project::with("title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\noutputs = []\n");
-    let paper = "r = [1e6, 10.0, 5.0]\n\n[[table]]\nnumber = 2\ncounts = [[3, 3], [3, 4], [3, 1]]\n\
-        delta_a = [1e-2, 1e-2, 1e-2]\ncount_share = 0.0\ncount_slack = 0\ndelta_a_factor = 1e30\n";
-    project.write("pipeline/paper.toml", paper);
-    project
-}
-
-#[test]
-fn searches_check_their_numbers_first() {
-    let project = searched();
-    for (args, remedy) in [
-        (&["--values", "0:999999:0.000000001"][..], "too many"),
-        (&["--values", "-999999999:999999999999999:0.000000001"], "cannot read the values"),
-        (&["--values", "-999999999999999:999999999999999:1"], "cannot read the values"),
-        (&["--checkpoint", "c.json"], "unexpected argument"),
-    ] {
-        let said = project.run(&[&["identify", "--problem", "2"], args].concat());
-        assert!(said.code == Some(2) && said.err.contains(remedy), "{remedy}: {said:?}");
-    }
-}
-
 #[test]
 fn a_certificate_is_written_to_a_new_or_an_empty_folder_as_a_whole() {
     let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));

@@ -10,6 +10,7 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini_mathematics::discrete::stiffness::energy as discrete_energy;
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{arcs, square_boundary};
 use signorini_mathematics::multigrid::{self, Goal, MultigridParams};
 use signorini_mathematics::problem::exact::{Exact, Sample};
@@ -17,7 +18,8 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
-use signorini_mathematics::spectral::{self, spectral};
+use signorini_mathematics::solvers::{Refusal, true_solution};
+use signorini_mathematics::spectral::TrueSolution;
 
 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 
@@ -30,6 +32,13 @@ fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) 
             .unwrap()
             .0,
     )
+}
+
+/// True solution on the square under the paper's law.
+fn truth_of(f: &Source) -> Result<TrueSolution, Refusal> {
+    let grids = vec![Grid::new(2).unwrap()];
+    let problem = Problem::on_square(grids, f.clone(), LoadRule::Bilinear {}, Law::SIGNORINI);
+    true_solution(&problem.unwrap())
 }
 
 /// Problems with their true energies.
@@ -129,14 +138,14 @@ fn solutions_stopped_early_or_made_up_are_bounded_too() {
 /// claim to solve a problem: right, with wrong loads, and stopped early by multigrid and the paper's method.
 fn least_margin(f: &Source, cells: usize) -> f64 {
     let failed = |e| panic!("{f}: {e}");
-    let rough = spectral(f, spectral::SpectralParams::default()).unwrap_or_else(failed);
-    let fine = rough.at_resolution(spectral::SpectralParams::FINER).unwrap_or_else(failed);
-    let slack = (rough.energy - fine.energy).abs();
+    let truth = truth_of(f).unwrap_or_else(failed);
+    let energy = truth.energy;
+    let slack = truth.bracket.map_or(1e-9 * energy.abs(), |[low, high]| high - low);
     let grid = Grid::new(cells).unwrap();
     let mut least = f64::INFINITY;
     let mut judge = |what: &dyn std::fmt::Debug, y: &[f64]| {
         let [low, high] = bounds(grid, f, Law::SIGNORINI, y).unwrap().energy;
-        let inside = (fine.energy - low).min(high - fine.energy);
+        let inside = (energy - low).min(high - energy);
         assert!(inside >= -slack, "{f}, 1/{cells}, {what:?}: {inside:e}, slack {slack:e}");
         least = least.min(inside / (high - low));
     };
@@ -170,10 +179,10 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
 }
 
 #[test]
-fn brackets_hold_the_true_energies_of_a_thousand_random_problems() {
+fn brackets_hold_the_true_energies_of_random_problems() {
     let mut dice = Dice(22);
     let problems: Vec<_> =
-        (0..1000).map(|k| (random_source(&mut dice), [8, 12, 16, 24, 32][k % 5])).collect();
+        (0..150).map(|k| (random_source(&mut dice), [8, 12, 16, 24, 32][k % 5])).collect();
     let margins = problems.par_iter().map(|(f, cells)| least_margin(f, *cells));
     let least = margins.reduce(|| f64::INFINITY, f64::min);
     println!("least margin over the width of the bracket: {least:.1e}");
@@ -208,9 +217,9 @@ fn nearly_touching(dice: &mut Dice) -> Source {
 #[test]
 fn what_nearly_touches_is_answered_rightly_or_refused() {
     let mut dice = Dice(9);
-    let problems: Vec<_> = (0..1000).map(|_| nearly_touching(&mut dice)).collect();
+    let problems: Vec<_> = (0..150).map(|_| nearly_touching(&mut dice)).collect();
     let answered = |f: &&Source| {
-        let Ok(solution) = spectral(f, spectral::SpectralParams::default()) else { return false };
+        let Ok(solution) = truth_of(f) else { return false };
         let (grid, y) = solved(64, f, EXACT, Goal::RoundingFloor);
         let [low, high] = bounds(grid, f, Law::SIGNORINI, &y).unwrap().energy;
         let slack = 1e-9 * low.abs();
@@ -220,7 +229,8 @@ fn what_nearly_touches_is_answered_rightly_or_refused() {
     };
     let answered = problems.par_iter().filter(answered).count();
     println!("answered: {answered} of {}", problems.len());
-    assert!(answered >= 980, "{answered}");
+    // A border that runs along a side, but not on it, is refused.
+    assert!(answered >= 140, "{answered}");
 }
 
 #[test]

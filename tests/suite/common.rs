@@ -338,14 +338,14 @@ pub(crate) fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// How many of this fault the book says that the tests make; the fault is the first cell of its row.
+/// Number of times that CONTRIBUTING.md says the tests inject this fault; the fault is the first cell of its row.
 #[track_caller]
 pub(crate) fn promised(fault: &str) -> usize {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates/reliability.md.tera");
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("CONTRIBUTING.md");
     let page = fs::read_to_string(page).unwrap();
     let row = page.lines().find_map(|line| line.strip_prefix(&format!("| {fault} | ")));
     let count = row.and_then(|rest| rest.split(' ').next()?.parse().ok());
-    count.unwrap_or_else(|| panic!("the book promises no number of `{fault}`"))
+    count.unwrap_or_else(|| panic!("CONTRIBUTING.md has no number of `{fault}`"))
 }
 
 /// All files below a folder with their contents, by path from there.

@@ -1,7 +1,7 @@
 //! What each command reads and writes, what it refuses, and what it says that a run will do.
 
 use crate::common::{EVERYTHING, Project, TABLE, assert_same, send, wait_for_handler, wanting};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -25,6 +25,34 @@ fn with_pages(scene: &str) -> Project {
     let project = Project::with(scene);
     project.add_book("# One\n");
     project
+}
+
+#[test]
+fn a_page_says_why_a_scene_has_no_result_where_the_run_is_to_go_on() {
+    let project = Project::with(TABLE);
+    let up = "title = \"t\"\nf = \"else=1\"\nh = 8\noutputs = [\"table\", \"map\"]\n";
+    project.scene("up", up);
+    project.add_book(
+        "{{#include tables/up.md}}\n\n[all](tables/up.csv)\n\n![map](figures/up-map.svg)\n",
+    );
+    for _ in 0..2 {
+        let said = project.run(&["run", "-k"]);
+        assert!(said.code == Some(3) && said.out.contains("made without up\n"), "{said:?}");
+        for file in ["index.html", "tables/up.csv"] {
+            let made = fs::read_to_string(project.path(&format!("report/book/{file}"))).unwrap();
+            assert!(made.contains("the integral of f is 1.000"), "{made}");
+        }
+        let picture = fs::read_to_string(project.path("report/book/figures/up-map.svg")).unwrap();
+        assert!(picture.contains("Not there: "), "{picture}");
+    }
+    // Without `-k`, and when the scene has a solution, nothing of it is left.
+    assert_eq!(project.run(&["run"]).code, Some(2));
+    project.scene("up", &up.replace("else=1", "else=-1"));
+    project.run(&["run"]).lines();
+    assert!(
+        !fs::read_to_string(project.path("report/book/index.html")).unwrap().contains("Not there")
+    );
+    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]
@@ -232,7 +260,13 @@ fn a_scene_that_cannot_run_does_not_stop_the_others_where_the_run_is_to_go_on() 
         let line = said.err.lines().find(|line| line.contains(task)).unwrap();
         assert!(line.contains(why), "{line}");
     }
-    assert!(said.err.contains("diff/results: not run, because solve/"), "{said:?}");
+    assert!(!said.err.contains("results"), "{said:?}");
+    assert!(said.out.contains("is made without high, part, up"), "{said:?}");
+    // All that shows several scenes is that of the others.
+    let results = fs::read_to_string(project.path("report/results.csv")).unwrap();
+    let names: BTreeSet<&str> =
+        results.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
+    assert_eq!(names, BTreeSet::from(["a", "b"]));
     let of_others = |id: &String| !["up", "high", "part"].iter().any(|name| id.contains(name));
     let left: Vec<String> = project.stale().into_iter().filter(of_others).collect();
     assert_eq!(left, ["diff/results", "report/book"]);

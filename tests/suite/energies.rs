@@ -2,6 +2,7 @@
 
 use crate::common::{Dice, Project, TABLE};
 use serde_json::{Value, json};
+use std::fs;
 
 /// Numbers of a bracket.
 fn bracket(json: &Value) -> [f64; 2] {
@@ -124,6 +125,17 @@ fn brackets_of_an_f_that_the_points_miss_are_left_out() {
     assert_eq!(coarse["bound"], Value::Null, "{coarse}");
     let reason = coarse["bound_reason"].as_str().unwrap();
     assert!(reason.starts_with("the points at which f is sampled miss "), "{reason}");
+    // Other voices say it as well.
+    let sentence = Value::from(format!("no bound of the error: {reason}"));
+    let row = project.run(&["solve", "--f", f, "--vary", "h=1/8", "--json"]).json();
+    assert!(row["energy_lower"].is_null(), "{row}");
+    for said in [&coarse, &row] {
+        assert!(said["warnings"].as_array().unwrap().contains(&sentence), "{said}");
+    }
+    project.scene("m", &format!("title = \"t\"\nf = \"{f}\"\nh = 8\noutputs = [\"table\"]\n"));
+    project.run(&["run", "m"]);
+    let table = fs::read_to_string(project.path("report/tables/m.tex")).unwrap();
+    assert!(table.contains(sentence.as_str().unwrap()), "{table}");
     let fine = on_grid("1/128");
     let [low, high] = bracket(&fine);
     // An accuracy goes on to a grid whose points miss nothing.

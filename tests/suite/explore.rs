@@ -4,7 +4,7 @@
 mod controls;
 mod pictures;
 
-use crate::common::{browser, commands, copy, dom, skip, unescaped};
+use crate::common::{browser, copy, dom, skip, unescaped};
 use crate::grammar::{SCRIPT, run_script};
 use serde_json::Value;
 use signorini::pipeline::hash;
@@ -144,32 +144,6 @@ const answer = JSON.stringify(texts.map((f) => {
 
 fn digits(in_contact: &[bool]) -> String {
     in_contact.iter().map(|&contact| if contact { '1' } else { '0' }).collect()
-}
-
-#[test]
-fn the_reference_is_what_the_program_says() {
-    let page = fs::read_to_string(book().join("../src/commands.md")).unwrap();
-    let help = String::from_utf8(signorini(&["--help"]).stdout).unwrap();
-    let names = commands(&help);
-    assert!(names.len() > 8, "{names:?}");
-    assert!(page.contains(&without_padding(&help)), "--help");
-    for name in names {
-        let help = String::from_utf8(signorini(&[name, "--help"]).stdout).unwrap();
-        let shown = format!("## `signorini {name}`\n\n```text\n{}```\n", without_padding(&help));
-        assert!(page.contains(&shown), "{name}: {page}");
-    }
-}
-
-/// Lines as the page has them.
-fn without_padding(text: &str) -> String {
-    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
-}
-
-#[test]
-fn the_graph_is_what_dag_prints() {
-    let page = fs::read_to_string(book().join("../src/provenance.md")).unwrap();
-    let graph = String::from_utf8(signorini(&["dag", "--mermaid"]).stdout).unwrap();
-    assert!(graph.starts_with("graph LR\n") && page.contains(&graph));
 }
 
 /// The project's book, built once from a copy of the project with a cache of its own.

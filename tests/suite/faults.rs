@@ -611,10 +611,6 @@ fn arguments_that_cannot_be_meant_are_refused() {
     assert!(said.err.contains("give the name of a scene, or --f F"), "{said:?}");
     let said = project.run(&["solve", "--f", "else=-1", "--friction", "1", "--limit", "2"]);
     assert!(said.code == Some(2) && said.err.contains("both say which law holds"), "{said:?}");
-    for all in [["a", "--f", "else=-1"], ["a", "--domain", "cube"]] {
-        let said = project.run(&["solve", all[0], all[1], all[2]]);
-        assert!(said.code == Some(2) && said.err.contains("cannot be used with"), "{said:?}");
-    }
     project.write("pipeline/paper.toml", PAPER.replace("[10.0, 1.0]", "[10.0, 10.0]"));
     assert!(project.run(&["run"]).refusal().contains("positive numbers, each once"));
 }

@@ -253,34 +253,6 @@ impl Chooser {
         args
     }
 
-    fn identify(&mut self) -> Vec<String> {
-        let mut args = vec!["identify".to_owned()];
-        self.maybe(&mut args, 90, "--problem", &["1", "both", "|", "2", "3"]);
-        let values = [
-            "-4:4:0.5",
-            "-7:3:0.1",
-            "|",
-            "-6,2",
-            "0:999999:0.000000001",
-            "0:1e9:1",
-            "999999999999999:1:1",
-            "-8:4:0",
-            "4:-8:1",
-            "",
-            ":::",
-        ];
-        // Without values a search takes a minute.
-        self.maybe(&mut args, 100, "--values", &values);
-        let counts = ["1", "3", "100", "|", "0", "100000", "18446744073709551615", "-1", "x"];
-        self.maybe(&mut args, 15, "--threads", &counts);
-        for flag in ["--json", "--variants"] {
-            if self.chance(10) {
-                args.push(flag.into());
-            }
-        }
-        args
-    }
-
     fn other(&mut self) -> Vec<String> {
         let commands = [
             "run -q",
@@ -294,7 +266,7 @@ impl Chooser {
             "explain solve",
             "explain solve/a",
             "dag",
-            "dag --dot",
+            "dag --mermaid",
             "dag --mermaid",
             "diff",
             "diff --json",
@@ -350,8 +322,7 @@ fn hostile(cases: usize, seed: u64) {
             project = chooser.project();
         }
         let args = match chooser.dice.below(10) {
-            0..6 => chooser.solve(),
-            6..8 => chooser.identify(),
+            0..8 => chooser.solve(),
             _ => chooser.other(),
         };
         let mut command = Command::new("timeout");

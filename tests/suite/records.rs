@@ -1,6 +1,6 @@
 //! What is left for others to read: the reviewer's certificate.
 
-use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, wanting};
+use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, files_below, wanting};
 use std::fs;
 
 /// A project with a published table of which one cell comes out differently and one is far off.
@@ -87,6 +87,20 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     fs::remove_dir_all(project.path("again")).unwrap();
     // It is no part of the run.
     project.run(&["run"]).nothing_to_do();
+}
+
+#[test]
+fn what_leaves_the_machine_names_no_place_on_it() {
+    let project = published();
+    project.run(&["run"]).lines();
+    project.run(&["certificate"]).lines();
+    let place = project.path("").canonicalize().unwrap().display().to_string();
+    for folder in ["codecheck", "pipeline", "figures", "report"] {
+        for (name, bytes) in files_below(&project.path(folder)) {
+            assert!(!String::from_utf8_lossy(&bytes).contains(&place), "{folder}/{name}");
+        }
+    }
+    assert!(!project.run(&["dag", "--snakemake"]).out.contains(&place));
 }
 
 #[test]

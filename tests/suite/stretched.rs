@@ -9,28 +9,28 @@ use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// Pseudo-random numbers in [0, 1), the same ones on every machine (G. Marsaglia, J. Stat. Software 8 (2003) 14).
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn between(&mut self, least: f64, most: f64) -> f64 {
+    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
         least + (most - least) * self.next()
     }
 
-    fn count(&mut self, least: usize, most: usize) -> usize {
+    pub(crate) fn count(&mut self, least: usize, most: usize) -> usize {
         least + (self.next() * (most - least) as f64) as usize
     }
 }
 
 /// Way in which the cells of a rectangle are stretched.
 #[derive(Clone, Copy, PartialEq)]
-enum Stretch {
+pub(crate) enum Stretch {
     /// All by the same factor.
     Everywhere,
     /// The more, the nearer to the sides in the west and east.
@@ -38,12 +38,12 @@ enum Stretch {
 }
 
 /// Rectangle of width 1 with cells of about this aspect, all nodes moved at random by a part of their distances.
-struct Rectangle {
-    columns: usize,
-    rows: usize,
-    stretch: Stretch,
-    aspect: f64,
-    moved: f64,
+pub(crate) struct Rectangle {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    pub(crate) stretch: Stretch,
+    pub(crate) aspect: f64,
+    pub(crate) moved: f64,
 }
 
 impl Rectangle {
@@ -77,7 +77,7 @@ impl Rectangle {
     }
 
     /// Mesh; a side is free or fixed with the same probability, the one in the south never.
-    fn mesh(&self, random: &mut Random) -> AnyMesh {
+    pub(crate) fn mesh(&self, random: &mut Random) -> AnyMesh {
         let xs = self.columns();
         let ys: Vec<f64> =
             (0..=self.rows).map(|j| self.height() * j as f64 / self.rows as f64).collect();
@@ -131,7 +131,7 @@ fn moved(places: &[f64], k: usize, by: f64) -> f64 {
 }
 
 /// Random problem on a random rectangle; none if the flux cannot balance f.
-fn random_problem(random: &mut Random, most_aspect: f64) -> Option<Problem> {
+pub(crate) fn random_problem(random: &mut Random, most_aspect: f64) -> Option<Problem> {
     let rectangle = Rectangle::random(random, most_aspect);
     random_problem_on(&rectangle, random, 0)
 }

@@ -342,7 +342,7 @@ fn mistakes_in_options_of_studies_are_refused() {
         (&["--f", F, "--vary", "h=8", "--out", "v.npz"], "--out is about one solution"),
         (&["--f", F, "--csv", "t.csv"], "add --vary NAME=VALUE,VALUE"),
         (&["s", "--vary", "h=8"], "a scene that varies something"),
-        (&["a", "--vary", "friction=1"], "does not go with the domain of a scene"),
+        (&["a", "--vary", "domain=disc"], "--domain does not go with a scene, which has its own"),
         (&["--f", "disc(0,0,$R)=1; else=-1"], "--vary R=0.1,0.2"),
         (&["--f", F, "--vary", "h=1/100000"], "--h 1/100000"),
     ] {

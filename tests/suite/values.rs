@@ -58,11 +58,14 @@ fn a_line_is_the_same_as_text_json_and_csv() {
         [&values[0]["point"], &values[100]["point"]],
         [&json!([-0.5, 0.0]), &json!([0.5, 0.0])]
     );
-    let said = project.run(&[&line[..], &["--out", "line.csv"]].concat());
+    let said = project.run(&line);
     let text = said.lines();
     let head = text.iter().position(|l| l.split_whitespace().eq(["x", "y", "v", "dv_dx", "dv_dy"]));
     assert!(text[head.unwrap() + 1].trim_start().starts_with("-0.500000"), "{said:?}");
-    assert_eq!(text.last(), Some(&"wrote line.csv"));
+    // What a file has is not printed.
+    let said = project.run(&[&line[..], &["--out", "line.csv"]].concat());
+    assert!(said.lines().len() < 20, "{said:?}");
+    assert_eq!(said.lines().last(), Some(&"wrote line.csv"));
     let csv = fs::read_to_string(project.path("line.csv")).unwrap();
     let mut lines = csv.lines();
     assert_eq!(lines.next(), Some("x,y,v,dv_dx,dv_dy"));

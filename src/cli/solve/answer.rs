@@ -232,8 +232,9 @@ impl Answer {
         self.record.refusal()
     }
 
-    /// Returns the answer, then how it was found; with `recover`, the recovered solution is part of the answer.
-    pub(super) fn text(&self, request: &Request, recover: bool) -> String {
+    /// Returns the answer, then how it was found, and v at points unless a file has it; with `recover`, the recovered
+    /// solution is part of the answer.
+    pub(super) fn text(&self, request: &Request, recover: bool, points_in_file: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
         let integral = plain(self.integral(), 4);
@@ -253,7 +254,9 @@ impl Answer {
             (None, None) => {}
         }
         let digits = if self.solved.truth().is_some() { 10 } else { 6 };
-        text += &points::text(&self.values, digits);
+        if !points_in_file {
+            text += &points::text(&self.values, digits);
+        }
         text + &advice::lines(&self.record.warnings, self.record.failure.is_some())
     }
 

@@ -5,17 +5,14 @@ use serde_json::{Value, json};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::text::{interval, plain};
+use signorini_mathematics::problem::text::{interval, plain, shared};
 use signorini_mathematics::solvers::Solved;
 
-/// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`.
+/// Returns the bounds of the solution of a problem as text, with that of the recovered solution if it is `recovered`;
+/// a warning says why there are none.
 pub(super) fn text(solved: &Solved, recovered: bool) -> String {
     let problem = &solved.problem;
-    let bound = match solved.bounds().last() {
-        Some(Ok(bounds)) => bounds,
-        Some(Err(reason)) => return format!("no bound of the error: {reason}\n"),
-        None => return String::new(),
-    };
+    let Some(Ok(bound)) = solved.bounds().last() else { return String::new() };
     let domain = if problem.levels().facts().dimension == 2 { "polygon" } else { "polyhedron" };
     let guaranteed = match &solved.reserves()[..] {
         [] => "guaranteed:".to_owned(),
@@ -91,7 +88,12 @@ impl BoundaryWords {
 
     /// Returns, as text, the place and the force of an arc at zero.
     pub(super) fn arc(&self, arc: &ContactArc, rounding: f64, digits: usize) -> String {
-        let [from, to] = [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})"));
+        let [from, to] = match arc.error {
+            Some([before, after]) => {
+                [[arc.from, [before; 2]], [arc.to, [after; 2]]].map(known_point)
+            }
+            None => [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})")),
+        };
         let on = arc.part.as_ref().map_or(String::new(), |part| format!(" on {part}"));
         let place = match arc.closed {
             true => format!("everywhere{on}"),
@@ -101,6 +103,13 @@ impl BoundaryWords {
         };
         format!("{} {place}, force {}\n", self.holds, balance(arc.force, rounding, digits))
     }
+}
+
+/// Returns a point with the digits that it has.
+fn known_point([point, errors]: [[f64; 2]; 2]) -> String {
+    let [x, y] =
+        [0, 1].map(|axis| shared([point[axis] - errors[axis], point[axis] + errors[axis]]));
+    format!("({x}, {y})")
 }
 
 /// Returns a term of the balance of the flux with f as text, a sum of rounding errors as zero.

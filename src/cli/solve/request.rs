@@ -9,7 +9,7 @@ use crate::figures::Print;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::replication::fields::Fields;
-use crate::replication::fields::read::overridden;
+use crate::replication::fields::read::{is_problem_of, overridden};
 use crate::replication::fields::table::{Reading, Voice};
 use crate::replication::mesh_files;
 use crate::replication::record::Judge;
@@ -60,8 +60,10 @@ impl Request {
     /// one with which it begins.
     pub(super) fn read(args: &SolveArgs, scene: Option<&Scene>) -> Result<(Self, Problem)> {
         let clock = Clock::start();
-        scene.map(Scene::check).transpose()?;
-        let (statement, overridden) = stated(&args.fields, scene)?;
+        let statement = statement(&args.fields, scene)?;
+        let overridden = scene.map(|scene| overridden(&scene.statement, &statement, &[]));
+        let overridden = overridden.unwrap_or_default();
+        let scene_of_problem = scene.filter(|scene| is_problem_of(&scene.statement, &statement));
         args.check_file_options(&statement)?;
         args.check_most_nodes(&statement)?;
         let voice = match scene {
@@ -79,16 +81,20 @@ impl Request {
             clock.ended(Part::Setup);
         }
         let steps = |step| clock.ended_step(step);
-        let problem = statement.problem(coarsest.as_ref(), &steps);
-        let on = args.scene.as_deref().unwrap_or(&statement.domain.name);
-        let problem = problem.map_err(|e| match (Voice::Options.stated(&e), &coarsest) {
-            (Error::Input(text), Some(_)) => Error::input(format!("{on}: {text}")),
+        let problem = match args.out {
+            None => statement.without_nodes(coarsest.as_ref()).problem(coarsest.as_ref(), &steps),
+            Some(_) => statement.problem(coarsest.as_ref(), &steps),
+        };
+        let of_scene = scene.map(|scene| format!("scene `{}`", scene.name));
+        let on = of_scene.or_else(|| coarsest.is_some().then(|| statement.domain.name.clone()));
+        let problem = problem.map_err(|e| match (Voice::Options.stated(&e), on) {
+            (Error::Input(text), Some(on)) => Error::input(format!("{on}: {text}")),
             (other, _) => other,
         })?;
         if coarsest.is_none() {
             clock.ended(Part::Load);
         }
-        let title = match (scene, file) {
+        let title = match (scene_of_problem, file) {
             (Some(scene), _) => scene.title.clone(),
             (None, Some(file)) => file.to_owned(),
             (None, None) => problem.levels().facts().f.clone(),
@@ -104,7 +110,7 @@ impl Request {
             print: Print { width: args.width.clone(), title: !args.no_title },
             statement,
             voice,
-            is_papers: scene.is_some_and(|scene| scene.paper_table.is_some()),
+            is_papers: scene_of_problem.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
             points: args.points.points(&problem)?,
             warnings,
@@ -208,13 +214,6 @@ impl Request {
             (other, _) => other,
         }
     }
-}
-
-/// Returns what the options ask, over a scene if one is named, and what they have in place of the scene's, in words.
-fn stated(fields: &Fields, scene: Option<&Scene>) -> Result<(Statement, Vec<String>)> {
-    let statement = statement(fields, scene)?;
-    let overridden = scene.map(|scene| overridden(&scene.statement, &statement));
-    Ok((statement, overridden.unwrap_or_default()))
 }
 
 /// Returns what the options ask, over a scene if one is named.

@@ -11,6 +11,7 @@ use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles, bar};
 use crate::replication::fields::member::Member;
+use crate::replication::fields::read::overridden;
 use crate::replication::fields::table::Voice;
 use crate::replication::fields::vary::Vary;
 use crate::replication::mesh_files::path_of;
@@ -72,13 +73,23 @@ impl<'a> Asked<'a> {
         let mut asked = Self { title: String::new(), study, files, voice, saved: None };
         asked.check(args, scene)?;
         asked.title = match scene {
-            Some(scene) => format!("{}: {}", scene.name, scene.title),
+            Some(scene) => asked.over_scene(scene, args.fields.f.as_deref()),
             None => asked.in_common(args.fields.f.as_deref()),
         };
         if let Some(name) = &args.save {
             asked.saved = Some(save::study(name, args, &asked.study)?);
         }
         Ok(Some(asked))
+    }
+
+    /// Scene, and what all members have in place of its own: f, as it is given, and other fields.
+    fn over_scene(&self, scene: &Scene, f: Option<&str>) -> String {
+        let Study { names, members, .. } = &self.study;
+        let but_f = [&names[..], &["f".to_owned()]].concat();
+        let other = overridden(&scene.statement, &members[0].statement, &but_f);
+        let parts = f.map(|f| format!("f = {f}")).into_iter().chain(other);
+        let title = format!("{}: {}", scene.name, scene.title);
+        [title].into_iter().chain(parts).collect::<Vec<_>>().join("; ")
     }
 
     /// Domain and f, as it is given, of all members; without what varies.

@@ -5,9 +5,9 @@ use super::clock::turning;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::problem::text::{plain, shared};
 use signorini_mathematics::solvers::Solved;
-use signorini_mathematics::spectral::{PlaneChecks, TrueChecks};
+use signorini_mathematics::spectral::PlaneChecks;
 
 /// Returns what only a true solution has.
 pub(super) fn json(solved: &Solved) -> Option<Value> {
@@ -20,28 +20,14 @@ pub(super) fn json(solved: &Solved) -> Option<Value> {
         "bound": bound::json(solved),
         "checks": found.checks,
     });
-    match solved.bounds().last() {
-        Some(Ok(_)) => {}
-        Some(Err(reason)) => json["bound_reason"] = reason.to_string().into(),
-        None => {
-            json["bound_reason"] =
-                "the spectral solver checks its digits, see `checks`; --accuracy-energy gives \
-                guaranteed bounds"
-                    .into();
-        }
-    }
-    if let Some(solution) = found.on_square() {
-        let [lower_right, upper_right, upper_left, lower_left] = solution.corners();
-        json["value"] = json!({
-            "centre": solution.value(0.0, 0.0),
-            "lower_left": lower_left,
-            "lower_right": lower_right,
-            "upper_right": upper_right,
-            "upper_left": upper_left,
-        });
+    if let Some(Err(reason)) = solved.bounds().last() {
+        json["bound_reason"] = reason.to_string().into();
     }
     Some(json)
 }
+
+/// Digits of numbers without bounds, as many as the solver says that it has.
+const TEN: usize = 10;
 
 /// Returns a true solution in words; nothing of another.
 pub(super) fn text(solved: &Solved) -> String {
@@ -53,16 +39,17 @@ pub(super) fn text(solved: &Solved) -> String {
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
-    text += &format!("energy {}\n{}", plain(found.energy, 16), bound::text(solved, false));
+    let energy = match found.bracket {
+        Ok(bracket) => shared(bracket),
+        Err(_) => plain(found.energy, TEN),
+    };
+    text += &format!("energy {energy}\n{}", bound::text(solved, false));
     let has_parts = problem.levels().mesh(0).part_names().nth(1).is_some();
     for arc in &found.contact {
         let part = arc.part.clone().filter(|_| has_parts);
-        text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 16);
+        text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, TEN);
     }
-    if let Some(solution) = found.on_square() {
-        text += &format!("v(0,0) {}\n", plain(solution.value(0.0, 0.0), 16));
-    }
-    text += &words.force([found.force, 0.0 - found.integral], rounding, 16);
+    text += &words.force([found.force, 0.0 - found.integral], rounding, TEN);
     if problem.domain(problem.finest()).has_fixed_part() {
         text += "fixed parts carry the difference\n";
     }
@@ -70,33 +57,15 @@ pub(super) fn text(solved: &Solved) -> String {
 }
 
 /// Returns checks in words: the signs that hold, and the numbers that vanish.
-fn checks(checks: &TrueChecks) -> String {
-    let mut text = String::new();
-    match checks {
-        TrueChecks::Square(checks) => {
-            let [least_multiplier, least_value] =
-                [checks.least_multiplier, checks.least_value].map(|least| plain(least, 2));
-            text += &format!(
-                "checks: least multiplier {least_multiplier}, least value {least_value}\n  \
-                zero up to rounding: Green {:.1e}, Rellich {:.1e}, moments {:.1e}",
-                checks.green, checks.rellich, checks.moments
-            );
-            if let Some(resolution) = checks.resolution {
-                text += &format!(",\n  two resolutions {resolution:.1e}");
-            }
-        }
-        TrueChecks::Plane(PlaneChecks { residual, balance, flux, sign, .. }) => {
-            // Both are relative: what is as small is a rounding error.
-            let zero = |least: f64| if least.abs() < f64::EPSILON { 0.0 } else { least };
-            let [flux, sign] = [*flux, *sign].map(|least| plain(zero(least), 2));
-            text += &format!(
-                "checks: least distance of the flux to the limits of the law {flux}, \
-                least v of the right sign {sign}\n  \
-                zero but for the error: v in contact {residual:.1e}, balance {balance:.1e}"
-            );
-        }
-    }
-    text + "\n"
+fn checks(PlaneChecks { residual, balance, flux, sign, .. }: &PlaneChecks) -> String {
+    // Both are relative: what is as small is a rounding error.
+    let zero = |least: f64| if least.abs() < f64::EPSILON { 0.0 } else { least };
+    let [flux, sign] = [*flux, *sign].map(|least| plain(zero(least), 2));
+    format!(
+        "checks: least distance of the flux to the limits of the law {flux}, \
+        least v of the right sign {sign}\n  \
+        zero but for the error: v in contact {residual:.1e}, balance {balance:.1e}\n"
+    )
 }
 
 /// Evaluates a solution at so many nodes, under a bar.

@@ -144,8 +144,7 @@ impl<'a> Walk<'a> {
     /// Returns the inputs of a task, and its run with these inputs if the cache has it.
     fn look_up(&self, k: usize) -> Result<LookedUp> {
         let task = &self.plan.tasks()[k];
-        let inputs =
-            self.plan.inputs(task, &self.store.known, |need| &self.manifest(need).outputs)?;
+        let inputs = self.plan.inputs(task, |need| &self.manifest(need).outputs)?;
         let found = if self.options.force {
             Err(Reason::Forced)
         } else {
@@ -244,7 +243,7 @@ impl<'a> Walk<'a> {
         let at_work = interrupt.begin();
         scope.spawn(move |_| {
             let start = Instant::now();
-            let made = run((plan, task), job.inputs, needed, (store, interrupt));
+            let made = run(task, job.inputs, needed, (store, interrupt));
             drop(at_work);
             let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
             // The receiver lives as long as the scope.

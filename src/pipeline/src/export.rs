@@ -1,6 +1,6 @@
 //! Copies of artifacts in the project folder, written so that a file edited by hand is never lost.
 
-use super::files::{is_plain, leftovers, read, remove_from};
+use super::files::{hash_if_there, is_plain, leftovers, read, remove_from};
 use super::place::{INPUTS, is_no_link, own_place, write_own};
 use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, Task, hash};
 use crate::error::{Error, Result, SCHEMA, conflict, newer};
@@ -114,15 +114,6 @@ impl<'a> WalkResults<'a> {
         expected
     }
 
-    /// Returns the paths of all files on which a verdict rests: inputs, artifacts and their copies in the project.
-    pub fn paths(&self, project: &Path) -> BTreeSet<PathBuf> {
-        let inputs = self.plan.tasks().iter().flat_map(|task| task.files.values());
-        let artifacts = self.manifests.values().flat_map(|manifest| manifest.outputs.values());
-        let copies = self.exports().into_iter().map(|export| project.join(export.path));
-        let paths = inputs.map(|file| file.path().to_path_buf()).chain(copies);
-        paths.chain(artifacts.map(|hash| self.store.object(hash))).collect()
-    }
-
     /// True if the cache has a run that made this artifact with this hash.
     fn has_made(&self, export: &Export, hash: &str) -> bool {
         let runs = self.store.manifests(&export.task.id);
@@ -175,9 +166,8 @@ impl Exports {
         for (_, folder) in results.to_run() {
             own_place(project, folder)?;
         }
-        let there = exports
-            .par_iter()
-            .map(|Export { path, .. }| results.store.known.hash_if_there(&project.join(path)));
+        let there =
+            exports.par_iter().map(|Export { path, .. }| hash_if_there(&project.join(path)));
         let there = there.collect::<Result<Vec<_>>>()?;
         for (export, found) in exports.into_iter().zip(there) {
             let path = export.path.clone();
@@ -241,7 +231,7 @@ impl Exports {
             {
                 continue;
             }
-            let found = results.store.known.hash_if_there(&project.join(path))?;
+            let found = hash_if_there(&project.join(path))?;
             if found.is_some_and(|found| self.on_record(locked, path, &found)) {
                 remove.insert(path.clone());
             }

@@ -1,69 +1,21 @@
 //! Graph of tasks and their needs, as text for programs that draw graphs.
 
 use super::Task;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Nodes of the graph, each after all that it needs.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Graph(pub Vec<GraphNode>);
-
-/// Task with its needs.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct GraphNode {
-    /// Id of the task.
-    pub id: String,
-    /// Ids of the tasks that it needs.
-    pub needs: Vec<String>,
-}
-
-impl Graph {
-    /// Returns the graph of these tasks.
-    pub fn of(tasks: &[Task]) -> Self {
-        let nodes = tasks.iter();
-        Self(nodes.map(|Task { id, needs, .. }| GraphNode::new(id, needs)).collect())
+/// Returns the graph of these tasks, each after all that it needs, as text for Mermaid, which draws it in Markdown.
+pub fn mermaid(tasks: &[Task]) -> String {
+    let number: BTreeMap<&str, usize> = tasks.iter().map(|task| &*task.id).zip(0..).collect();
+    let mut text = String::from("graph LR\n");
+    for Task { id, .. } in tasks {
+        text += &format!("  t{}[\"{}\"]\n", number[&**id], in_mermaid(id));
     }
-
-    /// Returns the graph as text for Mermaid, which draws it in Markdown.
-    pub fn mermaid(&self) -> String {
-        let number: BTreeMap<&str, usize> = self.0.iter().map(|node| &*node.id).zip(0..).collect();
-        let mut text = String::from("graph LR\n");
-        for GraphNode { id, .. } in &self.0 {
-            text += &format!("  t{}[\"{}\"]\n", number[&**id], in_mermaid(id));
+    for Task { id, needs, .. } in tasks {
+        for need in needs {
+            text += &format!("  t{} --> t{}\n", number[&**need], number[&**id]);
         }
-        for GraphNode { id, needs } in &self.0 {
-            for need in needs {
-                text += &format!("  t{} --> t{}\n", number[&**need], number[&**id]);
-            }
-        }
-        text
     }
-
-    /// Returns the graph as text for Graphviz.
-    pub fn dot(&self) -> String {
-        let mut text = String::from("digraph signorini {\n  rankdir=LR; node [shape=box];\n");
-        for GraphNode { id, .. } in &self.0 {
-            text += &format!("  {};\n", in_dot(id));
-        }
-        for GraphNode { id, needs } in &self.0 {
-            for need in needs {
-                text += &format!("  {} -> {};\n", in_dot(need), in_dot(id));
-            }
-        }
-        text + "}\n"
-    }
-}
-
-impl GraphNode {
-    /// Returns the node of a task.
-    pub fn new(id: &str, needs: &[String]) -> Self {
-        Self { id: id.into(), needs: needs.to_vec() }
-    }
-}
-
-/// Quotes a name for Graphviz.
-fn in_dot(id: &str) -> String {
-    format!("\"{}\"", id.replace('\\', "\\\\").replace('"', "\\\""))
+    text
 }
 
 /// Escapes a name for Mermaid, to be put between quotes: characters that could end the name, or be read as markup, are
@@ -83,22 +35,7 @@ fn in_mermaid(id: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Returns the quoted names in a text for Graphviz by its rules: a backslash escapes the character after it.
-    fn quoted(dot: &str) -> Vec<String> {
-        let (mut names, mut open, mut chars) = (Vec::new(), None::<String>, dot.chars());
-        while let Some(c) = chars.next() {
-            match (&mut open, c) {
-                (None, '"') => open = Some(String::new()),
-                (None, _) => {}
-                (Some(_), '"') => names.extend(open.take()),
-                (Some(name), '\\') => name.extend(chars.next()),
-                (Some(name), c) => name.push(c),
-            }
-        }
-        assert_eq!(open, None, "{dot}");
-        names
-    }
+    use crate::Artifacts;
 
     /// Returns the label in a line for Mermaid, which ends it at a quote and reads numbers between `#` and `;`.
     fn label(line: &str) -> Option<String> {
@@ -132,13 +69,10 @@ mod tests {
             "a/é it's $HOME %x",
         ];
         let all: Vec<String> = names.map(str::to_owned).to_vec();
-        let mut graph = Graph(all.iter().map(|id| GraphNode::new(id, &[])).collect());
-        assert_eq!(quoted(&graph.dot()), all);
-        assert_eq!(labels(&graph.mermaid()), all);
-        graph.0.push(GraphNode::new("last", &all));
-        let pairs = all.iter().flat_map(|id| [id.clone(), "last".into()]);
-        let wanted: Vec<String> = all.iter().cloned().chain(["last".into()]).chain(pairs).collect();
-        assert_eq!(quoted(&graph.dot()), wanted);
-        assert_eq!(graph.mermaid().lines().filter(|line| line.ends_with(" --> t8")).count(), 8);
+        let task = |id: &str, needs| Task::new(id, &(), needs, |(), _| Ok(Artifacts::new()));
+        let mut tasks: Vec<Task> = all.iter().map(|id| task(id, Vec::new())).collect();
+        assert_eq!(labels(&mermaid(&tasks)), all);
+        tasks.push(task("last", all));
+        assert_eq!(mermaid(&tasks).lines().filter(|line| line.ends_with(" --> t8")).count(), 8);
     }
 }

@@ -1,9 +1,9 @@
 //! Files that tasks read: hashed in pieces when somebody asks for the hash, read whole when a task or a check needs the
 //! bytes, each at most once in a process.
 
+use super::Inputs;
 use super::files::{hash_of, if_there, read};
 use super::hash;
-use super::{Inputs, KnownHashes};
 use crate::error::{Error, IoContext, Result};
 use std::collections::BTreeMap;
 use std::fs;
@@ -48,25 +48,6 @@ impl InputFile {
     /// [`Error::Io`] if the system does not tell, or the path is a link to nothing.
     pub fn if_there(path: &Path) -> Result<Option<Self>> {
         Ok(if_there(path, fs::metadata(path))?.map(|_| Self::new(path.to_path_buf())))
-    }
-
-    /// Returns the path of the file.
-    pub(super) fn path(&self) -> &Path {
-        &self.0.path
-    }
-
-    /// Returns the hexadecimal blake3 of the contents; a file whose hash is known is not read.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if the file cannot be read.
-    pub(super) fn hash_or_known(&self, known: &KnownHashes) -> Result<String> {
-        let Content { path, bytes, hash, .. } = &*self.0;
-        let is_read = bytes.get().is_some() || hash.get().is_some();
-        // What is known is not kept here: a run that uses the contents hashes them.
-        match if is_read { None } else { known.of(path) } {
-            Some(known) => Ok(known),
-            None => self.hash().map(str::to_owned),
-        }
     }
 
     /// Returns the hexadecimal blake3 of the contents.

@@ -19,7 +19,6 @@ mod garbage;
 mod graph;
 mod input;
 mod interrupt;
-mod known;
 mod lock;
 mod lockfile;
 mod manifest;
@@ -36,10 +35,9 @@ pub use engine::Engine;
 pub use execute::execute;
 pub use export::{Edited, Editor, Exports, Rights, WalkResults};
 pub use garbage::Garbage;
-pub use graph::{Graph, GraphNode};
+pub use graph::mermaid;
 pub use input::{InputFile, InputFiles};
 pub use interrupt::{AtWork, Interrupt};
-pub use known::KnownHashes;
 pub use lock::Lock;
 pub use lockfile::LockFile;
 pub use manifest::{Manifest, Reason, Verdict, why};
@@ -77,19 +75,9 @@ pub struct Inputs<'a> {
     pub digest: &'a str,
     /// Folder for temporary files, in no hash; after a run that was killed, the next run empties it.
     pub scratch: &'a Path,
-    /// The program.
-    pub program: &'a RunningProgram,
     /// True once the run is to end; a task that takes long may end early, with [`Error::Interrupted`], and nothing else
     /// may depend on it.
     pub interrupted: &'a AtomicBool,
-}
-
-/// The program that runs the tasks: an input of each, by its digest.
-pub struct RunningProgram {
-    /// Digest of its sources, the compiler and its options.
-    pub digest: String,
-    /// Returns its commands, for the book: the `name` of each, empty for the program without a command, and its `help`.
-    pub commands: fn() -> Vec<Value>,
 }
 
 /// Artifacts of a task, or the reason for which there are none; a failure ends the task, but no other task.
@@ -157,19 +145,20 @@ pub fn stage(id: &str) -> &str {
 
 /// Tasks, each after all that it needs, and the program that is to run them.
 pub struct Plan {
-    program: RunningProgram,
+    /// Digest of the program's sources, the compiler and its options.
+    program: String,
     tasks: Vec<Task>,
     /// Position of each task.
     index: BTreeMap<String, usize>,
 }
 
 impl Plan {
-    /// Returns the plan of these tasks, for this program.
+    /// Returns the plan of these tasks, for the program with this digest.
     ///
     /// # Errors
     /// [`Error::Input`] if two tasks have the same id, an id is no relative path, or a task needs one that does not
     /// come before it.
-    pub fn new(program: RunningProgram, tasks: Vec<Task>) -> Result<Self> {
+    pub fn new(program: impl Into<String>, tasks: Vec<Task>) -> Result<Self> {
         let mut index = BTreeMap::new();
         for (k, task) in tasks.iter().enumerate() {
             if !files::is_plain(&task.id) {
@@ -191,7 +180,7 @@ impl Plan {
                 )));
             }
         }
-        Ok(Self { program, tasks, index })
+        Ok(Self { program: program.into(), tasks, index })
     }
 
     /// Keeps the tasks with a wanted id, and all that they need.
@@ -254,12 +243,6 @@ fn flatten(key: &str, value: &Value, out: &mut BTreeMap<String, String>) {
     };
     let text = if text.len() < LONG { text } else { hash(text.as_bytes()) };
     out.insert(key.into(), text);
-}
-
-/// Program of tests, with this digest.
-#[cfg(test)]
-fn program(digest: &str) -> RunningProgram {
-    RunningProgram { digest: digest.into(), commands: Vec::new }
 }
 
 /// Returns the hexadecimal blake3 of some bytes.
@@ -334,7 +317,6 @@ mod tests {
             artifacts: &BTreeMap::new(),
             digest: "",
             scratch: Path::new(""),
-            program: &program("program"),
             interrupted: &AtomicBool::new(false),
         };
         let want: Vec<u8> = parts.r.iter().flat_map(|r| r.to_le_bytes()).chain([0]).collect();
@@ -348,9 +330,7 @@ mod tests {
 
     #[test]
     fn a_plan_without_order_is_refused() {
-        assert!(
-            Plan::new(program("program"), vec![task("a/1", &[]), task("b/1", &["a/1"])]).is_ok()
-        );
+        assert!(Plan::new("program", vec![task("a/1", &[]), task("b/1", &["a/1"])]).is_ok());
         let cases = [
             (vec![task("b/1", &["a/1"]), task("a/1", &[])], "does not come before"),
             (vec![task("a/1", &["a/1"])], "does not come before"),
@@ -359,7 +339,7 @@ mod tests {
             (vec![task("/a", &[])], "cannot name"),
         ];
         for (tasks, why) in cases {
-            let refusal = Plan::new(program("program"), tasks).err().unwrap().to_string();
+            let refusal = Plan::new("program", tasks).err().unwrap().to_string();
             assert!(refusal.contains(why), "{refusal}");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::change::{Change, changes};
 use super::files::is_plain;
-use super::{Hashes, KnownHashes, PROGRAM, Plan, Task, hash, is_hash, stage};
+use super::{Hashes, PROGRAM, Plan, Task, hash, is_hash, stage};
 use crate::error::Result;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -94,14 +94,13 @@ fn are_safe(outputs: &Hashes) -> bool {
 }
 
 impl Plan {
-    /// Returns a task's inputs today, given what is known of files, and the outputs of every task that it needs.
+    /// Returns a task's inputs today, given the outputs of every task that it needs.
     pub(super) fn inputs<'a>(
         &self,
         task: &Task,
-        known: &KnownHashes,
         outputs: impl Fn(&str) -> &'a Hashes,
     ) -> Result<BTreeMap<String, String>> {
-        let mut inputs = self.own_inputs(task, known)?;
+        let mut inputs = self.own_inputs(task)?;
         for need in &task.needs {
             for (name, hash) in outputs(need) {
                 inputs.insert(format!("{ARTIFACT}{need}/{name}"), hash.clone());
@@ -124,20 +123,19 @@ impl Plan {
         let mut unknown = task.needs.clone();
         unknown.retain(|need| outputs(need).is_none());
         let unknown: Vec<_> = unknown.iter().map(|need| format!("{ARTIFACT}{need}/")).collect();
-        let known = KnownHashes::default();
-        let today = self.inputs(task, &known, |need| outputs(need).unwrap_or(&UNKNOWN))?;
+        let today = self.inputs(task, |need| outputs(need).unwrap_or(&UNKNOWN))?;
         let then = run.inputs.iter();
         Ok(then.filter(|(input, _)| !unknown.iter().any(|need| input.starts_with(need))).eq(&today))
     }
 
     /// Returns the inputs that no other task makes.
-    fn own_inputs(&self, task: &Task, known: &KnownHashes) -> Result<BTreeMap<String, String>> {
-        let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.digest.clone())]);
+    fn own_inputs(&self, task: &Task) -> Result<BTreeMap<String, String>> {
+        let mut inputs = BTreeMap::from([(PROGRAM.to_owned(), self.program.clone())]);
         for (key, value) in &task.parameters {
             inputs.insert(format!("parameter {key}"), value.clone());
         }
         for (path, file) in &task.files {
-            inputs.insert(format!("file {path}"), file.hash_or_known(known)?);
+            inputs.insert(format!("file {path}"), file.hash()?.to_owned());
         }
         Ok(inputs)
     }
@@ -156,7 +154,7 @@ impl Plan {
         for task in self.tasks() {
             let needs: BTreeMap<&str, &String> =
                 task.needs.iter().map(|need| (need.as_str(), &keys[need.as_str()])).collect();
-            let recipe = (&task.id, self.own_inputs(task, &KnownHashes::default())?, needs);
+            let recipe = (&task.id, self.own_inputs(task)?, needs);
             let key = hash(&serde_json::to_vec(&recipe).expect("inputs are plain data"));
             stamps.push(format!("{}-{}", stage(&task.id), &key[..STAMP_DIGITS]));
             keys.insert(&task.id, key);
@@ -171,7 +169,7 @@ impl Plan {
     pub fn own_changes(&self, task: &Task, since: &Manifest) -> Result<Vec<Change>> {
         let mut old = since.inputs.clone();
         old.retain(|input, _| !input.starts_with(ARTIFACT));
-        Ok(changes(&old, &self.own_inputs(task, &KnownHashes::default())?))
+        Ok(changes(&old, &self.own_inputs(task)?))
     }
 }
 

@@ -2,15 +2,15 @@
 
 use super::manifest::Manifest;
 use super::store::Store;
-use super::{Artifacts, Hashes, Inputs, Interrupt, PROGRAM, Plan, Task, hash};
+use super::{Artifacts, Hashes, Inputs, Interrupt, PROGRAM, Task, hash};
 use crate::error::{Error, Result};
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Runs a task of a plan; returns its record.
+/// Runs a task; returns its record.
 pub(super) fn run(
-    (plan, task): (&Plan, &Task),
+    task: &Task,
     inputs: BTreeMap<String, String>,
     needed: Vec<(String, Hashes)>,
     (store, interrupt): (&Store, &Interrupt),
@@ -26,7 +26,6 @@ pub(super) fn run(
         artifacts: &artifacts,
         digest: &digest,
         scratch: store.scratch(),
-        program: &plan.program,
         interrupted: interrupt.flag(),
     };
     // A panic must not end the other tasks; its own message has been printed.

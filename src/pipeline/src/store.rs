@@ -1,9 +1,9 @@
 //! Cache on disk: artifacts by content under `objects/`, manifests under `tasks/`, a file for each task.
 
 use super::change::changes;
-use super::files::{leftovers, read, read_if_there, write_by_way_of};
+use super::files::{hash_if_there, leftovers, read, read_if_there, write_by_way_of};
 use super::manifest::{Manifest, Reason};
-use super::{Artifacts, Hashes, KnownHashes, Lock, hash};
+use super::{Artifacts, Hashes, Lock, hash};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -32,8 +32,6 @@ pub(super) const RUNS: &str = ".runs";
 pub struct Store {
     pub(super) cache: PathBuf,
     pub(super) root: PathBuf,
-    /// Hashes of files of the cache and of the project that need not be read.
-    pub known: KnownHashes,
 }
 
 /// Earlier run of a task with the inputs asked for and intact artifacts.
@@ -46,7 +44,7 @@ pub struct Hit {
 }
 
 impl Store {
-    /// Returns the cache in folder `cache`, which need not exist yet; nothing is known of its files.
+    /// Returns the cache in folder `cache`, which need not exist yet.
     ///
     /// # Errors
     /// [`Error::Input`] if it is not a folder.
@@ -57,11 +55,7 @@ impl Store {
                 cache.display()
             )));
         }
-        Ok(Self {
-            cache: cache.to_path_buf(),
-            root: cache.join(LAYOUT),
-            known: KnownHashes::default(),
-        })
+        Ok(Self { cache: cache.to_path_buf(), root: cache.join(LAYOUT) })
     }
 
     /// Returns the folder given to [`Store::new`].
@@ -167,7 +161,7 @@ impl Store {
 
     /// Returns the reason to run a task again if this artifact is not intact.
     fn damage(&self, name: &str, hash: &String) -> Option<Reason> {
-        match self.known.hash_if_there(&self.object(hash)) {
+        match hash_if_there(&self.object(hash)) {
             Ok(found) if found.as_ref() == Some(hash) => None,
             Ok(_) => Some(Reason::Damaged(name.into())),
             Err(e) => Some(Reason::Unreadable(e.to_string())),

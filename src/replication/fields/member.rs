@@ -49,6 +49,9 @@ impl Member {
     pub(crate) fn over(&self, names: &[String], options: &Fields) -> Reading<Self> {
         let statement = options.over(self.statement.clone(), Voice::OverScene)?;
         let member = Self { statement, ..self.clone() };
+        if let Some(name) = self.numbers.keys().next().filter(|_| options.f.is_some()) {
+            return Err(does_not_go("f", name));
+        }
         for varied in names.iter().filter_map(|name| field(name)) {
             let mut given = FIELDS.iter().filter(|option| (option.given)(options));
             let says_it =
@@ -58,16 +61,19 @@ impl Member {
                 Some(option) => Some(option),
                 None => given.next(),
             };
-            let option = option.map_or(varied.name, |option| option.name);
-            let text = format!(
-                "{} does not go with a scene that varies {}; leave it out, or change the scene",
-                Voice::OverScene.name(option),
-                varied.name
-            );
-            return Err(Refused::new(varied.name, text));
+            return Err(does_not_go(option.map_or(varied.name, |option| option.name), varied.name));
         }
         Ok(member)
     }
+}
+
+/// Refusal of an option beside a scene that varies this.
+fn does_not_go(option: &'static str, varied: &str) -> Refused {
+    let text = format!(
+        "{} does not go with a scene that varies {varied}; leave it out, or change the scene",
+        Voice::OverScene.name(option)
+    );
+    Refused::new(option, text)
 }
 
 impl Field {

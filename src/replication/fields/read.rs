@@ -12,20 +12,19 @@ use signorini_mathematics::statement::{Domain, Fineness, Statement};
 impl Fields {
     /// Domain, f and law that are given, with all else as usual.
     pub(crate) fn usual(&self, voice: Voice) -> Reading<Statement> {
-        let domain = self.domain(voice)?;
+        let name = self.domain.name.as_ref();
+        let domain = self.domain(name.map_or_else(Domain::square, Domain::named), voice)?;
         let f = self.f.as_deref().ok_or_else(|| Refused::new("f", "`f` is missing; add it"))?;
-        check_names(f)?;
-        let f = match domain.is_square() {
-            true => {
-                let read = f.parse::<Source>();
-                let place = if voice == Voice::Keys { "" } else { "--f: " };
-                read.map_err(|e| Refused::new("f", format!("{place}{e}")))?.to_string()
-            }
-            // Names of regions may have spaces.
-            false if f.contains('"') => f.trim().to_owned(),
-            false => f.split_whitespace().collect::<Vec<_>>().join(" "),
-        };
+        let f = f_on(&domain, f, voice)?;
         Ok(Statement { law: self.law(voice)?, ..Statement::usual(domain, f) })
+    }
+
+    /// The statement of a scene with the f, the law and the parts that are given in place of its own.
+    fn other_problem(&self, scene: Statement, voice: Voice) -> Reading<Statement> {
+        let domain = self.domain(scene.domain, voice)?;
+        let f = self.f.as_deref().map(|f| f_on(&domain, f, voice)).transpose()?;
+        let law = self.law(voice)?.or(scene.law);
+        Ok(Statement { f: f.unwrap_or(scene.f), law, domain, ..scene })
     }
 
     /// The statement with what these fields change in it.
@@ -35,6 +34,7 @@ impl Fields {
     pub(crate) fn over(&self, base: Statement, voice: Voice) -> Reading<Statement> {
         let solver = self.solver_over(&base, voice);
         self.check(voice, &base.domain, solver)?;
+        let base = if voice == Voice::OverScene { self.other_problem(base, voice)? } else { base };
         if !solver.entry().in_space && base.domain.is_built_in_space() {
             let given = voice.with_value("solver", solver.entry().name);
             let text =
@@ -60,7 +60,8 @@ impl Fields {
         })
     }
 
-    fn domain(&self, voice: Voice) -> Reading<Domain> {
+    /// The domain with the parts and curves that are given in place of its own.
+    fn domain(&self, mut domain: Domain, voice: Voice) -> Reading<Domain> {
         let of = &self.domain;
         let lists = [&of.free, &of.fixed, &of.curve];
         let is_about_mesh = of.refine.is_some() || lists.iter().any(|list| !list.is_empty());
@@ -68,11 +69,17 @@ impl Fields {
             let text = "missing field `name` of `domain`, which has no meshes without it; add it";
             return Err(Refused::new("domain", text));
         }
-        let mut domain = Domain {
-            free: of.free.clone(),
-            fixed: of.fixed.clone(),
-            ..of.name.as_ref().map_or_else(Domain::square, Domain::named)
-        };
+        // A part that one option names is no longer of the other kind.
+        domain.free.retain(|part| !of.fixed.contains(part));
+        domain.fixed.retain(|part| !of.free.contains(part));
+        for (own, given) in [(&mut domain.free, &of.free), (&mut domain.fixed, &of.fixed)] {
+            if !given.is_empty() {
+                own.clone_from(given);
+            }
+        }
+        if !of.curve.is_empty() {
+            domain.curve.clear();
+        }
         for text in &of.curve {
             let (part, numbers) = curve(text, voice)?;
             if domain.curve.insert(part, numbers).is_some() {
@@ -172,6 +179,21 @@ impl Fields {
     }
 }
 
+/// Reads f on a domain, on the square as far as it can be without a mesh.
+fn f_on(domain: &Domain, f: &str, voice: Voice) -> Reading<String> {
+    check_names(f)?;
+    Ok(match domain.is_square() {
+        true => {
+            let read = f.parse::<Source>();
+            let place = if voice == Voice::Keys { "" } else { "--f: " };
+            read.map_err(|e| Refused::new("f", format!("{place}{e}")))?.to_string()
+        }
+        // Names of regions may have spaces.
+        false if f.contains('"') => f.trim().to_owned(),
+        false => f.split_whitespace().collect::<Vec<_>>().join(" "),
+    })
+}
+
 /// The middle one of some numbers.
 fn middle(numbers: Option<&[f64]>) -> Option<f64> {
     numbers.and_then(|numbers| numbers.get(numbers.len() / 2).copied())
@@ -228,11 +250,24 @@ fn cells_of_width(width: f64) -> Option<usize> {
     (width > 0.0 && (n * width == 1.0 || 1.0 / n == width)).then_some(n as usize)
 }
 
-/// Returns, in words, what a statement has in place of that of a scene.
-pub(crate) fn overridden(of_scene: &Statement, asked: &Statement) -> Vec<String> {
+/// True if a statement has the problem of a scene, whatever solves it and how fine.
+pub(crate) fn is_problem_of(scene: &Statement, asked: &Statement) -> bool {
+    let mut of_problem = FIELDS.iter().filter(|field| field.is_of_problem);
+    of_problem.all(|field| field.differing([scene, asked]).is_none())
+}
+
+/// Returns, in words, what a statement has in place of that of a scene, but for fields that vary.
+pub(crate) fn overridden(
+    of_scene: &Statement,
+    asked: &Statement,
+    varied: &[String],
+) -> Vec<String> {
+    let (varied, others): (Vec<_>, Vec<_>) =
+        FIELDS.iter().partition(|field| varied.iter().any(|name| name == field.name));
+    let varies_fineness = varied.iter().any(|field| field.is_about_fineness());
+    let mut fineness = fineness_overridden(of_scene, asked).filter(|_| !varies_fineness);
     let mut all = Vec::new();
-    let mut fineness = fineness_overridden(of_scene, asked);
-    for field in &FIELDS {
+    for field in others {
         if field.is_about_fineness() {
             // All fields that say how fine have one line.
             all.extend(fineness.take());

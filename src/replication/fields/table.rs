@@ -21,10 +21,10 @@ pub(crate) struct Field {
     solvers: fn(Solver) -> bool,
     /// Domains that have it.
     pub(super) domains: Domains,
+    /// True if another value makes another problem of a scene.
+    pub(super) is_of_problem: bool,
     /// Facts that it says, in words: of all fields that say the same, one is given.
     pub(super) says: &'static [&'static str],
-    /// True if an option may differ from a scene.
-    overrides: bool,
     /// True if it is among the fields.
     pub(super) given: fn(&Fields) -> bool,
     /// Value in a statement on a domain that has the field; none where it has none.
@@ -80,8 +80,8 @@ const ANY: Field = Field {
     table: None,
     solvers: |_| true,
     domains: Domains::All,
+    is_of_problem: false,
     says: &[],
-    overrides: true,
     given: |_| false,
     value: |_| None,
 };
@@ -90,14 +90,13 @@ const ANY: Field = Field {
 pub(crate) const FIELDS: [Field; 19] = [
     Field {
         name: "f",
-        overrides: false,
+        is_of_problem: true,
         given: |of| of.f.is_some(),
         value: |of| Some(of.f.clone().into()),
         ..ANY
     },
     Field {
         name: "domain",
-        overrides: false,
         given: |of| of.domain.name.is_some(),
         value: |of| Some(of.domain.name.clone().into()),
         ..ANY
@@ -240,9 +239,9 @@ pub(crate) const FIELDS: [Field; 19] = [
 
 /// Field about parts of the boundary of a mesh.
 const PART: Field =
-    Field { table: Some("domain"), domains: Domains::Meshes, overrides: false, ..ANY };
+    Field { table: Some("domain"), domains: Domains::Meshes, is_of_problem: true, ..ANY };
 /// Field of the law.
-const OF_LAW: Field = Field { table: Some("law"), says: &[LAW], overrides: false, ..ANY };
+const OF_LAW: Field = Field { table: Some("law"), says: &[LAW], is_of_problem: true, ..ANY };
 /// Field that says how fine grids or meshes are.
 const FINENESS: Field = Field { says: &[HOW_FINE], ..ANY };
 /// Field that asks for an accuracy.
@@ -315,10 +314,13 @@ impl Field {
         self.says.contains(&HOW_FINE)
     }
 
-    /// Values in two statements, as options have them, if both have one and they differ.
+    /// Values in two statements, as options have them, if they differ; where one has no setting of the solver, none.
     pub(super) fn differing(&self, statements: [&Statement; 2]) -> Option<[String; 2]> {
-        let [one, other] = statements.map(|of| Some(self.options(&self.value_in(of)?)));
-        let (one, other) = (one?.join(" "), other?.join(" "));
+        let [one, other] = statements.map(|of| match self.value_in(of) {
+            None if self.is_of_problem => Some("none".to_owned()),
+            value => Some(self.options(&value?).join(" ")),
+        });
+        let (one, other) = (one?, other?);
         (one != other).then_some([one, other])
     }
 
@@ -412,9 +414,9 @@ impl Fields {
     /// Refuses fields that do not go with a solver, a domain, each other or a scene.
     pub(super) fn check(&self, voice: Voice, domain: &Domain, solver: Solver) -> Reading<()> {
         for (place, field) in FIELDS.iter().enumerate().filter(|(_, field)| (field.given)(self)) {
-            if voice == Voice::OverScene && !field.overrides {
-                let text =
-                    "does not go with the domain of a scene; leave it out, or change the scene";
+            if voice == Voice::OverScene && field.name == "domain" {
+                let text = "does not go with a scene, which has its own; leave it out, or give --f in place of the \
+                            scene";
                 return Err(field.refused(voice, text));
             }
             field.check_domain(voice, domain)?;
@@ -450,8 +452,8 @@ impl Field {
     fn check_domain(&self, voice: Voice, domain: &Domain) -> Reading<()> {
         let text = match (self.domains, voice) {
             _ if self.domains.contain(domain) => return Ok(()),
-            (Domains::Square | Domains::SquareAndCube, Voice::OverScene) => {
-                "does not go with the domain of a scene; leave it out, or change the scene".into()
+            (_, Voice::OverScene) => {
+                format!("does not go with the scene's domain, {}; leave it out", domain.name)
             }
             (Domains::Square, Voice::Options) => {
                 "is for the square; leave it out, or leave out --domain".into()

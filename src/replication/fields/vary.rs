@@ -8,7 +8,7 @@ use super::lists::{EXAMPLE, MOST_MEMBERS, Varied, product_of, products};
 use super::member::{Member, Varying, in_words};
 use super::names::{is_name, names, with_numbers};
 use super::table::{FIELDS, Field, Reading, Refused, Voice, field, text};
-use crate::replication::columns::COLUMNS;
+use crate::replication::columns::{COLUMNS, END};
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Args, Command, FromArgMatches};
@@ -121,6 +121,15 @@ impl Vary {
                     format!("{words}: not all of them go together; leave one out"),
                 ));
             };
+            for (name, (value, found)) in self.names.iter().zip(values.iter().zip(&found)) {
+                let is_none = matches!(value, Value::Array(parts) if parts.is_empty());
+                // An option that is not given leaves a scene its own parts.
+                if is_none && *found != Varying::Parts(Vec::new()) {
+                    let text = "the scene has such parts, and keeps them where none is given; name others, or change \
+                                the scene";
+                    return Err(refused(voice, name, None, text));
+                }
+            }
             let meanings = self.names.iter().zip(&found).map(|(name, value)| value.meaning(name));
             if !seen.insert(meanings.collect::<Vec<_>>()) {
                 let words = in_words(&self.names, &found);
@@ -232,7 +241,7 @@ impl Field {
 
 /// True if a row has a key of this name besides what is varied.
 fn is_taken(name: &str) -> bool {
-    name == "schema" || COLUMNS.contains(&name)
+    ["schema", END].contains(&name) || COLUMNS.contains(&name)
 }
 
 impl<'de> Deserialize<'de> for Vary {

@@ -22,6 +22,8 @@ const RESOLVED: f64 = 1e-2;
 /// Error over the integral of |f| of the quadrature from which on a warning is given.
 const MISSED: f64 = 1e-3;
 
+/// KKT residual over the load from which on digits of the energy that are shown may be rounding errors.
+const ROUNDED: f64 = 1e-6;
 /// Error over the solution from which on a warning is given.
 const POOR: f64 = 0.5;
 
@@ -42,7 +44,8 @@ impl Judge<'_> {
         let notes = facts.notes.iter().cloned().map(Warning::fact);
         let Some(last) = solved.ends().last() else {
             let of_truth = solved.truth().into_iter().flat_map(|found| found.notes.clone());
-            let warnings = notes.chain(of_truth.map(Warning::fact)).collect();
+            let warnings =
+                notes.chain(of_truth.map(Warning::fact)).chain(no_bound(solved)).collect();
             return Record { warnings, ..Record::default() };
         };
         let (mut warnings, mut failure) = self.verdict(solved, last);
@@ -50,12 +53,14 @@ impl Judge<'_> {
         warnings.extend(solved.problem.note_on_curves().map(Warning::fact));
         warnings.extend(self.of_levels(solved, last));
         warnings.extend(self.of_tolerance(last));
+        warnings.extend(self.of_rounding(&solved.problem, last));
         warnings.extend(self.of_load(&solved.problem, last));
         if let (Some(failure), Verdict::NotSolved(_)) = (&mut failure, self.judged(last)) {
             failure.remedies.extend(remedies(&warnings));
         }
         if failure.is_none() {
             warnings.extend(self.of_force(solved, last));
+            warnings.extend(no_bound(solved));
         }
         let mut shortfall = None;
         match (solved.bounds().last(), self.statement.accuracy(), &failure) {
@@ -266,6 +271,21 @@ impl Judge<'_> {
         )))
     }
 
+    /// Warns if rounding errors leave a large residual of a solution that is sought up to them.
+    fn of_rounding(self, problem: &Problem, last: &Outcome) -> Option<Warning> {
+        let Statement { solver, tolerance, .. } = self.statement;
+        let is_exact =
+            matches!(solver, Solver::Multigrid | Solver::ActiveSet) && tolerance.is_none();
+        let is_solved = self.statement.accuracy().is_none() && self.judged(last) == Verdict::Solved;
+        let relative = last.kkt.relative;
+        (is_exact && is_solved && relative > ROUNDED).then(|| {
+            let (grid, residual) = (problem.name(problem.finest()), plain(relative, 2));
+            let fact =
+                format!("rounding errors leave a KKT residual of {residual} of the load on {grid}");
+            Warning::new(fact, self.other_cells())
+        })
+    }
+
     /// Warns if the load vector belongs to another f.
     fn of_load(self, problem: &Problem, last: &Outcome) -> Option<Warning> {
         let (levels, grid) = (problem.levels(), problem.name(problem.finest()));
@@ -343,6 +363,12 @@ impl Judge<'_> {
         }
         warnings
     }
+}
+
+/// Warns if there is no bound of the error.
+fn no_bound(solved: &Solved) -> Option<Warning> {
+    let reason = solved.bounds().last()?.as_ref().err()?;
+    Some(Warning::fact(format!("no bound of the error: {reason}")))
 }
 
 /// As [`plain`], with a plus before a positive number.

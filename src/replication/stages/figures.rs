@@ -18,9 +18,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
-use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::SaddleSettings;
-use signorini_mathematics::spectral::true_trace_on;
+use signorini_mathematics::solvers::{SaddleSettings, true_solution};
 
 /// Kind of figure.
 pub(super) struct Kind {
@@ -363,17 +361,13 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
             solutions.push((label, solve::pair(inputs, scene, rule, &problem)?));
         }
         if scene.is_problem() {
-            solutions.push(("true solution".into(), true_trace(scene)?));
+            let truth =
+                true_solution(&problem).map_err(|e| format!("scene `{}`: {e}", scene.name))?;
+            solutions.push(("true solution".into(), truth.at_nodes(&problem)));
         }
         panels.extend(ContactPanel::of(&title, &problem, &solutions)?);
     }
     Ok(contact(&panels))
-}
-
-/// Returns the true solution of a scene on the square on the boundary of its finest grid, with zeros inside.
-fn true_trace(scene: &Scene) -> Result<Pair, String> {
-    let trace = true_trace_on(scene.finest(), scene.law(), &scene.source());
-    trace.map_err(|e| format!("scene `{}`: {e}", scene.name))
 }
 
 fn draw_identifiability(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, String> {

@@ -15,7 +15,7 @@ pub(crate) mod study;
 pub(crate) mod tabulate;
 
 use crate::pipeline::error::Result;
-use crate::pipeline::{InputFiles, Inputs, Plan, RunningProgram, Task, stage};
+use crate::pipeline::{InputFiles, Inputs, Plan, Task, stage};
 use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use clap::ValueEnum;
@@ -97,8 +97,7 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     if whole {
         tasks.push(report::task(project, &tasks));
     }
-    let program = RunningProgram { digest: PROGRAM.into(), commands: project.commands };
-    let plan = Plan::new(program, tasks)?;
+    let plan = Plan::new(PROGRAM, tasks)?;
     Ok(match only {
         Some(stage) => plan.only(|id| Stage::of(id) == Some(stage)),
         None => plan,

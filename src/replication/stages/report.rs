@@ -3,13 +3,14 @@
 mod chapters;
 mod digits;
 mod notebook;
+pub(crate) mod stand_ins;
 mod times;
 
 use super::solutions::Solutions;
 use super::{artifact, figures, files_of, results, study};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::names::composed;
-use crate::pipeline::{Artifacts, Graph, GraphNode, Inputs, Made, Task};
+use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::study::Study;
@@ -89,10 +90,11 @@ struct BookParts {
     notebook: Vec<NotebookCell>,
     /// Reason for which pages made from templates are left out, if there is one.
     left_out: Option<String>,
-    /// Graph of all tasks.
-    graph: Graph,
     /// Origin of each figure.
     origins: Vec<FigureOrigin>,
+    /// Files of scenes that failed, by their paths in the pages, each with the reason.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    stand_ins: BTreeMap<String, String>,
 }
 
 /// A figure, and what it is drawn from.
@@ -114,8 +116,6 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         files.insert(format!("report/{name}"), file.clone());
     }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
-    let mut graph = Graph::of(earlier);
-    graph.0.push(GraphNode::new(ID, &needs));
     let has_notebook = project.templates.contains_key("templates/notebook.md.tera");
     let studies = project.scenes.iter();
     let studies = studies.filter_map(|scene| Some((&scene.name, scene.study.as_ref()?)));
@@ -125,8 +125,8 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         studies: studies.map(|(name, study)| (name.clone(), study.clone())).collect(),
         notebook: if has_notebook { notebook::cells() } else { Vec::new() },
         left_out: left_out(project),
-        graph,
         origins: earlier.iter().filter_map(FigureOrigin::of).collect(),
+        stand_ins: project.stand_ins.clone(),
     };
     Task::new(ID, &pages, needs, made).with_files(files).exported_to("report")
 }
@@ -135,15 +135,17 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     // The book takes the most memory of all tasks: what those before have left would add to it.
     give_back();
-    let BookParts { problems, others, studies, notebook, left_out, graph, origins } = pages;
+    let BookParts { problems, others, studies, notebook, left_out, origins, stand_ins } = pages;
+    let stand_ins = stand_ins::files(stand_ins);
     if let Some(reason) = left_out {
-        return book(inputs, Artifacts::new(), |templates| Ok(report::stubs(templates, reason)?));
+        return book(inputs, stand_ins, |templates| Ok(report::stubs(templates, reason)?));
     }
     let Solutions { listed, mut files } = Solutions::of(inputs, problems, others)?;
     for picture in notebook.iter().filter_map(|cell| cell.picture.as_ref()) {
         files.insert("notebook.svg".into(), picture.clone().into_bytes());
     }
-    book(inputs, files, |templates| {
+    let files = files.into_iter().map(|(name, bytes)| (format!("src/data/{name}"), bytes));
+    book(inputs, files.chain(stand_ins).collect(), |templates| {
         let mut context = chapters::context(inputs, problems, others)?;
         let mut rows = BTreeMap::new();
         for (name, of_scene) in studies {
@@ -152,8 +154,6 @@ fn made(pages: &BookParts, inputs: &Inputs) -> Made {
         context.insert("studies", &rows);
         context.insert("notebook", notebook);
         context.insert("solutions", &listed);
-        context.insert("commands", &(inputs.program.commands)());
-        context.insert("mermaid", &graph.mermaid());
         context.insert("origins", origins);
         Ok(report::pages(templates, &context)?)
     })
@@ -169,10 +169,11 @@ impl FigureOrigin {
     }
 }
 
-/// Makes the pages from the templates, and the book from the pages and from `data`; all are files by name.
+/// Makes the pages from the templates, and the book from the pages and from what is `made` for it; all are files by
+/// name.
 fn book(
     inputs: &Inputs,
-    data: Artifacts,
+    mut made: Artifacts,
     pages: impl Fn(&BTreeMap<String, String>) -> Result<BTreeMap<String, String>, Failure>,
 ) -> Result<Artifacts, Failure> {
     let mut templates = BTreeMap::new();
@@ -199,10 +200,6 @@ fn book(
         }
     }
     let pages = pages(&templates)?;
-    let mut made = Artifacts::new();
-    for (name, bytes) in data {
-        made.insert(format!("src/data/{name}"), bytes);
-    }
     for (_, pictures) in inputs.artifacts.iter().filter(|(id, _)| id.starts_with("figures/")) {
         for (name, bytes) in pictures {
             made.insert(format!("src/figures/{name}"), bytes.clone());

@@ -102,8 +102,7 @@ impl Solves {
 /// Columns: `problem` (the name of its scene), `solver`, `rule`, `r`, `cells` (per side; empty on a mesh), `nodes` and
 /// `tolerance` identify the solve; `rule`, `r` and `tolerance` are empty for solvers without. `energy_lower`,
 /// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were
-/// computed; `error_relative` is that bound over the norm of the solution. The spectral solver on the square has an
-/// energy alone.
+/// computed; `error_relative` is that bound over the norm of the solution.
 /// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
 /// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on

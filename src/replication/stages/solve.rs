@@ -21,7 +21,6 @@ use signorini_mathematics::levels::{Problem, Reserve};
 use signorini_mathematics::problem::text::{interval, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
-use signorini_mathematics::spectral::TrueChecks;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -53,7 +52,7 @@ pub(super) struct Outcomes {
     /// Greatest nodal error per grid; empty if no exact solution is known.
     pub(super) errors: Vec<f64>,
     /// Guaranteed bounds per grid, or none where there are none; empty for the saddle-point methods, which end where
-    /// their rule says so, and the spectral solver on the square, else with one for it.
+    /// their rule says so, and one for the spectral solver.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) bounds: Vec<Option<Bounds>>,
     /// True if the accuracy of the energy was asked for.
@@ -66,7 +65,7 @@ pub(super) struct Outcomes {
     pub(super) iterations: usize,
     /// Energy that answers: on the finest grid, as [`Outcomes::energy_on`] has it, or of the true solution.
     pub(super) energy: f64,
-    /// Accuracy of a true solution's energy, over the energy: the difference at two resolutions, or of the bounds.
+    /// Width of the bracket of a true solution's energy over the energy; none without a bracket.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) accuracy: Option<f64>,
     /// Warnings that `solve` gives.
@@ -152,14 +151,15 @@ fn task(id: String, cell: Cell, files: InputFiles) -> Task {
     .with_files(files)
 }
 
-/// Solves a statement; a mesh is read from these files. Between two grids or meshes it ends if it is interrupted. A
-/// refusal is written in this voice.
+/// Solves a statement; a mesh is read from these files, and refined for values at nodes if `has_nodes`. Between two
+/// grids or meshes it ends if it is interrupted. A refusal is written in this voice.
 pub(super) fn solved(
     (statement, voice): (&Statement, Voice),
     files: &InputFiles,
+    has_nodes: bool,
     recorder: &mut Recorder<'_>,
 ) -> Read<Solved> {
-    let problem = mesh_files::problem_in(voice, statement, files)?;
+    let problem = mesh_files::problem_in(voice, statement, files, has_nodes)?;
     let memory = Memory::new(machine::available_memory());
     let solved = statement.solve(problem, memory, recorder, &|_| ());
     let solved = solved.map_err(|e| voice.refused(statement, &e))?;
@@ -179,7 +179,7 @@ impl Cell {
         let mut recorder =
             Recorder { keep_history: self.keep_history, ..Recorder::new(interrupted) };
         let (statement, voice) = (&self.statement, Voice::Keys);
-        let solved = solved((statement, voice), files, &mut recorder)?;
+        let solved = solved((statement, voice), files, self.keep_pair, &mut recorder)?;
         let judge = Judge { statement, voice, is_papers: self.is_papers };
         if let Some(diverged) = judge.diverged(&solved) {
             return Err(Error::Stage(vec![diverged.sentence()]));
@@ -229,10 +229,7 @@ impl Cell {
         };
         if let Some(found) = solved.truth() {
             outcomes.iterations = found.steps;
-            outcomes.accuracy = match found.checks {
-                TrueChecks::Square(checks) => checks.resolution,
-                TrueChecks::Plane(checks) => checks.bracket,
-            };
+            outcomes.accuracy = found.checks.bracket;
         }
         if outcomes.r.is_none() {
             outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();

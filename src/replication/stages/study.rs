@@ -96,7 +96,7 @@ impl AskedNumbers {
     ) -> Result<Numbers, Error> {
         let statement = &self.statement;
         let mut recorder = Recorder::new(interrupted);
-        match solve::solved((statement, voice), files, &mut recorder) {
+        match solve::solved((statement, voice), files, false, &mut recorder) {
             Ok(solved) => {
                 let record = Judge { statement, voice, is_papers: false }.record(&solved);
                 Ok(Numbers::of(statement, &solved, &record))

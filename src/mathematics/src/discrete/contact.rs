@@ -7,6 +7,8 @@ pub struct ContactArc {
     pub from: [f64; 2],
     /// Last point; the same point as `from` if the arc is closed.
     pub to: [f64; 2],
+    /// Distances along the boundary within which the ends of a true solution lie from `from` and `to`, as estimated.
+    pub error: Option<[f64; 2]>,
     /// True if the arc is all of a closed curve of the boundary.
     pub closed: bool,
     /// Names of the parts of the boundary on which the arc lies; none on the square, whose boundary has no parts.
@@ -21,7 +23,7 @@ pub struct ContactArc {
 impl ContactArc {
     /// Arc of this length on a boundary without parts, closed if its ends are one point.
     pub fn new([from, to]: [[f64; 2]; 2], force: f64, length: f64) -> Self {
-        Self { from, to, closed: from == to, part: None, force, length }
+        Self { from, to, error: None, closed: from == to, part: None, force, length }
     }
 
     /// Arc on the boundary of the square.

@@ -13,7 +13,6 @@ use crate::machine::threads::{join, try_map};
 use crate::multigrid::{Goal, InputError, Multigrid, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
-use crate::spectral::SpectralParams;
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment; every grid is given by its cells per side.
@@ -124,7 +123,7 @@ const ASYMPTOTIC: usize = 64;
 pub(super) fn accuracy(plan: &AccuracyPlan) -> Result<Findings, String> {
     let mut solutions: Vec<_> = Exact::ALL.into_iter().map(KnownSolution::Formula).collect();
     for (name, f) in CONTACT {
-        solutions.push(KnownSolution::spectral(name, f, SpectralParams::default())?);
+        solutions.push(KnownSolution::spectral(name, f)?);
     }
     let (known, (others, (sweeps, compared))) = join(
         || try_map(&solutions, |solution| known(solution, plan)),

@@ -1,13 +1,17 @@
 //! Known solutions, by a formula or from the spectral solver, and errors against them.
 
-use crate::discrete::grid::Grid;
+use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{Diagonal, LoadRule, load};
 use crate::discrete::norms::{self, multiplier_error};
 use crate::discrete::stiffness::energy;
+use crate::levels::Problem;
 use crate::machine::simd::Largest;
 use crate::problem::exact::Exact;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::spectral::{Solution, SpectralParams, spectral};
+use crate::saddle::Pair;
+use crate::solvers::true_solution;
+use crate::spectral::TrueSolution;
 use serde::Serialize;
 use std::sync::OnceLock;
 
@@ -15,7 +19,7 @@ use std::sync::OnceLock;
 pub(super) enum KnownSolution {
     /// By a formula.
     Formula(Exact),
-    /// To rounding, from the spectral solver: f is piecewise constant.
+    /// From the spectral solver.
     Spectral(Box<Spectral>),
 }
 
@@ -26,7 +30,7 @@ pub(super) struct Spectral {
     /// Right-hand side.
     pub(super) f: Source,
     /// Solution.
-    pub(super) solution: Solution,
+    pub(super) solution: TrueSolution,
     /// v at the nodes of the grid with [`SAMPLED`] cells per side.
     samples: OnceLock<Vec<f64>>,
 }
@@ -49,20 +53,16 @@ pub(super) struct SolutionErrors {
 pub(super) const SAMPLED: usize = 32;
 
 impl KnownSolution {
-    /// Solves for a piecewise constant f in the notation of scenes.
+    /// Solves for f in the notation of scenes.
     ///
     /// # Errors
     /// A sentence if f cannot be read, or there is no solution.
-    pub(super) fn spectral(name: &str, f: &str, params: SpectralParams) -> Result<Self, String> {
+    pub(super) fn spectral(name: &str, f: &str) -> Result<Self, String> {
         let f: Source = f.parse().map_err(|e| format!("{name}: {e}"))?;
-        let solution = spectral(&f, params).map_err(|e| format!("{name}: {e}"))?;
-        Ok(Self::of(name, f, solution))
-    }
-
-    /// Takes the solution that the spectral solver found for f.
-    pub(super) fn of(name: &str, f: Source, solution: Solution) -> Self {
-        let samples = OnceLock::new();
-        Self::Spectral(Box::new(Spectral { name: name.into(), f, solution, samples }))
+        let solution =
+            true_solution(&on_square(&f, SAMPLED)?).map_err(|e| format!("{name}: {e}"))?;
+        let (name, samples) = (name.into(), OnceLock::new());
+        Ok(Self::Spectral(Box::new(Spectral { name, f, solution, samples })))
     }
 
     /// Name, as in `exact(name)` if there is a formula.
@@ -81,11 +81,11 @@ impl KnownSolution {
         }
     }
 
-    /// Solution of the spectral solver, if it is from there.
-    pub(super) fn solution(&self) -> Option<&Solution> {
+    /// What the spectral solver found, if it is from there.
+    pub(super) fn found(&self) -> Option<&Spectral> {
         match self {
             Self::Formula(_) => None,
-            Self::Spectral(known) => Some(&known.solution),
+            Self::Spectral(known) => Some(known),
         }
     }
 
@@ -134,12 +134,28 @@ impl KnownSolution {
     }
 }
 
+/// Problem on the grid with so many cells per side.
+fn on_square(f: &Source, cells: usize) -> Result<Problem, String> {
+    let grids = nested(&[cells]).map_err(|e| e.clone())?;
+    Problem::on_square(grids, f.clone(), LoadRule::default(), Law::SIGNORINI)
+        .map_err(|e| e.to_string())
+}
+
 impl Spectral {
+    /// v and the multiplier at the nodes of the grid with so many cells per side.
+    ///
+    /// # Errors
+    /// A sentence if there is no such grid.
+    pub(super) fn at_nodes(&self, cells: usize) -> Result<Pair, String> {
+        Ok(self.solution.at_nodes(&on_square(&self.f, cells)?))
+    }
+
     /// L2 norm of the error of the gradient: for every w, `|grad (v - w)|^2 = 2 (J(w) - J(v)) - 2 int l w`.
     fn h1_error(&self, grid: Grid, y: &[f64], load: &[f64]) -> f64 {
         let work: f64 = self
             .solution
             .boundary_points()
+            .iter()
             .map(|p| p.weight * p.multiplier * on_boundary(grid, y, p.point))
             .sum();
         (2.0 * (energy(grid, y, load) - self.solution.energy - work)).max(0.0).sqrt()
@@ -147,7 +163,9 @@ impl Spectral {
 
     /// Largest error at a node that both grids have.
     fn max_error(&self, grid: Grid, y: &[f64]) -> f64 {
-        let samples = self.samples.get_or_init(|| self.solution.at_nodes(SAMPLED));
+        let samples = self.samples.get_or_init(|| {
+            self.at_nodes(SAMPLED).expect("the problem has been stated on this grid").y
+        });
         let common = 1 << grid.cells().trailing_zeros().min(SAMPLED.trailing_zeros());
         let (ours, theirs) = (grid.cells() / common, SAMPLED / common);
         let mut largest = Largest::default();
@@ -193,12 +211,12 @@ mod tests {
     #[test]
     fn the_errors_of_zero_are_the_norms_of_the_solution() {
         let f = "quadrant(ll)=6; else=-4";
-        let known = KnownSolution::spectral("k", f, SpectralParams::default()).unwrap();
-        let solution = known.solution().unwrap();
+        let known = KnownSolution::spectral("k", f).unwrap();
+        let solution = &known.found().unwrap().solution;
         // The multiplier does no work on v.
         let size = (-2.0 * solution.energy).sqrt();
-        let multiplier: f64 =
-            solution.boundary_points().map(|p| p.weight * p.multiplier * p.multiplier).sum();
+        let points = solution.boundary_points();
+        let multiplier: f64 = points.iter().map(|p| p.weight * p.multiplier * p.multiplier).sum();
         for n in [8, 24, 256] {
             let grid = Grid::new(n).unwrap();
             let zero = vec![0.0; grid.nodes()];
@@ -206,7 +224,7 @@ mod tests {
             assert_eq!(l2, None);
             assert!((h1 - size).abs() < 1e-12, "{h1} {size}");
             // The corner of the quadrant with f > 0.
-            assert!((max - solution.corners()[3]).abs() < 1e-12, "{max}");
+            assert!((max - solution.on_boundary([-0.5; 2])[0]).abs() < 1e-12, "{max}");
             let wrong = (multiplier_l2 / multiplier.sqrt() - 1.0).abs();
             assert!(wrong < 8.0 / (n * n) as f64, "{n}: {wrong}");
         }

@@ -14,7 +14,7 @@ pub(super) struct SolutionFields<'a> {
     pub(super) place: FieldPlace<'a>,
     /// v at the nodes.
     pub(super) v: &'a [f64],
-    /// Multiplier dv/dn at the nodes, zero where there is no contact.
+    /// Multiplier of the law at the nodes, zero inside and on fixed and free parts.
     pub(super) multiplier: Vec<f64>,
     /// f in the middle of each square of a grid, or its mean over each cell of a mesh; empty if it is left out.
     pub(super) f: Cow<'a, [f64]>,

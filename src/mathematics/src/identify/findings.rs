@@ -78,11 +78,11 @@ pub fn findings(
     let mut compared = Vec::new();
     for &values in alternatives {
         let source = quadrants.source(&values);
-        let sum = |level: usize| load(grid(level), &source, variant.load).iter().sum();
+        let loads = (0..target.levels()).map(|level| load(grid(level), &source, variant.load));
         compared.push(Alternative {
             values,
             found: found(&mut evaluator, 0, &quadrants, &values),
-            sums: (0..target.levels()).map(sum).collect(),
+            sums: loads.map(|load| load.iter().sum()).collect(),
             chosen: values == on_quadrants,
         });
     }

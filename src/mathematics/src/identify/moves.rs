@@ -44,9 +44,9 @@ pub(super) fn greatest_moves(
 
 /// The nodes in the order of a sweep.
 fn order(network: &Network, order: Order) -> Vec<usize> {
-    let is_inner = |node: &usize| network.condition(*node) == NodeCondition::Inner;
     let nodes = 0..network.nodes();
-    let (inner, boundary): (Vec<_>, Vec<_>) = nodes.clone().partition(is_inner);
+    let (inner, boundary): (Vec<_>, Vec<_>) =
+        nodes.clone().partition(|&node| network.condition(node) == NodeCondition::Inner);
     match order {
         Order::Lexicographic => nodes.collect(),
         Order::BoundaryFirst => [boundary, inner].concat(),

@@ -137,13 +137,14 @@ mod tests {
     use crate::bounds::bounds;
     use crate::discrete::load::{Diagonal, LoadRule, load};
     use crate::discrete::{grid::Grid, norms};
+    use crate::levels::Problem;
     use crate::multigrid::{Goal, MultigridParams, solve_square};
     use crate::problem::exact::Exact;
     use crate::problem::law::Law;
     use crate::problem::source::Source;
     use crate::saddle::jobs::{Job, run};
     use crate::saddle::{JobGoal, Method, Pair, StopRule};
-    use crate::spectral::{SpectralParams, spectral};
+    use crate::solvers::true_solution;
     use std::fmt::Debug;
 
     /// Two arcs of contact and one, with straight jumps and with circles.
@@ -211,9 +212,12 @@ mod tests {
     #[test]
     fn vector_instructions_change_no_bit_of_true_solutions() {
         for f in sources() {
+            let grids = vec![Grid::new(2).expect("fine enough")];
+            let problem = Problem::on_square(grids, f, LoadRule::default(), Law::SIGNORINI);
+            let problem = problem.expect("a problem");
             compare(|| {
-                let solution = spectral(&f, SpectralParams::default()).expect("a solution");
-                (solution.energy, solution.contact, solution.checks, solution.steps)
+                let solution = true_solution(&problem).expect("a solution");
+                (solution.energy, solution.bracket, solution.contact, solution.checks)
             });
         }
     }

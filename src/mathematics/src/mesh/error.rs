@@ -23,7 +23,9 @@ pub enum MeshError {
         node: u64,
     },
     /// A cell without volume.
-    #[error("element {0} is flat: its vertices lie in a line or plane; mend or remove it")]
+    #[error(
+        "element {0} is flat: its vertices lie in a line or plane; move one of them, or mesh again"
+    )]
     Flat(u64),
     /// A node without a cell.
     #[error("node {0} belongs to no element; save the mesh without unused nodes")]
@@ -127,6 +129,11 @@ pub enum MeshError {
         /// Number of cells.
         cells: usize,
     },
+    /// A part with the name of the facets without one.
+    #[error(
+        "a part has the name `{0}`, which facets in no part have too; put these into a part, or rename that one"
+    )]
+    NameOfDefault(&'static str),
     /// A part or region that names nothing.
     #[error("`{0}` names no facet and no element; remove the name, or mesh what it names")]
     EmptyName(String),

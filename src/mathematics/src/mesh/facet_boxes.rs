@@ -1,84 +1,96 @@
-//! Facets by the boxes in which they lie, so that few of them are compared with a point or with each other.
+//! Facets by the boxes around them, so that few of them are compared with a point or with each other.
 //!
-//! The boxes are a little larger than the facets, so that this holds on graded meshes too.
+//! The boxes, with sides along the axes and a little larger than the facets, are those of a tree: the middle one by the
+//! longest side of all centres parts the others.
 
 use super::geometry::{bounds, size};
-use std::collections::{BTreeSet, HashMap};
 
 /// Distance over the size of a facet up to which a point lies on the facet.
 pub(super) const NEAR: f64 = 1e-9;
 
+/// Least and greatest coordinate in each direction.
+type Bounds<const D: usize> = [[f64; 2]; D];
+
 /// Facets by their boxes, each facet by its position in a list.
-pub(super) struct FacetBoxes<const D: usize> {
-    exponents: BTreeSet<i32>,
-    facets_in: HashMap<GridBox<D>, Vec<u32>>,
-}
+pub(super) struct FacetBoxes<const D: usize>(Vec<TreeBox<D>>);
 
-/// Box in space: a power of two as width, and the position in units of the width.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct GridBox<const D: usize> {
-    exponent: i32,
-    position: [i64; D],
-}
-
-impl<const D: usize> GridBox<D> {
-    /// Box of this width that holds a point.
-    fn around(point: [f64; D], exponent: i32) -> Self {
-        let position = point.map(|x| libm::floor(libm::ldexp(x, -exponent)) as i64);
-        Self { exponent, position }
-    }
+/// Middle of a part of the tree.
+struct TreeBox<const D: usize> {
+    facet: u32,
+    own: Bounds<D>,
+    /// Bounds of all boxes of the part.
+    all: Bounds<D>,
 }
 
 impl<const D: usize> FacetBoxes<D> {
     /// Boxes of facets, given by their corners.
     pub(super) fn new(facets: impl Iterator<Item = [[f64; D]; D]>) -> Self {
-        let mut boxes = Self { exponents: BTreeSet::new(), facets_in: HashMap::new() };
-        for (facet, corners) in facets.enumerate() {
-            let exponent = exponent(corners);
-            boxes.exponents.insert(exponent);
-            for found in boxes_around(corners, exponent) {
-                boxes.facets_in.entry(found).or_default().push(facet as u32);
-            }
-        }
-        boxes
+        let of_facet = |(corners, facet)| {
+            let own = around(corners);
+            TreeBox { facet, own, all: own }
+        };
+        let mut tree: Vec<TreeBox<D>> = facets.zip(0..).map(of_facet).collect();
+        arrange(&mut tree);
+        Self(tree)
     }
 
     /// Facets near a point.
-    pub(super) fn near_point(&self, point: [f64; D]) -> impl Iterator<Item = u32> {
-        let lists = self.exponents.iter().map(move |&exponent| GridBox::around(point, exponent));
-        lists.filter_map(|found| self.facets_in.get(&found)).flatten().copied()
+    pub(super) fn near_point(&self, point: [f64; D]) -> Vec<u32> {
+        self.meeting(&point.map(|x| [x, x]))
     }
 
-    /// Facets near a facet, given by its corners, in boxes that are not narrower than those of the facet.
-    pub(super) fn near_facet(&self, corners: [[f64; D]; D]) -> BTreeSet<u32> {
-        let exponents = self.exponents.range(exponent(corners)..);
-        let lists = exponents.flat_map(|&exponent| boxes_around(corners, exponent));
-        lists.filter_map(|found| self.facets_in.get(&found)).flatten().copied().collect()
+    /// Facets near a facet, given by its corners.
+    pub(super) fn near_facet(&self, corners: [[f64; D]; D]) -> Vec<u32> {
+        self.meeting(&around(corners))
+    }
+
+    /// Facets whose boxes meet these bounds, in increasing order.
+    fn meeting(&self, bounds: &Bounds<D>) -> Vec<u32> {
+        let (mut found, mut parts) = (Vec::new(), vec![&self.0[..]]);
+        while let Some(part) = parts.pop() {
+            let middle = part.len() / 2;
+            let Some(node) = part.get(middle).filter(|node| meet(&node.all, bounds)) else {
+                continue;
+            };
+            found.extend(meet(&node.own, bounds).then_some(node.facet));
+            parts.extend([&part[..middle], &part[middle + 1..]]);
+        }
+        found.sort_unstable();
+        found
     }
 }
 
-/// Exponent of the width of the boxes of a facet, which is larger than the facet.
-fn exponent<const D: usize>(corners: [[f64; D]; D]) -> i32 {
-    libm::ilogb(size(corners).max(f64::MIN_POSITIVE)) + 1
+/// Box around a facet, a little larger.
+fn around<const D: usize>(corners: [[f64; D]; D]) -> Bounds<D> {
+    let more = NEAR * size(corners);
+    bounds(&corners).map(|[least, greatest]| [least - more, greatest + more])
 }
 
-/// Returns the boxes of a width that a facet meets, at most two or three in each direction.
-fn boxes_around<const D: usize>(corners: [[f64; D]; D], exponent: i32) -> Vec<GridBox<D>> {
-    let size = size(corners);
-    let bounds = bounds(&corners);
-    let low = GridBox::around(bounds.map(|[least, _]| least - NEAR * size), exponent).position;
-    let high =
-        GridBox::around(bounds.map(|[_, greatest]| greatest + NEAR * size), exponent).position;
-    let mut positions = vec![low];
-    for d in 0..D {
-        for k in 0..positions.len() {
-            let mut position = positions[k];
-            // The second bound, for numbers whose squares are zero, is reached by no mesh that has a use.
-            while position[d] < high[d].min(low[d].saturating_add(2)) {
-                position[d] += 1;
-                positions.push(position);
+fn meet<const D: usize>(one: &Bounds<D>, two: &Bounds<D>) -> bool {
+    one.iter().zip(two).all(|(one, two)| one[0] <= two[1] && two[0] <= one[1])
+}
+
+/// Arranges boxes as a tree.
+fn arrange<const D: usize>(boxes: &mut [TreeBox<D>]) {
+    let middle = boxes.len() / 2;
+    if boxes.is_empty() {
+        return;
+    }
+    let centres: Vec<[f64; D]> =
+        boxes.iter().map(|of| of.own.map(|[low, high]| 0.5 * low + 0.5 * high)).collect();
+    let lengths = bounds(&centres).map(|[least, greatest]| greatest - least);
+    let axis = (0..D).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).expect("a direction");
+    let centre = |of: &TreeBox<D>| 0.5 * of.own[axis][0] + 0.5 * of.own[axis][1];
+    boxes.select_nth_unstable_by(middle, |a, b| centre(a).total_cmp(&centre(b)));
+    let mut all = boxes[middle].own;
+    let (below, above) = boxes.split_at_mut(middle);
+    for part in [below, &mut above[1..]] {
+        arrange(part);
+        if let Some(node) = part.get(part.len() / 2) {
+            for (all, of_part) in all.iter_mut().zip(node.all) {
+                *all = [all[0].min(of_part[0]), all[1].max(of_part[1])];
             }
         }
     }
-    positions.into_iter().map(|position| GridBox { exponent, position }).collect()
+    boxes[middle].all = all;
 }

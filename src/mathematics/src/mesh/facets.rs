@@ -114,9 +114,12 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         let mut single: Vec<CellSide<D>> = single.collect();
         single.sort_by_key(|side| (side.cell, side.without));
         let (mut facets, mut owners) = (Vec::new(), Vec::new());
+        let mut default = None;
         for CellSide { nodes: key, cell, without, .. } in single {
-            let part = parts.get(&key).copied();
-            let part = part.unwrap_or_else(|| default_part(&mut self.parts));
+            let part = match (parts.get(&key), default) {
+                (Some(&part), _) | (None, Some(part)) => part,
+                (None, None) => *default.insert(self.add_default_part()?),
+            };
             let nodes = sides_of(&self.cells[cell as usize])[usize::from(without)];
             facets.push(Facet { nodes, part });
             owners.push(cell);
@@ -186,16 +189,16 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         }
         Ok(names)
     }
-}
 
-/// Position of the part `boundary`, which is added if there is none.
-fn default_part<const D: usize>(parts: &mut Vec<Part<D>>) -> u16 {
-    const NAME: &str = "boundary";
-    let position = parts.iter().rposition(|part| part.names == NAME.into()).unwrap_or_else(|| {
-        parts.push(Part { names: NAME.into(), condition: Condition::default(), curve: None });
-        parts.len() - 1
-    });
-    position as u16
+    /// Adds a part for facets without one; returns its position.
+    fn add_default_part(&mut self) -> Result<u16, MeshError> {
+        const NAME: &str = "boundary";
+        if self.parts.iter().any(|part| part.names.contains(NAME)) {
+            return Err(MeshError::NameOfDefault(NAME));
+        }
+        self.parts.push(Part { names: NAME.into(), condition: Condition::default(), curve: None });
+        Ok((self.parts.len() - 1) as u16)
+    }
 }
 
 /// Returns the facets of a cell: the vertices without the first, without the second, and so on; those of a triangle in

@@ -33,7 +33,8 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     fn crossing(&self, boundary: &BoundaryFacets<D>) -> Option<[u32; 2]> {
         for (one, facet) in boundary.facets.iter().enumerate() {
             let corners = self.corners(facet);
-            for two in boundary.boxes.near_facet(corners) {
+            let near = boundary.boxes.near_facet(corners).into_iter();
+            for two in near.filter(|&two| two as usize > one) {
                 let other = self.corners(&boundary.facets[two as usize]);
                 if cross(corners, other) {
                     return Some([one, two as usize].map(|facet| boundary.cells[facet]));

@@ -13,7 +13,10 @@ pub const SCALE: Range<f64> = 1e-130..1e130;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SourceError {
     /// Not of the grammar.
-    #[error("cannot read `{text}` in f; write e.g. '{example}' or 'else=-1'")]
+    #[error(
+        "cannot read `{text}` in f; write a constant as 'else=-1', an expression as 'formula(3*x - 1)', and regions as \
+         '{example}'"
+    )]
     Syntax {
         /// Text that is not read.
         text: String,

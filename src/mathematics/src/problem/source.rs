@@ -393,7 +393,11 @@ mod tests {
         assert!(message("halfplane(0,0,1)=2; else=1").contains("is no region"));
         assert!(message("else=nan").contains("not a finite number"));
         assert!(message("rect(0,inf,0,1)=1; else=1").contains("not a finite number"));
-        assert!(message("circle(0,0,1)=2; else=1").contains("cannot read"));
+        for text in ["circle(0,0,1)=2; else=1", "-1", "sin(x)-1"] {
+            let refused = message(text);
+            let remedies = ["'else=-1'", "'formula(", "'rect("].map(|word| refused.contains(word));
+            assert!(refused.starts_with("cannot read") && remedies == [true; 3], "{refused}");
+        }
         assert!(message("rect(0,1,0,1)=2").contains("without `else"));
         assert!(message("exact(nothing)").contains("choose one of"));
     }

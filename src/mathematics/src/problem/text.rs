@@ -87,6 +87,35 @@ pub fn interval([low, high]: [f64; 2]) -> String {
     format!("[{}, {}]", outwards(low, -1.0), outwards(high, 1.0))
 }
 
+/// Returns a number that lies in an interval with the digits that both ends of it share, rounded; zeros after the point
+/// where it may be zero, and one digit where they share none.
+pub fn shared([low, high]: [f64; 2]) -> String {
+    let size = low.abs().max(high.abs());
+    if size == 0.0 {
+        return "0".into();
+    }
+    let is_fixed = (1e-3..1e5).contains(&size) || low <= 0.0 && high >= 0.0;
+    let first = libm::log10(size).floor().clamp(-300.0, 15.0) as i32;
+    let most = if is_fixed { 15 - first } else { 15 };
+    let shown = (0..=most as usize).rev().find_map(|places| {
+        let [low, high] = [low, high].map(|end| rounded(end, places, is_fixed));
+        (low == high).then_some(low)
+    });
+    shown.unwrap_or_else(|| plain(0.5 * (low + high), 1))
+}
+
+/// Number with so many decimals, in fixed notation without the sign of a zero, or in scientific notation.
+fn rounded(number: f64, places: usize, is_fixed: bool) -> String {
+    if !is_fixed {
+        return format!("{number:.places$e}");
+    }
+    let text = format!("{number:.places$}");
+    match text.strip_prefix('-') {
+        Some(zero) if !zero.contains(|digit| ('1'..='9').contains(&digit)) => zero.into(),
+        _ => text,
+    }
+}
+
 /// Numbers as the arguments of a shape, separated by commas.
 pub(super) struct List<'a>(pub(super) &'a [f64]);
 
@@ -159,6 +188,23 @@ mod tests {
                 assert!(from <= low && high <= to, "{shown}: {low:e} {high:e}");
                 assert!(to - from <= 1.5 * width + 1e-14 * low.abs(), "{shown}: {low:e} {high:e}");
             }
+        }
+    }
+
+    #[test]
+    fn a_number_is_shown_with_the_digits_that_both_ends_share() {
+        for (ends, text) in [
+            ([-14.985_665_284_25, -14.985_665_284_03], "-14.985665284"),
+            ([-0.096_334, -0.096_326], "-0.09633"),
+            ([0.999_94, 1.000_06], "1.000"),
+            ([-1e-8, 1e-8], "0.0000000"),
+            ([0.0, -0.0], "0"),
+            ([1.234_567e-12, 1.234_569e-12], "1.23457e-12"),
+            ([583_249_850.0, 583_249_860.0], "5.83250e8"),
+            ([-3.0, 5.0], "1"),
+            ([0.1, 0.1], "0.1000000000000000"),
+        ] {
+            assert_eq!(shared(ends), text, "{ends:?}");
         }
     }
 

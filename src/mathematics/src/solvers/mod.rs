@@ -15,7 +15,7 @@ pub use adapted::Adaption;
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{Tried, Watcher};
-pub use run::{FoundSolution, Run, takes_spectral};
+pub use run::{FoundSolution, Run, takes_spectral, true_solution};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
 pub use solved::{ReachEnd, Reached, Solved, recovered};
 pub use solver::Solver;
@@ -28,7 +28,7 @@ use crate::mesh::MeshError;
 use crate::multigrid::{Goal, InputError};
 use crate::problem::unsolvable::Unsolvable;
 use crate::saddle::{Monitor, Params, StopRule};
-use crate::spectral::SpectralError;
+use crate::spectral::PlaneError;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a run; what is solved is in the [`Problem`].
@@ -115,9 +115,9 @@ pub enum Refusal {
     /// Whoever watches has broken off.
     #[error("interrupted")]
     Interrupted,
-    /// f is not constant on pieces, or no solution was found that stands its checks.
+    /// Domain or f is not as the spectral solver takes it, or no solution was found that stands its checks.
     #[error(transparent)]
-    Spectral(#[from] SpectralError),
+    Spectral(#[from] PlaneError),
 }
 
 impl From<ProblemError> for Refusal {

@@ -4,14 +4,16 @@ use super::{Refusal, SaddleSettings, Settings, Solver};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::stop::Stop;
-use crate::levels::{Discrete, Lattices, Problem, ProblemError, read};
+use crate::levels::{Discrete, Problem, ProblemError, read};
 use crate::mesh::{Condition, PlaneMesh};
 use crate::multigrid::active_set::{active_set as solve_lattice, active_set_from};
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::source::Source;
 use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
-use crate::spectral::{SpectralError, TrueSolution, check_plane, true_solution, true_solution_on};
+use crate::spectral::{
+    PlaneError, TrueSolution, check_plane, true_solution_on, true_solution_on_square,
+};
 use std::borrow::Cow;
 
 /// Run of a solver on levels.
@@ -57,38 +59,39 @@ impl FoundSolution {
         match self {
             Self::Vector(run) => run,
             Self::Truth(found) => {
-                let (y, end) = (values(&found, problem).y, End::converged(found.steps));
+                let (y, end) = (found.at_nodes(problem).y, End::converged(found.steps));
                 judged(problem, Solver::Spectral, y, end)
             }
         }
     }
 }
 
-/// Values of a true solution at the nodes of the finest level, and the multiplier at the boundary nodes where the law
-/// holds.
-pub(super) fn values(found: &TrueSolution, problem: &Problem) -> Pair {
-    if let (Some(solution), Some(lattices)) = (found.on_square(), problem.lattices()) {
-        return solution.on_grid(lattices.finest());
+impl TrueSolution {
+    /// v at the nodes of the finest level of a problem, and the multiplier at the boundary nodes where the law holds.
+    ///
+    /// # Panics
+    /// If the problem is in space.
+    pub fn at_nodes(&self, problem: &Problem) -> Pair {
+        let (level, law) = (problem.finest(), problem.law());
+        let mesh = problem.levels().mesh(level);
+        let mesh = mesh.plane().expect("true solutions are in the plane");
+        let points = mesh.points();
+        let (mut y, mut a) = (self.values(points), Vec::new());
+        // Where functions are singular, at corners, the boundary alone has their values.
+        let free = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Free);
+        for node in free.flat_map(|facet| facet.nodes).map(|node| node as usize) {
+            [y[node], _] = self.on_boundary(points[node]);
+        }
+        for contact in problem.domain(level).contact().iter() {
+            let [value, flux] = self.on_boundary(points[contact.node]);
+            // What violates the law is an error of the method, which must not be taken for penetration.
+            y[contact.node] = if law.hi().is_infinite() { value.max(0.0) } else { value };
+            a.push(law.project(flux));
+        }
+        let fixed = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Fixed);
+        fixed.flat_map(|facet| facet.nodes).for_each(|node| y[node as usize] = 0.0);
+        Pair { y, a }
     }
-    let (level, law) = (problem.finest(), problem.law());
-    let mesh = problem.levels().mesh(level);
-    let mesh = mesh.plane().expect("true solutions are in the plane");
-    let points = mesh.points();
-    let (mut y, mut a) = (found.values(points), Vec::new());
-    // Where functions are singular, at corners, the boundary alone has their values.
-    let free = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Free);
-    for node in free.flat_map(|facet| facet.nodes).map(|node| node as usize) {
-        [y[node], _] = found.on_boundary(points[node]);
-    }
-    for contact in problem.domain(level).contact().iter() {
-        let [value, flux] = found.on_boundary(points[contact.node]);
-        // What violates the law is an error of the method, which must not be taken for penetration.
-        y[contact.node] = if law.hi().is_infinite() { value.max(0.0) } else { value };
-        a.push(law.project(flux));
-    }
-    let fixed = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Fixed);
-    fixed.flat_map(|facet| facet.nodes).for_each(|node| y[node as usize] = 0.0);
-    Pair { y, a }
 }
 
 /// Judges a vector of the finest level.
@@ -223,7 +226,7 @@ impl Monitor for Measuring<'_> {
 /// Coarsest mesh of a problem in the plane, and f on it, as the spectral solver takes them.
 fn on_coarsest<T>(
     problem: &Problem,
-    take: impl FnOnce(&PlaneMesh, &[Source]) -> Result<T, SpectralError>,
+    take: impl FnOnce(&PlaneMesh, &[Source]) -> Result<T, PlaneError>,
 ) -> Result<T, Refusal> {
     let mesh = problem.levels().mesh(0);
     let mesh = mesh.plane().ok_or(Refusal::NotInSpace(Solver::Spectral))?;
@@ -233,49 +236,25 @@ fn on_coarsest<T>(
 
 /// True if the spectral solver takes the domain and f of a problem, whether or not it then finds the solution.
 pub fn takes_spectral(problem: &Problem) -> bool {
-    match problem.lattices().map(Lattices::source) {
-        Some(f) if !f.is_smooth() => true,
-        _ => on_coarsest(problem, |mesh, f| check_plane(mesh, f, problem.law())).is_ok(),
+    on_coarsest(problem, |mesh, f| check_plane(mesh, f, problem.law())).is_ok()
+}
+
+/// True solution of a problem on a domain in the plane, without a level.
+///
+/// # Errors
+/// [`Refusal::Spectral`], and [`Refusal::NotInSpace`].
+pub fn true_solution(problem: &Problem) -> Result<TrueSolution, Refusal> {
+    match problem.lattices() {
+        Some(lattices) => Ok(true_solution_on_square(lattices.source(), problem.law())?),
+        None => on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, problem.law())),
     }
 }
 
-/// Finds the true solution by the method for any domain in the plane.
-fn on_mesh(problem: &Problem) -> Result<TrueSolution, Refusal> {
-    on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, problem.law()))
-}
-
-/// Refusal of both methods on the square.
-fn neither(square: SpectralError, plane: Refusal) -> Refusal {
-    match plane {
-        Refusal::Spectral(plane) => {
-            SpectralError::Neither { square: square.into(), plane: plane.into() }.into()
-        }
-        other => other,
-    }
-}
-
-/// Finds the true solution on a domain in the plane, without a level: on the square for constant pieces by its closed
-/// form if that finds it.
+/// Finds the true solution, as the table of solvers has it.
 pub(super) fn truth(
     problem: &Problem,
     _: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    /// Note on a solution on the square without its closed form.
-    const SECOND: &str = "the closed form of the square found no solution; this one is a sum of functions with the \
-                          digits that its bounds have in common";
-    let law = problem.law();
-    let found = match problem.lattices().map(Lattices::source) {
-        Some(f) if !f.is_smooth() => match true_solution(law, f) {
-            // What its closed form does not find on the square, the method for any domain may.
-            Err(error) if !error.is_of_input() => {
-                let mut found = on_mesh(problem).map_err(|plane| neither(error, plane))?;
-                found.notes.push(SECOND.into());
-                found
-            }
-            found => found?,
-        },
-        _ => on_mesh(problem)?,
-    };
-    Ok(FoundSolution::Truth(found.into()))
+    Ok(FoundSolution::Truth(true_solution(problem)?.into()))
 }

@@ -1,6 +1,6 @@
 //! Solution of a problem, whatever solved it and on whatever domain.
 
-use super::run::{FoundSolution, Run, values};
+use super::run::{FoundSolution, Run};
 use crate::bounds::{Bounds, NoBound, recovery};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
@@ -134,15 +134,15 @@ impl Solved {
         self.run().map_or(&[], |run| &run.ends)
     }
 
-    /// Bounds on the last levels, the finest last: on all for an accuracy, else on the finest alone; of a true solution
-    /// its own, if it has any. They are guaranteed but for what [`Solved::reserves`] lists.
+    /// Bounds on the last levels, the finest last: on all for an accuracy; else on the finest alone; of a true solution
+    /// its own. They are guaranteed but for what [`Solved::reserves`] lists.
     pub fn bounds(&self) -> &[Result<Bounds, NoBound>] {
         self.bounds.get_or_init(|| {
             let bounds = match &self.found {
-                FoundSolution::Vector(run) => Some(self.problem.bounds(&run.y)),
+                FoundSolution::Vector(run) => self.problem.bounds(&run.y),
                 FoundSolution::Truth(found) => found.bounds(),
             };
-            bounds.into_iter().collect()
+            vec![bounds]
         })
     }
 
@@ -203,7 +203,7 @@ impl Solved {
     pub fn pair(&self) -> Pair {
         match &self.found {
             FoundSolution::Vector(run) => run.pair(),
-            FoundSolution::Truth(found) => values(found, &self.problem),
+            FoundSolution::Truth(found) => found.at_nodes(&self.problem),
         }
     }
 
@@ -219,11 +219,9 @@ impl Solved {
 }
 
 impl TrueSolution {
-    /// Bounds that follow from those of the energy, or the reason for which there are none; none of the closed form of
-    /// the square.
-    pub(crate) fn bounds(&self) -> Option<Result<Bounds, NoBound>> {
-        let bracket = self.bracket?;
-        Some(bracket.map(Bounds::of_energy).map_err(|step| NoBound::Unproved { step }))
+    /// Bounds that follow from those of the energy, or the reason for which there are none.
+    pub(crate) fn bounds(&self) -> Result<Bounds, NoBound> {
+        self.bracket.map(Bounds::of_energy).map_err(|step| NoBound::Unproved { step })
     }
 }
 

@@ -16,6 +16,6 @@ pub enum Solver {
     ActiveSet,
     /// Full multigrid.
     Multigrid,
-    /// True solution, by a conformal map or by powers at corners and ends of contact.
+    /// True solution, by powers at corners and ends of contact.
     Spectral,
 }

@@ -93,7 +93,7 @@ pub const SOLVERS: [SolverEntry; 6] = [
         solver: Solver::Spectral,
         name: "spectral",
         in_words: "spectral",
-        description: "The true solution in the plane, to ten digits; on the square to rounding",
+        description: "The true solution in the plane, to ten digits, with a guaranteed bracket of its energy",
         run: truth,
         method: None,
         is_discrete: false,

@@ -220,6 +220,17 @@ impl Statement {
         Self { fineness, ..self.clone() }
     }
 
+    /// The statement with no refinement where nobody reads a node: the solver uses none, no file or picture is wanted,
+    /// and the coarsest mesh, without curves, is all of the domain.
+    pub fn without_nodes(&self, mesh: Option<&AnyMesh>) -> Self {
+        let is_domain = mesh.is_some_and(|mesh| mesh.plane().is_some() && !mesh.is_curved());
+        let fineness = match self.solver.entry().is_discrete || !is_domain {
+            true => self.fineness.clone(),
+            false => Fineness::Refined(0),
+        };
+        Self { fineness, ..self.clone() }
+    }
+
     /// The problem on the finest grid of the square alone, by multigrid, with f integrated exactly.
     pub fn exactly(&self) -> Self {
         Self {

@@ -1,6 +1,6 @@
 //! Plans of made-up tasks, walked in a temporary cache.
 
-use super::super::{Artifacts, Inputs, Made, hash, program};
+use super::super::{Artifacts, Inputs, Made, hash};
 use super::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,7 +30,7 @@ fn another_program_never_finds_the_results_of_the_first() {
             if damping == 1 { |_, _| Ok(out(1)) } else { |_, _| Ok(out(2)) };
         let tasks =
             vec![task("a/1", &[], 0, first), task("b/1", &["a/1"], 7, |byte, _| Ok(out(*byte)))];
-        Plan::new(super::super::program(&hash(program.as_bytes())), tasks).unwrap()
+        Plan::new(hash(program.as_bytes()), tasks).unwrap()
     });
     let options = Options::default();
     let first = walk(&old, cache.path(), options);
@@ -74,7 +74,7 @@ fn a_task_starts_when_all_it_needs_is_there_and_not_before_nor_after() {
             Ok(out(ORDER.fetch_add(1, Ordering::SeqCst) as u8))
         }),
     ];
-    let plan = Plan::new(program("program"), tasks).unwrap();
+    let plan = Plan::new("program", tasks).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let summary = walk(&plan, cache.path(), Options { jobs: 2, ..Options::default() });
     let ran: Vec<&str> = summary.ran.iter().map(|ran| ran.task.as_str()).collect();
@@ -90,7 +90,7 @@ fn a_panic_is_the_failure_of_one_task() {
         task("b/waits", &["a/tame", "a/wild"], 2, |byte, _| Ok(out(*byte))),
         task("c/waits", &["b/waits"], 3, |byte, _| Ok(out(*byte))),
     ];
-    let plan = Plan::new(program("program"), tasks).unwrap();
+    let plan = Plan::new("program", tasks).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let summary = walk(&plan, cache.path(), Options { keep_going: true, ..Options::default() });
     assert!(summary.failed[0].starts_with("a/wild: panicked"), "{:?}", summary.failed);
@@ -107,12 +107,11 @@ fn a_task_that_takes_long_may_end_early() {
             true => Err(Error::Interrupted.into()),
             false => Ok(Artifacts::new()),
         });
-    let plan = Plan::new(program("program"), vec![long]).unwrap();
-    let (task, store) = ((&plan, &plan.tasks()[0]), Store::new(cache.path()).unwrap());
+    let store = Store::new(cache.path()).unwrap();
     interrupt.ask();
-    let ended = run(task, BTreeMap::new(), Vec::new(), (&store, &interrupt));
+    let ended = run(&long, BTreeMap::new(), Vec::new(), (&store, &interrupt));
     assert!(matches!(ended, Err(Error::Interrupted)), "{ended:?}");
-    let made = run(task, BTreeMap::new(), Vec::new(), (&store, &Interrupt::new()));
+    let made = run(&long, BTreeMap::new(), Vec::new(), (&store, &Interrupt::new()));
     assert!(made.is_ok(), "{made:?}");
 }
 
@@ -121,7 +120,7 @@ fn what_is_at_work_is_counted() {
     let cache = tempfile::tempdir().unwrap();
     static INTERRUPT: Interrupt = Interrupt::new();
     let seen = task("a/1", &[], 0, |_, _| Ok(out(u8::from(INTERRUPT.is_at_work()))));
-    let plan = Plan::new(program("program"), vec![seen]).unwrap();
+    let plan = Plan::new("program", vec![seen]).unwrap();
     let (store, progress) = (Store::new(cache.path()).unwrap(), Progress::new(false, true));
     let summary = execute(&plan, &store, Options::default(), &progress, &INTERRUPT).unwrap();
     assert_eq!(summary.manifests["a/1"].outputs["out"], hash(&[1]));

@@ -1,6 +1,6 @@
 //! Single tasks of a made-up plan, by several workers on one cache.
 
-use super::super::{Artifacts, Inputs, Task, program};
+use super::super::{Artifacts, Inputs, Task};
 use super::*;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ fn plan(value: u8) -> Plan {
 /// Plan, for this program, of `a/1`, and of `b/1`, which adds the bytes of `a/1` to its own.
 fn plan_of(digest: &str, [a, b]: [u8; 2]) -> Plan {
     let tasks = vec![task("a/1", a, &[]), task("b/1", b, &["a/1"])];
-    Plan::new(program(digest), tasks).unwrap()
+    Plan::new(digest, tasks).unwrap()
 }
 
 fn task(id: &str, value: u8, needs: &[&str]) -> Task {
@@ -61,9 +61,8 @@ fn garbage_keeps_the_stamps_of_runs_that_it_keeps() {
     store.collect_garbage(&new, 1, false).unwrap();
     assert_eq!([&old, &new].map(|plan| stamps_in(&store, plan)), [0, 2]);
     // Two objects, two manifests and two stamps; the locks have gone already.
-    let garbage = store
-        .collect_garbage(&Plan::new(program("program"), Vec::new()).unwrap(), 1, true)
-        .unwrap();
+    let garbage =
+        store.collect_garbage(&Plan::new("program", Vec::new()).unwrap(), 1, true).unwrap();
     assert_eq!(garbage.files, 6, "{garbage:?}");
 }
 

@@ -75,7 +75,10 @@ pub(super) fn context(
     context.insert("digits", &compared(&references, &mut values, text)?);
     context.insert("values", &values);
     context.insert("figures", &shown_figures(inputs));
-    context.insert("provenance", &provenance(inputs)?);
+    context.insert("versions", &super::versions());
+    context.insert("version", env!("CARGO_PKG_VERSION"));
+    // Of code and text, as an SPDX expression.
+    context.insert("license", env!("CARGO_PKG_LICENSE"));
     context.insert("timings", &times(&bench::times(inputs)?)?);
     context.insert("fields", &described());
     Ok(context)
@@ -319,24 +322,6 @@ fn attribute(svg: &[u8], key: &str) -> Option<f64> {
         let view: f64 = value("viewBox")?.split(' ').nth(place)?.parse().ok()?;
         Some(view / 4.0)
     })
-}
-
-/// Returns the provenance of the book's numbers: names and hashes of input files, and versions.
-fn provenance(inputs: &Inputs) -> Result<Value, Failure> {
-    let (mut files, mut versions) = (Vec::new(), Vec::new());
-    for (name, file) in inputs.files {
-        // The first twelve digits identify it.
-        files.push(json!({ "name": name, "hash": file.hash()?[..12] }));
-    }
-    for (name, version) in super::versions() {
-        versions.push(json!({ "name": name, "version": version }));
-    }
-    Ok(json!({
-        "inputs": files,
-        "versions": versions,
-        // Of code and text, as an SPDX expression.
-        "license": env!("CARGO_PKG_LICENSE"),
-    }))
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::pipeline::InputFile;
-use crate::pipeline::RunningProgram;
 use std::path::Path;
 
 /// Calls `read` with a scene of this text that asks for an accuracy, and the artifacts of its solve. The scene asks for
@@ -25,7 +24,6 @@ pub(in crate::replication::stages) fn with_solved(text: &str, read: impl FnOnce(
         digest: "digest of inputs",
         scratch: Path::new(""),
         interrupted: &interrupted,
-        program: &RunningProgram { digest: String::new(), commands: Vec::new },
     };
     read(&inputs, &less);
 }

@@ -276,7 +276,7 @@ fn combined<const D: usize, const V: usize>(
     }
 }
 
-/// Sum of [`CurveShare`]s as an energy; none if no part of the boundary is curved, and in space.
+/// Sum of `CurveShare`s as an energy; none if no part of the boundary is curved, and in space.
 fn segments<const D: usize, const V: usize>(summands: &Summands<'_, D, V>) -> Option<f64> {
     let shares = curve_shares(summands.mesh, summands.sides, &summands.f.cells.mean, summands.w);
     Some(0.5 * shares?.iter().map(|share| share.square).sum::<f64>())

@@ -151,14 +151,16 @@ impl AdaptedProblem {
 /// # Errors
 /// A sentence if it fails the checks of meshes.
 fn fixed_and_free(square: PlaneMesh) -> Result<PlaneMesh, String> {
-    let part = |name, condition| Part { names: Names::from(name), condition, curve: None };
     let across = square.points.iter().take_while(|[_, y]| *y == square.points[0][1]).count() - 1;
-    let facet = |k| Facet { nodes: [k as u32, k as u32 + 1], part: u16::from(2 * k >= across) };
+    let facets = (0..across)
+        .map(|k| Facet { nodes: [k as u32, k as u32 + 1], part: u16::from(2 * k >= across) });
+    let parts = [("fixed", Condition::Fixed), ("free", Condition::Free)]
+        .map(|(name, condition)| Part { names: Names::from(name), condition, curve: None });
     MeshData {
-        facets: (0..across).map(facet).collect(),
+        facets: facets.collect(),
         points: square.points,
         cells: square.cells,
-        parts: vec![part("fixed", Condition::Fixed), part("free", Condition::Free)],
+        parts: parts.into(),
         ..MeshData::default()
     }
     .mesh()

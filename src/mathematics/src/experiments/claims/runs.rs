@@ -140,9 +140,9 @@ fn all_jobs(plan: &ClaimsPlan, problems: &[ClaimProblem]) -> Vec<ClaimJob> {
     }
     // The last rules take longest.
     nested.sort_by(|one, two| two.rule().cmp(&one.rule()).then(one.r.total_cmp(&two.r)));
-    let cells = |job: &ClaimJob| problems[job.problem].grids[job.level].cells();
     on_grids.sort_by(|one, two| {
-        let by_grid = cells(two).cmp(&cells(one)).then(one.target().total_cmp(&two.target()));
+        let [own, other] = [one, two].map(|job| problems[job.problem].grids[job.level].cells());
+        let by_grid = other.cmp(&own).then(one.target().total_cmp(&two.target()));
         by_grid.then(one.rank().cmp(&two.rank())).then(one.r.total_cmp(&two.r))
     });
     nested.extend(on_grids);
@@ -235,9 +235,11 @@ fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f6
         let rule = job.rule().expect("the runs of a batch are of one kind");
         runs.push(NestedJob { law: *law, loads, r: job.r, rule });
     }
-    let limit = |run: usize, _| problems[batch[run].problem].problem.saddle().max_iterations;
+    let all_ends = run_all_nested(&levels, &runs, |run, _| {
+        problems[batch[run].problem].problem.saddle().max_iterations
+    });
     let mut results = Vec::new();
-    for (job, ends) in batch.iter().zip(run_all_nested(&levels, &runs, limit)) {
+    for (job, ends) in batch.iter().zip(all_ends) {
         let case = &problems[job.problem];
         let on_grids = case.grids.iter().zip(&case.published).zip(&ends);
         results.push(on_grids.map(|((g, load), end)| case.measured(*g, load, end)).collect());

@@ -45,22 +45,22 @@ struct DomainPlan {
     refinements: usize,
 }
 
+impl DomainPlan {
+    fn new(name: &str, f: &str, first: usize, refinements: usize) -> Self {
+        Self { name: name.into(), f: f.into(), first, refinements }
+    }
+}
+
 impl Default for DomainsPlan {
     fn default() -> Self {
-        let domain = |name: &str, f: &str, first, refinements| DomainPlan {
-            name: name.into(),
-            f: f.into(),
-            first,
-            refinements,
-        };
         Self {
             domains: vec![
-                domain("square", "rect(-1,0,-1,0)=-6; else=1.5", 1, 6),
-                domain("lshape", "rect(-1,0,-1,0)=3; else=-2", 0, 6),
-                domain("disc", "rect(-1,0,-1,0)=-6; else=1", 0, 7),
-                domain("annulus", "rect(-1,0,-1,0)=-6; else=1", 0, 5),
-                domain("cube", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
-                domain("ball", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
+                DomainPlan::new("square", "rect(-1,0,-1,0)=-6; else=1.5", 1, 6),
+                DomainPlan::new("lshape", "rect(-1,0,-1,0)=3; else=-2", 0, 6),
+                DomainPlan::new("disc", "rect(-1,0,-1,0)=-6; else=1", 0, 7),
+                DomainPlan::new("annulus", "rect(-1,0,-1,0)=-6; else=1", 0, 5),
+                DomainPlan::new("cube", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
+                DomainPlan::new("ball", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
             ],
             r: vec![0.1, 1.0, 10.0, 1e4],
             numbered_r: vec![1.0, 10.0, 1e4],

@@ -7,9 +7,9 @@
 
 mod goal;
 mod refined;
-mod resolved;
 mod scaling;
 mod solved;
+mod truth;
 
 use super::known::KnownSolution;
 use super::problems::CONTACT;
@@ -17,7 +17,6 @@ use super::rows::Row;
 use crate::experiments::work::REACHED;
 use crate::problem::exact::Exact;
 use crate::solvers::Solver;
-use crate::spectral::SpectralParams;
 use std::sync::Arc;
 
 /// Runs to time.
@@ -109,7 +108,7 @@ impl TimedPlan {
     ///
     /// 1. Multigrid from grid to grid, with each number of threads.
     /// 2. Every solver on grids, on every problem and grid, to each of its goals.
-    /// 3. The spectral solver at every resolution.
+    /// 3. The spectral solver, on every problem.
     /// 4. Adaptive and uniform refinement of the L-shape.
     ///
     /// # Errors
@@ -118,18 +117,18 @@ impl TimedPlan {
         let paper = self.problems.iter().map(|(name, f)| (&name[..], &f[..]));
         let mut known = Vec::new();
         for (name, f) in paper.chain(CONTACT) {
-            known.push(KnownSolution::spectral(name, f, SpectralParams::FINER)?);
+            known.push(KnownSolution::spectral(name, f)?);
         }
-        let resolved: Vec<_> =
+        let truths: Vec<_> =
             known.iter().map(|known| (known.name().to_owned(), known.f())).collect();
         let has_multigrid = self.solvers.contains(&Solver::Multigrid);
         let has_spectral = self.solvers.contains(&Solver::Spectral);
         let scaling = has_multigrid.then(|| scaling::runs(self));
         let solved = solved::runs(self, known);
-        let resolved = has_spectral.then(|| resolved.into_iter().map(resolved::runs));
+        let truths = has_spectral.then(|| truths.into_iter().map(truth::run));
         let refined = has_multigrid.then(|| refined::runs(self.finest));
         let on_square = scaling.into_iter().flatten().chain(solved);
-        Ok(on_square.chain(resolved.into_iter().flatten()).chain(refined.into_iter().flatten()))
+        Ok(on_square.chain(truths.into_iter().flatten()).chain(refined.into_iter().flatten()))
     }
 
     /// Array that exceeds the caches, by which the bandwidth of the memory is measured.

@@ -78,13 +78,11 @@ fn spectral_run() -> TimedRun {
         || AdaptedProblem::LShape.truth(),
         |found: Result<TrueSolution, String>| {
             let found = found?;
-            let Some((nodes, bounds)) = found.unknowns.zip(found.bounds().and_then(Result::ok))
-            else {
-                return Ok(None);
-            };
+            let Ok(bounds) = found.bounds() else { return Ok(None) };
             let problem = AdaptedProblem::LShape.name();
             let error = bounds.relative();
-            let row = RefinedRow { problem, way: Solver::Spectral.entry().name, nodes, error };
+            let (way, nodes) = (Solver::Spectral.entry().name, found.unknowns);
+            let row = RefinedRow { problem, way, nodes, error };
             Ok(error.is_finite().then(|| TimedFacts { table: "adapted", row: row_of(row) }))
         },
     )

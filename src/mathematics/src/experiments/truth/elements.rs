@@ -83,7 +83,7 @@ impl ElementsRow {
         let Bounded { y, error, bounds } = Bounded::solve(known, grid, &load, &load)?;
         let bilinear = Bounded::solve(known, grid, &against_hats, &load)?;
         let [low, high] = bounds.energy;
-        let truth = known.solution();
+        let truth = known.found().map(|found| &found.solution);
         let judgement = judge(grid, Law::SIGNORINI, &y, &load);
         let contact = arcs(&[square_boundary(grid)], &y, &judgement);
         let [lower, upper] = bounds.error.map(|bound| bound / error);

@@ -6,7 +6,7 @@ use crate::levels::{Problem, Reserve};
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::solvers::{Adaption, Settings, Solved, Solver, find, solve};
-use crate::spectral::{TrueChecks, TrueSolution};
+use crate::spectral::TrueSolution;
 use serde::{Deserialize, Serialize};
 
 /// Problem on a built-in domain in the plane.
@@ -21,18 +21,17 @@ pub(super) struct PlanePlan {
 }
 
 impl PlanePlan {
+    fn new(domain: &str, f: &str, refinements: [usize; 2]) -> Self {
+        Self { domain: domain.into(), f: f.into(), refinements }
+    }
+
     /// Problems of the book.
     pub(super) fn all() -> Vec<Self> {
-        let plan = |domain: &str, f: &str, refinements| Self {
-            domain: domain.into(),
-            f: f.into(),
-            refinements,
-        };
         vec![
-            plan("lshape", "else=-1", [2, 6]),
-            plan("lshape", "rect(0,9,0,9)=5; else=-3", [2, 6]),
-            plan("disc", "halfplane(1,0.3,-0.1)=4; else=-7", [2, 6]),
-            plan("annulus", "disc(0.2,0.8,0.15)=30; else=-2", [1, 5]),
+            Self::new("lshape", "else=-1", [2, 6]),
+            Self::new("lshape", "rect(0,9,0,9)=5; else=-3", [2, 6]),
+            Self::new("disc", "halfplane(1,0.3,-0.1)=4; else=-7", [2, 6]),
+            Self::new("annulus", "disc(0.2,0.8,0.15)=30; else=-2", [1, 5]),
         ]
     }
 }
@@ -52,8 +51,8 @@ pub(super) struct PlaneTruthRow {
     arcs: usize,
     ends: usize,
     /// Largest |v| in contact, over its size, and the balance of the flux, over the integral of |f|.
-    residual: Option<f64>,
-    balance: Option<f64>,
+    residual: f64,
+    balance: f64,
     /// Ends of contact, and the cuts of the functions whose sum the solution is, from and to: as a picture shows them.
     contact: Vec<[f64; 2]>,
     cuts: Vec<[[f64; 2]; 2]>,
@@ -147,26 +146,19 @@ pub(super) fn against_plane(plan: &PlanePlan) -> Result<PlaneFindings, String> {
 
 impl PlaneTruthRow {
     fn of(PlanePlan { domain, f, .. }: &PlanePlan, truth: &TrueSolution) -> Self {
-        let [residual, balance] = match truth.checks {
-            TrueChecks::Plane(checks) => [Some(checks.residual), Some(checks.balance)],
-            TrueChecks::Square(_) => [None; 2],
-        };
-        let energy = truth.energy;
+        let (checks, energy) = (truth.checks, truth.energy);
         let open = truth.contact.iter().filter(|arc| !arc.closed);
         let contact: Vec<_> = open.flat_map(|arc| [arc.from, arc.to]).collect();
         Self {
             domain: domain.clone(),
             f: f.clone(),
             energy,
-            bracket: truth
-                .bracket
-                .and_then(Result::ok)
-                .map(|[low, high]| (high - low) / energy.abs()),
+            bracket: checks.bracket,
             steps: truth.steps,
             arcs: truth.contact.len(),
             ends: contact.len(),
-            residual,
-            balance: balance.map(f64::abs),
+            residual: checks.residual,
+            balance: checks.balance.abs(),
             contact,
             cuts: truth.cuts(),
         }
@@ -204,11 +196,15 @@ fn distance(truth: &[ContactArc], found: &[ContactArc]) -> Option<f64> {
     if truth.len() != found.len() || truth.iter().chain(found).any(|arc| arc.closed) {
         return None;
     }
-    let apart = |[x, y]: [f64; 2], [u, v]: [f64; 2]| libm::hypot(u - x, v - y);
     let off = truth.iter().map(|arc| {
         let others =
             found.iter().map(|other| apart(arc.from, other.from).max(apart(arc.to, other.to)));
         others.fold(f64::INFINITY, f64::min)
     });
     off.reduce(f64::max)
+}
+
+/// Distance of two points.
+fn apart([x, y]: [f64; 2], [u, v]: [f64; 2]) -> f64 {
+    libm::hypot(u - x, v - y)
 }

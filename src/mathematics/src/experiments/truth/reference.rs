@@ -1,9 +1,10 @@
-//! Values of a true solution, to as many digits as two resolutions agree on and rounding leaves.
+//! Numbers of a true solution on the square, as a reference for other programs.
 
-use crate::spectral::Solution;
+use crate::discrete::contact::ContactArc;
+use crate::spectral::TrueSolution;
 use serde::Serialize;
 
-/// Table `values`: a number of a true solution, as a reference for other programs.
+/// Table `values`: a number of a true solution.
 #[derive(Serialize)]
 pub(super) struct ValueRow {
     /// Name of the problem.
@@ -14,100 +15,48 @@ pub(super) struct ValueRow {
     quantity: &'static str,
     /// Number of the arc, anticlockwise, from the one that ends first after the lower right corner.
     arc: Option<usize>,
-    /// Number as a double, at the finer of two resolutions.
-    value: f64,
-    /// Decimals on which both resolutions agree, at most 14, rounded.
-    digits: String,
-}
-
-/// Number of decimals that rounding errors do not reach: beyond, both resolutions may have the same error.
-const DECIMALS: usize = 14;
-
-/// Decimals on which two numbers agree.
-fn digits([rough, fine]: [f64; 2]) -> String {
-    // Zero on contact, and halves on the sides of the square, hold by construction.
-    if fine == rough && (2.0 * fine).fract() == 0.0 {
-        return format!("{}", fine + 0.0);
-    }
-    for places in (0..=DECIMALS).rev() {
-        let written = decimals(fine, places);
-        if written == decimals(rough, places) {
-            return written;
-        }
-    }
-    String::new()
-}
-
-/// Writes `x` with this number of decimals; zero has no sign.
-fn decimals(x: f64, places: usize) -> String {
-    let text = format!("{x:.places$}");
-    if text.trim_start_matches(['-', '0', '.']).is_empty() {
-        text.trim_start_matches('-').to_owned()
-    } else {
-        text
-    }
-}
-
-/// A number of a solution, and its name.
-struct Named {
-    quantity: &'static str,
-    arc: Option<usize>,
+    /// The number.
     value: f64,
 }
 
-/// The numbers of a solution with this many arcs at least, in the order of `pipeline/truth.toml`.
-fn numbers(solution: &Solution, arcs: usize) -> Vec<Named> {
-    // The solver counts from the lower right corner.
-    let [lower_right, upper_right, upper_left, lower_left] = solution.corners();
-    let mut numbers = Vec::new();
-    for (quantity, value) in [
-        ("energy", solution.energy),
-        ("centre", solution.value(0.0, 0.0)),
-        ("lower left", lower_left),
-        ("lower right", lower_right),
-        ("upper right", upper_right),
-        ("upper left", upper_left),
+/// Numbers of the solution of a problem, in the order of `pipeline/truth.toml`.
+pub(super) fn values(problem: &str, solution: &TrueSolution) -> Vec<ValueRow> {
+    let mut numbers =
+        vec![("energy", None, solution.energy), ("centre", None, solution.values(&[[0.0; 2]])[0])];
+    for (quantity, corner) in [
+        ("lower left", [-0.5, -0.5]),
+        ("lower right", [0.5, -0.5]),
+        ("upper right", [0.5, 0.5]),
+        ("upper left", [-0.5, 0.5]),
     ] {
-        numbers.push(Named { quantity, arc: None, value });
+        numbers.push((quantity, None, solution.on_boundary(corner)[0]));
     }
-    for (k, arc) in solution.contact[..arcs].iter().enumerate() {
-        for (quantity, value) in [
-            ("from x", arc.from[0]),
-            ("from y", arc.from[1]),
-            ("to x", arc.to[0]),
-            ("to y", arc.to[1]),
-            ("force", arc.force),
-        ] {
-            numbers.push(Named { quantity, arc: Some(k), value });
-        }
+    let mut arcs: Vec<&ContactArc> = solution.contact.iter().collect();
+    arcs.sort_by(|one, other| place(one.to).total_cmp(&place(other.to)));
+    for (k, arc) in arcs.into_iter().enumerate() {
+        let ([from_x, from_y], [to_x, to_y]) = (arc.from, arc.to);
+        numbers.extend([
+            ("from x", Some(k), from_x),
+            ("from y", Some(k), from_y),
+            ("to x", Some(k), to_x),
+            ("to y", Some(k), to_y),
+            ("force", Some(k), arc.force),
+        ]);
     }
-    numbers
+    let rows = numbers.into_iter();
+    rows.map(|(quantity, arc, value)| ValueRow { problem: problem.into(), quantity, arc, value })
+        .collect()
 }
 
-/// Returns the numbers of the solution of a problem at two resolutions, the finer one last.
-pub(super) fn values(problem: &str, [rough, fine]: [&Solution; 2]) -> Vec<ValueRow> {
-    let arcs = rough.contact.len().min(fine.contact.len());
-    let mut rows = Vec::new();
-    for (rough, Named { quantity, arc, value }) in
-        numbers(rough, arcs).into_iter().zip(numbers(fine, arcs))
-    {
-        let digits = digits([rough.value, value]);
-        rows.push(ValueRow { problem: problem.into(), quantity, arc, value, digits });
-    }
-    rows
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn digits_are_those_of_both_resolutions() {
-        // 0.12345679 and 0.12345678 with a decimal more.
-        assert_eq!(digits([0.123456789, 0.123456781]), "0.1234568");
-        assert_eq!(digits([-0.5, -0.5]), "-0.5");
-        assert_eq!(digits([0.25, 0.25]), "0.25000000000000");
-        assert_eq!(digits([0.0, 0.0]), "0");
-        assert_eq!(digits([-1e-18, 1e-18]), "0.00000000000000");
+/// Length of the boundary from the lower right corner to a point of it, anticlockwise.
+fn place([x, y]: [f64; 2]) -> f64 {
+    if x == 0.5 {
+        y + 0.5
+    } else if y == 0.5 {
+        1.5 - x
+    } else if x == -0.5 {
+        2.5 - y
+    } else {
+        3.5 + x
     }
 }

@@ -196,6 +196,12 @@ mod tests {
                 "$Elements, line 20: element 23 is a hexahedron; mesh with tetrahedra only",
             ),
             (
+                "22 1 2",
+                "22 27 2",
+                "$Elements, line 19: element 22 is of order 4 or higher, and those up to order 3 are read; mesh with \
+                 `Mesh.ElementOrder = 1`",
+            ),
+            (
                 "23 2 2",
                 "23 34 2",
                 "$Elements, line 20: element 23 has type 34, which is not read; mesh with simplices of order 1, by \

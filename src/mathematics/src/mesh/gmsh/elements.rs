@@ -288,6 +288,10 @@ fn kind(head: ElementHead) -> Result<ElementType, Fault> {
         5 | 12 | 17 => ("is a hexahedron".into(), simplices),
         6 | 13 | 18 => ("is a prism".into(), simplices),
         7 | 14 | 19 => ("is a pyramid".into(), simplices),
+        22..=25 | 27 | 28 | 30 | 31 | 33 | 37 | 38 | 40..=66 | 71..=75 => (
+            "is of order 4 or higher, and those up to order 3 are read".into(),
+            "mesh with `Mesh.ElementOrder = 1`",
+        ),
         other => (
             format!("has type {other}, which is not read"),
             "mesh with simplices of order 1, by `Mesh.ElementOrder = 1`",

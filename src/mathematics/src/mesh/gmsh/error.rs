@@ -94,6 +94,21 @@ pub(super) enum GmshError {
     /// More groups than 16 bits number.
     #[error("there are {0} physical groups, and at most 65535 are read; unite some")]
     Groups(usize),
+    /// A group whose name is the number of a group without a name.
+    #[error(
+        "group {named} has the name `{number}`, which group {number}, without a name, has too; rename one of them"
+    )]
+    NameIsNumber {
+        /// Number of the group with the name.
+        named: u64,
+        /// Number of the group without a name.
+        number: u64,
+    },
+    /// A group with the name of what is in no group.
+    #[error(
+        "a group has the name `{0}`, which elements in no group have too; put these into a group, or rename that one"
+    )]
+    NameOfNone(&'static str),
     /// Elements that are no triangulation.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -146,6 +161,16 @@ pub(super) enum Fault {
     /// Elements before what they need.
     #[error("${0} has to stand before $Elements; save the mesh again")]
     Order(&'static str),
+    /// Names of groups without their dimension.
+    #[error(
+        "names of groups without a dimension are not read; open the file in Gmsh, and save it again"
+    )]
+    NoDimension,
+    /// Nodes with parameters in version 2.
+    #[error(
+        "nodes with parameters are not read in version 2; save with `Mesh.MshFileVersion = 4.1`"
+    )]
+    Parametric,
     /// A name that is not one short line in quotes.
     #[error("the name of group {0} is not one to 127 printed letters in quotes; change the name")]
     Name(u64),
@@ -222,6 +247,24 @@ mod tests {
                 "south",
                 "$PhysicalNames, line 6: the name of group 1 is not one to 127 printed letters in quotes; change the \
                  name",
+            ),
+            (
+                "1 1 \"south\"",
+                "1 \"south\"",
+                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
+                 save it again",
+            ),
+            (
+                "1 1 \"south\"",
+                "1\"south\"",
+                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
+                 save it again",
+            ),
+            (
+                "$Nodes\n4",
+                "$ParametricNodes\n4",
+                "$ParametricNodes, line 9: nodes with parameters are not read in version 2; save with \
+                 `Mesh.MshFileVersion = 4.1`",
             ),
             ("13 1 1 0", "13 1 1,5 0", "$Nodes, line 13: `1,5` stands in the place of a number"),
             (

@@ -17,6 +17,10 @@ impl GroupNames {
     pub(super) fn read(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         let count: u64 = scanner.number("a whole number from 0 on")?;
         for _ in 0..count {
+            if scanner.words_before_quote() == Some(1) {
+                scanner.word()?;
+                return Err(scanner.fault(Fault::NoDimension));
+            }
             let dimension: i64 = scanner.number("a dimension")?;
             let group = scanner.number::<i64>("the number of a group")?.unsigned_abs();
             let line = String::from_utf8_lossy(scanner.rest_of_line());

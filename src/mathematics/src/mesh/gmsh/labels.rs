@@ -103,6 +103,7 @@ impl Groups {
         }
         let mut labels = Labels { names: Vec::new(), positions: HashMap::new() };
         for (groups, set) in by_groups {
+            check_names(groups, &names)?;
             let label = label(groups, &names);
             let known = labels.names.iter().position(|known| *known == label);
             let position = known.unwrap_or(labels.names.len());
@@ -115,7 +116,25 @@ impl Groups {
     }
 }
 
-/// Names of some groups; that of none is `domain`.
+/// Name of what is in no group.
+const WITHOUT_GROUP: &str = "domain";
+
+/// Checks that no name of a group is also the number of one of these groups without a name or, for none, the name of
+/// what is in no group.
+fn check_names(groups: &[u64], names: &BTreeMap<u64, &str>) -> Result<(), GmshError> {
+    if groups.is_empty() && names.values().any(|name| *name == WITHOUT_GROUP) {
+        return Err(GmshError::NameOfNone(WITHOUT_GROUP));
+    }
+    let without_name = groups.iter().filter(|group| !names.contains_key(group));
+    for &number in without_name {
+        if let Some((&named, _)) = names.iter().find(|(_, name)| **name == number.to_string()) {
+            return Err(GmshError::NameIsNumber { named, number });
+        }
+    }
+    Ok(())
+}
+
+/// Names of some groups.
 fn label(groups: &[u64], names: &BTreeMap<u64, &str>) -> Names {
     let mut label = Names::default();
     for group in groups {
@@ -124,5 +143,5 @@ fn label(groups: &[u64], names: &BTreeMap<u64, &str>) -> Names {
             None => label.add(&group.to_string()),
         }
     }
-    if groups.is_empty() { "domain".into() } else { label }
+    if groups.is_empty() { WITHOUT_GROUP.into() } else { label }
 }

@@ -151,6 +151,14 @@ impl<'a> Scanner<'a> {
         Ok(&rest[..length])
     }
 
+    /// Number of words before a quote in the next line of a text that is not blank, if there is a quote.
+    pub(super) fn words_before_quote(&self) -> Option<usize> {
+        let line = self.bytes[self.at..].trim_ascii_start().split(|&byte| byte == b'\n').next()?;
+        let quote = line.iter().position(|&byte| byte == b'"')?;
+        let words = line[..quote].split(u8::is_ascii_whitespace);
+        Some(words.filter(|word| !word.is_empty()).count())
+    }
+
     /// Rest of the line of a text, without blanks at both ends.
     pub(super) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];

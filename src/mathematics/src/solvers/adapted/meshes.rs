@@ -259,15 +259,13 @@ impl<'a> Meshes<'a> {
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
         let mut origins = Cow::Borrowed(&origins[..]);
         for before in bisected.iter().rev().skip(1) {
-            let to_before = |&cell: &u32| before.origins[cell as usize];
-            origins = origins.iter().map(to_before).collect();
+            origins = origins.iter().map(|&cell| before.origins[cell as usize]).collect();
         }
         let before = CellsBefore { origins: &origins, f: &self.load.cells };
-        let assemble = |made: &Bisected| assemble_sides(&made.mesh, &made.sides);
         let (f, ended) = (&self.f, self.ended);
         let (networks, load) = among_threads(COST * mesh.points().len(), || {
             let networks = || {
-                let networks = map(&bisected, 1, assemble);
+                let networks = map(&bisected, 1, |made| assemble_sides(&made.mesh, &made.sides));
                 ended(Step::Mesh);
                 networks
             };

@@ -1,0 +1,231 @@
+//! The way from a start to a checked solution: Newton's method on the ends on a coarse level, signs, finer levels.
+
+use super::newton::{remove, settle};
+use super::signs::PlaneSigns;
+use crate::spectral::fit::energy::Integrals;
+use crate::spectral::fit::field::{PlaneNode, Sizes, boundary_nodes};
+use crate::spectral::fit::{Effort, Fit};
+use crate::spectral::geometry::boundary::{PlaneRing, RingContact};
+use crate::spectral::geometry::domain::PlaneError;
+use crate::spectral::problem::PlaneStart;
+use crate::spectral::setup::{Level, Setup};
+
+/// Solution of one level with what is known of it.
+pub(in crate::spectral) struct PlaneFound {
+    pub contact: Vec<RingContact>,
+    pub fit: Fit,
+    pub nodes: Vec<PlaneNode>,
+    pub sizes: Sizes,
+    pub signs: PlaneSigns,
+    pub integrals: Integrals,
+    pub steps: usize,
+    /// Level on which it was found.
+    level: Level,
+}
+
+/// Fits on a level after which no correction is tried.
+const STEPS: usize = 30;
+/// Corrections of the contact set on a level.
+const CORRECTIONS: usize = 8;
+/// Points of a panel for signs, and for integrals.
+const POINTS: [usize; 2] = [8, 16];
+
+impl PlaneFound {
+    /// Finds the contact set on a level.
+    fn on(
+        setup: &Setup,
+        contact: &mut Vec<RingContact>,
+        level: Level,
+        effort: &mut Effort,
+        points: usize,
+    ) -> Result<Self, PlaneError> {
+        let most = effort.steps + STEPS;
+        let mut tried: Vec<Vec<RingContact>> = Vec::new();
+        for _ in 0..CORRECTIONS {
+            if effort.steps > most {
+                break;
+            }
+            let fit = settle(setup, contact, &level, effort).ok_or_else(|| {
+                let text = "the ends of the arcs that stick were not found: Newton's method did not settle";
+                PlaneError::NotFound(text.into())
+            })?;
+            if tried.iter().any(|before| is_near(before, contact, setup.perimeter)) {
+                break;
+            }
+            tried.push(contact.clone());
+            let nodes = boundary_nodes(setup, &fit, &level, points);
+            let sizes = Sizes::new(setup, &nodes);
+            let signs =
+                PlaneSigns::new(setup, contact, &nodes, sizes, 2.0 * level.noise * setup.perimeter);
+            match signs.mended {
+                Some(mended) => *contact = mended,
+                None => {
+                    let integrals = Integrals::new(setup, &fit, &nodes);
+                    return Ok(Self {
+                        contact: contact.clone(),
+                        fit,
+                        nodes,
+                        sizes,
+                        signs,
+                        integrals,
+                        steps: effort.steps,
+                        level,
+                    });
+                }
+            }
+        }
+        Err(PlaneError::NotFound("no contact set with all signs right was found".into()))
+    }
+
+    /// Solution of the finest level from this one's contact set, unless this is it; none if that is not found there.
+    pub(in crate::spectral) fn refined(&self, setup: &Setup) -> Option<Self> {
+        let [.., finest] = Level::FINE;
+        if self.level.degree == finest.degree {
+            return None;
+        }
+        let mut contact = self.contact.clone();
+        let found =
+            Self::on(setup, &mut contact, finest, &mut Effort::default(), POINTS[1]).ok()?;
+        let steps = self.steps + found.steps;
+        (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
+    }
+
+    /// Numbers of unknowns, and energies, of levels from coarse to fine; levels on which the ends do not settle are
+    /// left out.
+    pub(in crate::spectral) fn by_level(&self, setup: &Setup) -> Vec<(usize, f64)> {
+        /// Degrees of polynomials, with ratios of the lengths of cuts.
+        const LEVELS: [(usize, f64); 7] =
+            [(4, 8.0), (8, 6.0), (12, 5.0), (16, 4.0), (24, 3.0), (32, 2.2), (44, 1.8)];
+        let mut found = Vec::new();
+        for (degree, ratio) in LEVELS {
+            let level = Level { ratio, degree, ..Level::with_few_cuts(degree / 8) };
+            let mut contact = self.contact.clone();
+            if let Some(fit) = settle(setup, &mut contact, &level, &mut Effort::default()) {
+                let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
+                found.push((fit.unknowns, Integrals::new(setup, &fit, &nodes).energy));
+            }
+        }
+        found
+    }
+
+    /// Largest residual, over the size of v, and the flux that f does not balance, over all of it.
+    fn errors(&self) -> f64 {
+        let balance = (self.integrals.force + self.integrals.source).abs();
+        let balance = share(balance, self.integrals.force.abs().max(self.sizes.flux));
+        share(self.sizes.residual, self.sizes.value).max(0.1 * balance)
+    }
+
+    /// Reason for which the checks do not pass.
+    fn refusal(&self) -> PlaneError {
+        let balance = (self.integrals.force + self.integrals.source).abs();
+        PlaneError::NotFound(format!(
+            "a check failed: v in contact is zero but for {:.1e} of v, and dv/dn balances f but for {:.1e} of it",
+            share(self.sizes.residual, self.sizes.value),
+            share(balance, self.integrals.force.abs().max(self.sizes.flux))
+        ))
+    }
+}
+
+/// An error over a size: zero without an error, as where f and v are zero.
+pub(in crate::spectral) fn share(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
+}
+
+/// True if all ends of two contact sets are next to each other.
+fn is_near(one: &[RingContact], other: &[RingContact], perimeter: f64) -> bool {
+    /// Distance, in perimeters.
+    const NEAR: f64 = 1e-6;
+    one.iter().zip(other).all(|(one, other)| {
+        let ends = one.arcs.iter().flatten().zip(other.arcs.iter().flatten());
+        one.gaps == other.gaps
+            && one.arcs.len() == other.arcs.len()
+            && ends.into_iter().all(|(a, b)| (a - b).abs() < NEAR * perimeter)
+    })
+}
+
+/// Solves a problem from a contact set.
+pub(in crate::spectral) fn search(
+    setup: &Setup,
+    start: &PlaneStart,
+    effort: &mut Effort,
+) -> Result<PlaneFound, PlaneError> {
+    let mut contact = started(setup, start);
+    let first = contact.clone();
+    let coarse = PlaneFound::on(setup, &mut contact, Level::COARSE, effort, POINTS[0]);
+    // What is not found on a coarse level may be on a fine one.
+    contact = coarse.map_or(first, |found| found.contact);
+    let (mut best, mut refusal) = (None, None);
+    for level in Level::FINE {
+        match PlaneFound::on(setup, &mut contact, level, effort, POINTS[1]) {
+            Ok(found) => {
+                let better =
+                    best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());
+                if better {
+                    best = Some(found);
+                }
+            }
+            Err(error) => refusal = Some(error),
+        }
+        if best.as_ref().is_some_and(|best| best.errors() < level.enough) {
+            break;
+        }
+    }
+    match best {
+        Some(best) if best.errors() < ACCEPTED => Ok(best),
+        Some(best) => Err(best.refusal()),
+        None => Err(refusal.expect("a level was tried")),
+    }
+}
+
+/// Errors with which a solution is refused.
+const ACCEPTED: f64 = 2e-8;
+
+/// Contact set of a start, without arcs and gaps of one or two edges of its mesh.
+fn started(setup: &Setup, start: &PlaneStart) -> Vec<RingContact> {
+    let mut contact = Vec::with_capacity(setup.rings.len());
+    for (own, ring) in start.loops.iter().zip(&setup.rings) {
+        let turn = ring.length();
+        let arcs = own.arcs.iter().map(|arc| {
+            let [from, to] = arc.map(|place| ring.along(place));
+            [from, if to <= from { to + turn } else { to }]
+        });
+        let mut found = RingContact { arcs: arcs.collect(), gaps: own.gaps.clone() };
+        while let Some((number, is_gap)) = short(&found, ring, 1.5 * start.spacing) {
+            remove(&mut found, number, is_gap, turn);
+        }
+        contact.push(found);
+    }
+    contact
+}
+
+/// An arc that is too short and can be left out, or a gap; where elements see the flux least well, at a corner, gaps up
+/// to three times as long.
+fn short(ring: &RingContact, sides: &PlaneRing, least: f64) -> Option<(usize, bool)> {
+    let (many, turn) = (ring.arcs.len(), sides.length());
+    (0..many).find_map(|k| {
+        let [from, to] = ring.arcs[k];
+        let between = ring.gaps[(k + many - 1) % many] != ring.gaps[k];
+        let gap = (ring.arcs[(k + 1) % many][0] - to).rem_euclid(turn);
+        let mut corners = sides.starts[1..].iter();
+        let has_corner = sides.sides.len() > 1 && corners.any(|t| (t - to).rem_euclid(turn) < gap);
+        let least_gap = if has_corner { 3.0 * least } else { least };
+        match () {
+            () if to - from < least && !between && many > 1 => Some((k, false)),
+            () if gap < least_gap && gap < to - from => Some((k, true)),
+            () => None,
+        }
+    })
+}
+
+#[cfg(test)]
+impl PlaneFound {
+    /// Solution with a fit that is known.
+    pub(in crate::spectral) fn known(setup: &Setup, contact: &[RingContact], fit: Fit) -> Self {
+        let level = Level::FINE[2];
+        let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
+        let sizes = Sizes::new(setup, &nodes);
+        let signs = PlaneSigns { flux: 0.0, value: 0.0, mended: None };
+        let integrals = Integrals::new(setup, &fit, &nodes);
+        Self { contact: contact.to_vec(), fit, nodes, sizes, signs, integrals, steps: 0, level }
+    }
+}

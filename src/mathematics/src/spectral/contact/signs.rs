@@ -1,0 +1,205 @@
+//! Signs of v and of the flux on the boundary, and the contact set without those that are wrong.
+
+use crate::spectral::fit::field::{PlaneNode, Sizes};
+use crate::spectral::geometry::boundary::{RingContact, State};
+use crate::spectral::setup::Setup;
+
+/// Largest violations over what is tolerated, and the contact set with them mended, if any.
+pub(in crate::spectral) struct PlaneSigns {
+    /// Least room of the flux in the law, over its size; violations next to a split count less.
+    pub flux: f64,
+    /// Least v of the right sign where it is not zero, over its size.
+    pub value: f64,
+    pub mended: Option<Vec<RingContact>>,
+}
+
+/// State in which a node is found.
+#[derive(Clone, Copy, PartialEq)]
+enum PlaneVerdict {
+    Right,
+    /// Should be free with this flux.
+    Slips(f64),
+    /// Should stick.
+    Sticks,
+    /// Too near to a corner to be judged.
+    Unknown,
+}
+
+/// Violations of the flux, over its size, that are tolerated.
+const FLUX: f64 = 1e-6;
+/// Violations of v, over its size, that are tolerated.
+const VALUE: f64 = 1e-10;
+/// Residuals that a violation may have.
+const RESIDUALS: f64 = 30.0;
+/// Distance from a split, in perimeters, below which violations of the flux count less.
+const NEAR: f64 = 1e-4;
+
+impl PlaneVerdict {
+    fn is_wrong(self) -> bool {
+        matches!(self, Self::Slips(_) | Self::Sticks)
+    }
+
+    /// Verdict on a node that sticks, and the room of its flux in the law.
+    fn on_held(node: &PlaneNode, setup: &Setup, sizes: Sizes) -> (Self, f64) {
+        let (law, distance) = (setup.law, node.spot.offset);
+        let share = (distance / (NEAR * setup.perimeter)).min(1.0);
+        let [above_lo, below_hi] = law.room(node.flux);
+        let room = above_lo.min(below_hi) * share;
+        let tolerated = FLUX * sizes.flux + RESIDUALS * sizes.residual * share / distance;
+        let verdict = if room < -tolerated {
+            Self::Slips(if above_lo < below_hi { law.lo() } else { law.hi() })
+        } else if share < 0.1 {
+            Self::Unknown
+        } else {
+            Self::Right
+        };
+        (verdict, room)
+    }
+
+    /// Verdict on a node that slips with the flux q, and its v of the right sign.
+    fn on_slipping(node: &PlaneNode, q: f64, setup: &Setup, sizes: Sizes) -> (Self, f64) {
+        let right = if q == setup.law.hi() { -node.value } else { node.value };
+        // Beside an end that is a little off.
+        let near = if node.spot.offset < NEAR * setup.perimeter { NEAR } else { 0.0 };
+        let tolerated =
+            VALUE * sizes.value * (1.0 + 1e3 * near / NEAR) + RESIDUALS * sizes.residual;
+        (if right < -tolerated { Self::Sticks } else { Self::Right }, right)
+    }
+}
+
+impl PlaneSigns {
+    /// Signs at all nodes; those within the distance `unsure` of an end of contact are right.
+    pub(in crate::spectral) fn new(
+        setup: &Setup,
+        contact: &[RingContact],
+        nodes: &[PlaneNode],
+        sizes: Sizes,
+        unsure: f64,
+    ) -> Self {
+        let (mut flux, mut value) = (0.0f64, 0.0f64);
+        let mut verdicts = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            verdicts.push(match node.state {
+                _ if !node.lawful || node.by_end && node.spot.offset < unsure => {
+                    PlaneVerdict::Right
+                }
+                State::Held => {
+                    let (verdict, room) = PlaneVerdict::on_held(node, setup, sizes);
+                    flux = flux.min(room / sizes.flux);
+                    verdict
+                }
+                State::Flux(q) => {
+                    let (verdict, right) = PlaneVerdict::on_slipping(node, q, setup, sizes);
+                    value = value.min(right / sizes.value);
+                    verdict
+                }
+            });
+        }
+        let mended = verdicts.iter().any(|verdict| verdict.is_wrong()).then(|| {
+            let rings = setup.rings.iter().zip(contact).enumerate();
+            let mended = rings.map(|(ring, (line, contact))| {
+                LoopVerdicts::new(ring, line.length(), nodes, &verdicts).mended(contact)
+            });
+            mended.collect()
+        });
+        Self { flux, value, mended }
+    }
+}
+
+/// Nodes of a loop where the law holds, in walking order, with the verdicts on them.
+struct LoopVerdicts<'a> {
+    /// Length of the loop.
+    turn: f64,
+    nodes: Vec<&'a PlaneNode>,
+    verdicts: Vec<PlaneVerdict>,
+}
+
+/// Place on a loop at which the state changes.
+struct StateChange {
+    /// Distance along the loop.
+    at: f64,
+    /// Flux from there on where the loop slips; none where it sticks.
+    flux: Option<f64>,
+}
+
+impl<'a> LoopVerdicts<'a> {
+    fn new(ring: usize, turn: f64, nodes: &'a [PlaneNode], verdicts: &[PlaneVerdict]) -> Self {
+        let own = nodes.iter().zip(verdicts).filter(|(node, _)| node.ring == ring && node.lawful);
+        let (nodes, verdicts) = own.map(|(node, verdict)| (node, *verdict)).unzip();
+        Self { turn, nodes, verdicts }
+    }
+
+    /// Contact set of the loop by the verdicts, where `contact` is the one that they judge.
+    fn mended(mut self, contact: &RingContact) -> RingContact {
+        self.settle_unknown();
+        if !self.verdicts.iter().any(|verdict| verdict.is_wrong()) {
+            return contact.clone();
+        }
+        let changes = self.changes(contact);
+        if changes.is_empty() {
+            return RingContact { arcs: Vec::new(), gaps: self.flux(0).into_iter().collect() };
+        }
+        let mut found = RingContact::default();
+        for (k, StateChange { at: from, flux }) in changes.iter().enumerate() {
+            let next = &changes[(k + 1) % changes.len()];
+            if flux.is_none() {
+                found.arcs.push([*from, from + (next.at - from).rem_euclid(self.turn)]);
+                found.gaps.push(next.flux.expect("a gap follows"));
+            }
+        }
+        found
+    }
+
+    /// Position of the node before another one.
+    fn before(&self, i: usize) -> usize {
+        (i + self.nodes.len() - 1) % self.nodes.len()
+    }
+
+    /// Lets nodes that are too near to a corner slip with the node beside them.
+    fn settle_unknown(&mut self) {
+        let many = self.nodes.len();
+        for i in (0..many).chain((0..many).rev()) {
+            if self.verdicts[i] == PlaneVerdict::Unknown {
+                for beside in [(i + 1) % many, self.before(i)] {
+                    if let slips @ PlaneVerdict::Slips(_) = self.verdicts[beside] {
+                        self.verdicts[i] = slips;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Flux of a node that is to slip; none of one that is to stick.
+    fn flux(&self, i: usize) -> Option<f64> {
+        match (self.verdicts[i], self.nodes[i].state) {
+            (PlaneVerdict::Slips(q), _) => Some(q),
+            (PlaneVerdict::Sticks, _) | (_, State::Held) => None,
+            (_, State::Flux(q)) => Some(q),
+        }
+    }
+
+    /// Places at which the state changes, in walking order.
+    fn changes(&self, contact: &RingContact) -> Vec<StateChange> {
+        let mut changes = Vec::new();
+        for i in 0..self.nodes.len() {
+            let (was, flux) = (self.flux(self.before(i)), self.flux(i));
+            if was.is_some() != flux.is_some() {
+                changes.push(StateChange { at: self.change_before(i, contact), flux });
+            }
+        }
+        changes
+    }
+
+    /// Place of the change between a node and the one before it: the end of contact that is there if both nodes are
+    /// right, else the middle.
+    fn change_before(&self, i: usize, contact: &RingContact) -> f64 {
+        let before = self.before(i);
+        let [a, b] = [before, i].map(|i| self.nodes[i].t);
+        let between = (b - a).rem_euclid(self.turn);
+        let mut ends = contact.arcs.iter().flatten().map(|t| (t - a).rem_euclid(self.turn));
+        let kept = ends.find(|&after| after <= between);
+        let are_right = ![before, i].iter().any(|&i| self.verdicts[i].is_wrong());
+        let after = kept.filter(|_| are_right).unwrap_or(0.5 * between);
+        (a + after).rem_euclid(self.turn)
+    }
+}

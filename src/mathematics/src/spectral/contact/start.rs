@@ -1,0 +1,225 @@
+//! Contact set with which Newton's method begins, of a finite element solution.
+
+use crate::discrete::contact::reach;
+use crate::discrete::grid::Grid;
+use crate::discrete::kkt::{Judgement, judge};
+use crate::discrete::load::{LoadRule, load};
+use crate::mesh::{
+    AnyMesh, ClosedCurve, Condition, NestedMeshes, PlaneMesh, boundary_curves, mesh_load,
+    nested_meshes, square_boundary,
+};
+use crate::multigrid::{MultigridParams, solve_square};
+use crate::multilevel::solve_nested_networks;
+use crate::problem::complex::Complex;
+use crate::problem::law::{BoundaryState, Law};
+use crate::problem::source::Source;
+use crate::spectral::geometry::domain::{PlaneSide, SidePlace, nearest_side};
+use crate::spectral::geometry::origin::Origin;
+use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
+use std::collections::HashMap;
+
+/// Most refinements of the first mesh.
+const MOST_TIMES: usize = 12;
+
+/// Finite element solution on the boundary.
+pub(in crate::spectral) struct DiscreteStart {
+    /// v at all nodes.
+    y: Vec<f64>,
+    /// States of the nodes where the law holds.
+    states: HashMap<usize, BoundaryState>,
+    curves: Vec<ClosedCurve>,
+}
+
+impl DiscreteStart {
+    /// Solution on the finest refinement of a mesh with no more nodes than this, about; none if there is no solution.
+    pub(in crate::spectral) fn on_mesh(
+        coarsest: &PlaneMesh,
+        f: &[Source],
+        law: Law,
+        most_nodes: f64,
+    ) -> Option<Self> {
+        let of_either = AnyMesh::from(coarsest.clone());
+        let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
+        let NestedMeshes { meshes, networks } = nested_meshes(coarsest, fits.count()).ok()?;
+        let (finest, network) = (meshes.last()?, &networks.last()?.network);
+        let load = mesh_load(finest, f).ok()?.load;
+        let params = MultigridParams::default();
+        let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
+        Some(Self::new(judge(network, law, &y, &load), y, boundary_curves(finest)))
+    }
+
+    /// Solution on the grid of the square with so many cells per side; none if there is no solution.
+    pub(in crate::spectral) fn on_square(cells: usize, f: &Source, law: Law) -> Option<Self> {
+        let grid = Grid::new(cells).ok()?;
+        let load = load(grid, f, LoadRule::Bilinear {});
+        let params = MultigridParams::default();
+        let (y, _) = solve_square(cells, law.with_load(&load), None, &params).ok()?;
+        Some(Self::new(judge(grid, law, &y, &load), y, vec![square_boundary(grid)]))
+    }
+
+    fn new(judgement: Judgement, y: Vec<f64>, curves: Vec<ClosedCurve>) -> Self {
+        let nodes = judgement.contact.iter().map(|contact| contact.node);
+        let states = nodes.zip(judgement.states.iter().copied()).collect();
+        Self { y, states, curves }
+    }
+
+    /// Contact set on the loops of a problem that is seen from a place, with the fluxes of its law.
+    pub(in crate::spectral) fn seen(&self, problem: &PlaneProblem, origin: Origin) -> PlaneStart {
+        let mut curves = self.curves.clone();
+        for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+            *point = origin.seen(*point);
+        }
+        let spacing = curves.iter().map(longest_edge).fold(0.0, f64::max);
+        let mut start = PlaneStart { spacing, ..PlaneStart::default() };
+        for sides in problem.domain.loops() {
+            let distances = curves.iter().map(|curve| distance_from(sides, curve));
+            let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
+            let (number, _) = nearest.expect("as many curves as loops");
+            let nodes = NodesOfLoop::new(&curves[number], sides, &self.y, &self.states);
+            start.loops.push(nodes.start(problem.law));
+        }
+        start
+    }
+}
+
+/// Distance of a node of a curve from a loop.
+fn distance_from(sides: &[PlaneSide], curve: &ClosedCurve) -> f64 {
+    nearest_side(sides, place_of(curve, 0)).1
+}
+
+/// Length of the longest edge of a curve.
+fn longest_edge(curve: &ClosedCurve) -> f64 {
+    let edges = (0..curve.points.len()).map(|k| place_of(curve, k + 1) - place_of(curve, k));
+    edges.map(Complex::norm).fold(0.0, f64::max)
+}
+
+/// Point of a curve after so many edges.
+fn place_of(curve: &ClosedCurve, node: usize) -> Complex {
+    let [x, y] = curve.points[node % curve.points.len()];
+    Complex::new(x, y)
+}
+
+/// Boundary nodes on a loop, in walking order.
+struct NodesOfLoop<'a> {
+    curve: &'a ClosedCurve,
+    sides: &'a [PlaneSide],
+    /// v.
+    values: Vec<f64>,
+    /// States; a fixed node sticks, one of a free part slips by the sign of v.
+    states: Vec<BoundaryState>,
+}
+
+impl<'a> NodesOfLoop<'a> {
+    fn new(
+        curve: &'a ClosedCurve,
+        sides: &'a [PlaneSide],
+        y: &[f64],
+        states: &HashMap<usize, BoundaryState>,
+    ) -> Self {
+        let values: Vec<f64> = curve.nodes.iter().map(|&node| y[node]).collect();
+        let mut own = Vec::new();
+        for (k, node) in curve.nodes.iter().enumerate() {
+            own.push(match states.get(node) {
+                Some(state) => *state,
+                None if values[k] == 0.0 => BoundaryState::Sticks,
+                None if values[k] > 0.0 => BoundaryState::SlipsUp,
+                None => BoundaryState::SlipsDown,
+            });
+        }
+        Self { curve, sides, values, states: own }
+    }
+
+    fn many(&self) -> usize {
+        self.values.len()
+    }
+
+    fn state(&self, k: usize) -> BoundaryState {
+        self.states[k % self.many()]
+    }
+
+    fn sticks(&self, k: usize) -> bool {
+        self.state(k) == BoundaryState::Sticks
+    }
+
+    fn value(&self, k: usize) -> f64 {
+        self.values[k % self.many()]
+    }
+
+    /// Condition on the edge after a node.
+    fn condition(&self, k: usize) -> Condition {
+        self.curve.conditions[k % self.many()]
+    }
+
+    /// Arcs that stick, and the flux on the gaps.
+    fn start(&self, law: Law) -> LoopStart {
+        let mut start = LoopStart::default();
+        let changes: Vec<usize> =
+            (0..self.many()).filter(|&k| self.state(k) != self.state(k + 1)).collect();
+        if changes.is_empty() {
+            let slips = Some(self.state(0)).filter(|_| !self.sticks(0));
+            start.gaps.extend(slips.map(|state| flux(state, law)));
+            return start;
+        }
+        // From a gap on, so that the first arc begins before it ends.
+        let turn = changes.iter().position(|&k| !self.sticks(k)).unwrap_or(0);
+        let (mut begin, turned) = (None, changes[turn..].iter().chain(&changes[..turn]));
+        for &k in turned {
+            match (self.sticks(k), self.sticks(k + 1)) {
+                (false, true) => begin = Some(self.beginning(k + 1)),
+                (true, _) => {
+                    start.arcs.extend(begin.take().map(|begin| [begin, self.end(k)]));
+                    start.gaps.push(flux(self.state(k + 1), law));
+                }
+                (false, false) => {
+                    start.arcs.push(self.arc_between(k));
+                    start.gaps.push(flux(self.state(k + 1), law));
+                }
+            }
+        }
+        start
+    }
+
+    /// Beginning of an arc at its first node.
+    fn beginning(&self, k: usize) -> SidePlace {
+        let many = self.many();
+        let before = k + many - 1;
+        if [before, k].map(|k| self.condition(k)) != [Condition::Contact; 2] {
+            return self.place(k, 0.0);
+        }
+        let beyond = reach([self.value(before), self.value(before + many - 1)]);
+        self.place(before, 1.0 - beyond.clamp(0.05, 0.95))
+    }
+
+    /// End of an arc at its last node.
+    fn end(&self, k: usize) -> SidePlace {
+        let before = k + self.many() - 1;
+        if [before, k].map(|k| self.condition(k)) != [Condition::Contact; 2] {
+            return self.place(before, 1.0);
+        }
+        let beyond = reach([self.value(k + 1), self.value(k + 2)]);
+        self.place(k, beyond.clamp(0.05, 0.95))
+    }
+
+    /// Short arc where v changes its sign after a node.
+    fn arc_between(&self, k: usize) -> [SidePlace; 2] {
+        /// Half of its length, in edges: at a longer one a node would stick.
+        const HALF: f64 = 0.1;
+        let zero = self.value(k) / (self.value(k) - self.value(k + 1));
+        let middle = if zero.is_finite() { zero.clamp(2.0 * HALF, 1.0 - 2.0 * HALF) } else { 0.5 };
+        [-HALF, HALF].map(|part| self.place(k, middle + part))
+    }
+
+    /// Place on the edge after a node, by the part of the edge before it.
+    fn place(&self, k: usize, part: f64) -> SidePlace {
+        let [a, b] = [k, k + 1].map(|k| place_of(self.curve, k));
+        let (side, _) = nearest_side(self.sides, (a + b).scaled(0.5));
+        let s = self.sides[side].nearest(a + (b - a).scaled(part));
+        SidePlace { side, s }
+    }
+}
+
+/// Flux on a gap where v has a sign.
+fn flux(state: BoundaryState, law: Law) -> f64 {
+    let is_down = state == BoundaryState::SlipsDown && law.hi().is_finite();
+    if is_down || law.lo().is_infinite() { law.hi() } else { law.lo() }
+}

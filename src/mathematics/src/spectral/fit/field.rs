@@ -1,0 +1,140 @@
+//! v and its flux at quadrature points of the boundary, other ones than the rows of the fit.
+
+use crate::problem::complex::Complex;
+use crate::spectral::complex::ln;
+use crate::spectral::fit::{Fit, conditions, continue_logs, panels, spots_on};
+use crate::spectral::geometry::boundary::State;
+use crate::spectral::geometry::panels::Spot;
+use crate::spectral::geometry::rule::gauss;
+use crate::spectral::setup::{Level, Setup};
+
+/// Values at a point of the boundary.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct PlaneNode {
+    pub spot: Spot,
+    /// v.
+    pub value: f64,
+    /// dv/dn.
+    pub flux: f64,
+    /// Im g.
+    pub conjugate: f64,
+    pub psi: f64,
+    /// dpsi/dn.
+    pub psi_flux: f64,
+    pub state: State,
+    /// True where the law holds.
+    pub lawful: bool,
+    /// True if the split next to it is an end of contact.
+    pub by_end: bool,
+    /// By how much the condition is missed: by v where it is zero, by the integral of dv/dn elsewhere.
+    pub residual: f64,
+    /// Distance along the loop.
+    pub t: f64,
+    pub ring: usize,
+}
+
+impl PlaneNode {
+    /// Outer normal.
+    pub(in crate::spectral) fn normal(&self) -> Complex {
+        -self.spot.tangent.turned()
+    }
+}
+
+/// Sizes that all checks refer to.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct Sizes {
+    /// Mean of |dv/dn| and of |f| times the area over the perimeter, the larger.
+    pub flux: f64,
+    /// That times the diameter.
+    pub value: f64,
+    /// Largest residual.
+    pub residual: f64,
+}
+
+/// Nodes of the boundary in walking order.
+pub(in crate::spectral) fn boundary_nodes(
+    setup: &Setup,
+    fit: &Fit,
+    level: &Level,
+    points: usize,
+) -> Vec<PlaneNode> {
+    let panels = panels(setup, &fit.walk, &fit.functions, level, [1.0, 0.0]);
+    let spots = spots_on(&fit.walk, &panels, &gauss(points));
+    let mut nodes = nodes_at(setup, fit, &spots);
+    for (node, condition) in nodes.iter_mut().zip(conditions(setup, &fit.walk, &spots)) {
+        node.residual = match node.state {
+            State::Held => node.value,
+            State::Flux(_) => node.conjugate - condition,
+        };
+    }
+    // The constants of runs are those of the rows: the integrals here begin elsewhere.
+    for run in 0..fit.walk.runs {
+        let mut first = None;
+        for node in &mut nodes {
+            if fit.walk.intervals[node.spot.interval].run == run {
+                node.residual -= *first.get_or_insert(node.residual);
+            }
+        }
+    }
+    nodes
+}
+
+/// Nodes at spots.
+pub(in crate::spectral) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<PlaneNode> {
+    let [mut g, slopes] = fit.at(spots, true);
+    let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
+    for (hole, &c) in fit.functions.holes.iter().zip(&fit.logs) {
+        let principal: Vec<Complex> = points.iter().map(|&z| ln(z - hole.middle)).collect();
+        let mut continued = principal.clone();
+        continue_logs(&fit.walk, spots, &mut continued);
+        for (g, (log, own)) in g.iter_mut().zip(continued.iter().zip(&principal)) {
+            g.im += c * (log.im - own.im);
+        }
+    }
+    let gradients = setup.jumps.psi.gradients(&points);
+    let mut nodes = Vec::with_capacity(spots.len());
+    for (k, &spot) in spots.iter().enumerate() {
+        nodes.push(node(setup, fit, spot, [g[k], slopes[k]], gradients[k]));
+    }
+    nodes
+}
+
+/// Node at a spot, from g, its derivative, and the gradient of psi.
+pub(in crate::spectral) fn node(
+    setup: &Setup,
+    fit: &Fit,
+    spot: Spot,
+    [g, slope]: [Complex; 2],
+    gradient: Complex,
+) -> PlaneNode {
+    let normal = -spot.tangent.turned();
+    let interval = &fit.walk.intervals[spot.interval];
+    let psi = setup.jumps.psi.value(spot.z);
+    let psi_flux = gradient.dot(normal);
+    PlaneNode {
+        spot,
+        value: psi + g.re,
+        flux: psi_flux + (slope * normal).re,
+        conjugate: g.im,
+        psi,
+        psi_flux,
+        state: interval.state,
+        residual: 0.0,
+        lawful: interval.lawful,
+        by_end: fit.walk.splits.get(spot.split).is_some_and(|split| split.end.is_some()),
+        t: fit.walk.splits[interval.splits[0]].t + spot.s,
+        ring: interval.ring,
+    }
+}
+
+impl Sizes {
+    pub(in crate::spectral) fn new(setup: &Setup, nodes: &[PlaneNode]) -> Self {
+        let mut sizes = Self { flux: 0.0, value: 0.0, residual: 0.0 };
+        for node in nodes {
+            sizes.flux += node.spot.weight * node.flux.abs() / setup.perimeter;
+            sizes.residual = sizes.residual.max(node.residual.abs());
+        }
+        sizes.value = sizes.flux * setup.diameter;
+        sizes
+    }
+}

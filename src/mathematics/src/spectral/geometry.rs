@@ -1,0 +1,19 @@
+//! The domain: its curves and sides, in the frame of the solver, a walk along the boundary with its corners, and what
+//! lies outside of it.
+//!
+//! [`outline`] makes a [`domain`] of a mesh, [`frame`] scales it, [`boundary`] splits it at corners, ends of contact
+//! and crossings into intervals, on which [`panels`] have the points of the rows and of quadratures.
+
+pub(super) mod boundary;
+pub(super) mod curve;
+pub(super) mod domain;
+pub(super) mod images;
+pub(super) mod medial;
+pub(super) mod origin;
+pub(super) mod outline;
+pub(super) mod panels;
+pub(super) mod parts;
+#[cfg(test)]
+pub(super) mod polygons;
+pub(super) mod rule;
+pub(super) mod way_out;

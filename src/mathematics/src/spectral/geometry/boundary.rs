@@ -1,0 +1,431 @@
+//! The boundary as a walk: corners, ends of contact and crossings split it into intervals with one condition each;
+//! intervals into panels that get short towards these points.
+
+use super::domain::{PlaneSide, SidePlace};
+use crate::mesh::Condition;
+use crate::problem::complex::Complex;
+use std::f64::consts::PI;
+
+/// Closed loop of sides with the distances along it.
+pub(in crate::spectral) struct PlaneRing {
+    pub sides: Vec<PlaneSide>,
+    /// Distance of the start of each side along the loop, and its length at last.
+    pub starts: Vec<f64>,
+    /// True at sides that go on from the side before, smoothly or after a bend, with the same condition and curvature.
+    smooth: Vec<bool>,
+}
+
+impl PlaneRing {
+    pub(in crate::spectral) fn new(sides: &[PlaneSide]) -> Self {
+        let mut starts = vec![0.0];
+        for side in sides {
+            starts.push(starts[starts.len() - 1] + side.length());
+        }
+        let many = sides.len();
+        let smooth = (0..many).map(|k| {
+            let (side, before) = (&sides[k], &sides[(k + many - 1) % many]);
+            let turn = before.tangent(before.length()).cross(side.tangent(0.0)).abs();
+            (turn < 1e-12 || side.is_after_bend)
+                && before.tangent(before.length()).dot(side.tangent(0.0)) > 0.0
+                && side.condition == before.condition
+                && (side.curvature() - before.curvature()).abs() < 1e-12
+        });
+        Self { smooth: smooth.collect(), sides: sides.to_vec(), starts }
+    }
+
+    pub(in crate::spectral) fn length(&self) -> f64 {
+        self.starts[self.sides.len()]
+    }
+
+    /// Distances along the loop at which corners lie.
+    pub(in crate::spectral) fn corners(&self) -> impl Iterator<Item = f64> {
+        let corners = (0..self.sides.len()).filter(|&k| !self.smooth[k]);
+        corners.map(|k| self.starts[k])
+    }
+
+    /// Distance along the loop.
+    pub(in crate::spectral) fn along(&self, SidePlace { side, s }: SidePlace) -> f64 {
+        self.starts[side] + s
+    }
+
+    /// Place at a distance along the loop, in a turn.
+    pub(in crate::spectral) fn place(&self, t: f64) -> SidePlace {
+        let t = t.rem_euclid(self.length());
+        let side = self.starts.partition_point(|&start| start <= t).clamp(1, self.sides.len()) - 1;
+        SidePlace { side, s: (t - self.starts[side]).clamp(0.0, self.sides[side].length()) }
+    }
+}
+
+/// Arcs of a loop that stick, by distances along it: each from its first to its second, which may be beyond a turn.
+#[derive(Clone, Debug, Default)]
+pub(in crate::spectral) struct RingContact {
+    pub arcs: Vec<[f64; 2]>,
+    /// Flux on the gap after each arc. Without arcs: none if all sticks, one if nothing does.
+    pub gaps: Vec<f64>,
+}
+
+impl RingContact {
+    /// Flux at a distance along the loop; none where it sticks.
+    fn flux(&self, t: f64, turn: f64) -> Option<f64> {
+        if self.arcs.is_empty() {
+            return self.gaps.first().copied();
+        }
+        let mut nearest = (f64::INFINITY, None);
+        for (k, [from, to]) in self.arcs.iter().enumerate() {
+            let after = (t - from).rem_euclid(turn);
+            if after <= to - from {
+                return None;
+            }
+            let beyond = after - (to - from);
+            if beyond < nearest.0 {
+                nearest = (beyond, Some(self.gaps[k]));
+            }
+        }
+        nearest.1
+    }
+}
+
+/// Condition on an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::spectral) enum State {
+    /// v = 0.
+    Held,
+    /// dv/dn has this value.
+    Flux(f64),
+}
+
+/// Point between two intervals.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct Split {
+    pub ring: usize,
+    /// Distance along the loop.
+    pub t: f64,
+    pub z: Complex,
+    /// Directions of the walk before and after it.
+    pub tangents: [Complex; 2],
+    /// Conditions before and after it.
+    pub states: [State; 2],
+    /// Lengths of the intervals before and after it.
+    pub lengths: [f64; 2],
+    /// Inner angle, pi on a smooth side.
+    pub angle: f64,
+    /// True if a corner.
+    pub corner: bool,
+    /// True if f jumps here.
+    pub crossing: bool,
+    /// Arc of the contact set that begins (0) or ends (1) here, if that may move.
+    pub end: Option<(usize, usize)>,
+}
+
+/// Corner next to an end of contact.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct CornerBeside {
+    /// Inner angle.
+    pub angle: f64,
+    /// True if v = 0 on one side of the corner and the end together, and not on the other.
+    pub is_mixed: bool,
+}
+
+/// Part of a side between two splits.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct PlaneInterval {
+    pub ring: usize,
+    pub side: usize,
+    /// Splits at its ends.
+    pub splits: [usize; 2],
+    /// Distance of its start from the start of the side.
+    pub from: f64,
+    pub length: f64,
+    pub curvature: f64,
+    pub state: State,
+    /// True where the law holds.
+    pub lawful: bool,
+    /// f beside it.
+    pub f: f64,
+    /// Number of its run: intervals beside each other without v = 0 between.
+    pub run: usize,
+}
+
+/// Point of the boundary at which a jump of f ends.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct PlaneCrossing {
+    pub ring: usize,
+    pub place: SidePlace,
+    /// f after it less f before it, in walking order.
+    pub change: f64,
+    /// Distance of the end of the jump from it.
+    pub gap: f64,
+}
+
+/// Crossing that is joined with a split.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct JoinedCrossing {
+    pub split: usize,
+    /// Distance along the loop from the split to the crossing, negative if that comes first.
+    pub offset: f64,
+    pub crossing: PlaneCrossing,
+}
+
+/// All of the boundary for one contact set.
+#[cfg_attr(test, derive(Clone))]
+pub(in crate::spectral) struct Walk {
+    pub splits: Vec<Split>,
+    /// All crossings, in order at each split.
+    pub joined: Vec<JoinedCrossing>,
+    /// In walking order, loop by loop.
+    pub intervals: Vec<PlaneInterval>,
+    /// Number of runs.
+    pub runs: usize,
+}
+
+/// Distance from another split, in perimeters, below which an end of contact or a crossing is joined with it. What f is
+/// between both counts in the integrals all the same: see [`energy`].
+const TOGETHER: f64 = 1e-10;
+
+impl Walk {
+    /// Corner next to an end of contact.
+    pub(in crate::spectral) fn corner_beside(&self, k: usize) -> Option<CornerBeside> {
+        let split = &self.splits[k];
+        split.end?;
+        let near = usize::from(split.lengths[1] < split.lengths[0]);
+        let beside = self.intervals.iter().find(|own| own.splits[1 - near] == k)?;
+        let Split { corner, angle, states, .. } = self.splits[beside.splits[near]];
+        let is_held = [states[near], split.states[1 - near]].map(|state| state == State::Held);
+        corner.then_some(CornerBeside { angle, is_mixed: is_held[0] != is_held[1] })
+    }
+
+    pub(in crate::spectral) fn new(
+        rings: &[PlaneRing],
+        contact: &[RingContact],
+        crossings: &[PlaneCrossing],
+    ) -> Self {
+        let (splits, intervals) = (Vec::new(), Vec::new());
+        let mut walk = Self { splits, joined: Vec::new(), intervals, runs: 0 };
+        for (r, ring) in rings.iter().enumerate() {
+            walk.add_ring(r, ring, &contact[r], crossings);
+        }
+        walk
+    }
+
+    fn add_ring(
+        &mut self,
+        r: usize,
+        ring: &PlaneRing,
+        contact: &RingContact,
+        crossings: &[PlaneCrossing],
+    ) {
+        let (turn, marks) = (ring.length(), marks(r, ring, contact, crossings));
+        let (first, many) = (self.splits.len(), marks.len());
+        let state_at = |t: f64| match ring.sides[ring.place(t).side].condition {
+            Condition::Fixed => State::Held,
+            Condition::Free => State::Flux(0.0),
+            Condition::Contact => contact.flux(t, turn).map_or(State::Held, State::Flux),
+        };
+        let next = |k: usize| if k + 1 < many { marks[k + 1].t } else { turn + marks[0].t };
+        let states: Vec<State> =
+            (0..many).map(|k| state_at(0.5 * (marks[k].t + next(k)))).collect();
+        for (k, mark) in marks.iter().enumerate() {
+            let before = (k + many - 1) % many;
+            let place = ring.place(mark.t);
+            let side = &ring.sides[place.side];
+            let after = side.tangent(place.s);
+            let prior = match mark.joint {
+                true => {
+                    let prior = &ring.sides[(place.side + ring.sides.len() - 1) % ring.sides.len()];
+                    prior.tangent(prior.length())
+                }
+                false => after,
+            };
+            let angle = match mark.corner {
+                true => PI - libm::atan2(prior.cross(after), prior.dot(after)),
+                false => PI,
+            };
+            let lengths = [next(before) - marks[before].t, next(k) - mark.t];
+            self.splits.push(Split {
+                ring: r,
+                t: mark.t,
+                z: side.point(place.s),
+                tangents: [prior, after],
+                states: [states[before], states[k]],
+                lengths,
+                angle,
+                corner: mark.corner,
+                crossing: mark.crossing,
+                end: mark.end.filter(|_| !mark.corner && states[before] != states[k]),
+            });
+            self.intervals.push(PlaneInterval {
+                ring: r,
+                side: place.side,
+                splits: [first + k, first + (k + 1) % many],
+                from: place.s,
+                length: lengths[1],
+                curvature: side.curvature(),
+                state: states[k],
+                lawful: side.condition == Condition::Contact,
+                f: 0.0,
+                run: usize::MAX,
+            });
+        }
+        self.join(r, ring, crossings);
+        // Runs begin after an interval that is held, or anywhere on a loop without one.
+        let own = &mut self.intervals[first..];
+        let start = own.iter().position(|interval| interval.state == State::Held).unwrap_or(0);
+        own.rotate_left(start);
+        let mut open = false;
+        for interval in own {
+            let free = interval.state != State::Held;
+            self.runs += usize::from(free && !open);
+            open = free;
+            interval.run = if free { self.runs - 1 } else { usize::MAX };
+        }
+    }
+
+    /// Joins the crossings of a loop with the splits next to them.
+    fn join(&mut self, r: usize, ring: &PlaneRing, crossings: &[PlaneCrossing]) {
+        let turn = ring.length();
+        let mut joined = Vec::new();
+        for &crossing in crossings.iter().filter(|crossing| crossing.ring == r) {
+            let t = ring.along(crossing.place);
+            let offset = |split: &Split| (t - split.t + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
+            let own = self.splits.iter().enumerate().filter(|(_, split)| split.ring == r);
+            let nearest = own
+                .map(|(split, own)| JoinedCrossing { split, offset: offset(own), crossing })
+                .min_by(|one, other| one.offset.abs().total_cmp(&other.offset.abs()));
+            joined.extend(nearest);
+        }
+        joined.sort_by(|one, other| {
+            one.split.cmp(&other.split).then(one.offset.total_cmp(&other.offset))
+        });
+        self.joined.extend(joined);
+    }
+
+    /// Sets f beside the intervals of a loop, from f beside one of them and the changes at the crossings.
+    pub(in crate::spectral) fn set_f(&mut self, ring: usize, known: usize, f: f64) {
+        let own: Vec<usize> =
+            (0..self.intervals.len()).filter(|&k| self.intervals[k].ring == ring).collect();
+        let first = own.iter().position(|&k| k == known).expect("an interval of the loop");
+        let mut f = f;
+        for step in 0..own.len() {
+            let interval = &mut self.intervals[own[(first + step) % own.len()]];
+            if step > 0 {
+                let start = interval.splits[0];
+                let changes = self.joined.iter().filter(|own| own.split == start);
+                f += changes.map(|own| own.crossing.change).sum::<f64>();
+            }
+            interval.f = f;
+        }
+    }
+
+    /// Pieces of the boundary between crossings and the splits with which they are joined.
+    pub(in crate::spectral) fn joined_pieces(&self) -> Vec<JoinedPiece> {
+        let mut pieces = Vec::new();
+        for own in self.joined.chunk_by(|one, other| one.split == other.split) {
+            let split = own[0].split;
+            let beside = [1, 0].map(|end: usize| {
+                let mut intervals = self.intervals.iter();
+                intervals.find(|interval| interval.splits[end] == split).map_or(0.0, |own| own.f)
+            });
+            let mut at: Vec<f64> = own.iter().map(|own| own.offset).chain([0.0]).collect();
+            at.sort_by(f64::total_cmp);
+            for span in at.windows(2).filter(|span| span[0] < span[1]) {
+                let before = own.iter().filter(|own| own.offset <= span[0]);
+                let f = beside[0] + before.map(|own| own.crossing.change).sum::<f64>();
+                let counted = beside[usize::from(span[0] >= 0.0)];
+                pieces.push(JoinedPiece { split, span: [span[0], span[1]], f, counted });
+            }
+        }
+        pieces
+    }
+}
+
+/// Piece of the boundary between a crossing and the split with which it is joined, or between two such crossings.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct JoinedPiece {
+    pub split: usize,
+    /// Distances along the loop from the split.
+    pub span: [f64; 2],
+    /// f beside it.
+    pub f: f64,
+    /// f beside the interval of which it is a part.
+    pub counted: f64,
+}
+
+impl JoinedPiece {
+    pub(in crate::spectral) fn length(&self) -> f64 {
+        self.span[1] - self.span[0]
+    }
+}
+
+/// Kind of a split.
+#[derive(Clone, Copy, Default)]
+struct Mark {
+    t: f64,
+    /// True where a side begins, at a corner or not.
+    joint: bool,
+    corner: bool,
+    crossing: bool,
+    end: Option<(usize, usize)>,
+}
+
+/// Corners, crossings and ends of contact of a loop, in order.
+fn marks(
+    r: usize,
+    ring: &PlaneRing,
+    contact: &RingContact,
+    crossings: &[PlaneCrossing],
+) -> Vec<Mark> {
+    let turn = ring.length();
+    let mut marks: Vec<Mark> = Vec::new();
+    for k in 0..ring.sides.len() {
+        let corner = !ring.smooth[k];
+        marks.push(Mark { t: ring.starts[k], joint: true, corner, ..Mark::default() });
+    }
+    for own in crossings.iter().filter(|own| own.ring == r) {
+        marks.push(Mark { t: ring.along(own.place), crossing: true, ..Mark::default() });
+    }
+    for (k, arc) in contact.arcs.iter().enumerate() {
+        for (which, t) in arc.iter().enumerate() {
+            let t = t.rem_euclid(turn);
+            if ring.sides[ring.place(t).side].condition == Condition::Contact {
+                marks.push(Mark { t, end: Some((k, which)), ..Mark::default() });
+            }
+        }
+    }
+    for mark in &mut marks {
+        if mark.t > turn * (1.0 - TOGETHER) {
+            mark.t = 0.0;
+        }
+    }
+    marks.sort_by(|a, b| a.t.total_cmp(&b.t));
+    marks.dedup_by(|b, a| {
+        let same = b.t - a.t < TOGETHER * turn;
+        if same {
+            if b.joint {
+                a.t = b.t;
+            }
+            a.joint |= b.joint;
+            (a.corner, a.crossing, a.end) =
+                (a.corner || b.corner, a.crossing || b.crossing, a.end.or(b.end));
+        }
+        same
+    });
+    marks
+}
+
+impl Split {
+    /// Length of the shortest panel at it, in halves of the interval.
+    pub(in crate::spectral) fn depth(&self) -> f64 {
+        match () {
+            () if self.corner && self.angle > 1.01 * PI => 1e-9,
+            () if self.corner => 1e-7,
+            () if self.end.is_some() || self.crossing => 1e-5,
+            // No more than the start of a loop.
+            () => 1.0,
+        }
+    }
+
+    /// Direction into the domain: that of the bisector.
+    pub(in crate::spectral) fn inwards(&self) -> Complex {
+        self.tangents[1] * Complex::unit(0.5 * self.angle)
+    }
+}

@@ -1,0 +1,356 @@
+//! Domains of the plane bounded by straight sides and circular arcs.
+
+use super::curve::{Arc, Curve, SAME};
+use crate::mesh::Condition;
+use crate::problem::complex::Complex;
+use crate::spectral::complex::distance;
+
+/// Side of a domain: a segment, or an arc of a circle, with one condition.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneSide {
+    pub(in crate::spectral) arc: Arc,
+    /// Condition on it.
+    pub condition: Condition,
+    /// Number of the part of the boundary to which it belongs.
+    pub part: usize,
+    /// True if it goes on from the side before but for a bend that is too small for a corner.
+    pub is_after_bend: bool,
+}
+
+/// Circle of a side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlaneCircle {
+    /// Centre.
+    pub centre: [f64; 2],
+    /// Radius.
+    pub radius: f64,
+}
+
+impl PlaneSide {
+    /// Segment between two points, in walking order.
+    pub(crate) fn segment([from, to]: [[f64; 2]; 2], condition: Condition, part: usize) -> Self {
+        let [from, to] = [from, to].map(|[x, y]| Complex::new(x, y));
+        let way = to - from;
+        let length = way.norm();
+        let curve = Curve::line(from, way.scaled(1.0 / length));
+        let arc = Arc { curve, span: [0.0, length], ends: [None; 2] };
+        Self { arc, condition, part, is_after_bend: false }
+    }
+
+    /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
+    pub(crate) fn arc(
+        circle: PlaneCircle,
+        [from, to]: [f64; 2],
+        condition: Condition,
+        part: usize,
+    ) -> Self {
+        let PlaneCircle { centre: [x, y], radius } = circle;
+        let normal = Complex::unit(from);
+        let origin = Complex::new(x, y) + normal.scaled(radius);
+        let curve = Curve { origin, tangent: normal.turned(), curvature: 1.0 / radius };
+        let span = [0.0, radius * (to - from)];
+        let arc = Arc { curve, span, ends: [None; 2] };
+        Self { arc, condition, part, is_after_bend: false }
+    }
+
+    /// Length.
+    pub(crate) fn length(&self) -> f64 {
+        (self.arc.span[1] - self.arc.span[0]).abs()
+    }
+
+    /// Point at a distance from the start along the side.
+    pub(crate) fn at(&self, s: f64) -> [f64; 2] {
+        self.point(s).coordinates()
+    }
+
+    /// Distance from the start along the side of its point that is nearest to `z`, about.
+    pub(in crate::spectral) fn nearest(&self, z: Complex) -> f64 {
+        let Arc { curve, span, .. } = self.arc;
+        let (along, length) = (self.way() * (curve.place(z) - span[0]), self.length());
+        let Some(period) = curve.period() else { return along.clamp(0.0, length) };
+        match along.rem_euclid(period) {
+            s if s <= length => s,
+            s if s - length < period - s => length,
+            _ => 0.0,
+        }
+    }
+
+    /// 1 if the side runs along its curve, -1 if against it.
+    pub(in crate::spectral) fn way(&self) -> f64 {
+        1.0_f64.copysign(self.arc.span[1] - self.arc.span[0])
+    }
+
+    /// Curvature, positive to the left.
+    pub(in crate::spectral) fn curvature(&self) -> f64 {
+        self.way() * self.arc.curve.curvature
+    }
+
+    /// Point at a distance from the start along the side.
+    pub(in crate::spectral) fn point(&self, s: f64) -> Complex {
+        self.arc.curve.at(self.arc.span[0] + self.way() * s)
+    }
+
+    /// Direction of the walk at a distance from the start.
+    pub(in crate::spectral) fn tangent(&self, s: f64) -> Complex {
+        self.arc.curve.direction(self.arc.span[0] + self.way() * s).scaled(self.way())
+    }
+
+    /// Distance from the start to the point of the side's curve next to `z`, if it lies on the side, by a tolerance.
+    pub(in crate::spectral) fn place(&self, z: Complex, tolerance: f64) -> Option<f64> {
+        let along = self.way() * (self.arc.curve.place(z) - self.arc.span[0]);
+        let period = self.arc.curve.period().unwrap_or(f64::INFINITY);
+        let turned = [along, along + period, along - period];
+        let length = self.length();
+        let on_side = turned.into_iter().find(|s| (-tolerance..=length + tolerance).contains(s));
+        on_side.map(|s| s.clamp(0.0, length))
+    }
+
+    /// Distance of a point.
+    pub(in crate::spectral) fn distance(&self, z: Complex) -> f64 {
+        let [from, to] = [0.0, self.length()].map(|s| self.point(s));
+        match self.arc.curve.centre() {
+            None => distance([from, to], z),
+            Some(_) if self.place(z, 0.0).is_some() => self.arc.curve.distance(z).abs(),
+            Some(_) => (z - from).norm().min((z - to).norm()),
+        }
+    }
+}
+
+/// Domain of the plane: closed loops of sides with the domain on the left, the outer one first and anticlockwise, holes
+/// clockwise.
+#[derive(Clone, Debug)]
+pub(crate) struct PlaneDomain {
+    pub(in crate::spectral) loops: Vec<Vec<PlaneSide>>,
+}
+
+/// Point of the boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SidePlace {
+    /// Number of the side in its loop.
+    pub side: usize,
+    /// Distance from its start.
+    pub s: f64,
+}
+
+impl PlaneDomain {
+    /// Domain with these loops.
+    ///
+    /// # Errors
+    /// [`PlaneError::Domain`] if a loop does not close, two of its sides lie on each other, or the domain does not lie
+    /// on its left.
+    pub(crate) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+        /// Distance of points, over the diameter, up to which they are one.
+        const CLOSE: f64 = 1e-9;
+        /// Least length of a side, over the diameter, and over the perimeter: shorter ones are one point of a walk.
+        const SHORTEST: [f64; 2] = [1e-9, 2e-10];
+        let domain = Self { loops };
+        let size = domain.diameter();
+        let shortest = (SHORTEST[0] * size).max(SHORTEST[1] * domain.perimeter());
+        for (ring, sides) in domain.loops.iter().enumerate() {
+            let many = sides.len();
+            let closes = (0..many).all(|k| {
+                let end = sides[k].point(sides[k].length());
+                (end - sides[(k + 1) % many].point(0.0)).norm() < CLOSE * size
+            });
+            if many == 0 || !closes {
+                return Err(PlaneError::Domain(format!(
+                    "loop {ring} of the boundary does not close"
+                )));
+            }
+            if let Some(short) = sides.iter().find(|side| side.length() < shortest) {
+                let [x, y] = short.at(0.0);
+                return Err(PlaneError::Domain(format!(
+                    "the boundary has a side of length {:.1e} at ({x}, {y}), too short for this solver; join both ends",
+                    short.length()
+                )));
+            }
+            if has_slit(sides, CLOSE * size) {
+                let text = "the domain has a slit, and this solver wants room between the sides of its boundary";
+                return Err(PlaneError::Domain(text.into()));
+            }
+            let middle = 0.5 * sides[0].length();
+            let inwards = sides[0].tangent(middle).turned().scaled(1e-6 * size);
+            if !domain.holds(sides[0].point(middle) + inwards) {
+                return Err(PlaneError::Domain(format!(
+                    "the domain lies on the right of loop {ring}"
+                )));
+            }
+        }
+        Ok(domain)
+    }
+
+    /// Loops of sides, the outer one first.
+    pub(crate) fn loops(&self) -> &[Vec<PlaneSide>] {
+        &self.loops
+    }
+
+    /// All sides.
+    pub(in crate::spectral) fn sides(&self) -> impl Iterator<Item = &PlaneSide> {
+        self.loops.iter().flatten()
+    }
+
+    /// Length of the diagonal of the box round the domain.
+    pub(in crate::spectral) fn diameter(&self) -> f64 {
+        let [[left, right], [low, high]] = self.extent();
+        libm::hypot(right - left, high - low)
+    }
+
+    /// Power of two near half of the diameter.
+    pub(in crate::spectral) fn unit(&self) -> f64 {
+        libm::exp2(libm::log2(0.5 * self.diameter()).round())
+    }
+
+    /// Least and greatest coordinates, to a hundredth of a turn of arcs.
+    pub(in crate::spectral) fn extent(&self) -> [[f64; 2]; 2] {
+        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for side in self.sides() {
+            for k in 0..=100 {
+                let point = side.at(side.length() * f64::from(k) / 100.0);
+                for (range, t) in extent.iter_mut().zip(point) {
+                    *range = [range[0].min(t), range[1].max(t)];
+                }
+            }
+        }
+        extent
+    }
+
+    /// Middle of the box round the domain.
+    pub(in crate::spectral) fn centre(&self) -> Complex {
+        let [[left, right], [low, high]] = self.extent();
+        Complex::new(0.5 * (left + right), 0.5 * (low + high))
+    }
+
+    /// Length of the boundary.
+    pub(in crate::spectral) fn perimeter(&self) -> f64 {
+        self.sides().map(PlaneSide::length).sum()
+    }
+
+    /// Distance of a point from the boundary.
+    pub(in crate::spectral) fn distance(&self, z: Complex) -> f64 {
+        self.sides().map(|side| side.distance(z)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance of a point from the boundary, negative outside of the domain.
+    pub(in crate::spectral) fn depth(&self, z: Complex) -> f64 {
+        let distance = self.distance(z);
+        if self.holds(z) { distance } else { -distance }
+    }
+
+    /// Loop, side and place of the boundary next to a point.
+    pub(in crate::spectral) fn nearest(&self, z: Complex) -> (usize, SidePlace) {
+        let nearest = self.loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
+        let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
+        let (ring, (side, _)) = nearest.expect("a domain has a boundary");
+        (ring, SidePlace { side, s: self.loops[ring][side].nearest(z) })
+    }
+
+    /// Distance at which a ray from a point, which may lie on the boundary, first meets the boundary.
+    pub(in crate::spectral) fn exit(&self, z: Complex, direction: Complex) -> f64 {
+        let hits = ray_hits(self.sides(), z, direction).into_iter().map(|hit| hit.distance);
+        hits.filter(|&s| s > 1e-10).fold(f64::INFINITY, f64::min)
+    }
+
+    /// True if the domain holds a point.
+    pub(in crate::spectral) fn holds(&self, z: Complex) -> bool {
+        let mut inside = false;
+        for direction in directions() {
+            let hits = ray_hits(self.sides(), z, direction);
+            inside = hits.iter().filter(|hit| hit.distance > 0.0).count() % 2 == 1;
+            if !hits.iter().any(|hit| hit.is_unsure) {
+                break;
+            }
+        }
+        inside
+    }
+
+    /// Points of the domain, so many if it is not tiny in the box round it.
+    pub(in crate::spectral) fn inner_points(&self, many: usize) -> Vec<Complex> {
+        let [[left, right], [low, high]] = self.extent();
+        let scattered = (0..2000).map(|k| {
+            let [x, y] = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17];
+            let (x, y) = (x - x.floor(), y - y.floor());
+            Complex::new(left + (right - left) * x, low + (high - low) * y)
+        });
+        scattered.filter(|&z| self.holds(z)).take(many).collect()
+    }
+}
+
+/// Directions of rays that are tried in turn.
+pub(in crate::spectral) fn directions() -> impl Iterator<Item = Complex> {
+    (0..50).map(|k| Complex::unit(0.7 + 2.4 * f64::from(k)))
+}
+
+/// Point at which a ray meets a side.
+pub(in crate::spectral) struct RayHit {
+    pub distance: f64,
+    /// Position of the side among all.
+    pub side: usize,
+    /// True if the ray comes from the left of the side.
+    pub is_left: bool,
+    /// True if it meets the side near to one of its ends, or nearly along it.
+    pub is_unsure: bool,
+}
+
+/// Points at which a ray from `z` meets sides, not in order.
+pub(in crate::spectral) fn ray_hits<'a>(
+    sides: impl Iterator<Item = &'a PlaneSide>,
+    z: Complex,
+    direction: Complex,
+) -> Vec<RayHit> {
+    let (ray, mut hits) = (Curve::line(z, direction), Vec::new());
+    for (number, side) in sides.enumerate() {
+        for distance in ray.meets(side.arc.curve) {
+            let Some(t) = side.place(ray.at(distance), SAME) else { continue };
+            let across = direction.cross(side.tangent(t));
+            let is_at_end = t < 1e-9 || t > side.length() - 1e-9;
+            hits.push(RayHit {
+                distance,
+                side: number,
+                is_left: across > 0.0,
+                is_unsure: is_at_end || across.abs() < 1e-6,
+            });
+        }
+    }
+    hits
+}
+
+/// True if the middle of a side of a loop lies on another one that runs the other way, by a tolerance.
+fn has_slit(sides: &[PlaneSide], tolerance: f64) -> bool {
+    sides.iter().enumerate().any(|(k, side)| {
+        let middle = 0.5 * side.length();
+        let (point, along) = (side.point(middle), side.tangent(middle));
+        sides.iter().enumerate().any(|(j, other)| {
+            j != k
+                && other.distance(point) < tolerance
+                && other.tangent(other.nearest(point)).dot(along) < 0.0
+        })
+    })
+}
+
+/// Number of the side that is nearest to a point, and its distance.
+pub(in crate::spectral) fn nearest_side(sides: &[PlaneSide], z: Complex) -> (usize, f64) {
+    let distances = sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
+    let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
+    nearest.expect("a loop has sides")
+}
+
+/// Reason for which there is no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlaneError {
+    /// The domain is not as said.
+    #[error("{0}")]
+    Domain(String),
+    /// f is not one that is served.
+    #[error("{0}")]
+    Source(String),
+    /// The contact set was not found, or a check failed.
+    #[error("{0}")]
+    NotFound(String),
+}
+
+impl PlaneError {
+    /// True if the input is the reason, and not that no solution was found.
+    pub fn is_of_input(&self) -> bool {
+        !matches!(self, Self::NotFound(_))
+    }
+}

@@ -1,0 +1,251 @@
+//! The problems.
+
+pub(super) mod known;
+pub(super) mod spoilt;
+
+use crate::mesh::Condition::{self, Contact, Fixed, Free};
+use crate::problem::complex::Complex;
+use crate::problem::formula::Formula;
+use crate::problem::law::Law;
+use crate::spectral::geometry::boundary::RingContact;
+use crate::spectral::geometry::domain::{PlaneCircle, PlaneSide};
+use crate::spectral::source::PlaneSource;
+use crate::spectral::source::expansion::Expansion;
+use crate::spectral::source::polynomial::Polynomial;
+use known::{
+    BenchProblem, HALF_DISC, Radial, SolvedKnown, circle, known, pieces, polygon, sector, slips,
+    sticks, with_disc,
+};
+use std::f64::consts::PI;
+
+/// Problems that one fit solves: nothing moves.
+pub(in crate::spectral::proof) fn all_known() -> Vec<BenchProblem> {
+    [discs(), split_discs(), rings(), sectors(), polygons(), bars()].into_iter().flatten().collect()
+}
+
+/// One of them, solved.
+pub(in crate::spectral::proof) fn solved(name: &str) -> SolvedKnown {
+    all_known().into_iter().find(|own| own.name == name).expect("its name is known").solved()
+}
+
+fn disc(condition: Condition) -> Vec<Vec<PlaneSide>> {
+    vec![circle(1.0, condition, true)]
+}
+
+fn ring(outer: Condition, inner: Condition) -> Vec<Vec<PlaneSide>> {
+    vec![circle(1.0, outer, true), circle(0.5, inner, false)]
+}
+
+/// The paper's law with an f.
+fn one(f: &str) -> (Law, PlaneSource) {
+    (Law::SIGNORINI, pieces(f))
+}
+
+fn friction(g: f64) -> Law {
+    Law::friction(g).unwrap()
+}
+
+fn limit(hi: f64) -> Law {
+    Law::limited(hi).unwrap()
+}
+
+fn discs() -> Vec<BenchProblem> {
+    let mut all = vec![
+        known("disc in contact", disc(Contact), one("else=-1"), vec![sticks()], -PI / 16.0),
+        known("fixed disc", disc(Fixed), one("else=2"), vec![sticks()], -PI / 4.0),
+        known(
+            "disc under friction",
+            disc(Contact),
+            (friction(0.6), pieces("else=1")),
+            vec![sticks()],
+            -PI / 16.0,
+        ),
+        known(
+            "disc under a limit",
+            disc(Contact),
+            (limit(0.6), pieces("else=-1")),
+            vec![sticks()],
+            -PI / 16.0,
+        ),
+    ];
+    for (name, place, [w, e, p]) in [
+        ("disc in a disc", "disc(0,0,0.25)=-40; else=-1", [-39.0 * PI / 16.0, 0.25, 0.0]),
+        (
+            "disc beside the middle",
+            "disc(0.3,0,0.125)=-40; else=-1",
+            [-39.0 * PI / 64.0, 0.125, 0.3],
+        ),
+        (
+            "small disc",
+            "disc(0.1,0,0.0078125)=-4000; else=-1",
+            [-3999.0 * PI / 16384.0, 0.0078125, 0.1],
+        ),
+    ] {
+        let own =
+            known(name, disc(Contact), one(place), vec![sticks()], with_disc(-1.0, [w, e, p]));
+        all.push(BenchProblem { is_hard: p > 0.0, ..own });
+    }
+    all
+}
+
+/// Discs with splits on the boundary.
+fn split_discs() -> Vec<BenchProblem> {
+    let mut all = Vec::new();
+    // Flux 1 of a law that ends there: a part may as well slip.
+    let unit = PlaneCircle { centre: [0.0; 2], radius: 1.0 };
+    let parts = vec![
+        PlaneSide::arc(unit, [0.0, PI], Fixed, 0),
+        PlaneSide::arc(unit, [PI, 2.0 * PI], Contact, 1),
+    ];
+    let arcs = RingContact { arcs: vec![[4.0, 5.5]], gaps: vec![1.0] };
+    all.push(known(
+        "ends of contact on a disc",
+        vec![parts],
+        (limit(1.0), pieces("else=-2")),
+        vec![arcs],
+        -PI / 4.0,
+    ));
+    let odd = one("halfplane(1,0,0)=-3; else=-1");
+    let own = known(
+        "crossings on a disc",
+        disc(Contact),
+        odd,
+        vec![sticks()],
+        -PI / 4.0 - 0.5 * HALF_DISC,
+    );
+    all.push(BenchProblem { is_hard: true, ..own });
+    all
+}
+
+fn rings() -> Vec<BenchProblem> {
+    let mut all = Vec::new();
+    let slipping = Radial::slipping(1.0, 0.0).energy(0.0);
+    all.push(known(
+        "gap round a fixed hole",
+        ring(Contact, Fixed),
+        one("else=1"),
+        vec![slips(0.0), sticks()],
+        slipping,
+    ));
+    let slipping = Radial::slipping(3.0, -0.4).energy(-0.4);
+    let rubbing = (friction(0.4), pieces("else=3"));
+    all.push(known(
+        "ring that slips up",
+        ring(Contact, Fixed),
+        rubbing,
+        vec![slips(-0.4), sticks()],
+        slipping,
+    ));
+    let slipping = Radial::slipping(-3.0, 0.3).energy(0.3);
+    let limited = (limit(0.3), pieces("else=-3"));
+    all.push(known(
+        "ring that slips down",
+        ring(Contact, Fixed),
+        limited,
+        vec![slips(0.3), sticks()],
+        slipping,
+    ));
+    let free = Radial::insulated(-2.0).energy(0.0);
+    all.push(known(
+        "free hole",
+        ring(Contact, Free),
+        one("else=-2"),
+        vec![sticks(), sticks()],
+        free,
+    ));
+    all.push(known(
+        "gap round a hole",
+        ring(Fixed, Contact),
+        one("else=2"),
+        vec![sticks(), slips(0.0)],
+        free,
+    ));
+    let held = Radial::held(-2.0).energy(0.0);
+    all.push(known(
+        "ring in contact",
+        ring(Contact, Contact),
+        one("else=-2"),
+        vec![sticks(), sticks()],
+        held,
+    ));
+    all
+}
+
+fn sectors() -> Vec<BenchProblem> {
+    let mut all = Vec::new();
+    for (name, angle, condition) in
+        [("sector of 60 degrees", PI / 3.0, Contact), ("three quarters of a disc", 1.5 * PI, Fixed)]
+    {
+        let energy = -angle / 32.0;
+        all.push(known(
+            name,
+            vec![sector(angle, condition)],
+            one("else=-1"),
+            vec![sticks()],
+            energy,
+        ));
+    }
+    let half = vec![sector(PI, Contact)];
+    let half: Vec<Vec<PlaneSide>> = half
+        .into_iter()
+        .map(|sides| {
+            sides.into_iter().map(|side| PlaneSide { condition: Contact, ..side }).collect()
+        })
+        .collect();
+    let own = known("half disc", half, one("else=-2"), vec![sticks()], -HALF_DISC);
+    all.push(BenchProblem { is_hard: true, ..own });
+    all
+}
+
+fn polygons() -> Vec<BenchProblem> {
+    let mut all = Vec::new();
+    let triangle = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
+    let torsion = -3f64.sqrt() / 640.0;
+    all.push(known(
+        "triangle",
+        vec![polygon(&triangle, &[Contact; 3])],
+        one("else=-1"),
+        vec![sticks()],
+        torsion,
+    ));
+    let half = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.75_f64.sqrt()]];
+    let half = vec![polygon(&half, &[Contact, Free, Contact])];
+    all.push(known("half triangle", half, one("else=-1"), vec![sticks()], 0.5 * torsion));
+    // v = -(1 - x^2) (1 - y^2).
+    let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let square = vec![polygon(&square, &[Contact; 4])];
+    let f = Formula::read("-2*(2 - x^2 - y^2)", 2).unwrap();
+    let seen = Expansion { origin: Complex::default(), unit: 1.0, radius: 1.5 };
+    let polynomial = Polynomial::in_coordinates(&f, 1.0, &seen).unwrap();
+    let source = (Law::SIGNORINI, PlaneSource::Polynomial(polynomial));
+    all.push(known("square", square, source, vec![sticks()], -128.0 / 45.0));
+    all
+}
+
+fn bars() -> Vec<BenchProblem> {
+    let mut all = Vec::new();
+    let bar = [[0.0, 0.0], [1.5, 0.0], [1.5, 1.0], [0.0, 1.0]];
+    let open = vec![polygon(&bar, &[Fixed, Contact, Contact, Contact])];
+    let thin = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.0, 0.5]];
+    let thin = vec![polygon(&thin, &[Fixed, Contact, Contact, Contact])];
+    all.push(known("thin bar", thin, one("else=1"), vec![slips(0.0)], -1.0 / 12.0));
+    all.push(known("bar with gaps", open, one("else=1"), vec![slips(0.0)], -0.25));
+    let rubbing = vec![polygon(&bar, &[Fixed, Free, Contact, Free])];
+    // v = 3/4 y - y^2 / 2, 1/4 at the top.
+    let energy = 1.5 * (-0.5 * (0.375 - 1.0 / 6.0) + 0.125 * 0.25);
+    all.push(known(
+        "bar that slips up",
+        rubbing.clone(),
+        (friction(0.25), pieces("else=1")),
+        vec![slips(-0.25)],
+        energy,
+    ));
+    all.push(known(
+        "bar that slips down",
+        rubbing,
+        (limit(0.25), pieces("else=-1")),
+        vec![slips(0.25)],
+        energy,
+    ));
+    all
+}

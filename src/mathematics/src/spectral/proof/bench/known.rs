@@ -1,0 +1,152 @@
+//! Problems whose energy is known in closed form, with fits of one contact set.
+
+use crate::mesh::Condition;
+use crate::problem::law::Law;
+use crate::spectral::contact::search::PlaneFound;
+use crate::spectral::fit::Fit;
+use crate::spectral::geometry::boundary::RingContact;
+use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
+use crate::spectral::problem::PlaneProblem;
+use crate::spectral::setup::{Level, Setup};
+use crate::spectral::source::PlaneSource;
+use std::f64::consts::{LN_2, PI};
+
+/// Problem with a contact set and the energy of its solution.
+pub(in crate::spectral::proof) struct BenchProblem {
+    pub name: &'static str,
+    pub problem: PlaneProblem,
+    pub contact: Vec<RingContact>,
+    pub energy: f64,
+    /// True if its solution is no polynomial.
+    pub is_hard: bool,
+}
+
+/// Data of a solved problem with its solution.
+pub(in crate::spectral::proof) struct SolvedKnown {
+    pub name: &'static str,
+    pub setup: Setup,
+    pub found: PlaneFound,
+    pub energy: f64,
+}
+
+impl BenchProblem {
+    /// All conditions on a level.
+    pub(in crate::spectral::proof) fn solved(self) -> SolvedKnown {
+        let level = if self.is_hard { &Level::FINE[1] } else { &Level::COARSE };
+        let setup = Setup::new(&self.problem).unwrap();
+        let fit = Fit::new(&setup, &self.contact, level);
+        let found = PlaneFound::known(&setup, &self.contact, fit);
+        SolvedKnown { name: self.name, setup, found, energy: self.energy }
+    }
+}
+
+/// Loop on which all sticks.
+pub(in crate::spectral::proof) fn sticks() -> RingContact {
+    RingContact::default()
+}
+
+/// Loop on which nothing sticks, with a flux.
+pub(in crate::spectral::proof) fn slips(flux: f64) -> RingContact {
+    RingContact { arcs: Vec::new(), gaps: vec![flux] }
+}
+
+/// f constant on pieces.
+pub(in crate::spectral::proof) fn pieces(f: &str) -> PlaneSource {
+    PlaneSource::Pieces(f.parse().unwrap())
+}
+
+/// Full circle round the origin.
+pub(in crate::spectral::proof) fn circle(
+    radius: f64,
+    condition: Condition,
+    is_outer: bool,
+) -> Vec<PlaneSide> {
+    let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
+    let own = PlaneCircle { centre: [0.0; 2], radius };
+    vec![PlaneSide::arc(own, angles, condition, usize::from(!is_outer))]
+}
+
+/// Polygon with a condition for each side.
+pub(in crate::spectral::proof) fn polygon(
+    points: &[[f64; 2]],
+    conditions: &[Condition],
+) -> Vec<PlaneSide> {
+    let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
+    let sides = conditions.iter().enumerate();
+    sides.map(|(k, &condition)| PlaneSide::segment(ends(k), condition, k)).collect()
+}
+
+/// Sector of the unit disc, with free straight sides.
+pub(super) fn sector(angle: f64, arc: Condition) -> Vec<PlaneSide> {
+    let end = [libm::cos(angle), libm::sin(angle)];
+    let unit = PlaneCircle { centre: [0.0; 2], radius: 1.0 };
+    vec![
+        PlaneSide::segment([[0.0; 2], [1.0, 0.0]], Condition::Free, 0),
+        PlaneSide::arc(unit, [0.0, angle], arc, 1),
+        PlaneSide::segment([end, [0.0; 2]], Condition::Free, 2),
+    ]
+}
+
+/// Problem with the energy of its solution.
+pub(super) fn known(
+    name: &'static str,
+    loops: Vec<Vec<PlaneSide>>,
+    (law, source): (Law, PlaneSource),
+    contact: Vec<RingContact>,
+    energy: f64,
+) -> BenchProblem {
+    let domain = PlaneDomain::new(loops).unwrap();
+    BenchProblem {
+        name,
+        problem: PlaneProblem { domain, law, source },
+        contact,
+        energy,
+        is_hard: false,
+    }
+}
+
+/// The solution `a + b log r - f r^2 / 4` on the ring between the radii 1/2 and 1.
+pub(super) struct Radial {
+    f: f64,
+    a: f64,
+    b: f64,
+}
+
+impl Radial {
+    /// With v = 0 on the inner circle, and a flux on the outer one.
+    pub(super) fn slipping(f: f64, flux: f64) -> Self {
+        let b = flux + 0.5 * f;
+        Self { f, a: f / 16.0 + b * LN_2, b }
+    }
+
+    /// With v = 0 on the outer circle, and no flux on the inner one.
+    pub(super) fn insulated(f: f64) -> Self {
+        Self { f, a: 0.25 * f, b: f / 8.0 }
+    }
+
+    /// With v = 0 on both.
+    pub(super) fn held(f: f64) -> Self {
+        Self { f, a: 0.25 * f, b: 3.0 * f / (16.0 * LN_2) }
+    }
+
+    fn outer(&self) -> f64 {
+        self.a - 0.25 * self.f
+    }
+
+    /// Energy, with a flux on the outer circle where v is not zero there.
+    pub(super) fn energy(&self, flux: f64) -> f64 {
+        let sum = self.a * 0.375 + self.b * (LN_2 / 8.0 - 3.0 / 16.0) - self.f * 15.0 / 256.0;
+        -PI * self.f * sum - PI * flux * self.outer()
+    }
+}
+
+/// `int u` for `-Lap u = 1` and u = 0 on the boundary of the half disc of radius 1, twice: St. Venant.
+pub(super) const HALF_DISC: f64 = PI / 4.0 - 2.0 / PI;
+
+/// Energy of the unit disc, all of whose boundary sticks, with f = b but for a disc of radius e at a distance p from
+/// the middle, where it is larger by the weight w over its area: Newton's theorem and Green's function.
+pub(super) fn with_disc(b: f64, [w, e, p]: [f64; 3]) -> f64 {
+    let own = w * w / (2.0 * PI) * (libm::log((1.0 - p * p) / e) + 0.25);
+    let both = 0.5 * w * b * (1.0 - p * p - 0.5 * e * e);
+    -0.5 * (own + both + b * b * PI / 8.0)
+}

@@ -1,0 +1,160 @@
+//! Data that do not depend on the contact set, and the levels of resolution.
+
+use crate::problem::complex::Complex;
+use crate::problem::law::Law;
+use crate::spectral::geometry::boundary::{PlaneRing, Walk};
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::geometry::images::{Image, images};
+use crate::spectral::geometry::medial::{MedialDisc, medial_discs};
+use crate::spectral::problem::PlaneProblem;
+use crate::spectral::source::jumps::PlaneJumps;
+
+/// Data of a problem.
+pub(in crate::spectral) struct Setup {
+    pub domain: PlaneDomain,
+    pub law: Law,
+    pub rings: Vec<PlaneRing>,
+    pub jumps: PlaneJumps,
+    pub images: Vec<Image>,
+    /// Middle of the box round the domain.
+    pub centre: Complex,
+    pub diameter: f64,
+    pub perimeter: f64,
+    /// Discs outside of the domain between parts of the boundary that lie before each other, as in a slot.
+    pub medial: Vec<MedialDisc>,
+}
+
+/// Resolution.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct Level {
+    /// Ratio of the lengths of cuts.
+    pub ratio: f64,
+    /// Least number of cuts where powers are fractions, and number of cuts elsewhere.
+    pub strong: usize,
+    pub weak: usize,
+    /// Most cuts of an image.
+    pub image: usize,
+    /// Degree of the polynomials.
+    pub degree: usize,
+    /// Powers of holes.
+    pub hole: usize,
+    /// Poles on the medial axis outside of the domain, per radius of the discs there; zero for none.
+    pub poles: f64,
+    /// Gauss points of a panel, and length of the shortest, in halves of an interval.
+    pub nodes: usize,
+    pub shortest: f64,
+    /// Step of the ends, in perimeters, below which they are found.
+    pub found: f64,
+    /// Size below which steps that no longer fall are at rest.
+    pub noise: f64,
+    /// Errors of checks with which no finer level is tried.
+    pub enough: f64,
+}
+
+impl Level {
+    /// Level on which Newton's method begins.
+    pub(in crate::spectral) const COARSE: Self = Self {
+        ratio: 6.0,
+        strong: 4,
+        weak: 2,
+        image: 2,
+        degree: 12,
+        hole: 8,
+        poles: 2.0,
+        nodes: 5,
+        shortest: 1e-4,
+        found: 1e-5,
+        noise: 1e-3,
+        enough: 3e-10,
+    };
+    /// Levels on which the solution is checked, in turn.
+    pub(in crate::spectral) const FINE: [Self; 3] = [
+        Self {
+            ratio: 3.0,
+            strong: 4,
+            weak: 4,
+            image: 4,
+            degree: 22,
+            hole: 12,
+            poles: 3.5,
+            nodes: 6,
+            shortest: 1e-4,
+            found: 1e-7,
+            noise: 1e-6,
+            enough: 1e-11,
+        },
+        Self {
+            ratio: 2.2,
+            strong: 5,
+            weak: 5,
+            image: 5,
+            degree: 32,
+            hole: 16,
+            poles: 4.5,
+            nodes: 6,
+            shortest: 1e-4,
+            found: 1e-7,
+            noise: 1e-6,
+            enough: 3e-10,
+        },
+        Self {
+            ratio: 1.8,
+            strong: 6,
+            weak: 6,
+            image: 6,
+            degree: 44,
+            hole: 24,
+            poles: 6.0,
+            nodes: 6,
+            shortest: 1e-4,
+            found: 1e-7,
+            noise: 1e-6,
+            enough: 3e-10,
+        },
+    ];
+}
+
+impl Level {
+    /// Level between the others, with one cut at least, and with `more`.
+    pub(in crate::spectral) fn with_few_cuts(more: usize) -> Self {
+        let fine = Self::FINE[2];
+        let cuts = fine.strong.min(more + 1);
+        Self { strong: cuts, weak: cuts, image: cuts, hole: fine.hole.min(4 * cuts), ..fine }
+    }
+}
+
+impl Setup {
+    pub(in crate::spectral) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
+        let PlaneProblem { domain, law, source } = problem;
+        let jumps = PlaneJumps::new(domain, source)?;
+        let diameter = domain.diameter();
+        Ok(Self {
+            images: images(domain, &jumps.singular, diameter),
+            rings: domain.loops.iter().map(|sides| PlaneRing::new(sides)).collect(),
+            centre: domain.centre(),
+            perimeter: domain.perimeter(),
+            domain: domain.clone(),
+            law: *law,
+            jumps,
+            diameter,
+            medial: medial_discs(domain),
+        })
+    }
+
+    /// Sets f beside the intervals of a walk: on each loop from f beside the interval that is farthest from jumps.
+    pub(in crate::spectral) fn set_f(&self, walk: &mut Walk) {
+        for ring in 0..self.rings.len() {
+            let mut farthest = (-1.0, 0, Complex::default());
+            for (k, own) in walk.intervals.iter().enumerate().filter(|(_, own)| own.ring == ring) {
+                let spot = walk.spot(k, 0, 0.4142 * own.length, 0.0);
+                let room = self.jumps.distances(spot.z).fold(0.5 * own.length, f64::min);
+                if room > farthest.0 {
+                    let inwards = spot.tangent.turned().scaled(0.5 * room.min(1e-6));
+                    farthest = (room, k, spot.z + inwards);
+                }
+            }
+            let (_, known, z) = farthest;
+            walk.set_f(ring, known, self.jumps.psi.source(z));
+        }
+    }
+}

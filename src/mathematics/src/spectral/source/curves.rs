@@ -1,0 +1,456 @@
+//! Curves inside a domain across which f jumps, cut where they meet, and continued beyond the boundary for psi.
+//!
+//! Inside, pieces of curves carry the difference of f on their two sides, whose sum at each vertex is zero. Outside, a
+//! piece goes on along its curve: a line beyond the last side to infinity; else to the middle of its way outside, or
+//! for a length of two, and from there away from the domain. Where the next piece has the same jump, so does all
+//! between.
+
+use super::changes::Changes;
+use super::potential::Potential;
+use crate::machine::sums::two_sum;
+use crate::problem::complex::Complex;
+use crate::problem::shape::Shape;
+use crate::problem::source::Source;
+use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING, SAME, borders};
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::geometry::parts::{CurvePart, append, close};
+use crate::spectral::geometry::way_out::WayOut;
+
+/// Piece of a jump inside the domain, between vertices or points of the boundary.
+#[derive(Clone, Debug)]
+pub(in crate::spectral) struct JumpEdge {
+    pub arc: Arc,
+    /// f on the left and on the right.
+    pub values: [f64; 2],
+}
+
+impl JumpEdge {
+    /// f on the left less f on the right.
+    pub(in crate::spectral) fn jump(&self) -> f64 {
+        self.values[0] - self.values[1]
+    }
+
+    /// True if it is all of a circle.
+    pub(in crate::spectral) fn is_circle(&self) -> bool {
+        let Arc { curve, span: [from, to], .. } = self.arc;
+        curve.period().is_some_and(|turn| (to - from).abs() > turn - SAME)
+    }
+}
+
+/// All jumps of f inside a domain.
+#[derive(Clone, Default)]
+pub(in crate::spectral) struct Jumps {
+    /// Curves on which f may jump: those of the borders of shapes, and then others of borders of regions.
+    curves: Vec<Curve>,
+    /// Parts of the curves that are such borders: of one of a shape, all of it.
+    spans: Vec<Vec<[f64; 2]>>,
+    pub edges: Vec<JumpEdge>,
+    /// What f may differ from that of the shapes.
+    pub changes: Changes,
+    /// Largest difference of f and a sum of two jumps more.
+    most: f64,
+    /// Vertices that stand for all others within [`NEAR`].
+    hubs: Vec<usize>,
+    /// Potential of the jumps, without the background. Its vertices are the points at which edges meet inside the
+    /// domain, and ends and bends outside.
+    pub psi: Potential,
+}
+
+/// Distance of vertices below which they count as one.
+const NEAR: f64 = 10.0 * SAME;
+/// Distance of a point from the boundary below which it is there.
+pub(in crate::spectral) const APART: f64 = 1e-13;
+/// Longest way along a curve outside of the domain: psi would grow with the square of the radius.
+const FARTHEST: f64 = 2.0;
+
+/// Point at which a curve meets another one, or a side.
+#[derive(Clone, Copy)]
+struct CurveCut {
+    /// Distance along the curve.
+    s: f64,
+    /// True if the curve meets a side.
+    side: bool,
+}
+
+/// Piece of a curve with f on its left and right, none outside of the domain.
+type CurvePiece = CurvePart<Option<[f64; 2]>>;
+
+impl Jumps {
+    /// Jumps of constant pieces.
+    ///
+    /// # Errors
+    /// [`PlaneError::NotFound`] if there is no way out of a bay.
+    pub(in crate::spectral) fn of_pieces(
+        domain: &PlaneDomain,
+        f: &Source,
+    ) -> Result<Self, PlaneError> {
+        assert!(!f.is_smooth(), "f consists of constant pieces");
+        Self::new(domain, [f], [], |z| f.at(z.coordinates()))
+    }
+
+    /// Jumps of f at the borders of the shapes of constant pieces, and of regions.
+    ///
+    /// All pieces of all borders between their cuts are looked at, so that every jump of f inside the domain is among
+    /// these but for what [`Changes`] bounds.
+    ///
+    /// # Errors
+    /// [`PlaneError::NotFound`] if there is no way out of a bay, [`PlaneError::Source`] if jumps do not add up to zero
+    /// where they meet.
+    pub(in crate::spectral) fn new<'a>(
+        domain: &PlaneDomain,
+        all_pieces: impl IntoIterator<Item = &'a Source>,
+        regions: impl IntoIterator<Item = Arc>,
+        f: impl Fn(Complex) -> f64,
+    ) -> Result<Self, PlaneError> {
+        let sources: Vec<&Source> = all_pieces.into_iter().collect();
+        let largest = sources.iter().filter_map(|f| f.largest()).fold(0.0, f64::max);
+        let mut jumps = Self { most: 4.0 * largest, ..Self::default() };
+        for source in sources {
+            let Source::Pieces { pieces, .. } = source else { continue };
+            pieces.iter().for_each(|&(shape, _)| jumps.add_shape(domain, shape));
+        }
+        regions.into_iter().for_each(|arc| jumps.add_region(arc));
+        for (k, curve) in jumps.curves.clone().into_iter().enumerate() {
+            let cuts = jumps.cuts(domain, k);
+            let pieces = jumps.pieces(domain, k, cuts, &f);
+            jumps.add(domain, curve, &pieces)?;
+        }
+        jumps.check_vertices()?;
+        Ok(jumps)
+    }
+
+    /// Adds the borders of a shape; common borders of two shapes are one curve.
+    fn add_shape(&mut self, domain: &PlaneDomain, shape: Shape<2>) {
+        let curves = borders(&shape);
+        if let Shape::Ball { centre: [x, y], radius } = shape
+            && curves.is_empty()
+            && domain.depth(Complex::new(x, y)) >= -radius
+        {
+            self.changes.add_disc(self.most, radius.max(0.0));
+        }
+        for curve in curves {
+            if let Some(&known) = self.curves.iter().find(|other| other.same(curve)) {
+                self.changes.add_moved(self.most, curve, known);
+                continue;
+            }
+            self.curves.push(curve);
+            let whole = [f64::NEG_INFINITY, f64::INFINITY];
+            self.spans.push(vec![curve.period().map_or(whole, |turn| [0.0, turn])]);
+        }
+    }
+
+    /// Adds the border of a region to its curve.
+    fn add_region(&mut self, arc: Arc) {
+        let Arc { curve, span: [from, to], .. } =
+            if arc.span[0] > arc.span[1] { arc.reversed() } else { arc };
+        let Some(k) = self.curves.iter().position(|&other| other.same(curve)) else {
+            self.curves.push(curve);
+            self.spans.push(vec![[from, to]]);
+            return;
+        };
+        let known = self.curves[k];
+        let off = [from, 0.5 * (from + to), to].map(|s| known.distance(curve.at(s)).abs());
+        self.changes.add_strip(self.most, [off.into_iter().fold(0.0, f64::max), to - from]);
+        // Circles run one way.
+        let turns = known.curvature == 0.0 && known.tangent.dot(curve.tangent) < 0.0;
+        let start = known.place(curve.at(if turns { to } else { from }));
+        self.spans[k].push([start, start + to - from]);
+    }
+
+    /// True if a curve is a border at a distance along it.
+    fn is_border(&self, k: usize, s: f64) -> bool {
+        let period = self.curves[k].period();
+        self.spans[k].iter().any(|[from, to]| {
+            let after = period.map_or(s - from, |turn| (s - from + SAME).rem_euclid(turn) - SAME);
+            (-SAME..=to - from + SAME).contains(&after)
+        })
+    }
+
+    /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
+    /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
+    /// within `on` of the piece coincide with it.
+    fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
+        let mut room = most;
+        for (k, other) in self.curves.iter().enumerate() {
+            if !other.holds(along, on) && self.is_border(k, other.place(along[1])) {
+                room = room.min(0.5 * other.distance(along[1]).abs());
+            }
+        }
+        room
+    }
+
+    /// Points on both sides of the middle of a piece of the `k`-th curve; the same one if that is no border there, or a
+    /// curve before has its jump.
+    fn beside(&self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
+        let (curve, s) = (self.curves[k], 0.5 * (from + to));
+        let along = [from, s, to].map(|s| curve.at(s));
+        let (z, normal) = (along[1], curve.direction(s).turned());
+        let step = normal.scaled(self.room(along, curve.rounding().max(SAME), ROUNDING));
+        // Where two curves touch, the jump is that of the first.
+        let mut before = self.curves[..k].iter().enumerate();
+        let known = before
+            .any(|(j, other)| other.holds(along, ROUNDING) && self.is_border(j, other.place(z)));
+        if known || !self.is_border(k, s) { [z; 2] } else { [z + step, z - step] }
+    }
+
+    /// Points at which a border ends or meets others inside the domain, and at which its curve meets the sides.
+    fn cuts(&mut self, domain: &PlaneDomain, k: usize) -> Vec<CurveCut> {
+        /// Distance of an end from the boundary below which it is there.
+        const ON: f64 = 1e-9;
+        let (curve, most) = (self.curves[k], self.most);
+        let mut cuts = on_sides(domain, curve);
+        let sides = domain.sides().map(|side| side.arc.curve);
+        for other in self.curves[..k].iter().copied().chain(sides) {
+            if let Some(overlap) = curve.overlap(other) {
+                self.changes.add_overlap(most, overlap);
+            }
+        }
+        for j in 0..self.curves.len() {
+            let other = self.curves[j];
+            // Where curves meet at a small angle their common points are known to few digits: both are cut at the same.
+            let places = match j < k {
+                true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
+                false => curve.meets(other),
+            };
+            for s in places {
+                let z = curve.at(s);
+                let depth = domain.depth(z);
+                if !(self.is_border(k, s) && self.is_border(j, other.place(z))) {
+                    continue;
+                }
+                match depth > APART {
+                    true => cuts.push(CurveCut { s, side: false }),
+                    // A meeting so near to a side happens on the side.
+                    false => self.changes.add_joined(most, depth),
+                }
+            }
+        }
+        let turn = curve.period().unwrap_or(f64::INFINITY);
+        let parts = self.spans[k].iter().filter(|[from, to]| to - from < turn - SAME);
+        for s in parts.flatten() {
+            let z = curve.at(*s);
+            match domain.distance(z) {
+                away if away > ON => cuts.push(CurveCut { s: curve.place(z), side: false }),
+                away => self.changes.add_joined(most, away),
+            }
+        }
+        cuts
+    }
+
+    /// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start
+    /// and end; neighbours with the same values on both sides are one.
+    fn pieces(
+        &mut self,
+        domain: &PlaneDomain,
+        k: usize,
+        mut cuts: Vec<CurveCut>,
+        f: impl Fn(Complex) -> f64,
+    ) -> Vec<CurvePiece> {
+        let curve = self.curves[k];
+        cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
+        if let Some(period) = curve.period() {
+            let first = cuts.first().copied().unwrap_or(CurveCut { s: 0.0, side: true });
+            cuts.resize(cuts.len().max(1), first);
+            cuts.push(CurveCut { s: first.s + period, ..first });
+        }
+        cuts.dedup_by(|b, a| {
+            let apart = b.s - a.s;
+            let is_same = apart < if a.side == b.side { SAME } else { ROUNDING };
+            if is_same {
+                self.changes.add_joined(self.most, apart);
+            }
+            is_same
+        });
+        let mut pieces = Vec::new();
+        for cut in cuts.windows(2) {
+            let span = [cut[0].s, cut[1].s];
+            let depth = domain.depth(curve.at(0.5 * (span[0] + span[1])));
+            // Curves meet one another inside only.
+            let inside = cut.iter().any(|cut| !cut.side) || depth > curve.rounding().max(APART);
+            if !inside {
+                // No deeper than twice the middle: between cuts both curve and side bend one way, or depth is linear.
+                self.changes.add_strip(self.most, [2.0 * depth, span[1] - span[0]]);
+            }
+            let value = inside.then(|| self.beside(k, span).map(&f));
+            append(&mut pieces, CurvePart { span, value });
+        }
+        if let Some(period) = curve.period() {
+            close(&mut pieces, period);
+        }
+        pieces
+    }
+
+    /// Adds the jumps along a curve, cut into pieces, with their continuation beyond the boundary.
+    fn add(
+        &mut self,
+        domain: &PlaneDomain,
+        curve: Curve,
+        pieces: &[CurvePiece],
+    ) -> Result<(), PlaneError> {
+        let whole = pieces.len() == 1 && curve.period().is_some();
+        for &CurvePart { span, value } in pieces {
+            let Some(values) = value.filter(|[left, right]| left != right) else { continue };
+            let ends = if whole { [None; 2] } else { span.map(|s| self.meet(domain, curve.at(s))) };
+            let arc = Arc { curve, span, ends };
+            self.edges.push(JumpEdge { arc, values });
+            let stitches = self.stitches(arc);
+            self.edges.extend(stitches.into_iter().map(|arc| JumpEdge { arc, values }));
+        }
+        let open = tails(curve, pieces);
+        for CurvePart { span, value: jump } in continued(curve, pieces) {
+            if jump == 0.0 {
+                continue;
+            }
+            if curve.period().is_some_and(|period| span[1] - span[0] > period - SAME) {
+                self.psi.add(Arc { curve, span, ends: [None; 2] }, jump);
+                continue;
+            }
+            let is_open = [0, 1].map(|k| open.is_some_and(|open| open[k] == span[k]));
+            let ends = [0, 1].map(|k| (!is_open[k]).then(|| self.vertex(curve.at(span[k]))));
+            let arc = Arc { curve, span, ends };
+            for arc in self.stitches(arc).into_iter().chain([arc]) {
+                self.psi.add(arc, jump);
+            }
+            for (end, jump) in ends.into_iter().zip([-jump, jump]) {
+                if let Some(tip) = end
+                    && domain.depth(self.psi.vertices[tip]) <= APART
+                {
+                    self.lead_away(domain, tip, jump)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Leads a jump from a vertex outside of the domain to infinity, or to the middle of a hole.
+    fn lead_away(&mut self, domain: &PlaneDomain, tip: usize, jump: f64) -> Result<(), PlaneError> {
+        let text = "f jumps into a bay from which no way out was found";
+        let WayOut { bends, ray } = domain
+            .way_out(self.psi.vertices[tip])
+            .ok_or_else(|| PlaneError::NotFound(text.into()))?;
+        let mut last = tip;
+        for bend in bends {
+            let next = self.vertex(bend);
+            // A border may end in the middle of a hole.
+            if next != last {
+                self.psi.add(self.straight(last, next), jump);
+            }
+            last = next;
+        }
+        if let Some(direction) = ray {
+            let curve = Curve::line(self.psi.vertices[last], direction);
+            self.psi.add(Arc { curve, span: [0.0, 1.0], ends: [Some(last), None] }, jump);
+        }
+        Ok(())
+    }
+
+    /// Vertex at which an edge ends; none on the boundary.
+    fn meet(&mut self, domain: &PlaneDomain, z: Complex) -> Option<usize> {
+        (domain.depth(z) > APART).then(|| self.vertex(z))
+    }
+
+    /// Number of the vertex at a point, a new one if there is none.
+    fn vertex(&mut self, z: Complex) -> usize {
+        let vertices = &self.psi.vertices;
+        let new = vertices.len();
+        if let Some(known) = vertices.iter().position(|&v| (v - z).norm() < ROUNDING / 4.0) {
+            return known;
+        }
+        match self.hubs.iter().find(|&&hub| (vertices[hub] - z).norm() < NEAR) {
+            Some(&hub) => self.changes.add_joined(self.most, (vertices[hub] - z).norm()),
+            None => self.hubs.push(new),
+        }
+        self.psi.vertices.push(z);
+        new
+    }
+
+    /// Straight pieces that continue an arc from and to the hubs of the vertices at its ends: if three curves meet but
+    /// for rounding, or nearly, their jumps would not sum to zero in any point.
+    fn stitches(&self, arc: Arc) -> Vec<Arc> {
+        let vertices = &self.psi.vertices;
+        let mut stitches = Vec::new();
+        for (k, end) in arc.ends.into_iter().enumerate() {
+            let Some(v) = end else { continue };
+            let mut hubs = self.hubs.iter().copied();
+            let hub = hubs.find(|&hub| (vertices[hub] - vertices[v]).norm() <= NEAR);
+            let Some(hub) = hub.filter(|&hub| hub != v) else { continue };
+            let [from, to] = if k == 0 { [hub, v] } else { [v, hub] };
+            stitches.push(self.straight(from, to));
+        }
+        stitches
+    }
+
+    /// Checks that the jumps that end in each vertex add up to zero, but for the rounding of each: psi would belong to
+    /// an f that is not constant on pieces.
+    ///
+    /// # Errors
+    /// [`PlaneError::Source`].
+    fn check_vertices(&self) -> Result<(), PlaneError> {
+        let vertices = &self.psi.vertices;
+        let mut sums = vec![[0.0; 3]; vertices.len()];
+        for jump in &self.psi.jumps {
+            for (end, sign) in jump.arc.ends.into_iter().zip([-1.0, 1.0]) {
+                let Some(v) = end else { continue };
+                let [sum, rest, sizes] = sums[v];
+                let [sum, remainder] = two_sum(sum, sign * jump.size);
+                sums[v] = [sum, rest + remainder, sizes + jump.size.abs()];
+            }
+        }
+        // Half a unit for each difference of two values, and as much for the sum of the remainders.
+        let is_open = |[sum, rest, sizes]: &[f64; 3]| (sum + rest).abs() > f64::EPSILON * sizes;
+        let Some(v) = sums.iter().position(is_open) else { return Ok(()) };
+        let [x, y] = vertices[v].coordinates();
+        Err(PlaneError::Source(format!(
+            "borders of f end or meet near ({x:.3}, {y:.3}), in units of the domain, closer than this solver tells apart; \
+             move one of them"
+        )))
+    }
+
+    /// Segment between two vertices.
+    fn straight(&self, from: usize, to: usize) -> Arc {
+        let [start, end] = [from, to].map(|v| self.psi.vertices[v]);
+        let way = end - start;
+        let length = way.norm();
+        let curve = Curve::line(start, way.scaled(1.0 / length));
+        Arc { curve, span: [0.0, length], ends: [Some(from), Some(to)] }
+    }
+}
+
+/// Points at which a curve meets those of the sides.
+fn on_sides(domain: &PlaneDomain, curve: Curve) -> Vec<CurveCut> {
+    let met = domain.sides().flat_map(|side| curve.meets(side.arc.curve));
+    met.map(|s| CurveCut { s, side: true }).collect()
+}
+
+/// Ends from which a line goes on to infinity, beyond the last sides; none of a circle.
+fn tails(curve: Curve, pieces: &[CurvePiece]) -> Option<[f64; 2]> {
+    let mut inside = pieces.iter().filter(|piece| piece.value.is_some());
+    let first = inside.next()?;
+    let last = inside.next_back().unwrap_or(first);
+    curve.period().is_none().then_some([first.span[0], last.span[1]])
+}
+
+/// Parts of a curve with their jumps, continued outside of the domain.
+fn continued(curve: Curve, pieces: &[CurvePiece]) -> Vec<CurvePart<f64>> {
+    let many = pieces.len();
+    // Lengths by which the neighbours of a piece go on along it; lines that end there do so to infinity.
+    let mut beyond = vec![0.0; many];
+    for (k, (length, CurvePart { span, value })) in beyond.iter_mut().zip(pieces).enumerate() {
+        let is_between = curve.period().is_some() || k > 0 && k + 1 < many;
+        if value.is_none() && is_between {
+            *length = FARTHEST.min(0.5 * (span[1] - span[0]));
+        }
+    }
+    let mut parts = Vec::new();
+    for (k, &CurvePart { span: [from, to], value }) in pieces.iter().enumerate() {
+        let Some([left, right]) = value else { continue };
+        // Of a line, the pieces at both ends have no neighbours inside that go on.
+        let [before, after] = [(k + many - 1) % many, (k + 1) % many].map(|beside| beyond[beside]);
+        let span = [from - before, to + after];
+        append(&mut parts, CurvePart { span, value: left - right });
+    }
+    if let Some(period) = curve.period() {
+        close(&mut parts, period);
+    }
+    parts
+}

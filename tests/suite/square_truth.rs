@@ -1,0 +1,265 @@
+//! True solutions on the square against energies by conformal maps and a Riemann-Hilbert problem, against multigrid,
+//! and where borders of f touch.
+
+use crate::common::{Dice, random_source};
+use crate::reference::REFERENCES;
+use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::solvers::{Refusal, Settings, Solver, solve, true_solution};
+use signorini_mathematics::spectral::{PlaneError, TrueSolution};
+
+/// f, the law, the energy to fourteen digits, and the number of arcs in contact. In the order of the table: several
+/// arcs; an end of contact behind a corner; a nearly vanishing integral of f; a gap round a corner; discs that touch
+/// sides, shapes and one another; shapes that nearly touch; borders that are nearly one, tiny or far away; other laws.
+/// Energies by a solver of conformal maps, at two resolutions.
+const CASES: [(&str, &str, f64, usize); 36] = [
+    ("rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5", "", -0.041785163380619, 4),
+    ("quadrant(ll)=6; else=-4", "", -0.34054979739783, 1),
+    ("disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5", "", -0.81596618374242, 2),
+    ("rect(-0.2,0.2,-0.5,-0.3)=4; rect(-0.2,0.2,0.3,0.5)=4; else=-2", "", -0.041587051960184, 2),
+    (
+        "halfplane(-0.2,-0.837,-0.26)=3.75; disc(-0.28,0.48,0.07)=7.66; halfplane(0.75,-0.767,-0.28)=-1.62; else=-0.5",
+        "",
+        -0.040797426262118,
+        1,
+    ),
+    ("rect(0,0.5,-0.5,0.5)=1; else=-1.00008", "", -0.041665000133333, 1),
+    ("halfplane(0,1,0)=4.999; else=-5", "", -1.0411459166667, 1),
+    ("disc(-0.5,-0.5,0.387)=0.099609; else=-1", "", -0.015474523849031, 1),
+    ("disc(0,0.125,0.5)=-4; else=-1", "", -0.24075190789353, 1),
+    ("disc(-0.25,-0.35,0.15)=-4; else=-1", "", -0.026640304731834, 1),
+    (
+        "disc(0.4,0.32,0.1)=-7.05; rect(0.35,0.51,-0.38,0.32)=-1.3; quadrant(ll)=2.69; else=-2.78",
+        "",
+        -0.090192879852730,
+        1,
+    ),
+    (
+        "disc(0.5,-0.375,0.25)=-1; disc(0,-0.375,0.25)=-6; rect(0,0.1,-0.5,-0.25)=6; else=-1",
+        "",
+        -0.052548673327698,
+        1,
+    ),
+    ("rect(-0.3,-0.25,-0.249999,0)=0; disc(0,-0.25,0.25)=4; else=-6", "", -0.26963037734621, 1),
+    ("disc(1.7e-6,0.25,0.5)=-6; rect(0,0.3,-0.25,0)=-2; else=1", "", -0.32240122567712, 2),
+    ("quadrant(ur)=-8; disc(0.5,-0.499999,0.5)=-8; else=-2", "", -0.39898694319482, 1),
+    ("disc(0,0.5,0.5)=2; rect(-0.5,0,0.4999982,0.5)=-5; else=-4.8", "", -0.15263386482363, 1),
+    ("rect(-0.4998,0,0.25,0.5)=0.5; disc(0.5,0,0.2)=1; else=-3", "", -0.11956920093578, 1),
+    ("rect(1e-10,0.25,-0.3,0.1)=1; quadrant(ul)=-2; else=-1", "", -0.018052675027820, 1),
+    ("disc(0.25,0,0.25)=5; else=-2", "", -0.070823938699821, 1),
+    ("rect(0.4999999,0.6,-0.1,0.25)=-8; else=-2", "", -0.070288507477584, 1),
+    ("disc(-0.2,0.1,0.2)=3; disc(0.1,0.1,0.10000001)=4; else=-3", "", -0.057854359095491, 1),
+    ("disc(0.1,-0.2,1e-8)=3; quadrant(ll)=3; else=-1.002", "", -0.10074418941748, 1),
+    ("halfplane(1e-160,1e-160,0)=1; else=-2", "", -0.031233431656032, 1),
+    ("halfplane(1,2,1e300)=-2; disc(0,0,0.3)=1; else=3", "", -0.012292408633351, 1),
+    ("disc(0,0,0.4)=1; disc(0.200001,0,0.2)=-2; else=-1", "", -0.0052660879326374, 1),
+    ("disc(0,0,0.4)=1; disc(0.2,0,0.2)=-2; else=-1", "", -0.0052660705484919, 1),
+    ("quadrant(ll)=3; else=-1.002", "friction 0.3", -0.024787188375613, 1),
+    ("quadrant(ll)=-6; else=1.998", "friction 0.6", -0.099109836325995, 1),
+    ("else=1", "friction 0.3", -0.017738148827451, 4),
+    ("halfplane(1,0,0)=8; else=-8", "friction 1", -0.62795231646932, 2),
+    ("rect(-0.5,0,-0.25,0.25)=6; else=-1", "friction 0.25", -0.17257672654083, 1),
+    ("else=4", "friction 1.01", -0.32724496360836, 4),
+    ("halfplane(1,0,0)=8; else=-8", "friction 0.7", -0.96772905026363, 2),
+    ("disc(-0.3,0.1,0.2)=8; else=-2", "limit 1.5", -0.10086976876954, 1),
+    ("quadrant(ur)=-351; else=116.6", "limit 0.15", -1374.5584159831, 4),
+    (
+        "halfplane(0.3,-0.7,0.1)=6; disc(0.2,0.1,0.15)=2; else=-5",
+        "friction 0.9",
+        -0.36514943479677,
+        1,
+    ),
+];
+
+/// Problem on a grid of the square with so many cells per side.
+fn problem(f: &str, law: Law, cells: usize) -> Problem {
+    let f: Source = f.parse().unwrap();
+    Problem::on_square(nested(&[cells]).unwrap(), f, LoadRule::Bilinear {}, law)
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn solved_under(f: &str, law: Law) -> TrueSolution {
+    true_solution(&problem(f, law, 2)).unwrap_or_else(|e| panic!("{f}, {law}: {e}"))
+}
+
+fn solved(f: &str) -> TrueSolution {
+    solved_under(f, Law::SIGNORINI)
+}
+
+/// Law of a case: the paper's without a text.
+fn law_of(text: &str) -> Law {
+    let law = text.split_once(' ').map(|(name, number)| {
+        let number = number.parse().unwrap();
+        if name == "limit" { LawParameter::Limit(number) } else { LawParameter::Friction(number) }
+    });
+    LawParameter::law_or_papers(law).unwrap()
+}
+
+#[track_caller]
+fn close(found: f64, known: f64, tolerance: f64) {
+    assert!((found - known).abs() <= tolerance, "{found:e}, not {known:e}: {:e}", found - known);
+}
+
+#[test]
+fn energies_and_brackets_are_those_by_conformal_maps() {
+    let mut without_bracket = Vec::new();
+    for (f, law, energy, arcs) in CASES {
+        let solution = solved_under(f, law_of(law));
+        let error = solution.energy / energy - 1.0;
+        assert!(error.abs() < 1e-12, "{f} {law}: {error:e}");
+        assert_eq!(solution.contact.len(), arcs, "{f} {law}");
+        close(
+            solution.force / (1.0 + solution.integral.abs()),
+            -solution.integral / (1.0 + solution.integral.abs()),
+            1e-9,
+        );
+        match solution.bracket {
+            // Of the energy here fourteen digits are known.
+            Ok([low, high]) => {
+                let slack = 1e-13 * energy.abs();
+                assert!(low - slack <= energy && energy <= high + slack, "{f} {law}: {low} {high}");
+                assert!(high - low < 1e-9 * energy.abs(), "{f} {law}: {low} {high}");
+            }
+            Err(_) => without_bracket.push(f),
+        }
+    }
+    assert!(without_bracket.len() <= 4, "{without_bracket:?}");
+}
+
+#[test]
+fn values_and_ends_are_those_in_quadruple_precision() {
+    for known in &REFERENCES {
+        let solution = solved(known.f);
+        close(solution.energy, known.energy, 1e-12 * known.energy.abs());
+        close(solution.values(&[[0.0; 2]])[0], known.centre, 1e-11);
+        let corners = [[0.5, -0.5], [0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5]];
+        for (corner, known) in corners.into_iter().zip(known.corners) {
+            close(solution.on_boundary(corner)[0], known, 1e-11);
+        }
+        let [arc] = &solution.contact[..] else { panic!("{}: one arc", known.f) };
+        assert_eq!(arc.closed, known.contact.is_none(), "{}", known.f);
+        for (found, known) in [arc.from, arc.to].into_iter().zip(known.contact.iter().flatten()) {
+            (0..2).for_each(|k| close(found[k], known[k], 1e-10));
+        }
+    }
+}
+
+#[test]
+fn arcs_between_both_signs_shorten_exponentially_with_one_over_g() {
+    // Half-lengths by a program in quadruple precision, written apart from this one.
+    for (g, expected) in
+        [(1.0, 0.015_508_230_392_821_913), (0.7, 9.4e-4), (0.5, 2.56e-5), (0.45, 6.3e-6)]
+    {
+        let solution = solved_under("halfplane(1,0,0)=8; else=-8", Law::friction(g).unwrap());
+        assert_eq!(solution.contact.len(), 2);
+        for arc in &solution.contact {
+            let half = 0.5 * (arc.to[0] - arc.from[0]).abs();
+            assert!((half / expected - 1.0).abs() < 2e-2, "{g}: {half:e}");
+            assert!((arc.to[0] + arc.from[0]).abs() < 1e-6 * half, "{g}: {arc:?}");
+        }
+    }
+}
+
+#[test]
+fn c_f_with_the_law_as_wide_gives_c_v_and_so_does_the_unit_of_f() {
+    let friction = |g: f64| Law::friction(g).unwrap();
+    let one = solved_under("quadrant(ll)=3; else=-1.002", friction(0.3));
+    let two = solved_under("quadrant(ll)=-6; else=2.004", friction(0.6));
+    close(two.energy / (4.0 * one.energy), 1.0, 1e-12);
+    let [v, w] = [&one, &two].map(|solution| solution.values(&[[0.31, 0.17]])[0]);
+    close(w, -2.0 * v, 1e-11);
+    let f = |unit: f64| format!("rect(0.25,0.5,0.25,0.5)={:e}; else={:e}", 2.0 * unit, -unit);
+    let known = solved(&f(1.0)).energy;
+    for unit in [1e-120, 1e120] {
+        close(solved(&f(unit)).energy / unit / unit / known, 1.0, 1e-12);
+    }
+}
+
+#[test]
+fn a_large_disc_loses_digits_as_its_bracket_says() {
+    // By conformal maps; in the square the disc is nearly a half-plane.
+    let known = -0.091_459_613_924_587;
+    let solution = solved("quadrant(ul)=-3.4; disc(0.1,-1000,1000)=-2.9; else=1.26");
+    let [low, high] = solution.bracket.unwrap();
+    assert!(low <= known && known <= high && high - low < 1e-4 * known.abs(), "{low} {high}");
+    close(solution.energy, known, 1e-9);
+}
+
+#[test]
+fn what_nearly_touches_is_as_good_as_touching() {
+    // By how much a number may be off, and how f depends on it. A disc at a side from within and from without, an
+    // edge along a side, a sliver there, a centre on a side with a tangent beside it, two discs, and a disc at a
+    // side where a rectangle ends.
+    let families: [fn(f64) -> String; 7] = [
+        |d| format!("disc(0.25,0,{})=5; else=-2", 0.25 + d),
+        |d| format!("disc(0.375,{},0.25)=5; else=-1", -0.75 + d),
+        |d| format!("rect(-0.1,0.25,{},-0.25)=-3; else=-1", -0.5 + d),
+        |d| format!("rect({},0.6,-0.1,0.25)=-8; else=-2", 0.5 - d),
+        |d| format!("rect(-0.24,0,0.125,0.3)=2; disc(-0.125,{},0.125)=30; else=-2", 0.5 - d),
+        |d| format!("disc(-0.2,0.1,0.2)=3; disc(0.1,0.1,{})=4; else=-3", 0.1 + d),
+        |d| format!("disc(0.4,{},0.1)=-7; rect(0.35,0.6,-0.38,0.32)=-1; else=-2", 0.32 + d),
+    ];
+    // Borders that run along a side, 1e-6 away from it or less, but not on it.
+    let mut refused = Vec::new();
+    for family in families {
+        let touching = solved(&family(0.0)).energy;
+        for d in [1e-15, 1e-13, 1e-10, 1e-8, 1e-6] {
+            match true_solution(&problem(&family(d), Law::SIGNORINI, 2)) {
+                Ok(near) => close(near.energy, touching, 1e-11 + 4.0 * d),
+                Err(error) => refused.push(format!("{}: {error}", family(d))),
+            }
+        }
+    }
+    assert!(refused.len() <= 5, "{refused:#?}");
+}
+
+#[test]
+fn what_is_not_solved_is_refused() {
+    let cube = AnyMesh::built_in("cube").unwrap();
+    let in_space = Problem::on_mesh(&cube, 1, "else=-1", Law::SIGNORINI).unwrap();
+    assert_eq!(true_solution(&in_space).err(), Some(Refusal::NotInSpace(Solver::Spectral)));
+    // No polynomial; a disc that is too small to be seen.
+    for f in ["formula(abs(x) - 1)", "disc(0.3,-0.4,1e-12)=-1e20; else=-1"] {
+        let refused = true_solution(&problem(f, Law::SIGNORINI, 2)).err();
+        assert!(
+            matches!(refused, Some(Refusal::Spectral(PlaneError::Source(_)))),
+            "{f}: {refused:?}"
+        );
+    }
+}
+
+#[test]
+fn random_energies_lie_in_the_brackets_of_multigrid_and_of_their_own() {
+    let mut dice = Dice(12);
+    for k in 0..45 {
+        let f = random_source(&mut dice).to_string();
+        let law = [Law::SIGNORINI, Law::limited(30.0).unwrap(), Law::friction(8.0).unwrap()][k % 3];
+        let problem = problem(&f, law, 64);
+        let truth = true_solution(&problem).unwrap_or_else(|e| panic!("{f}, {law}: {e}"));
+        let run = solve(&problem, &Settings::of(Solver::Multigrid)).unwrap();
+        let [low, high] = problem.bounds(&run.y).unwrap().energy;
+        assert!(low <= truth.energy && truth.energy <= high, "{f}, {law}: {low} {high}");
+        let own = truth.bracket.unwrap_or_else(|e| panic!("{f}, {law}: {e}"));
+        assert!(
+            own[0] <= high && own[1] >= low && own[1] - own[0] < high - low,
+            "{f}, {law}: {own:?}"
+        );
+    }
+}
+
+#[test]
+fn the_table_of_solvers_evaluates_it_at_nodes() {
+    for law in [Law::SIGNORINI, Law::friction(0.3).unwrap()] {
+        let problem = problem("rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5", law, 64);
+        let [truth, others] = [Solver::Spectral, Solver::Multigrid]
+            .map(|by| solve(&problem, &Settings::of(by)).unwrap());
+        let apart = truth.y.iter().zip(&others.y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(0.0 < apart && apart < 1e-3, "{law}: {apart}");
+        assert_eq!((truth.last().name(), truth.ends.len(), truth.first_level), ("converged", 1, 0));
+        assert_eq!(truth.y.len(), Grid::new(64).unwrap().nodes());
+    }
+}
