@@ -30,11 +30,13 @@
 //!
 //! *Another f.* Where `-Lap psi` is not f but differs from it by g, as for a formula whose coefficients are rounded or
 //! curves that count as one, J above is that of the other function. The setup comes with bounds of the integral of |g|
-//! and of a field r with `-div r = g` ([`Changes`](crate::spectral::source::changes::Changes)); p becomes `grad v + rot E + r`, whose flux is off by no more than
+//! and of a field r with `-div r = g` ([`Changes`]); p becomes `grad v + rot E + r`, whose flux is off by no more than
 //! |r|, which counts among the errors of l. So both ends move by `int |g v|`, the upper one by `int |g W|` more, and in
 //! the lower one `|grad E|` becomes `|grad E| + |r|`. By the maximum principle |v| is at most its bound on the boundary
 //! and that of a potential of |f| more (`SourceSize`). The part of a shape that reaches beyond the boundary by less than
 //! a tolerance is no change of f, but counts in `int f psi`, by |psi|.
+//!
+//! [`Changes`]: crate::spectral::source::changes::Changes
 
 use super::cells::ProofCell;
 use super::exact_energy::{Leftover, bounded_energy};

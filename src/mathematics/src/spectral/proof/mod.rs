@@ -11,9 +11,9 @@
 //! 1. *Data.* The curves, points and values of the setup are those of the statement but for rounding of coordinates by
 //!    two units in the last place, which counts as an error of v (step 7). A crossing of f that is joined with a corner
 //!    next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept however small. Where numbers
-//!    nearly agree and count as one, f is changed on a set that is bounded with the jumps
-//!    ([`Changes`](crate::spectral::source::changes::Changes)): curves that count as one, shapes without borders, curves beside
-//!    a side, overlaps that count as a touch, points that count as one. Step 8 has the effect; a problem of which so
+//!    nearly agree and count as one, f is changed on a set that is bounded with the jumps ([`Changes`]): curves that
+//!    count as one, shapes without borders, curves beside a side, overlaps that count as a touch, points that count as
+//!    one. Step 8 has the effect; a problem of which so
 //!    more than a small share of f changes is refused. Tests: `solution::tests::changes`.
 //! 2. *The equation.* `-Lap psi = f` holds exactly but for these changes: all pieces of all borders of f are jumps of
 //!    psi (`Jumps::new`), which add up to zero in each vertex (`Jumps::check_vertices`), so that both differ by one
@@ -84,6 +84,8 @@
 //! `psi_errors::tests`, `green::tests`, and the differences of closed forms in `exact_energy::tests`.
 //!
 //! So a guarantee is one for the statement as in step 1, and but for this model.
+//!
+//! [`Changes`]: crate::spectral::source::changes::Changes
 
 mod bounds;
 mod cells;

@@ -45,7 +45,7 @@ pub(in crate::spectral) struct Jumps {
     /// Parts of the curves that are such borders: of one of a shape, all of it.
     spans: Vec<Vec<[f64; 2]>>,
     pub edges: Vec<JumpEdge>,
-    /// What f may differ from that of the shapes.
+    /// Bounds of the difference of f from that of the shapes.
     pub changes: Changes,
     /// Largest difference of f and a sum of two jumps more.
     most: f64,
@@ -401,8 +401,8 @@ impl Jumps {
         let Some(v) = sums.iter().position(is_open) else { return Ok(()) };
         let [x, y] = vertices[v].coordinates();
         Err(PlaneError::Source(format!(
-            "borders of f end or meet near ({x:.3}, {y:.3}), in units of the domain, closer than this solver tells apart; \
-             move one of them"
+            "borders of f end or meet near ({x:.3}, {y:.3}), in units of the domain, closer than this solver tells \
+             apart; move one of them"
         )))
     }
 

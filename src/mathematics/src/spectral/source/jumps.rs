@@ -19,7 +19,7 @@ pub(in crate::spectral) struct PlaneJumps {
     pub groups: Vec<JumpGroup>,
     /// Points of the boundary at which jumps end, one for each of their ends.
     pub crossings: Vec<PlaneCrossing>,
-    /// What f may differ from that of the statement.
+    /// Bounds of the difference of f from that of the statement.
     pub changes: Changes,
     /// Bound of |v| inside of the domain less that on its boundary.
     pub inner: f64,
@@ -75,8 +75,8 @@ impl PlaneJumps {
         let size = SourceSize::of(all_pieces, largest, domain.diameter(), changes.mass);
         if changes.mass > LOST * (size.integral - changes.mass) {
             return Err(PlaneError::Source(
-                "f has a part that is too narrow, or too near to the boundary, for this solver, which tells 1e-12 of the \
-                 size of the domain apart; make it wider and its value smaller, with the same integral"
+                "f has a part that is too narrow, or too near to the boundary, for this solver, which tells 1e-12 \
+                 of the size of the domain apart; make it wider and its value smaller, with the same integral"
                     .into(),
             ));
         }
