@@ -17,8 +17,9 @@ pub(in crate::spectral) struct Changes {
 
 /// Largest modulus of points of a domain in its frame, and of more.
 const REACH: f64 = 4.0;
-/// Two units in the last place of such points: an error of v, not one of f.
-const UNITS: f64 = 4.0 * f64::EPSILON;
+/// Two units in the last place of such points, by which all borders of f may be off: an error of the energy that counts
+/// along them.
+pub(in crate::spectral) const UNITS: f64 = 4.0 * f64::EPSILON;
 
 impl Changes {
     /// |g| is at most `most` on a set with this area: the field is largest in the middle of a disc.
@@ -32,28 +33,46 @@ impl Changes {
         self.add_area(most, PI * radius * radius);
     }
 
-    /// |g| is at most `most` on a strip along a line or a part of a circle, if that is wider than points are exact.
+    /// |g| is at most `most` on a strip along a line or a part of a circle.
     ///
     /// With s the distance along it from the place next to x, |x - y| is at least `|s| / pi - width / 2`. Where |s| is
     /// less than `2 pi width` the field is at most that of a disc of this area, `2 most width`, elsewhere `2 most width
     /// log(length / (2 pi width))`.
     pub(in crate::spectral) fn add_strip(&mut self, most: f64, [width, length]: [f64; 2]) {
-        if width > UNITS {
-            self.mass += most * width * length;
-            self.field += 2.0 * most * width * (1.0 + libm::log((length / width).max(1.0)));
+        self.mass += most * width * length;
+        self.field += 2.0 * most * width * (1.0 + libm::log((length / width).max(1.0)));
+    }
+
+    /// |g| is at most `most` between two curves that are this far apart at the worst of the ends and the middle of a
+    /// part of this length, or of three equal parts of a circle; less than [`UNITS`] is rounding.
+    ///
+    /// Their distance is about a quadratic function on the part, at most 5/4 of that, or, on a circle, a constant with a
+    /// sine and a cosine, at most 7/3.
+    pub(in crate::spectral) fn add_between(&mut self, most: f64, off: f64, length: f64) {
+        if off > UNITS {
+            self.add_strip(most, [2.4 * off, length]);
+        }
+    }
+
+    /// A piece of this length between two sides, which crosses none, counts as outside of the domain: |g| is at most
+    /// `most` between it and a side from whose curve it is this far at the worst of the points that cut it into eight.
+    ///
+    /// Its distance from that curve is linear or bends one way: by its second differences it is less than six times
+    /// that.
+    pub(in crate::spectral) fn add_outside(&mut self, most: f64, off: f64, length: f64) {
+        if off > UNITS {
+            self.add_strip(most, [6.0 * off, length]);
         }
     }
 
     /// A curve counts as another one: |g| is at most `most` between both.
     pub(in crate::spectral) fn add_moved(&mut self, most: f64, curve: Curve, to: Curve) {
-        /// Largest over the three points of what three equal steps on a circle show.
-        const BETWEEN: f64 = 2.4;
         let (third, length) = match curve.period() {
             Some(turn) if turn < 16.0 * TAU => (turn / 3.0, turn.min(TAU * REACH)),
             _ => (REACH, 2.0 * REACH),
         };
         let off = [-third, 0.0, third].map(|s| to.distance(curve.at(s)).abs());
-        self.add_strip(most, [BETWEEN * off.into_iter().fold(0.0, f64::max), length]);
+        self.add_between(most, off.into_iter().fold(0.0, f64::max), length);
     }
 
     /// Curves that overlap count as touching: |g| is at most `most` on what they share.
@@ -65,13 +84,12 @@ impl Changes {
         self.add_strip(most, [width, length.min(TAU * REACH)]);
     }
 
-    /// Points at this distance along a curve or a side count as one: |g| is at most `most` next to them.
-    pub(in crate::spectral) fn add_joined(&mut self, most: f64, apart: f64) {
-        /// Distances on which f may be another one: angles down to about a hundredth.
-        const ROUND: f64 = 100.0;
-        if apart > UNITS {
-            self.add_disc(most, ROUND * apart);
-        }
+    /// Points that count as one are joined by pieces of these lengths, and g jumps across these pieces alone, by `most`
+    /// at most: g vanishes outside of the sets that they enclose, in which |g| is at most the sum of all jumps. By the
+    /// isoperimetric inequality the area is largest if all enclose one disc.
+    pub(in crate::spectral) fn add_joined(&mut self, most: f64, lengths: &[f64]) {
+        let around: f64 = lengths.iter().sum();
+        self.add_area(most * lengths.len() as f64, around * around / (4.0 * PI));
     }
 
     /// |g| is at most `most` on a disc of this radius round the origin of the field `-x int t g(t x) dt`.

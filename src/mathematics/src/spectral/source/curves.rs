@@ -49,6 +49,8 @@ pub(in crate::spectral) struct Jumps {
     pub changes: Changes,
     /// Largest difference of f and a sum of two jumps more.
     most: f64,
+    /// Lengths of the pieces between points that count as one.
+    joined: Vec<f64>,
     /// Vertices that stand for all others within [`NEAR`].
     hubs: Vec<usize>,
     /// Potential of the jumps, without the background. Its vertices are the points at which edges meet inside the
@@ -115,6 +117,7 @@ impl Jumps {
             let pieces = jumps.pieces(domain, k, cuts, &f);
             jumps.add(domain, curve, &pieces)?;
         }
+        jumps.changes.add_joined(jumps.most, &jumps.joined);
         jumps.check_vertices()?;
         Ok(jumps)
     }
@@ -150,7 +153,7 @@ impl Jumps {
         };
         let known = self.curves[k];
         let off = [from, 0.5 * (from + to), to].map(|s| known.distance(curve.at(s)).abs());
-        self.changes.add_strip(self.most, [off.into_iter().fold(0.0, f64::max), to - from]);
+        self.changes.add_between(self.most, off.into_iter().fold(0.0, f64::max), to - from);
         // Circles run one way.
         let turns = known.curvature == 0.0 && known.tangent.dot(curve.tangent) < 0.0;
         let start = known.place(curve.at(if turns { to } else { from }));
@@ -181,7 +184,7 @@ impl Jumps {
 
     /// Points on both sides of the middle of a piece of the `k`-th curve; the same one if that is no border there, or a
     /// curve before has its jump.
-    fn beside(&self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
+    fn beside(&mut self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
         let (curve, s) = (self.curves[k], 0.5 * (from + to));
         let along = [from, s, to].map(|s| curve.at(s));
         let (z, normal) = (along[1], curve.direction(s).turned());
@@ -189,16 +192,21 @@ impl Jumps {
         // Where two curves touch, the jump is that of the first.
         let mut before = self.curves[..k].iter().enumerate();
         let known = before
-            .any(|(j, other)| other.holds(along, ROUNDING) && self.is_border(j, other.place(z)));
-        if known || !self.is_border(k, s) { [z; 2] } else { [z + step, z - step] }
+            .find(|(j, other)| other.holds(along, ROUNDING) && self.is_border(*j, other.place(z)));
+        if let Some((_, other)) = known {
+            let off = along.map(|z| other.distance(z).abs()).into_iter().fold(0.0, f64::max);
+            self.changes.add_between(self.most, off, to - from);
+        }
+        if known.is_some() || !self.is_border(k, s) { [z; 2] } else { [z + step, z - step] }
     }
 
-    /// Points at which a border ends or meets others inside the domain, and at which its curve meets the sides.
-    fn cuts(&mut self, domain: &PlaneDomain, k: usize) -> Vec<CurveCut> {
+    /// Points at which a border ends or meets others inside the domain, and at which its curve meets the sides; and
+    /// those at which it does the former so near to a side that it counts as there.
+    fn cuts(&mut self, domain: &PlaneDomain, k: usize) -> (Vec<CurveCut>, Vec<f64>) {
         /// Distance of an end from the boundary below which it is there.
         const ON: f64 = 1e-9;
         let (curve, most) = (self.curves[k], self.most);
-        let mut cuts = on_sides(domain, curve);
+        let (mut cuts, mut beside) = (on_sides(domain, curve), Vec::new());
         let sides = domain.sides().map(|side| side.arc.curve);
         for other in self.curves[..k].iter().copied().chain(sides) {
             if let Some(overlap) = curve.overlap(other) {
@@ -218,10 +226,10 @@ impl Jumps {
                 if !(self.is_border(k, s) && self.is_border(j, other.place(z))) {
                     continue;
                 }
-                match depth > APART {
-                    true => cuts.push(CurveCut { s, side: false }),
-                    // A meeting so near to a side happens on the side.
-                    false => self.changes.add_joined(most, depth),
+                if depth > APART {
+                    cuts.push(CurveCut { s, side: false });
+                } else if depth > -ROUNDING {
+                    beside.push(s);
                 }
             }
         }
@@ -229,21 +237,23 @@ impl Jumps {
         let parts = self.spans[k].iter().filter(|[from, to]| to - from < turn - SAME);
         for s in parts.flatten() {
             let z = curve.at(*s);
-            match domain.distance(z) {
-                away if away > ON => cuts.push(CurveCut { s: curve.place(z), side: false }),
-                away => self.changes.add_joined(most, away),
+            match domain.distance(z) > ON {
+                true => cuts.push(CurveCut { s: curve.place(z), side: false }),
+                false => beside.push(curve.place(z)),
             }
         }
-        cuts
+        (cuts, beside)
     }
 
     /// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start
-    /// and end; neighbours with the same values on both sides are one.
+    /// and end; neighbours with the same values on both sides are one. Beside other points f is taken from the middle of
+    /// the piece on its shorter part, too. With a piece of the boundary, no longer than that and the part of the other
+    /// border, it encloses where f changes.
     fn pieces(
         &mut self,
         domain: &PlaneDomain,
         k: usize,
-        mut cuts: Vec<CurveCut>,
+        (mut cuts, beside): (Vec<CurveCut>, Vec<f64>),
         f: impl Fn(Complex) -> f64,
     ) -> Vec<CurvePiece> {
         let curve = self.curves[k];
@@ -256,8 +266,8 @@ impl Jumps {
         cuts.dedup_by(|b, a| {
             let apart = b.s - a.s;
             let is_same = apart < if a.side == b.side { SAME } else { ROUNDING };
-            if is_same {
-                self.changes.add_joined(self.most, apart);
+            if is_same && apart > 0.0 {
+                self.joined.push(apart);
             }
             is_same
         });
@@ -267,9 +277,13 @@ impl Jumps {
             let depth = domain.depth(curve.at(0.5 * (span[0] + span[1])));
             // Curves meet one another inside only.
             let inside = cut.iter().any(|cut| !cut.side) || depth > curve.rounding().max(APART);
-            if !inside {
-                // No deeper than twice the middle: between cuts both curve and side bend one way, or depth is linear.
-                self.changes.add_strip(self.most, [2.0 * depth, span[1] - span[0]]);
+            if !inside && depth > 0.0 {
+                let off = off_side(domain, curve, span);
+                self.changes.add_outside(self.most, off, span[1] - span[0]);
+            }
+            if inside {
+                let shorter = beside.iter().filter_map(|&s| shorter_part(curve, span, s));
+                self.joined.extend(shorter.map(|length| 2.0 * length));
             }
             let value = inside.then(|| self.beside(k, span).map(&f));
             append(&mut pieces, CurvePart { span, value });
@@ -294,6 +308,7 @@ impl Jumps {
             let arc = Arc { curve, span, ends };
             self.edges.push(JumpEdge { arc, values });
             let stitches = self.stitches(arc);
+            self.joined.extend(stitches.iter().map(|arc| arc.span[1]));
             self.edges.extend(stitches.into_iter().map(|arc| JumpEdge { arc, values }));
         }
         let open = tails(curve, pieces);
@@ -356,9 +371,8 @@ impl Jumps {
         if let Some(known) = vertices.iter().position(|&v| (v - z).norm() < ROUNDING / 4.0) {
             return known;
         }
-        match self.hubs.iter().find(|&&hub| (vertices[hub] - z).norm() < NEAR) {
-            Some(&hub) => self.changes.add_joined(self.most, (vertices[hub] - z).norm()),
-            None => self.hubs.push(new),
+        if !self.hubs.iter().any(|&hub| (vertices[hub] - z).norm() < NEAR) {
+            self.hubs.push(new);
         }
         self.psi.vertices.push(z);
         new
@@ -420,6 +434,23 @@ impl Jumps {
 fn on_sides(domain: &PlaneDomain, curve: Curve) -> Vec<CurveCut> {
     let met = domain.sides().flat_map(|side| curve.meets(side.arc.curve));
     met.map(|s| CurveCut { s, side: true }).collect()
+}
+
+/// Length of the shorter part of a piece of a curve between its ends and a point of the curve that lies on it.
+fn shorter_part(curve: Curve, [from, to]: [f64; 2], s: f64) -> Option<f64> {
+    let after = curve.period().map_or(s - from, |turn| (s - from).rem_euclid(turn));
+    (0.0..=to - from).contains(&after).then(|| after.min(to - from - after))
+}
+
+/// Distance of a piece of a curve from the curve of the side that is nearest to all of it, at the worst of the points
+/// that cut it into eight.
+fn off_side(domain: &PlaneDomain, curve: Curve, [from, to]: [f64; 2]) -> f64 {
+    let points = (1..8).map(|k| curve.at(from + 0.125 * f64::from(k) * (to - from)));
+    let points: Vec<Complex> = points.collect();
+    let off = domain
+        .sides()
+        .map(|side| points.iter().map(|&z| side.arc.curve.distance(z).abs()).fold(0.0, f64::max));
+    off.fold(f64::INFINITY, f64::min)
 }
 
 /// Ends from which a line goes on to infinity, beyond the last sides; none of a circle.
