@@ -33,8 +33,8 @@
 //! and of a field r with `-div r = g` ([`Changes`]); p becomes `grad v + rot E + r`, whose flux is off by no more than
 //! |r|, which counts among the errors of l. So both ends move by `int |g v|`, the upper one by `int |g W|` more, and in
 //! the lower one `|grad E|` becomes `|grad E| + |r|`. By the maximum principle |v| is at most its bound on the boundary
-//! and that of a potential of |f| more (`SourceSize`). The part of a shape that reaches beyond the boundary by less than
-//! a tolerance is no change of f, but counts in `int f psi`, by |psi|.
+//! and that of a potential of |f| more (`SourceSize`). The part of a shape that reaches beyond the boundary, by less
+//! than a tolerance, is no change of f, but counts in `int f psi`, by |psi|.
 //!
 //! [`Changes`]: crate::spectral::source::changes::Changes
 

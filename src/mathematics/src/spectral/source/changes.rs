@@ -46,8 +46,8 @@ impl Changes {
     /// |g| is at most `most` between two curves that are this far apart at the worst of the ends and the middle of a
     /// part of this length, or of three equal parts of a circle; less than [`UNITS`] is rounding.
     ///
-    /// Their distance is about a quadratic function on the part, at most 5/4 of that, or, on a circle, a constant with a
-    /// sine and a cosine, at most 7/3.
+    /// Their distance is about a quadratic function on the part, at most 5/4 of that, or, on a circle, a constant with
+    /// a sine and a cosine, at most 7/3.
     pub(in crate::spectral) fn add_between(&mut self, most: f64, off: f64, length: f64) {
         if off > UNITS {
             self.add_strip(most, [2.4 * off, length]);

@@ -246,8 +246,8 @@ impl Jumps {
     }
 
     /// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start
-    /// and end; neighbours with the same values on both sides are one. Beside other points f is taken from the middle of
-    /// the piece on its shorter part, too. With a piece of the boundary, no longer than that and the part of the other
+    /// and end; neighbours with the same values on both sides are one. Beside other points f is taken from the middle
+    /// of the piece on its shorter part, too. With a piece of the boundary, no longer than that and the part of the other
     /// border, it encloses where f changes.
     fn pieces(
         &mut self,
