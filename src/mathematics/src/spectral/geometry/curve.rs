@@ -173,6 +173,17 @@ pub(in crate::spectral) struct Polar {
     pub power: f64,
 }
 
+/// Points on the left and on the right of a point of a curve with this normal to the left, `most` from it, and no
+/// farther than half of these distances of others.
+pub(in crate::spectral) fn beside(
+    [z, normal]: [Complex; 2],
+    most: f64,
+    others: impl Iterator<Item = f64>,
+) -> [Complex; 2] {
+    let step = normal.scaled(others.fold(most, |step, away| step.min(0.5 * away)));
+    [z + step, z - step]
+}
+
 /// Bounds of the width and the length of what two curves share.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::spectral) struct Overlap {

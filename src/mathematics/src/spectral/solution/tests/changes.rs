@@ -37,11 +37,14 @@ fn brackets_hold_the_weight_of_shapes_that_are_too_narrow_for_the_solver() {
 #[test]
 fn problems_that_differ_by_a_tolerance_have_brackets_that_meet() {
     type Of = fn(f64) -> String;
-    let families: [Of; 5] = [
+    let families: [Of; 7] = [
         |by| format!("disc(-0.5,0.5,0.2)=3; disc(-0.1,0.5,{})=-1; else=-3", 0.2 + by),
         |by| format!("disc(-0.5,0.5,{})=3; else=-3", 0.5 + by),
         |by| format!("disc(-0.5,0.5,0.3)=9; disc(-0.5,0.5,{})=4; else=-3", 0.3 - by),
         |by| format!("halfplane(1,0.3,-0.1)=2; halfplane(1,0.3,{})=-4; else=-3", by - 0.1),
+        // A meeting on a side, or beside it, at a small angle, and a border beside a side.
+        |by| format!("halfplane(1,0,-0.3)=-2; halfplane(0.1,1,{})=-4; else=1", 0.97 - by),
+        |by| format!("halfplane(1,0,{})=-4; else=1", by - 1.0),
         |by| {
             let last = 0.4 + by;
             format!(
