@@ -111,7 +111,9 @@ impl Curve {
         Relation { a, b: b.re, c, bend, square: versine * (2.0 - versine), concentric }
     }
 
-    /// Overlap with another curve that it touches, as [`Self::meets`] sees it, by two points of both.
+    /// Overlap with another curve that it touches, as [`Self::meets`] sees it, by two points of both. By the triangle
+    /// of the centres and one of these points they are `2 sqrt(square) / bend` apart, and the width between the curves
+    /// is about `square / (2 bend)`.
     pub(in crate::spectral) fn overlap(self, other: Self) -> Option<Overlap> {
         let Relation { square, bend, .. } = self.relation(other);
         let is_one = self.curvature == 0.0 && other.curvature == 0.0 || self.same(other);

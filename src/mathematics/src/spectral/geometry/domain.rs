@@ -265,6 +265,19 @@ impl PlaneDomain {
         inside
     }
 
+    /// Largest length of the boundary between two points on both sides of a corner, over their distance: one over the
+    /// sine of half of its angle, or more.
+    pub(in crate::spectral) fn longest_detour(&self) -> f64 {
+        let mut least = 1.0f64;
+        for sides in &self.loops {
+            for (k, side) in sides.iter().enumerate() {
+                let before = &sides[(k + sides.len() - 1) % sides.len()];
+                least = least.min(before.tangent(before.length()).dot(side.tangent(0.0)));
+            }
+        }
+        (0.5 * (1.0 + least)).max(f64::MIN_POSITIVE).sqrt().recip()
+    }
+
     /// Points of the domain, so many if it is not tiny in the box round it.
     pub(in crate::spectral) fn inner_points(&self, many: usize) -> Vec<Complex> {
         let [[left, right], [low, high]] = self.extent();

@@ -50,9 +50,8 @@ impl Origin {
         pieces_seen(f, self.0, 1.0)
     }
 
-    /// Checks that the centre of no disc loses digits, seen from here, that count in a domain of this diameter: half
-    /// of those of a point beside the domain. Half-planes lose none, and sides of rectangles that meet the domain do not
-    /// either.
+    /// Checks that the centre of no disc, seen from here, loses digits that count in a domain of this diameter: beside
+    /// the domain no centre does. Half-planes lose none, and rectangles only of sides that do not meet the domain.
     ///
     /// # Errors
     /// [`PlaneError::Source`].
