@@ -100,19 +100,6 @@ pub(super) fn say_json(value: &impl serde::Serialize) -> Result<u8> {
     say(&(text + "\n"))
 }
 
-/// Warns of the `pieces` outside the domain of an f, a scene's or the user's own, whose numbers may be mistyped.
-/// Returns the warnings.
-pub(super) fn warn_of_outside(scene: Option<&str>, pieces: &[String]) -> Vec<String> {
-    let f = scene.map_or("f".to_owned(), |name| format!("f in scene `{name}`"));
-    let mut warnings = Vec::new();
-    for piece in pieces {
-        let warning = format!("{piece} of {f} lies outside [-0.5,0.5] and changes nothing");
-        talk(&format!("warning: {warning}"));
-        warnings.push(warning);
-    }
-    warnings
-}
-
 pub(super) fn styled(text: &str, color: anstyle::AnsiColor) -> String {
     let style = anstyle::Style::new().fg_color(Some(color.into())).bold();
     format!("{style}{text}{style:#}")

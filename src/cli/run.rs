@@ -1,7 +1,7 @@
 //! `run`: brings everything up to date, and says what that took.
 
 use super::diff::comparisons;
-use super::output::{cut, say, talk, tell, warn_of_outside};
+use super::output::{cut, say, talk, tell};
 use super::pipeline::{Scope, Workplace, edited};
 use super::report::first_page;
 use super::shown::brief;
@@ -67,7 +67,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
     let (scenes, unread) = args.readable(&workplace.project);
     let mut plan = args.plan(&workplace, &scenes)?;
     let scope = args.scope(&unread);
-    args.warn(&workplace.project, &scenes)?;
+    args.note_ignored(&workplace.project);
     if args.dry_run {
         let summary = workplace.rehearse(&mut plan, scope, args.options(), &args.progress())?;
         let verdicts = match summary.nothing_to_do() {
@@ -257,17 +257,11 @@ impl RunArgs {
         Progress::new(self.verbose, self.quiet)
     }
 
-    /// Warns of files that look like scenes and are none, and of pieces of f that lie outside of the domain and change
-    /// nothing.
-    fn warn(&self, project: &Project, scenes: &[String]) -> Result<()> {
+    /// Notes files that look like scenes and are none.
+    fn note_ignored(&self, project: &Project) {
         if !self.quiet {
             project.ignored.iter().for_each(|file| talk(&format!("note: {file}")));
-            for scene in project.select(scenes)? {
-                let f = scene.statement.source();
-                warn_of_outside(Some(&scene.name), &f.map_or_else(Vec::new, |f| f.outside()));
-            }
         }
-        Ok(())
     }
 
     /// Says which solves ended without a solution, and what is to be doubted of the others.

@@ -247,7 +247,9 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if let Some((file, _)) = file.filter(|_| !args.json) {
         tell(&format!("wrote {}\n", file.path().display()))?;
     }
-    let refusal = answer.refusal().map(|failure| Error::Stage(vec![failure.sentence()]));
+    let sentence =
+        answer.refusal().map(|failure| format!("{}: {}", request.name, failure.sentence()));
+    let refusal = sentence.map(|sentence| Error::Stage(vec![sentence]));
     refusal.map_or(Ok(0), Err)
 }
 

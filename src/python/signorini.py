@@ -109,8 +109,9 @@ def study(vary: dict, f: str | None = None, **options) -> dict[str, np.ndarray]:
         raise Refused('nothing is varied; give the values of an option, as in study({"friction": [0.2, 0.4]}, f=F)')
     rows = [json.loads(line) for line in _run([*words, *_words(options), "--json"]).splitlines()]
     names = [name.replace("-", "_") for name in vary]
-    found = [name for name in rows[0] if name not in [*names, "schema"]]
-    return {name: _column([row[name] for row in rows]) for name in [*names, *found]}
+    found = {name: None for row in rows for name in row if name not in [*names, "schema", "varied"]}
+    varied = {name: _column([row["varied"][name] for row in rows]) for name in names}
+    return varied | {name: _column([row.get(name) for row in rows]) for name in found}
 
 
 def _value(name: str, value) -> str:
@@ -152,9 +153,10 @@ def picture(f: str, view: str = "map", **options) -> Picture:
 
 def _column(values: list) -> np.ndarray:
     """Numbers, with nan where there are none, or texts, or lists of them."""
-    if any(isinstance(value, list) for value in values):
+    if any(isinstance(value, (list, dict)) for value in values):
         column = np.empty(len(values), dtype=object)
-        column[:] = values
+        for k, value in enumerate(values):
+            column[k] = value
         return column
     if any(isinstance(value, str) for value in values):
         return np.array(["" if value is None else str(value) for value in values])

@@ -1,7 +1,7 @@
 //! Names of the columns of a study.
 
 /// Columns of the numbers, in their order.
-pub(crate) const COLUMNS: [&str; 21] = [
+pub(crate) const COLUMNS: [&str; 22] = [
     "energy",
     "energy_lower",
     "energy_upper",
@@ -15,6 +15,7 @@ pub(crate) const COLUMNS: [&str; 21] = [
     "force",
     "nodes",
     "iterations",
+    "work_units",
     "iterations_per_grid",
     STOP,
     "kkt_relative",

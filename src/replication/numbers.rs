@@ -3,11 +3,12 @@
 use crate::replication::columns::{END, STOP};
 use crate::replication::record::Record;
 use crate::replication::record::advice::Warning;
+use crate::replication::record::details::{answering_energy, details};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use signorini_mathematics::bounds::{Accuracy, Bounds};
+use serde_json::{Map, Value};
+use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::levels::Reserve;
-use signorini_mathematics::solvers::{Run, Solved};
+use signorini_mathematics::solvers::{Run, Solved, Solver};
 use signorini_mathematics::statement::Statement;
 
 /// Numbers of a solution, or the reason for which there is none; what a solver does not have is none.
@@ -33,6 +34,8 @@ pub(crate) struct Numbers {
     force: Option<f64>,
     nodes: Option<usize>,
     iterations: Option<usize>,
+    /// Cost of multigrid, in sweeps of the finest level.
+    work_units: Option<f64>,
     /// Iterations on each of the nested grids or meshes of a saddle-point method, coarsest first.
     iterations_per_grid: Option<Vec<usize>>,
     /// Name of the end of the solver.
@@ -50,27 +53,23 @@ pub(crate) struct Numbers {
     /// Reason for which there is no solution, or not the accuracy that was asked for; other numbers are then those
     /// where the solver ended.
     reason: Option<String>,
+    /// Parts of an answer that only JSON shows.
+    #[serde(flatten)]
+    details: Map<String, Value>,
 }
 
 impl Numbers {
     /// Numbers of the answer to a statement; of what is no solution without bounds.
     pub(crate) fn of(statement: &Statement, solved: &Solved, record: &Record) -> Self {
-        let accuracy = statement.accuracy();
         let bounds = solved.bounds().last().and_then(|bounds| bounds.as_ref().ok());
         let bounds = bounds.filter(|_| record.failure.is_none());
-        let of_v = solved.energy();
-        let energy = match (accuracy, bounds) {
-            (Some(Accuracy::Energy(_)), Some(bounds)) => bounds.nearest_energy(of_v),
-            _ => of_v,
-        };
+        let energy = answering_energy(statement, solved);
         let relative = bounds.map(Bounds::relative).filter(|relative| relative.is_finite());
         let (run, errors) = (solved.run(), solved.errors());
         let (last, truth) = (run.map(Run::last), solved.truth());
-        let stop = last.map_or(CONVERGED, |last| match accuracy {
-            // A guaranteed bound that was asked for holds for any vector.
-            Some(_) => last.end.stop.name(),
-            None => last.name(),
-        });
+        let is_bounded = statement.accuracy().is_some();
+        let stop = last.map_or(CONVERGED, |last| last.name_of(is_bounded));
+        let is_multigrid = statement.solver == Solver::Multigrid;
         let counts = solved.ends().iter().map(|end| end.end.iterations);
         let reserves = solved.reserves().into_iter().map(Reserve::name).collect::<Vec<_>>();
         Self {
@@ -87,6 +86,7 @@ impl Numbers {
             force: Some(solved.force()),
             nodes: last.map(|last| last.nodes),
             iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
+            work_units: last.filter(|_| is_multigrid).map(|last| last.end.work_units),
             iterations_per_grid: statement.solver.is_nested().then(|| counts.collect()),
             stop: Some(stop.into()),
             kkt_relative: last.map(|last| last.kkt.relative),
@@ -95,12 +95,15 @@ impl Numbers {
             warnings: record.facts(),
             remedy: record.remedy(),
             reason: record.refusal().map(Warning::sentence),
+            details: details(statement, solved, record),
         }
     }
 
     /// Row of a statement without a solution, for this reason.
     pub(crate) fn without(statement: &Statement, reason: String) -> Self {
-        Self { solver: statement.solver.to_string(), reason: Some(reason), ..Self::default() }
+        let details = Map::from_iter([("failure".to_owned(), reason.clone().into())]);
+        let solver = statement.solver.to_string();
+        Self { solver, reason: Some(reason), details, ..Self::default() }
     }
 
     /// Warnings, a sentence each.
@@ -125,18 +128,36 @@ impl Numbers {
 
     /// Number in a column; none if the column has texts, or the solution has no such number.
     pub(crate) fn number(&self, column: &str) -> Option<f64> {
-        self.value(column).as_f64()
+        self.values(&[column])[0].1.as_f64()
     }
 
-    /// Value in a column, null where there is none.
-    pub(crate) fn value(&self, column: &str) -> Value {
-        let mut all = serde_json::to_value(self).expect("numbers are plain data");
-        all[if column == END { STOP } else { column }].take()
+    /// Parts of an answer that only JSON shows.
+    pub(crate) fn details(&self) -> &Map<String, Value> {
+        &self.details
+    }
+
+    /// All columns, and all details.
+    pub(crate) fn json(&self) -> Map<String, Value> {
+        match serde_json::to_value(self) {
+            Ok(Value::Object(all)) => all,
+            other => unreachable!("numbers are plain data: {other:?}"),
+        }
+    }
+
+    /// Values in some columns, null where there is none.
+    pub(crate) fn values<'a>(&self, columns: &[&'a str]) -> Vec<(&'a str, Value)> {
+        let mut all = self.json();
+        let named = |column| all.remove(if column == END { STOP } else { column });
+        columns
+            .iter()
+            .copied()
+            .zip(columns.iter().copied().map(named).map(Option::unwrap_or_default))
+            .collect()
     }
 
     /// Values in some columns, with all digits; empty where there is none.
     pub(crate) fn cells(&self, columns: &[&str]) -> Vec<String> {
-        columns.iter().map(|column| cell(&self.value(column))).collect()
+        self.values(columns).iter().map(|(_, value)| cell(value)).collect()
     }
 }
 

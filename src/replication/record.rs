@@ -3,6 +3,7 @@
 //! Central is [`Judge::record`], the one judge of answers; [`advice`] has the words.
 
 pub(crate) mod advice;
+pub(crate) mod details;
 mod judging;
 
 pub(crate) use judging::{CONTACT_FORCE, FLUX, Judge, load_misses};

@@ -172,9 +172,8 @@ impl Study {
             for (name, value) in self.names.iter().zip(self.values(member)) {
                 row.insert(name.clone(), value.json());
             }
-            for column in self.found() {
-                row.insert(column.into(), numbers.value(column));
-            }
+            let found = numbers.values(&self.found());
+            row.extend(found.into_iter().map(|(column, value)| (column.to_owned(), value)));
             rows.push(row);
         }
         rows

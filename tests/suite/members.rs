@@ -235,6 +235,12 @@ fn rows(project: &Project, args: &[&str]) -> Vec<Value> {
     said.lines().into_iter().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
+/// Rows without the name of the scene, or of the domain.
+fn nameless(mut rows: Vec<Value>) -> Vec<Value> {
+    rows.iter_mut().for_each(|row| row["scene"] = Value::Null);
+    rows
+}
+
 /// Study `s` of a project, in steps of R and h.
 fn saved() -> Project {
     let project = Project::with(TABLE);
@@ -378,9 +384,9 @@ fn values_of_several_parts_or_none_are_values() {
         "title = \"t\"\nf = \"else=-1\"\ndomain = { name = \"annulus\", refine = 1 }\noutputs = [\"table\"]\n\
          vary = { fixed = [[\"inner\", \"outer\"], [], \"inner\"] }\n",
     );
-    assert_eq!(rows(&project, &["t"]), found);
+    assert_eq!(nameless(rows(&project, &["t"])), nameless(found));
     let grids = rows(&project, &["--f", "else=-1", "--vary", "grids=4,8|"]);
-    assert_eq!((grids.len(), &grids[0]["grids"]), (1, &"4,8".into()));
+    assert_eq!((grids.len(), &grids[0]["varied"]["grids"]), (1, &"4,8".into()));
 }
 
 #[test]
@@ -522,9 +528,9 @@ fn what_is_saved_has_the_same_members() {
         &["--f", "else=-$R", "--h", "8", "--vary", "R=0.1:0.3:0.1", "--vary", "load=nodal,exact"],
         &["--f", "else=-1", "--vary", "grids=4,8|8|", "--vary", "tolerance=1e-3,1e-6"],
     ] {
-        let own = project.run(&[&["solve", "--json", "--save", "own"], args].concat());
-        assert_eq!(project.run(&["solve", "own", "--json"]).out, own.out, "{args:?}: {own:?}");
-        assert!(own.lines().len() > 1);
+        let own = rows(&project, &[&["--save", "own"], args].concat());
+        assert_eq!(nameless(rows(&project, &["own"])), nameless(own.clone()), "{args:?}");
+        assert!(own.len() > 1);
         fs::remove_file(project.path("pipeline/scenes/own.toml")).unwrap();
     }
 }

@@ -3,6 +3,7 @@
 use crate::common::{Dice, Project, TABLE};
 use crate::studies::python;
 use serde_json::{Value, json};
+use signorini_mathematics::problem::text::plain;
 use std::fs;
 
 /// What options are called in a scene.
@@ -167,25 +168,93 @@ fn said_in_all_voices(count: u64) -> [usize; 3] {
             reason: row["reason"].as_str().map(str::to_owned),
         };
         assert_eq!(of_study, of_solve, "{:?}", stated.arguments(true));
-        assert_run(&project, number, &stated, &of_solve);
+        assert_member(&row, &answer);
+        assert_text(&project, &stated, &answer);
+        assert_run(&project, number, &stated, (&of_solve, &answer));
         let mut options: serde_json::Map<String, Value> =
             stated.options.iter().map(|(name, value)| ((*name).into(), json!(value))).collect();
         options.insert("f".into(), json!(stated.f));
         calls.push(options);
-        let failure = answer["failure"].as_str().map(bare);
-        expected.push(json!([of_solve.warnings, failure.or(of_solve.reason)]));
+        let failure = answer["failure"].as_str().map(str::to_owned);
+        expected.push(json!([of_solve.warnings, failure.or(of_solve.reason), timeless(&answer)]));
     }
     assert_python(&calls, &expected);
     kinds
 }
 
-/// Checks what `run` says of a statement.
-fn assert_run(project: &Project, number: u64, stated: &Stated, of_solve: &Spoken) {
+/// Answer without its times.
+fn timeless(answer: &Value) -> Value {
+    let mut answer = answer.clone();
+    answer.as_object_mut().and_then(|fields| fields.remove("seconds"));
+    answer
+}
+
+/// Checks that the only member of a study is the answer alone, in all fields but those of the command.
+fn assert_member(row: &Value, answer: &Value) {
+    assert_eq!(row["varied"].as_object().unwrap().len(), 1, "{row}");
+    for (name, value) in answer.as_object().into_iter().flatten() {
+        if !["seconds", "not_as_in_scene"].contains(&name.as_str()) {
+            assert_eq!(row[name], *value, "{name}");
+        }
+    }
+}
+
+/// Checks the energy, the values at nodes and the iterations that the text of `solve` has.
+fn assert_text(project: &Project, stated: &Stated, answer: &Value) {
+    let mut arguments = stated.arguments(false);
+    arguments.retain(|argument| argument != "--json");
+    let said = project.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(said.out.is_empty(), answer.is_null(), "{said:?}");
+    let with_digits = |name: &str, digits| plain(answer[name].as_f64().unwrap(), digits);
+    if !answer.is_null() {
+        let [least, greatest] = ["v_least", "v_greatest"].map(|name| with_digits(name, 6));
+        let energy = with_digits("energy", 7);
+        for line in [format!("energy {energy}\n"), format!("v from {least} to {greatest}\n")] {
+            assert!(said.out.contains(&line), "{said:?}: {line}");
+        }
+        let row = format!("{}  {}", answer["iterations"], answer["stop"].as_str().unwrap());
+        let words = said.out.split_whitespace().collect::<Vec<_>>().join("  ");
+        assert!(words.contains(&row), "{said:?}: {row}");
+    }
+    let warnings = answer["warnings"].as_array().into_iter().flatten();
+    let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    for warning in warnings.filter_map(Value::as_str) {
+        assert!(text.contains(warning), "{said:?}: {warning}");
+    }
+}
+
+/// Checks the numbers of the last row of a table of a run, as far as it has them.
+fn assert_table(csv: &str, answer: &Value) {
+    let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let (head, last) = (lines.next().unwrap(), lines.next_back().unwrap());
+    for (name, cell) in head.into_iter().zip(last) {
+        let known = &answer[if name == "error_bound" { "" } else { name }];
+        match (known.as_f64(), known.as_str()) {
+            (Some(number), _) if name != "r" => {
+                assert_eq!(cell.parse(), Ok(number), "{name}: {answer}");
+            }
+            (None, Some(text)) => assert_eq!(cell, text, "{name}: {answer}"),
+            _ => {}
+        }
+    }
+}
+
+/// Checks what `run` says of a statement, and its table.
+fn assert_run(
+    project: &Project,
+    number: u64,
+    stated: &Stated,
+    (of_solve, answer): (&Spoken, &Value),
+) {
     let name = format!("s{number}");
     project.scene(&name, &stated.scene());
     let said = project.run(&["run", &name]);
     let scene = project.path(&format!("pipeline/scenes/{name}.toml"));
-    let table = fs::read_to_string(project.path(&format!("report/tables/{name}.md")));
+    let read = |ending| fs::read_to_string(project.path(&format!("report/tables/{name}.{ending}")));
+    let table = read("md");
+    if let (Ok(csv), false) = (read("csv"), answer.is_null()) {
+        assert_table(&csv, answer);
+    }
     fs::remove_file(scene).unwrap();
     match &of_solve.reason {
         // A run without a solution that has counts keeps them, and names the command that says why.
@@ -204,14 +273,15 @@ fn assert_run(project: &Project, number: u64, stated: &Stated, of_solve: &Spoken
     }
 }
 
-/// Checks warnings and failures in Python.
+/// Checks warnings, failures and all fields in Python.
 fn assert_python(calls: &[serde_json::Map<String, Value>], expected: &[Value]) {
     let program = "import json, sys, signorini\n\
         for options in json.loads(sys.argv[1]):\n\
         \x20   try:\n\
         \x20       answer = signorini.solve(**options)\n\
-        \x20       print(json.dumps([answer.warnings, answer.failure]))\n\
-        \x20   except signorini.Refused as refused: print(json.dumps([[], str(refused)]))\n";
+        \x20       numbers = {k: v for k, v in answer.answer.items() if k != 'seconds'}\n\
+        \x20       print(json.dumps([answer.warnings, answer.failure, numbers]))\n\
+        \x20   except signorini.Refused as refused: print(json.dumps([[], str(refused), None]))\n";
     let Some(output) = python(&["-c", program, &json!(calls).to_string()]) else { return };
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(text.lines().count(), expected.len(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -5,21 +5,21 @@ use super::clock::Part;
 use super::request::Request;
 use super::{points, truth};
 use crate::cli::output::{in_columns, paragraph};
+use crate::replication::numbers::Numbers;
 use crate::replication::record::advice::{self, Warning};
+use crate::replication::record::details;
 use crate::replication::record::{Record, load_misses};
 use crate::replication::written::reason;
 use crate::table::Table;
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::{Accuracy, Bounds};
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::kkt::StateCounts;
 use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
-use std::collections::BTreeMap;
 
 /// Digits of an energy, unless more are asked for.
 const DIGITS: usize = 7;
@@ -31,16 +31,6 @@ fn states_in_words(states: StateCounts, law: Law) -> String {
         return format!("contact in {sticks} of {all} boundary nodes");
     }
     format!("{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down")
-}
-
-/// Interval of a law.
-pub(super) fn law_json(law: Law) -> Value {
-    json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) })
-}
-
-/// A number, null if it is infinite.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }
 
 pub(super) struct Answer {
@@ -60,24 +50,15 @@ impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
         let (contact, force) = (solved.contact(), solved.force());
         let values = solved.values_at(&request.points);
-        let mut record = request.judge().record(&solved);
+        let record = request.judge().record(&solved);
         if solved.run().is_some() {
             request.clock.ended(Part::Bounds);
-        }
-        for refusal in record.failure.iter_mut().chain(&mut record.shortfall) {
-            refusal.fact = format!("{}: {}", request.name, refusal.fact);
         }
         Self { solved, contact, force, values, record }
     }
 
-    /// Guaranteed bounds on the finest level, if there are any.
-    pub(super) fn bounds(&self) -> Option<&Bounds> {
-        self.solved.bounds().last()?.as_ref().ok()
-    }
-
-    /// Way to an accuracy on meshes, if that is how the answer was found.
     fn way(&self) -> Option<&Reached> {
-        self.solved.reached.as_ref().filter(|reached| reached.marks.is_some())
+        details::way(&self.solved)
     }
 
     /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
@@ -88,29 +69,14 @@ impl Answer {
         }
     }
 
-    /// Integral of f: of a true solution over the domain, else over the finest level.
-    fn integral(&self) -> f64 {
-        let facts = self.solved.problem.levels().facts();
-        let integral = self.solved.truth().map_or(facts.integral, |found| found.integral);
-        facts.without_rounding(integral)
-    }
-
-    /// Energy that answers, which has the accuracy of the energy that was asked for.
-    fn energy(&self, request: &Request) -> f64 {
-        let of_v = self.solved.energy();
-        match (request.statement.accuracy(), self.bounds()) {
-            (Some(Accuracy::Energy(_)), Some(bounds)) => bounds.nearest_energy(of_v),
-            _ => of_v,
-        }
-    }
-
-    /// Returns that energy and, if it is another, that of v.
+    /// Returns the energy that answers and, if it is another, that of v.
     fn energy_in_words(&self, request: &Request) -> String {
         let digits = match request.statement.accuracy() {
             Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
             _ => DIGITS,
         };
-        let (energy, of_v) = (self.energy(request), self.solved.energy());
+        let (energy, of_v) =
+            (details::answering_energy(&request.statement, &self.solved), self.solved.energy());
         let mut text = format!("energy {}\n", plain(energy, digits));
         if energy != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
@@ -118,113 +84,20 @@ impl Answer {
         text
     }
 
+    /// Returns the answer in JSON, with what belongs to this command alone.
     pub(super) fn json(&self, request: &Request) -> Value {
-        let (problem, solver) = (&self.solved.problem, request.statement.solver);
-        let (levels, law) = (problem.levels(), problem.law());
-        let warnings = self.record.facts().into_iter();
-        let mut json = json!({
-            "schema": 1,
-            "scene": request.name,
-            "f": levels.facts().f,
-            "dimension": levels.facts().dimension,
-            "solver": self.solved.run().map_or(solver, |run| run.solver),
-            "energy": self.energy(request),
-            "integral_f": self.integral(),
-            "contact": self.contact,
-            "force": self.force,
-            "warnings": request.warnings.iter().cloned().chain(warnings).collect::<Vec<_>>(),
-            "failure": self.refusal().map(|failure| &failure.fact),
-            "remedy": self.record.remedy(),
-            "seconds": request.clock.json(),
-        });
-        if !law.is_signorini() {
-            json["law"] = law_json(law);
+        let numbers = Numbers::of(&request.statement, &self.solved, &self.record);
+        let mut json = numbers.json();
+        json.insert("schema".into(), 1.into());
+        json.insert("scene".into(), json!(request.name));
+        json.insert("seconds".into(), request.clock.json());
+        if self.solved.run().is_some() {
+            json.insert("not_as_in_scene".into(), json!(request.overridden));
         }
         if !self.values.is_empty() {
-            json["values"] = json!(self.values);
+            json.insert("values".into(), json!(self.values));
         }
-        let more = match self.solved.truth() {
-            Some(_) => truth::json(&self.solved).unwrap_or_default(),
-            None => self.json_on_levels(request).unwrap_or_default(),
-        };
-        if let (Value::Object(json), Value::Object(mut more)) = (&mut json, more) {
-            json.append(&mut more);
-        }
-        json
-    }
-
-    /// Returns what only an answer on levels has.
-    fn json_on_levels(&self, request: &Request) -> Option<Value> {
-        let (problem, solver) = (&self.solved.problem, request.statement.solver);
-        let run = self.solved.run()?;
-        let (states, last, kkt) = (run.judgement.state_counts(), run.last(), run.last().kkt);
-        let [v_least, v_greatest] = last.range;
-        // A guaranteed bound that was asked for has been reached; residuals of single nodes do not contradict it.
-        let accuracy = request.statement.accuracy();
-        let stop = if accuracy.is_some() { last.end.stop.name() } else { last.name() };
-        let mut grids = Vec::new();
-        for (level, outcome) in (run.first_level..).zip(&run.ends) {
-            grids.push(outcome_json(solver, level, outcome));
-        }
-        let settings = request.settings(problem.law());
-        let mut json = json!({
-            "settings": settings.into_iter().collect::<BTreeMap<_, _>>(),
-            "not_as_in_scene": request.overridden,
-            "h": request.width(problem),
-            "unknowns": run.y.len(),
-            "iterations": last.end.iterations,
-            "iterations_per_grid": run.ends.iter().map(|end| end.end.iterations).collect::<Vec<_>>(),
-            "stop": stop,
-            "grids": grids,
-            "v_least": v_least,
-            "v_greatest": v_greatest,
-            "sum_load": last.sum_load,
-            "kkt": {
-                "stationarity": kkt.stationarity,
-                "min_y": kkt.min_y,
-                "min_lambda": kkt.min_lambda,
-                "complementarity": run.judgement.work,
-                "max_min": kkt.complementarity,
-                "natural": kkt.natural,
-                "relative": kkt.relative,
-            },
-            "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
-            "bound": bound::json(&self.solved),
-        });
-        if let Err(reason) = self.solved.bounds().last()? {
-            json["bound_reason"] = reason.to_string().into();
-        }
-        if !problem.law().is_signorini() {
-            json["states"] = json!(states);
-        }
-        if solver.is_nested() {
-            json["sweeps"] = last.end.sweeps().into();
-            json["sweeps_per_grid"] =
-                run.ends.iter().map(|outcome| outcome.end.sweeps()).collect::<Vec<_>>().into();
-        }
-        if solver == Solver::Multigrid {
-            json["work_units"] = last.end.work_units.into();
-        }
-        if let Some(Accuracy::Energy(_)) = accuracy {
-            json["energy_of_linear_v"] = last.energy.into();
-        }
-        if let (Some(way), Some(accuracy)) = (self.way(), accuracy) {
-            json["adapted"] = json!({
-                "meshes": way.tried,
-                "kind": way.kind(),
-                "nodes": run.y.len(),
-                "reached": self.bounds().map(|bounds| accuracy.reached(bounds)),
-                "end": way.end.name(),
-            });
-        }
-        if let Some(errors) = self.solved.errors() {
-            json["errors"] = json!(errors);
-        }
-        if self.contact.is_none() {
-            json["contact_reason"] =
-                "the contact set in space is part of a surface, without arcs".into();
-        }
-        Some(json)
+        json.into()
     }
 
     /// Reason why the answer is not what was asked for.
@@ -237,7 +110,7 @@ impl Answer {
     pub(super) fn text(&self, request: &Request, recover: bool, points_in_file: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
-        let integral = plain(self.integral(), 4);
+        let integral = plain(details::integral(&self.solved), 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.record.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
@@ -317,7 +190,7 @@ impl Answer {
             Some(way) => Some(format!("{} {} meshes", way.tried, way.kind())),
             None => request.refined(problem.finest()),
         });
-        for (name, value) in request.settings(problem.law()) {
+        for (name, value) in details::settings(&request.statement, problem.law()) {
             settings.push(match (value.as_str(), value.as_f64()) {
                 (Some(text), _) => format!("{name} {text}"),
                 (None, Some(number)) => format!("{name} {}", Written(number)),
@@ -374,25 +247,4 @@ impl Answer {
         }
         in_columns(&Table { rows, ..Table::new(head, &[]) })
     }
-}
-
-/// Outcome of a solver on the level with this number, as JSON.
-fn outcome_json(solver: Solver, level: usize, outcome: &Outcome) -> Value {
-    let mut json = json!({
-        "iterations": outcome.end.iterations,
-        "stop": outcome.name(),
-        "energy": outcome.energy,
-        "sum_load": outcome.sum_load,
-        "nodes": outcome.nodes,
-        // On a coarse grid the natural residual is enough.
-        "kkt": { "natural": outcome.kkt.natural, "relative": outcome.kkt.relative },
-    });
-    match outcome.cells {
-        Some(cells) => json["cells"] = cells.into(),
-        None => json["refinement"] = level.into(),
-    }
-    if solver.is_nested() {
-        json["sweeps"] = outcome.end.sweeps().into();
-    }
-    json
 }

@@ -1,7 +1,6 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use crate::replication::record::{CONTACT_FORCE, FLUX};
-use serde_json::{Value, json};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::problem::law::Law;
@@ -42,25 +41,6 @@ pub(super) fn text(solved: &Solved, recovered: bool) -> String {
         text += &format!(",\n  of the recovered solution at most {shown}{}", share(most));
     }
     text + "\n"
-}
-
-/// Returns the bounds of the solution of a problem as JSON; null without.
-pub(super) fn json(solved: &Solved) -> Value {
-    let Some(Ok(bounds)) = solved.bounds().last() else { return Value::Null };
-    let mut json = json!({
-        "energy": bounds.energy,
-        "error": bounds.error,
-        "recovered": bounds.recovered,
-        "relative": {
-            "energy": bounds.relative_energy(),
-            "error": bounds.relative(),
-        },
-        "reserve": solved.reserves(),
-    });
-    if let Some(curve) = bounds.curve {
-        json["curve"] = curve.into();
-    }
-    json
 }
 
 /// Words for the boundary under a law.

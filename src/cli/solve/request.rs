@@ -4,7 +4,7 @@ use super::SolveArgs;
 use super::adapting::of_meshes;
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
-use crate::cli::output::{OutputFile, warn_of_outside};
+use crate::cli::output::OutputFile;
 use crate::figures::Print;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
@@ -15,13 +15,10 @@ use crate::replication::mesh_files;
 use crate::replication::record::Judge;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
-use serde_json::Value;
-use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, PointValue};
-use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{Memory, Refusal, SaddleSettings, Solved, Watcher};
+use signorini_mathematics::solvers::{Memory, Refusal, Solved, Watcher};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -47,8 +44,6 @@ pub(super) struct Request {
     pub overridden: Vec<String>,
     /// Points at which v is shown.
     pub points: Vec<Vec<f64>>,
-    /// Warnings of f that are printed already.
-    pub warnings: Vec<String>,
     /// Memory that is left, and the files for which some of it is needed.
     memory: Memory,
     /// Clock since the options are read.
@@ -74,7 +69,7 @@ impl Request {
         let memory = if args.out.is_some() { memory.with_files(args.recover) } else { memory };
         let memory = memory.with_most_nodes(args.most_nodes.unwrap_or(usize::MAX));
         let file = file_name(&statement);
-        let name = args.scene.as_deref().or(file).unwrap_or(&statement.domain.name).to_owned();
+        let name = args.scene.as_deref().unwrap_or_else(|| name_of_domain(&statement)).to_owned();
         let coarsest = coarsest(&statement, scene)?;
         check_fineness(coarsest.as_ref(), &statement, voice, memory)?;
         if coarsest.is_none() {
@@ -101,7 +96,6 @@ impl Request {
         };
         let is_square = coarsest.is_none();
         let usual = if is_square { PictureKind::Surface } else { PictureKind::Map };
-        let warnings = warn_of_outside(args.scene.as_deref(), &problem.levels().facts().outside);
         let request = Self {
             name,
             scene: args.scene.clone(),
@@ -113,7 +107,6 @@ impl Request {
             is_papers: scene_of_problem.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
             points: args.points.points(&problem)?,
-            warnings,
             memory,
             clock,
         };
@@ -159,14 +152,6 @@ impl Request {
         Judge { statement, voice: *voice, is_papers: *is_papers }
     }
 
-    /// Width of the finest level: of the square and the cube that of their cells, on other meshes the longest edge.
-    pub(super) fn width(&self, problem: &Problem) -> f64 {
-        match self.statement.fineness {
-            Fineness::Width(cells) => 1.0 / cells as f64,
-            _ => problem.levels().facts().width,
-        }
-    }
-
     /// Returns, on a mesh, how fine it is after so many refinements.
     pub(super) fn refined(&self, times: usize) -> Option<String> {
         (!self.statement.domain.is_square()).then(|| match (&self.statement.fineness, times) {
@@ -175,29 +160,6 @@ impl Request {
             (_, 1) => "refined once".into(),
             (_, times) => format!("refined {times} times"),
         })
-    }
-
-    /// Returns the settings, by name, on which the answer depends besides f, the solver and the levels.
-    pub(super) fn settings(&self, law: Law) -> Vec<(&'static str, Value)> {
-        let Statement { load, saddle, tolerance, .. } = self.statement;
-        let mut settings = Vec::new();
-        if !law.is_signorini() {
-            settings.push(("law", law.to_string().into()));
-        }
-        settings.extend(load.map(|rule| ("load", rule.name().into())));
-        if let Some(SaddleSettings { prolongation, r, stop, max_iterations }) = saddle {
-            settings.push(("r", r.into()));
-            settings.push(("stop", stop.name().into()));
-            settings.push(("max_iterations", max_iterations.into()));
-            settings.extend(load.map(|_| ("prolongation", prolongation.name().into())));
-        }
-        settings.extend(tolerance.map(|tolerance| ("tolerance", tolerance.into())));
-        let accuracy = self.statement.accuracy();
-        settings.extend(accuracy.map(|of| match of {
-            Accuracy::Error(wanted) => ("accuracy", wanted.into()),
-            Accuracy::Energy(wanted) => ("accuracy-energy", wanted.into()),
-        }));
-        settings
     }
 
     /// Refusal of the solver, behind the name of what it refuses.
@@ -237,6 +199,11 @@ pub(super) fn coarsest(statement: &Statement, scene: Option<&Scene>) -> Result<O
         _ => Error::input(format!("{path}: {e}")),
     })?;
     statement.mesh(file.as_deref()).map_err(|e| Voice::Options.stated(&e))
+}
+
+/// Name of the domain in messages and answers: that of the file with the mesh, if there is one.
+pub(super) fn name_of_domain(statement: &Statement) -> &str {
+    file_name(statement).unwrap_or(&statement.domain.name)
 }
 
 /// Returns the name of the file with the mesh, without folders, if there is one.

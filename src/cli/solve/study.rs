@@ -3,7 +3,7 @@
 //! Central is [`solve`]: the statements of all members, each checked and solved beside others, and their table.
 
 use super::SolveArgs;
-use super::request::{check_fineness, coarsest, statement};
+use super::request::{check_fineness, coarsest, name_of_domain, statement};
 use super::save::{self, NewScene};
 use crate::cli::interrupt::{at_work, interrupted};
 use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
@@ -23,7 +23,7 @@ use crate::table::Table;
 use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
@@ -38,6 +38,8 @@ const MOST_REMARKS: usize = 5;
 pub(super) struct Asked<'a> {
     /// Name of the scene or the domain, and f, in the first line of the answer.
     title: String,
+    /// Name of the scene, if one is named.
+    scene_name: Option<String>,
     study: Study,
     /// Files of the meshes.
     files: InputFiles,
@@ -70,7 +72,8 @@ impl<'a> Asked<'a> {
         args.refuse_files_of_one()?;
         let voice = if scene.is_some() { Voice::OverScene } else { Voice::Options };
         let files = InputFiles::new();
-        let mut asked = Self { title: String::new(), study, files, voice, saved: None };
+        let scene_name = args.scene.clone();
+        let mut asked = Self { title: String::new(), scene_name, study, files, voice, saved: None };
         asked.check(args, scene)?;
         asked.title = match scene {
             Some(scene) => asked.over_scene(scene, args.fields.f.as_deref()),
@@ -182,7 +185,7 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     let csv = file.as_ref().map(|file| file.write(study.table(&solved).csv().as_bytes()));
     // The answer is not lost with the file.
     if args.json {
-        say(&lines(study, &solved))
+        say(&lines(asked, &solved))
     } else {
         let head = paragraph(&format!("{}\n", asked.title));
         say(&(head + &in_columns(&for_people(study, &solved))))?;
@@ -220,12 +223,19 @@ fn checked_csv(path: &Path) -> Result<OutputFile> {
     Err(Error::input(format!("--csv {}: the table is in CSV; {remedy}", path.display())))
 }
 
-/// Returns a line of JSON for each member: its values, and all columns.
-fn lines(study: &Study, solved: &[Numbers]) -> String {
+/// Returns a line of JSON for each member: what `solve --json` prints of its solution, with what `varied`, whose values
+/// are also beside the rest.
+fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String {
     let mut text = String::new();
-    for mut row in study.rows(solved) {
-        row.insert("schema".into(), json!(1));
-        text += &(json!(row).to_string() + "\n");
+    for ((member, numbers), mut line) in study.members.iter().zip(solved).zip(study.rows(solved)) {
+        line.extend(numbers.details().clone());
+        let values = study.values(member).map(|value| value.json());
+        let varied: Map<String, Value> = study.names.iter().cloned().zip(values).collect();
+        line.insert("varied".into(), varied.into());
+        let name = scene_name.as_deref().unwrap_or_else(|| name_of_domain(&member.statement));
+        line.insert("scene".into(), name.into());
+        line.insert("schema".into(), 1.into());
+        text += &(json!(line).to_string() + "\n");
     }
     text
 }

@@ -3,28 +3,10 @@
 use super::bound::{self, BoundaryWords};
 use super::clock::turning;
 use indicatif::ProgressBar;
-use serde_json::{Value, json};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::text::{plain, shared};
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::spectral::PlaneChecks;
-
-/// Returns what only a true solution has.
-pub(super) fn json(solved: &Solved) -> Option<Value> {
-    let found = solved.truth()?;
-    let mut json = json!({
-        "iterations": found.steps,
-        "stop": "converged",
-        "grids": null,
-        "grids_reason": "the spectral solver uses no grid",
-        "bound": bound::json(solved),
-        "checks": found.checks,
-    });
-    if let Some(Err(reason)) = solved.bounds().last() {
-        json["bound_reason"] = reason.to_string().into();
-    }
-    Some(json)
-}
 
 /// Digits of numbers without bounds, as many as the solver says that it has.
 const TEN: usize = 10;

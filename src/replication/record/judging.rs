@@ -41,7 +41,10 @@ impl Judge<'_> {
     /// Decides whether an answer is a solution, and collects the warnings.
     pub(crate) fn record(self, solved: &Solved) -> Record {
         let facts = solved.problem.levels().facts();
-        let notes = facts.notes.iter().cloned().map(Warning::fact);
+        let outside = facts.outside.iter();
+        let outside = outside
+            .map(|piece| format!("{piece} of f lies outside [-0.5,0.5] and changes nothing"));
+        let notes = facts.notes.iter().cloned().chain(outside).map(Warning::fact);
         let Some(last) = solved.ends().last() else {
             let of_truth = solved.truth().into_iter().flat_map(|found| found.notes.clone());
             let warnings =

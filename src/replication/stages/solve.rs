@@ -49,8 +49,6 @@ pub(super) struct Outcomes {
     pub(super) r: Option<f64>,
     /// Per grid on which the solver ended, coarsest first; empty for the spectral solver.
     pub(super) levels: Vec<Outcome>,
-    /// Greatest nodal error per grid; empty if no exact solution is known.
-    pub(super) errors: Vec<f64>,
     /// Guaranteed bounds per grid, or none where there are none; empty for the saddle-point methods, which end where
     /// their rule says so, and one for the spectral solver.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -222,7 +220,6 @@ impl Cell {
             schema: 1,
             r: self.statement.saddle.map(|settings| settings.r),
             levels: solved.ends().to_vec(),
-            errors: solved.run().map(|run| run.errors.clone()).unwrap_or_default(),
             asks_energy: matches!(self.statement.accuracy(), Some(Accuracy::Energy(_))),
             energy: solved.energy(),
             ..Outcomes::default()

@@ -137,6 +137,11 @@ impl Outcome {
         self.verdict().end(self.end.stop)
     }
 
+    /// Name of the end of an answer for which a bound is asked, so that it `is_bounded`, as [`Outcome::judged`].
+    pub fn name_of(&self, is_bounded: bool) -> &'static str {
+        self.judged(is_bounded).end(self.end.stop)
+    }
+
     /// Name of the level in a table: `1/64`, or on a mesh `833 nodes`.
     pub fn label(&self) -> String {
         self.cells.map_or_else(|| format!("{} nodes", self.nodes), |cells| format!("1/{cells}"))

@@ -244,24 +244,13 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         // Accuracy of the energy of a true solution, over the energy.
         "accuracy": outcomes.accuracy.map(f64::abs),
         "f": facts.f,
-        "integral_f": facts.without_rounding(facts.integral),
         // The exact solution in LaTeX, if it is known.
         "exact": exact,
-        // On the finest level, as `solve` names it.
-        "end": outcomes.end(),
-        // What is drawn: the solution, or where a rule stops.
-        "state": solve::state(inputs, scene, rule)?,
-        // Guaranteed bounds in a sentence; empty without.
-        "bounds_in_words": solve::bounds_in_words(inputs, scene)?.trim_end(),
-        "bounds": bounds,
         // Bound of the error over the solution, if it is less than that.
         "relative": bounds.map(Bounds::relative).filter(|&error| error < 1.0),
-        "rule": rule,
         // The finest level; none for the spectral solver.
         "level": level,
         "energy": outcomes.energy,
-        "iterations": outcomes.iterations,
-        "nodal_error": outcomes.errors.last(),
     });
     Ok(extended(scene, more))
 }
