@@ -456,7 +456,7 @@ fn python_says_what_is_wrong_and_returns_what_is_reached() {
         said(signorini.study, {}, f=f)\n\
         said(signorini.solve, f=f, out='v.svg')\n\
         partial = signorini.solve(f=f, domain='disc', accuracy=1e-4, most_nodes=500)\n\
-        print(partial.failure[:16], partial.v.shape[0] < 500)\n\
+        print(partial.failure[:10], partial.v.shape[0] < 500)\n\
         print(signorini.study({'solver': 'multigrid'}, f=f, h='1/8')['solver'])\n\
         print(signorini.study({'R': 0.1}, f='disc(0,0,$R)=1; else=-1', h='1/8')['R'])\n\
         print(signorini.study({'f': ['else=-1', 'else=-2']}, h='1/8')['f'])\n\
@@ -475,7 +475,7 @@ fn python_says_what_is_wrong_and_returns_what_is_reached() {
         "view 'contour': choose one of map, surface, mesh",
         "nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)",
         "out: the answer is returned; leave it out, and write what is returned",
-        "disc: --accuracy True",
+        "--accuracy True",
         "['multigrid']",
         "[0.1]",
         "['else=-1' 'else=-2']",

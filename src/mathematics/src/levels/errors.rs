@@ -1,7 +1,7 @@
 //! Errors against a known solution.
 
 use super::Problem;
-use crate::discrete::norms::{Errors, errors, max_error, multiplier_error};
+use crate::discrete::norms::{Errors, errors, multiplier_error};
 
 impl Problem {
     /// Errors of a nodal vector of the finest level; none if the solution has no formula.
@@ -17,12 +17,5 @@ impl Problem {
         let multiplier_l2 =
             multiplier_error(grid, y, load, |point, normal| exact.multiplier(point, normal));
         Some(Errors { multiplier_l2: Some(multiplier_l2), ..errors(grid, exact, y) })
-    }
-
-    /// Greatest error of a nodal vector of a level at its nodes; none if the solution is not known, and on meshes.
-    pub(crate) fn greatest_error(&self, level: usize, y: &[f64]) -> Option<f64> {
-        let lattices = self.lattices()?;
-        let exact = lattices.source().exact()?;
-        Some(max_error(lattices.grids()[level], y, |x, y| exact.at(x, y).value))
     }
 }

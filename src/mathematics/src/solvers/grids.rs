@@ -70,7 +70,6 @@ impl Refining for Grids<'_> {
         (self.steps)(Step::Bounds);
         if let Some(before) = self.run.take() {
             run.ends.splice(0..0, before.ends);
-            run.errors.splice(0..0, before.errors);
         }
         self.run = Some(run);
         self.bounds.push(bounds.clone());

@@ -10,7 +10,7 @@ use crate::multigrid::active_set::{active_set as solve_lattice, active_set_from}
 use crate::multigrid::{InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::source::Source;
-use crate::saddle::{Iteration, Monitor, NestedGrids, Pair, Params, solve_nested};
+use crate::saddle::{Monitor, NestedGrids, Pair, Params, solve_nested};
 use crate::spectral::{
     PlaneError, TrueSolution, check_plane, true_solution_on, true_solution_on_square,
 };
@@ -24,8 +24,6 @@ pub struct Run {
     pub y: Vec<f64>,
     /// End on each level on which the solver stopped, coarsest first; the last may be `Diverged`.
     pub ends: Vec<Outcome>,
-    /// Greatest nodal error on each of these levels; empty if the solution is not known.
-    pub errors: Vec<f64>,
     /// Number of the level of the first end, of adapted meshes its position among them; the others follow.
     pub first_level: usize,
     /// Judgement of the vector.
@@ -100,8 +98,7 @@ fn judged(problem: &Problem, solver: Solver, y: Vec<f64>, end: End) -> Run {
     let judgement = problem.judge(&y);
     let cells = problem.domain(level).cells();
     let end = Outcome::new(end, &judgement, cells, load, problem.is_solvable());
-    let errors = problem.greatest_error(level, &y).into_iter().collect();
-    Run { solver, y, ends: vec![end], errors, first_level: level, judgement }
+    Run { solver, y, ends: vec![end], first_level: level, judgement }
 }
 
 /// Solves on the finest level by multigrid, until a goal is reached: on the square by that of optimal cost, on meshes
@@ -181,7 +178,6 @@ pub(super) fn saddle(
     let usual = Params::default();
     let method = settings.solver.entry().method.unwrap_or(usual.method);
     let params = &Params { method, r, rule: stop, max_iterations, ..usual };
-    let monitor = &mut Measuring { problem, monitor, errors: Vec::new() };
     let (ends, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             let nested = NestedGrids { grids: lattices.grids(), prolongation };
@@ -191,36 +187,7 @@ pub(super) fn saddle(
     };
     let (level, y) = (ends.len() - 1, pair.y);
     let judgement = problem.judge_on(level, &y, &loads[level]);
-    Ok(FoundSolution::Vector(Run {
-        solver: settings.solver,
-        y,
-        ends,
-        errors: std::mem::take(&mut monitor.errors),
-        first_level: 0,
-        judgement,
-    }))
-}
-
-/// Monitor that measures the error on each level.
-struct Measuring<'a> {
-    problem: &'a Problem,
-    monitor: &'a mut dyn Monitor,
-    errors: Vec<f64>,
-}
-
-impl Monitor for Measuring<'_> {
-    fn wants_iterations(&self) -> bool {
-        self.monitor.wants_iterations()
-    }
-
-    fn iteration(&mut self, level: usize, iteration: &Iteration) {
-        self.monitor.iteration(level, iteration);
-    }
-
-    fn level(&mut self, level: usize, pair: &Pair) {
-        self.errors.extend(self.problem.greatest_error(level - 1, &pair.y));
-        self.monitor.level(level, pair);
-    }
+    Ok(FoundSolution::Vector(Run { solver: settings.solver, y, ends, first_level: 0, judgement }))
 }
 
 /// Coarsest mesh of a problem in the plane, and f on it, as the spectral solver takes them.

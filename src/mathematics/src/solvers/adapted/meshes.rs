@@ -403,7 +403,6 @@ impl Refining for Meshes<'_> {
             y,
             first_level: reached.tried - self.outcomes.len(),
             ends: self.outcomes,
-            errors: Vec::new(),
             judgement: self.judgement.expect("a vector with bounds"),
         };
         let problem = Problem::checked(levels, law, is_curved);
