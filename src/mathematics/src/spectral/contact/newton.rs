@@ -264,8 +264,8 @@ pub(in crate::spectral) fn remove(ring: &mut RingContact, number: usize, is_gap:
     }
 }
 
-/// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there. An arc round a corner that
-/// is shorter than both moves stays.
+/// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there. An arc round a corner
+/// that is shorter than both moves stays.
 fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
     for (own, ring) in contact.iter_mut().zip(&setup.rings) {
         let least = 1e-7 * setup.perimeter;

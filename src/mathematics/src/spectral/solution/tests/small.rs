@@ -214,7 +214,7 @@ fn turned_regions_have_the_energy_of_rectangles() {
     }
 }
 
-/// Where all sticks the energy is a quadratic polynomial in the value of f on a shape: its third difference is zero.
+/// The energy, where all sticks, is a quadratic polynomial in the value of f on a shape: its third difference is zero.
 #[test]
 fn shapes_across_a_jump_may_lie_between_its_values() {
     for shape in ["rect(0.13,0.17,-0.2,0.25)", "disc(0.2,0.01,0.04)"] {
