@@ -43,9 +43,8 @@ fn coarse(experiment: &str) -> Value {
             "cells": [8, 16], "contact": [8, 16], "others": [8], "compared": [4, 8],
             "laws": [["exact(free-corner)", [4, 8]]],
         }),
-        "adapted" => json!({ "refinements": 2, "finest": 400, "fitted": 10, "most_nodes": 200 }),
+        "adapted" => json!({ "refinements": 2, "finest": 400, "fitted": 10 }),
         "claims" => json!({ "per_decade": 1, "problems": problems(), "targets": targets }),
-        "friction" => json!({ "problems": problems(), "targets": targets }),
         "domains" => json!({ "levels": 2, "disc": 2 }),
         "radius" => json!({ "cells": [8], "r": [10.0, 1.0] }),
         "stress" => json!({

@@ -1,10 +1,10 @@
 //! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
 
 use crate::common::Dice;
+use crate::laws::{FRICTION, FrictionProblem};
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{LoadRule, load};
-use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Mesh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};

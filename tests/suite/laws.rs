@@ -10,7 +10,6 @@ use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::experiments::problems::FRICTION;
 use signorini_mathematics::mesh::gmsh::read;
 use signorini_mathematics::mesh::{AnyMesh, refined};
 use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
@@ -30,6 +29,38 @@ const COUNTS: [[usize; 5]; 6] = [
     [2, 13, 114, 604, 2623],
     [3, 11, 101, 659, 3508],
 ];
+
+/// Problem with friction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrictionProblem {
+    /// f in the notation of scenes.
+    pub(crate) f: &'static str,
+    /// Bound of |dv/dn|.
+    pub(crate) g: f64,
+}
+
+/// Problems with friction. In the first three v has one sign, and so it has in the last two; in the fourth both. The
+/// flux of the last one is nearly at its bound everywhere.
+pub(crate) const FRICTION: [FrictionProblem; 6] = [
+    FrictionProblem { f: "quadrant(ll)=3; else=-1.002", g: 0.3 },
+    FrictionProblem { f: "quadrant(ll)=-6; else=1.998", g: 0.6 },
+    FrictionProblem { f: "else=1", g: 0.3 },
+    FrictionProblem { f: "halfplane(1,0,0)=8; else=-8", g: 1.0 },
+    FrictionProblem { f: "rect(-0.5,0,-0.25,0.25)=6; else=-1", g: 0.25 },
+    FrictionProblem { f: "else=4", g: 1.01 },
+];
+
+impl FrictionProblem {
+    /// Returns f.
+    pub(crate) fn source(self) -> Source {
+        self.f.parse().expect("a valid f")
+    }
+
+    /// Returns the law.
+    pub(crate) fn law(self) -> Law {
+        Law::friction(self.g).expect("a positive bound")
+    }
+}
 
 const BILINEAR: LoadRule = LoadRule::Bilinear {};
 

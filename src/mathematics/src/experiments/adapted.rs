@@ -1,7 +1,6 @@
 //! Meshes that are refined where the guaranteed error is large, beside uniform ones: the error against the number of
-//! nodes, and what the paper's method costs on them.
+//! nodes.
 
-mod method;
 mod problem;
 
 pub use problem::coarse_meshes;
@@ -9,13 +8,12 @@ pub(super) use problem::{AdaptedProblem, BoundedRun};
 
 use super::{Findings, Rows, exponent};
 use crate::machine::threads::try_map;
-use method::{CountsOnMesh, method};
 use serde::{Deserialize, Serialize};
 
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct AdaptedPlan {
-    /// Problems; the paper's method runs on the first.
+    /// Problems.
     problems: Vec<AdaptedProblem>,
     /// Guaranteed error, over the norm of the solution, at which adaptive refinement ends.
     accuracy: f64,
@@ -25,17 +23,6 @@ pub(super) struct AdaptedPlan {
     finest: usize,
     /// Number of nodes from which on orders are fitted.
     fitted: usize,
-    /// Most nodes of a mesh on which the paper's method runs.
-    most_nodes: usize,
-    /// Duality parameter of the paper's method.
-    r: f64,
-    /// Bound in criterion (13) as printed.
-    printed: f64,
-    /// Derivatives over the measures of patches, their own or the mean, are compared with so many times the product of
-    /// the largest |f| and the guaranteed error of the mesh over the norm of the solution.
-    divided: f64,
-    /// Limit on iterations of the paper's method on a mesh.
-    limit: usize,
 }
 
 impl Default for AdaptedPlan {
@@ -46,11 +33,6 @@ impl Default for AdaptedPlan {
             refinements: 6,
             finest: 100_000,
             fitted: 800,
-            most_nodes: 6000,
-            r: 10.0,
-            printed: 1e-4,
-            divided: 0.1,
-            limit: 4000,
         }
     }
 }
@@ -102,39 +84,33 @@ struct FinestError {
     uniform_nodes: f64,
 }
 
-/// Measures errors and counts: the central function of this module. Tables `errors` on all meshes, `finest` of the last
-/// ones, and `counts` of the paper's method.
+/// Measures errors: the central function of this module. Tables `errors` on all meshes, and `finest` of the last ones.
 ///
 /// # Errors
 /// A sentence if a problem cannot be solved.
 pub(super) fn adapted(plan: &AdaptedPlan) -> Result<Findings, String> {
     let mut refined = Vec::new();
-    for (number, &problem) in plan.problems.iter().enumerate() {
-        refined.extend(Way::ALL.map(|way| RefinementWay { problem, way, has_method: number == 0 }));
+    for &problem in &plan.problems {
+        refined.extend(Way::ALL.map(|way| RefinementWay { problem, way }));
     }
-    let measured = try_map(&refined, |refined| refined.measured(plan))?;
-    let (mut errors, mut counts, mut finest) = (Vec::new(), Vec::new(), Vec::new());
-    for ways in measured.chunks(Way::ALL.len()) {
+    let errors = try_map(&refined, |refined| refined.errors(plan))?;
+    let mut finest = Vec::new();
+    for ways in errors.chunks(Way::ALL.len()) {
         finest.extend(finest_errors(ways, plan).ok_or("too few meshes for an order")?);
     }
-    for way in measured {
-        errors.extend(way.errors);
-        counts.extend(way.counts);
-    }
     Ok(Findings::from([
-        ("errors".into(), Rows::of(errors)),
+        ("errors".into(), Rows::of(errors.concat())),
         ("finest".into(), Rows::of(finest)),
-        ("counts".into(), Rows::of(counts)),
     ]))
 }
 
 /// Errors on the finest meshes of a problem, adaptive and uniform; none with fewer than two fine meshes.
-fn finest_errors(ways: &[MeasuredWay], plan: &AdaptedPlan) -> Option<[FinestError; 2]> {
+fn finest_errors(ways: &[Vec<ErrorOnMesh>], plan: &AdaptedPlan) -> Option<[FinestError; 2]> {
     let [adaptive, uniform] = ways else { return None };
     let [adaptive, uniform] = [adaptive, uniform].map(|way| {
-        let fine = way.errors.iter().filter(|mesh| mesh.nodes >= plan.fitted);
+        let fine = way.iter().filter(|mesh| mesh.nodes >= plan.fitted);
         let points: Vec<_> = fine.map(|mesh| (mesh.nodes as f64, mesh.error)).collect();
-        way.errors.last().cloned().zip(exponent(&points).map(|p| -p))
+        way.last().cloned().zip(exponent(&points).map(|p| -p))
     });
     let (goal, last) = (adaptive?, uniform?);
     let uniform_nodes = last.0.nodes as f64 * libm::pow(last.0.error / goal.0.error, 1.0 / last.1);
@@ -145,28 +121,15 @@ fn finest_errors(ways: &[MeasuredWay], plan: &AdaptedPlan) -> Option<[FinestErro
 struct RefinementWay {
     problem: AdaptedProblem,
     way: Way,
-    /// True if the paper's method runs on the meshes.
-    has_method: bool,
-}
-
-/// Measurements on meshes of one way of refinement, which are not kept.
-struct MeasuredWay {
-    errors: Vec<ErrorOnMesh>,
-    counts: Vec<CountsOnMesh>,
 }
 
 impl RefinementWay {
-    fn measured(&self, plan: &AdaptedPlan) -> Result<MeasuredWay, String> {
+    /// Errors on its meshes.
+    fn errors(&self, plan: &AdaptedPlan) -> Result<Vec<ErrorOnMesh>, String> {
         let run = match self.way {
             Way::Adaptive => self.problem.adapted(plan.accuracy, plan.finest, 1),
             Way::Uniform => self.problem.uniform(plan.refinements + 1 - self.problem.halvings()),
         }?;
-        let counts = if self.has_method { method(self.way, &run, plan)? } else { Vec::new() };
-        Ok(MeasuredWay { errors: self.errors(&run), counts })
-    }
-
-    /// Errors on the meshes of a run.
-    fn errors(&self, run: &BoundedRun) -> Vec<ErrorOnMesh> {
         let mut errors = Vec::new();
         for (level, bounds) in run.bounds.iter().enumerate() {
             // Coarse meshes may have no bound below infinity.
@@ -177,7 +140,7 @@ impl RefinementWay {
                 errors.push(ErrorOnMesh { problem, f, way, nodes, error });
             }
         }
-        errors
+        Ok(errors)
     }
 }
 
@@ -185,27 +148,14 @@ impl RefinementWay {
 mod tests {
     use super::*;
 
-    /// A plan that takes little time.
-    fn small() -> AdaptedPlan {
-        AdaptedPlan {
-            accuracy: 0.03,
-            refinements: 4,
-            fitted: 100,
-            most_nodes: 900,
-            ..AdaptedPlan::default()
-        }
-    }
-
     #[test]
     fn adaptive_errors_fall_faster_and_brackets_hold_the_true_energies() {
-        let found = adapted(&small()).unwrap();
+        let plan =
+            AdaptedPlan { accuracy: 0.03, refinements: 4, fitted: 100, ..Default::default() };
+        let found = adapted(&plan).unwrap();
         for (way, orders) in [("adaptive", 0.45..1.0), ("uniform", 0.0..0.42)] {
             let finest = found["finest"].wherever("way", way).unwrap().numbers("order").unwrap();
             assert!(finest.iter().all(|order| orders.contains(order)), "{way} {finest:?}");
-            let counts = found["counts"].wherever("way", way).unwrap();
-            let mut fine = counts.points("nodes", "tenth").unwrap();
-            fine.retain(|point| point.0 > 100.0);
-            assert!(exponent(&fine).unwrap() > 0.7, "{way} {fine:?}");
         }
         // Extrapolated energies, whose last digits may be off by two.
         for (problem, energy) in
@@ -215,22 +165,6 @@ mod tests {
             assert_eq!(run.bounds.len(), 4);
             let mut brackets = run.bounds.iter().map(|bounds| bounds.energy);
             assert!(brackets.all(|[low, high]| low < energy && energy < high));
-        }
-    }
-
-    #[test]
-    fn a_fixed_number_stops_the_paper_s_method_early_on_fine_meshes_and_a_rule_that_scales_does_not()
-     {
-        let counts = &adapted(&small()).unwrap()["counts"];
-        for way in ["adaptive", "uniform"] {
-            let of_way = counts.wherever("way", way).unwrap();
-            let [tenth, printed, distance] = ["tenth", "printed", "printed_distance"]
-                .map(|name| *of_way.numbers(name).unwrap().last().unwrap());
-            assert!(printed < tenth && distance > 0.03, "{way} {printed} {tenth} {distance}");
-        }
-        for mesh in counts.iter().filter(|mesh| mesh["nodes"].as_u64() > Some(100)) {
-            let distance = mesh["mean_distance"].as_f64().unwrap();
-            assert!(mesh["mean_is_met"] == true && (0.03..0.12).contains(&distance), "{mesh:?}");
         }
     }
 }

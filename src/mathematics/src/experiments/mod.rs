@@ -44,7 +44,7 @@ pub struct Experiment {
 }
 
 /// All experiments of the book.
-pub const EXPERIMENTS: [Experiment; 8] = [
+pub const EXPERIMENTS: [Experiment; 7] = [
     Experiment {
         name: "accuracy",
         plan: |problems| json(accuracy::AccuracyPlan::new(named(problems))),
@@ -58,11 +58,6 @@ pub const EXPERIMENTS: [Experiment; 8] = [
     Experiment {
         name: "claims",
         plan: |problems| json(claims::ClaimsPlan::new(problems.to_vec())),
-        run: |plan| found(plan, claims::claims),
-    },
-    Experiment {
-        name: "friction",
-        plan: |_| json(claims::ClaimsPlan::friction()),
         run: |plan| found(plan, claims::claims),
     },
     Experiment {

@@ -6,13 +6,9 @@ mod problem;
 mod runs;
 
 use super::{Findings, Rows, power_of_ten};
-use crate::discrete::load::LoadRule;
-use crate::experiments::problems::{FRICTION, FrictionProblem, TableProblem};
+use crate::experiments::problems::TableProblem;
 use crate::machine::threads::{map, try_map};
-use crate::problem::law::LawParameter;
 use crate::saddle::{Method, StopRule};
-use crate::solvers::SaddleSettings;
-use crate::statement::{Domain, Statement};
 use problem::ClaimProblem;
 use serde::{Deserialize, Serialize};
 
@@ -70,30 +66,6 @@ impl ClaimsPlan {
             compared_from: 16,
             weight: 1.0,
             weights: vec![0.0, 0.1, 1.0, 10.0, 100.0, 1000.0],
-        }
-    }
-
-    /// Plan of the book for problems with friction: fewer values of r, and coarser grids.
-    pub(super) fn friction() -> Self {
-        let mut problems = Vec::new();
-        for (number, FrictionProblem { f, g }) in (1..).zip(FRICTION) {
-            let statement = Statement {
-                law: Some(LawParameter::Friction(g)),
-                load: Some(LoadRule::LumpedAverage {}),
-                saddle: Some(SaddleSettings {
-                    max_iterations: 100_000,
-                    ..SaddleSettings::default()
-                }),
-                ..Statement::usual(Domain::square(), f)
-            };
-            let r = vec![1e6, 10.0, 5.0, 1.0, 0.5];
-            problems.push(TableProblem { number, r, statement });
-        }
-        Self {
-            per_decade: 1,
-            targets: KktTarget::all([(1e-3, 32), (1e-6, 16)]),
-            compared_r: vec![1.0, 10.0, 100.0, 1e6],
-            ..Self::new(problems)
         }
     }
 

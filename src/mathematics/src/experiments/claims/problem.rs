@@ -27,7 +27,6 @@ const R_OF_WEIGHTS: f64 = 100.0;
 /// A problem on all its grids.
 pub(super) struct ClaimProblem<'a> {
     pub(super) problem: &'a TableProblem,
-    pub(super) law: Law,
     pub(super) grids: Vec<Grid>,
     /// Load vectors under the published rule.
     pub(super) published: Vec<Vec<f64>>,
@@ -58,7 +57,6 @@ impl<'a> ClaimProblem<'a> {
     pub(super) fn new(problem: &'a TableProblem) -> Result<Self, String> {
         let (f, grids) = problem.on_grids()?;
         let published = problem.loads(&f, &grids);
-        let law = problem.statement.law().map_err(|e| e.to_string())?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
         let params =
             Params { r: 100.0, tolerance: START, rule: StopRule::PrintedDual, ..Params::default() };
@@ -69,13 +67,14 @@ impl<'a> ClaimProblem<'a> {
             if k + 1 == grids.len() {
                 return Ok(());
             }
-            let outcome = arrow_hurwicz(grids[k], law.with_load(&solvable[k]), &params, pair);
+            let outcome =
+                arrow_hurwicz(grids[k], Law::SIGNORINI.with_load(&solvable[k]), &params, pair);
             match outcome.end.stop {
                 Stop::Converged => Ok(()),
                 stop => Err(format!("no solution on grid 1/{}: {stop}", grids[k].cells())),
             }
         })?;
-        Ok(Self { problem, law, grids, published, solvable, starts })
+        Ok(Self { problem, grids, published, solvable, starts })
     }
 
     /// Interpolation to the next grid.
@@ -90,7 +89,7 @@ impl<'a> ClaimProblem<'a> {
         load: &[f64],
         (end, pair): &(End, Pair),
     ) -> (End, f64) {
-        (*end, kkt(grid, self.law, &pair.y, load).relative)
+        (*end, kkt(grid, Law::SIGNORINI, &pair.y, load).relative)
     }
 
     /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for
@@ -106,7 +105,7 @@ impl<'a> ClaimProblem<'a> {
         let mut jobs = Vec::new();
         for method in methods.chain([Method::ArrowHurwicz]) {
             let goal = JobGoal::Kkt(target);
-            let (law, r) = (self.law, R_OF_WEIGHTS);
+            let (law, r) = (Law::SIGNORINI, R_OF_WEIGHTS);
             jobs.push(Job { law, load, start, method, r, goal, cap: plan.cap });
         }
         let mut sweeps: Vec<_> = run(grid, &jobs).iter().map(|(end, _)| end.sweeps()).collect();

@@ -1,5 +1,5 @@
 //! The paper's method and multigrid on other domains than the square: convergence on the disc, counts of iterations on
-//! nested meshes and for other numberings of the nodes, cost.
+//! nested meshes, cost.
 
 mod counts;
 mod disc;
@@ -13,8 +13,6 @@ use crate::problem::law::Law;
 use crate::solvers::{FoundSolution, Refusal, Run, Settings, Solver, find, solve};
 use serde::{Deserialize, Serialize};
 
-pub(super) use counts::{Nested, nested};
-
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct DomainsPlan {
@@ -22,8 +20,6 @@ pub(super) struct DomainsPlan {
     domains: Vec<DomainPlan>,
     /// Values of the duality parameter.
     r: Vec<f64>,
-    /// Values of the duality parameter for the numberings.
-    numbered_r: Vec<f64>,
     /// Number of nested meshes for the counts.
     levels: usize,
     /// Limit on iterations.
@@ -63,7 +59,6 @@ impl Default for DomainsPlan {
                 DomainPlan::new("ball", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
             ],
             r: vec![0.1, 1.0, 10.0, 1e4],
-            numbered_r: vec![1.0, 10.0, 1e4],
             levels: 5,
             max_iterations: 200_000,
             disc: 7,
@@ -98,8 +93,7 @@ struct DomainCost {
     effectivity: Option<f64>,
 }
 
-/// Runs the experiment: tables `disc` of errors, `counts` and `numberings` of iterations, and `cost` of
-/// multigrid.
+/// Runs the experiment: tables `disc` of errors, `counts` of iterations, and `cost` of multigrid.
 ///
 /// # Errors
 /// A sentence if a problem cannot be solved.
@@ -109,7 +103,6 @@ pub(super) fn domains(plan: &DomainsPlan) -> Result<Findings, String> {
     Ok(Findings::from([
         ("disc".into(), Rows::of(disc::convergence(plan.disc)?)),
         ("counts".into(), Rows::of(counts.concat())),
-        ("numberings".into(), Rows::of(counts::numberings(plan)?)),
         ("cost".into(), Rows::of(cost)),
     ]))
 }
