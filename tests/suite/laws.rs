@@ -131,7 +131,7 @@ fn multigrid_and_the_active_set_agree_on_random_laws() {
     for (n, problems) in [(16, 1500), (32, 1000)] {
         let network = Network::of_square(Grid::new(n).unwrap());
         compare(&network, problems, |problem| {
-            solve_square(n, problem, None, &MultigridParams::default())
+            solve_square(n, problem, &MultigridParams::default())
         });
     }
 }
@@ -160,7 +160,7 @@ fn energies_with_friction_are_those_of_the_true_solutions() {
         let energy = |n: usize| {
             let (grid, load) = load_of(n, problem.f);
             let (y, _) =
-                solve_square(n, law.with_load(&load), None, &MultigridParams::default()).unwrap();
+                solve_square(n, law.with_load(&load), &MultigridParams::default()).unwrap();
             judge(grid, law, &y, &load).energy
         };
         // The error falls by four with each halving of h.
@@ -197,7 +197,7 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
         let (grid, load) = load_of(32, problem.f);
         let opposite = negative(&load);
         let [(y, _), (minus, _)] = [&load, &opposite].map(|load| {
-            solve_square(32, law.with_load(load), None, &MultigridParams::default()).unwrap()
+            solve_square(32, law.with_load(load), &MultigridParams::default()).unwrap()
         });
         assert!(negative(&y) == minus, "{problem:?}: multigrid");
         let [(y, _), (minus, _)] =
@@ -219,15 +219,12 @@ fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
     for f in ["quadrant(ll)=-6; else=1.998", "disc(0.1,0.2,0.2)=5; else=-2"] {
         let (grid, load) = load_of(32, f);
         let (y, _) =
-            solve_square(32, Law::SIGNORINI.with_load(&load), None, &MultigridParams::default())
-                .unwrap();
+            solve_square(32, Law::SIGNORINI.with_load(&load), &MultigridParams::default()).unwrap();
         let judged = judge(grid, Law::SIGNORINI, &y, &load);
         let most = judged.flux.iter().fold(0.0f64, |most, flux| most.max(*flux)) / grid.h();
         let limited = Law::limited(1.0001 * most).unwrap();
         assert!(
-            y == solve_square(32, limited.with_load(&load), None, &MultigridParams::default())
-                .unwrap()
-                .0,
+            y == solve_square(32, limited.with_load(&load), &MultigridParams::default()).unwrap().0,
             "{f}"
         );
         let [(y, _), (z, _)] =
@@ -236,9 +233,7 @@ fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
         // A limit below the largest reaction is felt.
         let felt = Law::limited(0.7 * most).unwrap();
         assert!(
-            y != solve_square(32, felt.with_load(&load), None, &MultigridParams::default())
-                .unwrap()
-                .0,
+            y != solve_square(32, felt.with_load(&load), &MultigridParams::default()).unwrap().0,
             "{f}"
         );
     }
@@ -249,13 +244,11 @@ fn friction_where_v_has_one_sign_is_the_papers_problem_with_another_load() {
     for problem in [0, 2, 4, 5].map(|at| FRICTION[at]) {
         let (grid, load) = load_of(32, problem.f);
         let law = problem.law();
-        let (y, _) =
-            solve_square(32, law.with_load(&load), None, &MultigridParams::default()).unwrap();
+        let (y, _) = solve_square(32, law.with_load(&load), &MultigridParams::default()).unwrap();
         let mut less = load.clone();
         grid.boundary().for_each(|node| less[node] -= grid.h() * problem.g);
         let (z, _) =
-            solve_square(32, Law::SIGNORINI.with_load(&less), None, &MultigridParams::default())
-                .unwrap();
+            solve_square(32, Law::SIGNORINI.with_load(&less), &MultigridParams::default()).unwrap();
         assert!(y == z, "{problem:?}");
         assert!(grid.boundary().all(|node| y[node] >= 0.0), "{problem:?}");
     }
@@ -319,7 +312,7 @@ fn components_may_slip_in_opposite_directions() {
 fn loads_that_the_flux_cannot_balance_are_refused() {
     let (_, load) = load_of(16, "else=4");
     for law in [Law::friction(0.99), Law::limited(3.0)].map(Result::unwrap) {
-        let message = solve_square(16, law.with_load(&load), None, &MultigridParams::default())
+        let message = solve_square(16, law.with_load(&load), &MultigridParams::default())
             .unwrap_err()
             .to_string();
         assert!(message.contains("the flux through the boundary can only balance"), "{message}");
@@ -331,7 +324,6 @@ fn loads_that_the_flux_cannot_balance_are_refused() {
         solve_square(
             16,
             Law::friction(1.001).unwrap().with_load(&load),
-            None,
             &MultigridParams::default()
         )
         .is_ok()

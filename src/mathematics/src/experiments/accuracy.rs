@@ -223,7 +223,7 @@ fn cost(name: &str, n: usize, load: &[f64]) -> Result<(Vec<WorkRow>, [Vec<f64>; 
     for ((words, goal), solution) in GOALS.into_iter().zip(&mut solutions) {
         let params = MultigridParams { goal, ..MultigridParams::default() };
         let problem = Law::SIGNORINI.with_load(load);
-        let end = workspace.solve(problem, None, &params).map_err(failed)?;
+        let end = workspace.solve(problem, &params).map_err(failed)?;
         *solution = vec![0.0; load.len()];
         workspace.write_solution(solution);
         rows.push(WorkRow {

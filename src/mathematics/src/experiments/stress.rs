@@ -73,7 +73,7 @@ struct StressRun {
     ///   per problem; `signed`, `strict`, `multigrid`;
     /// - `floors`: the cells per side, to the rounding floor; `multigrid`, and on coarse grids `strict` after many
     ///   iterations;
-    /// - `starts`: a start far from the solution; `strict`, `multigrid`;
+    /// - `starts`: a start far from the solution; `strict`;
     /// - `jumps`, `spikes`: the size of a jump of f beside 1, and of a spike in one node; `multigrid`.
     series: &'static str,
     /// Name of the problem; none if the series has one alone.

@@ -153,12 +153,8 @@ impl OnGrid {
         };
         let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
         let params = MultigridParams::default();
-        let solved = multigrid::solve_square(
-            grid.cells(),
-            Law::SIGNORINI.with_load(&level.load),
-            None,
-            &params,
-        );
+        let solved =
+            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(&level.load), &params);
         level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
         Ok(level)
     }
@@ -204,7 +200,7 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<Vec<f64>, String> {
         let params =
             MultigridParams { goal: Goal::DiscretisationError, ..MultigridParams::default() };
         let (_, outcome) =
-            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), None, &params)
+            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), &params)
                 .map_err(|e| e.to_string())?;
         work.push(outcome.work_units);
     }

@@ -231,9 +231,7 @@ mod tests {
             let grid = Grid::new(40).expect("fine enough");
             let load = load(grid, &f, exact);
             let problem = Law::SIGNORINI.with_load(&load);
-            compare(|| {
-                params.each_ref().map(|params| solve_square(grid.cells(), problem, None, params))
-            });
+            compare(|| params.each_ref().map(|params| solve_square(grid.cells(), problem, params)));
             compare(|| bounds(grid, &f, Law::SIGNORINI, &waves(grid.nodes())));
         }
     }
