@@ -109,8 +109,9 @@ fn all_problems(sizes: &[usize], repeats: usize) {
         let mut workspace = Multigrid::square(n).expect("a power of two times 1, 3, 5 or 7");
         let exact = Exact::ALL
             .map(|exact| (exact.name(), load(grid, &Source::from(exact), LoadRule::default())));
-        let paper = problems::paper_loads(n, &paper).expect("a valid f");
-        let others = paper.into_iter().chain(problems::stress_loads(n));
+        let bilinear = |f: &str| load(grid, &f.parse().expect("a valid f"), LoadRule::Bilinear {});
+        let paper = paper.iter().map(|(name, f)| (&name[..], bilinear(f)));
+        let others = paper.chain(problems::stress_loads(n));
         let plain = plain_ns(n, &exact[0].1, repeats);
         println!("{n:6} plain red-black sweep: {plain:.3} ns per unknown, one thread");
         for (name, load) in exact.into_iter().chain(others) {

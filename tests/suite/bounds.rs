@@ -56,9 +56,7 @@ fn brackets_hold_the_reference_energies_whatever_the_load() {
     for (text, energy) in energies() {
         let f: Source = text.parse().unwrap();
         for n in [16, 32, 64, 128, 256, 512] {
-            for rule in
-                [EXACT, LoadRule::Bilinear {}, LoadRule::LumpedAverage {}, LoadRule::default()]
-            {
+            for rule in [EXACT, LoadRule::Bilinear {}, LoadRule::default()] {
                 let sum: f64 = load(Grid::new(n).unwrap(), &f, rule).iter().sum();
                 if sum >= 0.0 {
                     assert_eq!(rule, LoadRule::default(), "{text} 1/{n}");
@@ -149,7 +147,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
         assert!(inside >= -slack, "{f}, 1/{cells}, {what:?}: {inside:e}, slack {slack:e}");
         least = least.min(inside / (high - low));
     };
-    for rule in [EXACT, LoadRule::Bilinear {}, LoadRule::LumpedAverage {}, LoadRule::default()] {
+    for rule in [EXACT, LoadRule::Bilinear {}, LoadRule::default()] {
         let load = load(grid, f, rule);
         if load.iter().sum::<f64>() >= 0.0 {
             // The sum of an exact load is the integral of f, which is negative.

@@ -14,7 +14,7 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::stiffness::energy;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::experiments::problems::{nodal_load, paper_loads, stress_loads};
+use signorini_mathematics::experiments::problems::{nodal_load, stress_loads};
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::{
     Goal, InputError, Multigrid, MultigridParams, solve_square,
@@ -159,7 +159,8 @@ fn work_does_not_depend_on_the_grid() {
     let goals = [Goal::DiscretisationError, Goal::Kkt(1e-10), Goal::RoundingFloor];
     let problems = paper_problems();
     for n in [64, 128, 256, 512] {
-        let paper = paper_loads(n, &problems).unwrap();
+        let bilinear = |f: &str| load(grid(n), &f.parse().unwrap(), LoadRule::Bilinear {});
+        let paper = problems.iter().map(|(name, f)| (&name[..], bilinear(f)));
         let usual = exact_loads(n).into_iter().chain(paper).map(|load| (load, WORK_UNITS));
         let hard = stress_loads(n).into_iter().map(|load| (load, HARD_WORK_UNITS));
         for ((name, load), limits) in usual.chain(hard) {

@@ -1,7 +1,7 @@
 //! The paper's problems, some that test the search for contact, and loads of growing difficulty.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{LoadRule, load};
+use crate::discrete::load::load;
 use crate::problem::source::Source;
 use crate::solvers::SaddleSettings;
 use crate::statement::Statement;
@@ -131,30 +131,4 @@ fn jumps(x: f64, y: f64) -> f64 {
         (true, false) => 3e5,
         (false, _) => 1.0,
     }
-}
-
-/// Loads of the paper's problems, given by name with f in the notation of scenes. The first with f averaged on the
-/// axes: with the published tie rule its load has a positive sum, and there is nothing to solve. (Averaged, the sums
-/// are nearly zero: hard, but solvable.)
-///
-/// # Errors
-/// A sentence if f cannot be read.
-///
-/// # Panics
-/// If `n` is below 2.
-pub fn paper_loads(
-    n: usize,
-    problems: &[(String, String)],
-) -> Result<Vec<(&str, Vec<f64>)>, String> {
-    let grid = Grid::new(n).expect("fine enough");
-    let mut loads = Vec::new();
-    for (name, f) in problems {
-        let rule = match loads.is_empty() {
-            true => LoadRule::LumpedAverage {},
-            false => LoadRule::default(),
-        };
-        let f: Source = f.parse().map_err(|e| format!("{name}: {e}"))?;
-        loads.push((&name[..], load(grid, &f, rule)));
-    }
-    Ok(loads)
 }

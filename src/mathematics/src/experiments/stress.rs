@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct StressPlan {
     /// Problems of the paper.
     ///
-    /// If a solution is needed, f is averaged on its jumps: with the paper's choice of side on the jumps, the load
+    /// If a solution is needed, the load is bilinear: with the paper's choice of side on the jumps, that
     /// of problem 1 has a positive sum, and there is nothing to converge to.
     problems: Vec<TableProblem>,
     /// Name and f of another problem, whose lift and multiplier are of order one.

@@ -190,7 +190,7 @@ mod tests {
         compare(|| {
             let grid = Grid::new(11).expect("fine enough");
             let f = sources().next().expect("one");
-            let (load, start) = (load(grid, &f, LoadRule::LumpedAverage {}), Pair::zero(grid));
+            let (load, start) = (load(grid, &f, LoadRule::Bilinear {}), Pair::zero(grid));
             let goals = StopRule::ALL.map(|rule| JobGoal::Rule(rule, 1e-4));
             let methods = [(0.0, true), (1.0, false)].map(|(weight, loose)| Method::Uzawa {
                 weight,

@@ -90,7 +90,7 @@ impl ClaimsPlan {
 enum ClaimMeasure {
     /// A stopping rule on nested grids, with the paper's tolerances and load.
     Rule(StopRule),
-    /// A KKT residual, from the coarser grid's solution, with the load averaged around nodes.
+    /// A KKT residual, from the coarser grid's solution, with the bilinear load.
     Kkt(f64),
 }
 
@@ -131,7 +131,7 @@ const VARIANTS: [UzawaVariant; 4] = [
 /// Easily broken: step 3 finds a run by its problem, end and r, so r must have the same bits wherever it is listed.
 ///
 /// # Errors
-/// If f or grids do not parse, or a problem has no solution on some grid under the averaged load.
+/// If f or grids do not parse, or a problem has no solution on some grid under the bilinear load.
 pub(super) fn claims(plan: &ClaimsPlan) -> Result<Findings, String> {
     let problems = try_map(&plan.problems, ClaimProblem::new)?;
     let runs = runs::run_all(plan, &problems);

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
 /// fine grids, and has no solution to converge to.
-const SOLVABLE: LoadRule = LoadRule::LumpedAverage {};
+const SOLVABLE: LoadRule = LoadRule::Bilinear {};
 /// Tolerance of the coarser grid's solution, from which runs towards a KKT residual start.
 const START: f64 = 1e-12;
 /// Cells per side of the finest grid on which weights of the proximal term are compared.

@@ -29,7 +29,7 @@ pub(super) struct ClaimRun {
     /// [`ARROW_HURWICZ`], or the name of a variant of Uzawa's algorithm.
     pub(super) method: &'static str,
     /// End of the run: a stopping rule, on nested grids with the paper's tolerances and load, or a KKT residual,
-    /// from the coarser grid's solution with the load averaged around nodes.
+    /// from the coarser grid's solution with the bilinear load.
     pub(super) end: String,
     /// This KKT residual over the largest component of F; none under a stopping rule.
     pub(super) target: Option<f64>,

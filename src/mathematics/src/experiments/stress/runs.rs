@@ -56,7 +56,7 @@ impl<'a> StressLoads<'a> {
         let papers = plan.problems.iter().map(|one| (one.name(), one.statement.f.clone()));
         for (name, f) in papers.chain([plan.contact.clone()]) {
             let f: Source = f.parse().map_err(|e| format!("{e}"))?;
-            let rule = LoadRule::LumpedAverage {};
+            let rule = LoadRule::Bilinear {};
             loads.push(Loads { name, coarse: load(coarse, &f, rule), fine: load(fine, &f, rule) });
         }
         Ok(Self { plan, coarse, fine, loads })

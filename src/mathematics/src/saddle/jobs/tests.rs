@@ -12,7 +12,7 @@ use crate::saddle::{self, GradientMeasure, Params, arrow_hurwicz, solve, solve_n
 fn setting() -> (Grid, Vec<f64>, Pair) {
     let grid = Grid::new(16).unwrap();
     let f = "quadrant(ll)=-6; else=1.998".parse().unwrap();
-    (grid, load(grid, &f, LoadRule::LumpedAverage {}), Pair::zero(grid))
+    (grid, load(grid, &f, LoadRule::Bilinear {}), Pair::zero(grid))
 }
 
 fn laws() -> [Law; 2] {
