@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, of the times of
 /// both fast solvers, and of studies.
-const OTHERS: [&str; 14] = [
+const OTHERS: [&str; 16] = [
     "name",
     "found.exact",
     "found.delta_a_exact",
@@ -26,6 +26,8 @@ const OTHERS: [&str; 14] = [
     "error_l2",
     "error_h1",
     "error_max",
+    "error_relative",
+    "iterations",
 ];
 
 /// Fields of the plan of an experiment with which it takes next to no time.

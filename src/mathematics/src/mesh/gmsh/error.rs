@@ -40,14 +40,6 @@ pub(super) enum GmshError {
         /// Option that makes them.
         option: &'static str,
     },
-    /// Some partitions of several.
-    #[error("the file has {found} of {all} partitions; save the mesh in one file")]
-    Partitions {
-        /// Number of partitions in the file.
-        found: usize,
-        /// Number of all, as far as the file tells.
-        all: String,
-    },
     /// A quadrangle with its corners in an order that is not that around it.
     #[error(
         "element {0} is a quadrangle whose sides cross: name its corners in their order around it"
@@ -158,6 +150,9 @@ pub(super) enum Fault {
     /// Sizes of binary numbers that are not read.
     #[error("numbers of {0} bytes are not read, only of 8; save the mesh as text")]
     NumberSize(i64),
+    /// Partitions, of which a file may have some alone.
+    #[error("a partitioned mesh is not read; unite its partitions in Gmsh, and save it again")]
+    Partitioned,
     /// Elements before what they need.
     #[error("${0} has to stand before $Elements; save the mesh again")]
     Order(&'static str),
@@ -294,14 +289,6 @@ mod tests {
                 "$Other\n",
                 "$Other, line 16: the file ends too soon; save the mesh again",
             ),
-        ] {
-            assert_eq!(after(SQUARE_22, from, to), message);
-        }
-    }
-
-    #[test]
-    fn what_stands_otherwise_in_version_2_is_refused_with_its_line() {
-        for (from, to, message) in [
             (
                 "\"south\"",
                 "south",
