@@ -53,6 +53,11 @@ pub(super) struct WeightRow {
     ahead: bool,
 }
 
+/// The end of a run on one grid, with the KKT residual of its last pair.
+pub(super) fn measured(grid: Grid, load: &[f64], (end, pair): &(End, Pair)) -> (End, f64) {
+    (*end, kkt(grid, Law::SIGNORINI, &pair.y, load).relative)
+}
+
 impl<'a> ClaimProblem<'a> {
     pub(super) fn new(problem: &'a TableProblem) -> Result<Self, String> {
         let (f, grids) = problem.on_grids()?;
@@ -80,16 +85,6 @@ impl<'a> ClaimProblem<'a> {
     /// Interpolation to the next grid.
     pub(super) fn prolongation(&self) -> Prolongation {
         self.problem.saddle().prolongation
-    }
-
-    /// The end of a run on one grid, with the KKT residual of its last pair.
-    pub(super) fn measured(
-        &self,
-        grid: Grid,
-        load: &[f64],
-        (end, pair): &(End, Pair),
-    ) -> (End, f64) {
-        (*end, kkt(grid, Law::SIGNORINI, &pair.y, load).relative)
     }
 
     /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for

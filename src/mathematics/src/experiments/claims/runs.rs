@@ -1,6 +1,6 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
-use super::problem::ClaimProblem;
+use super::problem::{ClaimProblem, measured};
 use super::{ClaimMeasure, ClaimsPlan, KktTarget, VARIANTS};
 use crate::discrete::end::End;
 use crate::discrete::norms::largest;
@@ -243,7 +243,7 @@ fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f6
     for (job, ends) in batch.iter().zip(all_ends) {
         let case = &problems[job.problem];
         let on_grids = case.grids.iter().zip(&case.published).zip(&ends);
-        results.push(on_grids.map(|((g, load), end)| case.measured(*g, load, end)).collect());
+        results.push(on_grids.map(|((g, load), end)| measured(*g, load, end)).collect());
     }
     results
 }
@@ -267,8 +267,8 @@ fn run_on_grid(
     }
     let grid = problems[batch[0].problem].grids[batch[0].level];
     let mut results = Vec::new();
-    for ((job, run), end) in jobs.iter().zip(batch).zip(run(grid, &jobs)) {
-        results.push(vec![problems[run.problem].measured(grid, job.load, &end)]);
+    for (job, end) in jobs.iter().zip(run(grid, &jobs)) {
+        results.push(vec![measured(grid, job.load, &end)]);
     }
     results
 }
