@@ -1,8 +1,8 @@
 //! Meshes of [Gmsh](https://gmsh.info), from files of the versions 2.0 to 2.2, 4.0 and 4.1, in text and in bytes.
 //!
 //! Triangles and tetrahedra are read, those of higher order by their corners, and quadrangles, which a diagonal cuts;
-//! physical groups name regions and parts of the boundary. Sections may be repeated. The reader is our own because the crate `mshio` reads version 4.1 only, and has had no
-//! release for years.
+//! physical groups name regions and parts of the boundary. Sections may be repeated. The reader is our own because the
+//! crate `mshio` reads version 4.1 only, and has had no release for years.
 
 mod build;
 mod elements;
