@@ -2,8 +2,10 @@
 
 use super::{grids, laws, noise, sources, vector};
 use crate::bounds::boundary::Slips;
-use crate::bounds::data::AllCells;
+use crate::bounds::cells::{CellSlot, SpecialCell};
+use crate::bounds::data::{AllCells, Cursor};
 use crate::bounds::flux::{EdgeFluxes, NodeFluxes, Reactions, through_edges};
+use crate::bounds::moments::CellMoments;
 use crate::bounds::project;
 use crate::bounds::recovery::Extended;
 use crate::bounds::residual::Pyramid;
@@ -166,6 +168,11 @@ fn no_reactions(grid: Grid) -> Reactions {
     Reactions { bottom, top, left, right, flow: 0.0, slips: Slips { up: true, down: true } }
 }
 
+/// Moments of f over a cell.
+fn moments_of(data: &AllCells, [i, j]: [usize; 2]) -> CellMoments {
+    Cursor(&data.row(j)).at(i).f
+}
+
 #[test]
 fn edges_have_one_flux_none_is_on_the_boundary_and_where_there_are_some_cells_are_special() {
     for (grid, f) in grids().into_iter().flat_map(|grid| sources().map(|f| (grid, f))) {
@@ -197,6 +204,11 @@ fn edges_have_one_flux_none_is_on_the_boundary_and_where_there_are_some_cells_ar
                 let on_boundary = strip.on_boundary(i, j).as_flattened().contains(&true);
                 let has_flux = [left, right, bottom, top].iter().any(|flux| *flux != 0.0);
                 assert!(is_special || !(on_boundary || has_flux), "{f} {i} {j}");
+                // Without a vector the residual is what f leaves.
+                let (f_here, mut cells) = (moments_of(&data, [i, j]), SpecialCell::default());
+                let mean = strip.set(CellSlot { cells: &mut cells, lane: 0 }, [i, j], f_here);
+                let divergence = (right - left) + (top - bottom);
+                assert!((mean - f_here.one - divergence).abs() < 1e-14, "{f} {i} {j}");
                 let has_bends = strip.bends(i, j).as_flattened().iter().any(|bend| *bend != 0.0);
                 assert!(is_special || !has_bends, "{f} {i} {j}");
             }

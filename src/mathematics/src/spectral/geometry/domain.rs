@@ -347,10 +347,3 @@ pub enum PlaneError {
     #[error("{0}")]
     NotFound(String),
 }
-
-impl PlaneError {
-    /// True if the input is the reason, and not that no solution was found.
-    pub fn is_of_input(&self) -> bool {
-        !matches!(self, Self::NotFound(_))
-    }
-}
