@@ -192,7 +192,7 @@ impl PlaneDomain {
     /// Length of the diagonal of the box round the domain.
     pub(in crate::spectral) fn diameter(&self) -> f64 {
         let [[left, right], [low, high]] = self.extent();
-        (right - left).hypot(high - low)
+        libm::hypot(right - left, high - low)
     }
 
     /// Power of two near half of the diameter.

@@ -9,7 +9,6 @@ use crate::spectral::fit::field::node;
 use crate::spectral::functions::{Power, SpotSum};
 use crate::spectral::geometry::panels::Spot;
 use crate::spectral::geometry::rule::gauss;
-use crate::spectral::source::psi::Psi;
 
 impl Proof<'_> {
     /// Bounds of moduli on the ellipses of cells.
@@ -103,11 +102,8 @@ impl Proof<'_> {
         let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
         let gradients = self.setup.jumps.psi.gradients(&points);
         let psi_errors = self.setup.jumps.psi.errors(&points);
-        // The flux of the field whose divergence is the error of f.
-        let off_flux = match &self.setup.jumps.psi {
-            Psi::Polynomial(f) => 0.5 * f.error * f.radius,
-            Psi::Jumps(_) => 0.0,
-        };
+        // That of the field whose divergence is the change of f.
+        let off_flux = self.setup.jumps.changes.field;
         let mut samples = Vec::with_capacity(cells.len());
         for (k, (own, moduli)) in cells.iter().zip(self.moduli(cells)).enumerate() {
             let range = k * POINTS..(k + 1) * POINTS;

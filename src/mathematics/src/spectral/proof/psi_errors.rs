@@ -73,7 +73,8 @@ impl Potential {
         let logs = self.logs(&[z]);
         // One more for each addition.
         let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
-        let background = 0.5 * self.background.abs();
+        // The background is off by no more than two units of the jumps from which it is found.
+        let background = 0.5 * (self.background.abs() + 2.0 / UNITS * self.rounded);
         let slope = background * z.norm();
         let mut sum = PsiErrors {
             value: 0.5 * slope * z.norm(),

@@ -3,6 +3,7 @@
 //! A strong f on a small shape, V on a width e, has an integral of about V e^2, and so has psi outside; seen from far
 //! away its terms are V, and their squares would be in the energy.
 
+use super::changes::UNITS;
 use super::closed_edges::{ClosedEdges, holds, is_parallel};
 use super::far_field::FarField;
 use super::psi::{Psi, PsiPart};
@@ -21,7 +22,7 @@ pub(in crate::spectral) struct JumpGroup {
     pub psi: Psi,
     /// Box round a small closed shape.
     pub extent: Option<Extent>,
-    /// Distance by which borders of a small shape may be off, seen from its middle, but for units of its width.
+    /// Distance by which borders may be off, of a small shape seen from its middle, but for units of its width.
     pub off: f64,
 }
 
@@ -89,7 +90,7 @@ pub(in crate::spectral) fn groups(
         edges: edges.iter().map(|own| with_sides(own, (&edges, origin), &shapes, all)).collect(),
         psi,
         extent: None,
-        off: 0.0,
+        off: UNITS,
     }];
     for SmallShape { middle, edges, extent, off, .. } in &shapes {
         let sides = edges.iter().map(|own| with_sides(own, (edges, *middle), &shapes, all));
