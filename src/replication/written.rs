@@ -10,7 +10,6 @@ use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::{
     MOST_CELLS, ReachEnd, Refusal, Solved, Solver, takes_spectral,
 };
-use signorini_mathematics::spectral::PlaneError;
 use signorini_mathematics::statement::{Statement, StatementError};
 
 impl Voice {
@@ -43,16 +42,10 @@ impl Voice {
                 let solver = self.name("solver");
                 Error::input(format!("{solver} {refusal}; choose another solver"))
             }
-            Refusal::Spectral(e) => {
-                let changed = match e {
-                    PlaneError::Domain(_) => "the domain",
-                    PlaneError::Source(_) => "f",
-                    PlaneError::NotFound(_) => {
-                        return Error::Stage(vec![format!("{e}; use {multigrid}")]);
-                    }
-                };
-                Error::input(format!("{e}; use {multigrid}, or change {changed}"))
-            }
+            Refusal::Spectral(e) => match e.remedy() {
+                Some(remedy) => Error::input(format!("{e}; use {multigrid}, or {remedy}")),
+                None => Error::Stage(vec![format!("{e}; use {multigrid}")]),
+            },
             _ if is_multigrid => Error::input(format!("{refusal}; check f")),
             _ => Error::input(format!("{refusal}; check f, or use {multigrid}")),
         }

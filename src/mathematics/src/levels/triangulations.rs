@@ -100,6 +100,13 @@ where
         Self { errors: Mutex::new(Some(errors)), facts, ..self }
     }
 
+    /// Guaranteed errors of a nodal vector in each cell, if they were asked for last.
+    fn known_errors(&self, law: Law, y: &[f64]) -> Option<Vec<f64>> {
+        let errors = self.errors.lock().expect("no panic before");
+        let errors = errors.as_ref().filter(|errors| errors.law == law && errors.y == y);
+        errors.map(|errors| errors.of_cells.clone())
+    }
+
     /// Mesh of a level.
     fn on(&self, level: usize) -> &Mesh<D, V> {
         self.meshes[level].of_dimension().expect("all meshes have this dimension")
@@ -213,14 +220,9 @@ where
     }
 
     fn local_errors(&self, law: Law, y: &[f64]) -> Vec<f64> {
-        let known = || {
-            let errors = self.errors.lock().expect("no panic before");
-            let errors = errors.as_ref().filter(|errors| errors.law == law && errors.y == y);
-            errors.map(|errors| errors.of_cells.clone())
-        };
-        known().unwrap_or_else(|| {
+        self.known_errors(law, y).unwrap_or_else(|| {
             // The bounds leave the errors behind.
-            self.bounds(law, y).ok().and_then(|_| known()).unwrap_or_default()
+            self.bounds(law, y).ok().and_then(|_| self.known_errors(law, y)).unwrap_or_default()
         })
     }
 }

@@ -104,8 +104,8 @@ fn bilinear(f: [f64; 6], [x, y]: [f64; 2]) -> f64 {
 
 /// Flux whose divergence is that of the bilinear f but for a constant: with a field whose normal flux is zero.
 fn flux(cell: &SpecialCell, f: [f64; 6], at: [f64; 2]) -> [f64; 2] {
-    let left = |at| bilinear(f, at) + spline_flux(cell, at).1;
-    let [ll, lr, ul, ur] = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]].map(left);
+    let [ll, lr, ul, ur] = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]]
+        .map(|at| bilinear(f, at) + spline_flux(cell, at).1);
     let twist = (ll + ur) - (lr + ul);
     let slopes = [0.5 * ((lr + ur) - (ll + ul)), 0.5 * ((ul + ur) - (ll + lr))];
     let (mut flux, _) = spline_flux(cell, at);
@@ -117,6 +117,10 @@ fn flux(cell: &SpecialCell, f: [f64; 6], at: [f64; 2]) -> [f64; 2] {
 
 fn close(found: f64, expected: f64) -> bool {
     (found - expected).abs() < 1e-12 * expected.abs().max(1.0)
+}
+
+fn square([x, y]: [f64; 2]) -> f64 {
+    x * x + y * y
 }
 
 #[test]
@@ -136,7 +140,6 @@ fn a_cell_has_the_integrals_of_its_functions() {
             f: moments(f),
         };
         let sums = cell.sums();
-        let square = |[x, y]: [f64; 2]| x * x + y * y;
         let energy = integral(|at| square(recovery(&cell, at).1));
         assert!(close(sums.recovered, energy), "{} {energy}", sums.recovered);
         let load = integral(|at| value(f, at) * recovery(&cell, at).0);

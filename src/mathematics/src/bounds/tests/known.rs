@@ -13,30 +13,46 @@ use crate::problem::source::Source;
 const TORSION: f64 = -0.017_572_126_917_158;
 
 /// Problem with its true energy.
-struct Known {
+struct KnownProblem {
     f: &'static str,
     law: Law,
     energy: f64,
 }
 
-fn known() -> Vec<Known> {
-    let friction = |g| Law::friction(g).unwrap();
+impl KnownProblem {
+    fn new(f: &'static str, law: Law, energy: f64) -> Self {
+        Self { f, law, energy }
+    }
+}
+
+fn friction_of(g: f64) -> Law {
+    Law::friction(g).unwrap()
+}
+
+fn known() -> Vec<KnownProblem> {
     let limit = Law::limited(0.7).unwrap();
     // The flux of the quadratic solution is at the end of the interval everywhere.
     let end = f64::next_up(0.25);
-    let problem = |f, law, energy| Known { f, law, energy };
     vec![
-        problem("else=1", friction(end), -1.0 / 48.0),
-        problem("else=-1", friction(end), -1.0 / 48.0),
-        problem("else=-1", Law::SIGNORINI, TORSION),
-        problem("else=1", Law::SIGNORINI.reflected(), TORSION),
-        problem("else=-2", limit, 4.0 * TORSION),
-        problem("else=2", friction(0.68), 4.0 * TORSION),
-        problem("else=-1", Law::new(-0.2, f64::INFINITY).unwrap(), TORSION),
+        KnownProblem::new("else=1", friction_of(end), -1.0 / 48.0),
+        KnownProblem::new("else=-1", friction_of(end), -1.0 / 48.0),
+        KnownProblem::new("else=-1", Law::SIGNORINI, TORSION),
+        KnownProblem::new("else=1", Law::SIGNORINI.reflected(), TORSION),
+        KnownProblem::new("else=-2", limit, 4.0 * TORSION),
+        KnownProblem::new("else=2", friction_of(0.68), 4.0 * TORSION),
+        KnownProblem::new("else=-1", Law::new(-0.2, f64::INFINITY).unwrap(), TORSION),
         // By conformal maps in quadruple precision.
-        problem("quadrant(ll)=3; else=-1.1", Law::SIGNORINI, -0.095_051_720_753_350_79),
-        problem("rect(0.25,0.5,0.25,0.5)=2; else=-1", Law::SIGNORINI, -0.016_602_302_753_503_897),
-        problem("halfplane(1,0,0)=8; else=-8", friction(1.0), -0.627_952_316_469_321_7),
+        KnownProblem::new("quadrant(ll)=3; else=-1.1", Law::SIGNORINI, -0.095_051_720_753_350_79),
+        KnownProblem::new(
+            "rect(0.25,0.5,0.25,0.5)=2; else=-1",
+            Law::SIGNORINI,
+            -0.016_602_302_753_503_897,
+        ),
+        KnownProblem::new(
+            "halfplane(1,0,0)=8; else=-8",
+            friction_of(1.0),
+            -0.627_952_316_469_321_7,
+        ),
     ]
 }
 
@@ -45,36 +61,45 @@ fn solved(grid: Grid, f: &Source, law: Law) -> Vec<f64> {
     solve_square(grid.cells(), law.with_load(&load), None, &MultigridParams::default()).unwrap().0
 }
 
+/// Vector with something added at each node, by its number, column and row.
+fn with(grid: Grid, y: &[f64], add: impl Fn(usize, usize, usize) -> f64) -> Vec<f64> {
+    let side = grid.side();
+    (0..grid.nodes()).map(|node| y[node] + add(node, node % side, node / side)).collect()
+}
+
+/// 1 on the boundary, 0 inside.
+fn on_boundary(grid: Grid, i: usize, j: usize) -> f64 {
+    f64::from(u8::from([i, j].iter().any(|k| [0, grid.cells()].contains(k))))
+}
+
+/// 1 and -1 in turn in the middle of the square, 0 around it.
+fn wave(grid: Grid, [i, j]: [usize; 2], k: usize) -> f64 {
+    let (last, sign) = (grid.cells(), if k % 2 == 0 { 1.0 } else { -1.0 });
+    let is_inside = [i, j].iter().all(|&k| k > last / 5 && k < last - last / 5);
+    if is_inside { sign } else { 0.0 }
+}
+
 /// Vectors far from the solution y, each in its own way.
 fn spoilt(grid: Grid, y: &[f64]) -> Vec<Vec<f64>> {
-    let on = |add: &dyn Fn(usize, usize, usize) -> f64| {
-        let side = grid.side();
-        (0..grid.nodes()).map(|node| y[node] + add(node, node % side, node / side)).collect()
-    };
     let last = grid.cells();
-    let is_on_boundary = |i: usize, j: usize| [i, j].iter().any(|k| [0, last].contains(k));
-    let is_inside =
-        |i: usize, j: usize| [i, j].iter().all(|&k| k > last / 5 && k < last - last / 5);
     let mut all: Vec<Vec<f64>> = vec![
         vec![0.0; grid.nodes()],
-        on(&|_, _, _| 1.0),
-        on(&|_, _, _| -1.0),
-        on(&|_, i, _| 0.3 * libm::cos(3.0 * i as f64 / last as f64)),
-        on(&|_, _, j| if j < last / 2 { 0.0 } else { 0.7 }),
-        on(&|_, i, j| if is_on_boundary(i, j) { -1.0 } else { 0.0 }),
-        on(&|_, i, j| if is_on_boundary(i, j) { 0.5 } else { 0.0 }),
+        with(grid, y, |_, _, _| 1.0),
+        with(grid, y, |_, _, _| -1.0),
+        with(grid, y, |_, i, _| 0.3 * libm::cos(3.0 * i as f64 / last as f64)),
+        with(grid, y, |_, _, j| if j < last / 2 { 0.0 } else { 0.7 }),
+        with(grid, y, |_, i, j| -on_boundary(grid, i, j)),
+        with(grid, y, |_, i, j| 0.5 * on_boundary(grid, i, j)),
     ];
     // Waves that differ from node to node have residuals that differ inside cells.
     for size in [0.05, 1.0] {
-        let inside = |i, j, value: f64| if is_inside(i, j) { size * value } else { 0.0 };
-        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
-        all.push(on(&|_, i, j| inside(i, j, sign(i))));
-        all.push(on(&|_, i, j| inside(i, j, sign(j))));
-        all.push(on(&|_, i, j| inside(i, j, sign(i + j))));
+        all.push(with(grid, y, |_, i, j| size * wave(grid, [i, j], i)));
+        all.push(with(grid, y, |_, i, j| size * wave(grid, [i, j], j)));
+        all.push(with(grid, y, |_, i, j| size * wave(grid, [i, j], i + j)));
     }
     for (k, size) in [1e-6, 1e-3, 0.03, 1.0].into_iter().enumerate() {
-        all.push(on(&|node, _, _| noise(10_000 * k + node, size)));
-        all.push(on(&|node, i, j| noise(node, if is_on_boundary(i, j) { size } else { 0.0 })));
+        all.push(with(grid, y, |node, _, _| noise(10_000 * k + node, size)));
+        all.push(with(grid, y, |node, i, j| noise(node, size) * on_boundary(grid, i, j)));
     }
     all
 }
@@ -87,7 +112,7 @@ pub(super) fn distance(grid: Grid, one: &[f64], other: &[f64]) -> f64 {
 
 #[test]
 fn brackets_hold_known_energies_and_errors() {
-    for Known { f: text, law, energy: known } in known() {
+    for KnownProblem { f: text, law, energy: known } in known() {
         let f: Source = text.parse().unwrap();
         for n in [8, 32] {
             let grid = Grid::new(n).unwrap();
@@ -137,6 +162,12 @@ fn errors_of_solutions_are_known_where_the_boundary_sticks_and_bounds_are_near_t
     }
 }
 
+/// Values with a second difference of 13 on the left half, and of -13 on the right one.
+fn column(n: usize, i: usize) -> f64 {
+    let (left, right) = (i.min(n / 2) as f64, i.saturating_sub(n / 2) as f64);
+    6.5 * left * left + 13.0 * (n / 2) as f64 * right - 6.5 * right * right
+}
+
 #[test]
 fn residuals_of_the_size_of_rounding_errors_count() {
     // Values of 2^40, with a residual that is 13 units in the last place of them on one half, and -13 on the other.
@@ -144,13 +175,8 @@ fn residuals_of_the_size_of_rounding_errors_count() {
     let (grid, unit) = (Grid::new(n).unwrap(), size * f64::EPSILON);
     let f = Source::constant(2f64.powi(-10));
     let law = Law::friction(f64::next_up(2f64.powi(-12))).unwrap();
-    let column = |i: usize| {
-        let (left, right) = (i.min(n / 2) as f64, i.saturating_sub(n / 2) as f64);
-        // A second difference of 13 units on the left half, and of -13 on the right one.
-        6.5 * left * left + 13.0 * (n / 2) as f64 * right - 6.5 * right * right
-    };
     let y: Vec<f64> =
-        (0..grid.nodes()).map(|node| size + unit * column(node % (n + 1)).floor()).collect();
+        (0..grid.nodes()).map(|node| size + unit * column(n, node % (n + 1)).floor()).collect();
     let [low, _] = bounds(grid, &f, law, &y).unwrap().energy;
     let known = -(2f64.powi(-20)) / 48.0;
     assert!(low <= known, "{low} {known}");

@@ -95,9 +95,10 @@ fn a_sweep_has_the_integrals_of_the_vector_and_of_its_recovery() {
             if data.integral <= least || data.integral >= most {
                 continue;
             }
-            let smooth = |node: usize| libm::sin(0.3 * (node % (n + 1)) as f64) - 0.2;
             let mut y = vector(grid, k, 0.5);
-            y.iter_mut().enumerate().for_each(|(node, value)| *value += smooth(node));
+            y.iter_mut()
+                .enumerate()
+                .for_each(|(node, value)| *value += libm::sin(0.3 * (node % (n + 1)) as f64) - 0.2);
             let v = project(grid, Slips::of_law(law), &y).v.into_owned();
             let mut recovered = vec![0.0; (2 * n + 1).pow(2)];
             let (found, _) = total(&data, law, &v, Some(&mut recovered));
@@ -128,6 +129,12 @@ fn allows(law: Law, v: f64) -> bool {
     if v > 0.0 { law.lo().is_finite() } else { v == 0.0 || law.hi().is_finite() }
 }
 
+/// The law's term at a value that it allows, up to rounding.
+fn potential(law: Law, w: f64) -> f64 {
+    assert!(allows(law, w) || w.abs() < 1e-14, "{law}: {w}");
+    law.potential(w)
+}
+
 /// Integrals over the boundary, and the sign of the recovery there.
 fn check_boundary(law: Law, v: &[f64], recovered: &[f64], (data, found): (&AllCells, &Total)) {
     let grid = data.grid();
@@ -135,18 +142,14 @@ fn check_boundary(law: Law, v: &[f64], recovered: &[f64], (data, found): (&AllCe
     let reactions = Reactions::new(grid, law, v, &outer, data);
     let Reactions { bottom, top, left, right, .. } = &reactions;
     let (n, h) = (grid.cells(), grid.h());
-    let reversed = |side: &[f64]| side.iter().rev().copied().collect::<Vec<_>>();
-    let sides = [bottom.clone(), right.clone(), reversed(top), reversed(left)];
+    let mut sides = [bottom, right, top, left].map(Clone::clone);
+    sides[2..].iter_mut().for_each(|side| side.reverse());
     let flux = |edge: usize, t: f64| {
         let side = &sides[edge / n];
         ((1.0 - t) * side[edge % n] + t * side[edge % n + 1]) / h
     };
-    let potential = |w: f64| {
-        assert!(allows(law, w) || w.abs() < 1e-14, "{law}: {w}");
-        law.potential(w)
-    };
-    let of_w = around(grid, recovered, |_, _, w| potential(w));
-    let work = around(grid, recovered, |edge, t, w| potential(w) + flux(edge, t) * w);
+    let of_w = around(grid, recovered, |_, _, w| potential(law, w));
+    let work = around(grid, recovered, |edge, t, w| potential(law, w) + flux(edge, t) * w);
     assert!(
         close(found.recovered_potential, of_w, 1e-4),
         "{law}: {} {of_w}",
@@ -156,7 +159,8 @@ fn check_boundary(law: Law, v: &[f64], recovered: &[f64], (data, found): (&AllCe
     let mut linear = 0.0;
     for b in 0..outer.len() {
         let (p, q) = (outer[b], outer[(b + 1) % outer.len()]);
-        linear += (0..400).map(|k| potential(p + (k as f64 + 0.5) / 400.0 * (q - p))).sum::<f64>();
+        linear +=
+            (0..400).map(|k| potential(law, p + (k as f64 + 0.5) / 400.0 * (q - p))).sum::<f64>();
     }
     linear *= h / 400.0;
     assert!(

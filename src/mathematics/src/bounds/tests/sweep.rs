@@ -228,29 +228,35 @@ fn carried(n: usize, residual: impl Fn(usize, usize) -> f64) -> f64 {
     pyramid.bound()
 }
 
+/// 1 for even numbers, -1 for others.
+fn sign(k: usize) -> f64 {
+    if k.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+/// Value of a cosine with its ends at those of the side in the middle of a cell.
+fn cosine(k: usize, n: usize) -> f64 {
+    libm::cos(PI * (k as f64 + 0.5) / n as f64)
+}
+
 #[test]
 fn a_residual_is_carried_by_no_less_than_its_flux() {
-    let sign = |is_positive: bool| if is_positive { 1.0 } else { -1.0 };
     for n in [16, 48, 64, 80] {
         // Strips of equal width with both signs in turn: the flux rises and falls along each pair.
         let mut width = 1;
         while n % (2 * width) == 0 {
             let least = 2.0 * width as f64 / n as f64 / 12f64.sqrt();
-            let strips = |k: usize| sign(k / width % 2 == 0);
-            for bound in [carried(n, |i, _| strips(i)), carried(n, |_, j| strips(j))] {
+            for bound in [carried(n, |i, _| sign(i / width)), carried(n, |_, j| sign(j / width))] {
                 assert!(least <= bound && bound < 1.11 * least, "{n} {width}: {bound} {least}");
             }
             width *= 2;
         }
-        let wave = |k: usize| libm::cos(PI * (k as f64 + 0.5) / n as f64);
         let least = 0.999 / (PI * 2f64.sqrt());
-        for bound in [carried(n, |i, _| wave(i)), carried(n, |_, j| wave(j))] {
+        for bound in [carried(n, |i, _| cosine(i, n)), carried(n, |_, j| cosine(j, n))] {
             assert!(least <= bound && bound < 1.6 * least, "{n}: {bound} {least}");
         }
         // Two rows, and one, of which all others are zero.
-        let pair = |j: usize| if j / 2 == 3 { sign(j % 2 == 0) } else { 0.0 };
         let least = 2.0 / n as f64 / 12f64.sqrt() * (2.0 / n as f64).sqrt();
-        let bound = carried(n, |_, j| pair(j));
+        let bound = carried(n, |_, j| if j / 2 == 3 { sign(j) } else { 0.0 });
         assert!(least <= bound && bound < 1.11 * least, "{n}: {bound} {least}");
     }
     // The blocks of the last level are three by three: -1, 0 and 1 along one side.

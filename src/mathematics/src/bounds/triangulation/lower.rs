@@ -240,9 +240,11 @@ mod tests {
     }
 
     fn check<const D: usize, const V: usize>(mesh: &Mesh<D, V>, edges: &CellEdges<'_, V>) {
-        let size = |edge: usize| libm::sin(78.233 * edge as f64);
-        let bubble = |edge| EdgeBubble { residual: size(edge), stiffness: 1.0, magnitude: 0.0 };
-        let bubbles: Vec<_> = (0..edges.len()).map(bubble).collect();
+        let mut bubbles = Vec::new();
+        for edge in 0..edges.len() {
+            let residual = libm::sin(78.233 * edge as f64);
+            bubbles.push(EdgeBubble { residual, stiffness: 1.0, magnitude: 0.0 });
+        }
         let [found, expected] = [square(mesh, edges, &bubbles), by_points(mesh, edges, &bubbles)];
         assert!((found - expected).abs() < 1e-12 * expected, "{found} {expected}");
     }

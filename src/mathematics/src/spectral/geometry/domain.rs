@@ -347,3 +347,14 @@ pub enum PlaneError {
     #[error("{0}")]
     NotFound(String),
 }
+
+impl PlaneError {
+    /// Change of the input that this solver needs; none if no solution was found.
+    pub fn remedy(&self) -> Option<&'static str> {
+        match self {
+            Self::Domain(_) => Some("change the domain"),
+            Self::Source(_) => Some("change f"),
+            Self::NotFound(_) => None,
+        }
+    }
+}
