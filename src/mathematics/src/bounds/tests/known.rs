@@ -13,13 +13,13 @@ use crate::problem::source::Source;
 const TORSION: f64 = -0.017_572_126_917_158;
 
 /// Problem with its true energy.
-struct KnownProblem {
+struct SquareProblem {
     f: &'static str,
     law: Law,
     energy: f64,
 }
 
-impl KnownProblem {
+impl SquareProblem {
     fn new(f: &'static str, law: Law, energy: f64) -> Self {
         Self { f, law, energy }
     }
@@ -29,26 +29,26 @@ fn friction_of(g: f64) -> Law {
     Law::friction(g).unwrap()
 }
 
-fn known() -> Vec<KnownProblem> {
+fn known() -> Vec<SquareProblem> {
     let limit = Law::limited(0.7).unwrap();
     // The flux of the quadratic solution is at the end of the interval everywhere.
     let end = f64::next_up(0.25);
     vec![
-        KnownProblem::new("else=1", friction_of(end), -1.0 / 48.0),
-        KnownProblem::new("else=-1", friction_of(end), -1.0 / 48.0),
-        KnownProblem::new("else=-1", Law::SIGNORINI, TORSION),
-        KnownProblem::new("else=1", Law::SIGNORINI.reflected(), TORSION),
-        KnownProblem::new("else=-2", limit, 4.0 * TORSION),
-        KnownProblem::new("else=2", friction_of(0.68), 4.0 * TORSION),
-        KnownProblem::new("else=-1", Law::new(-0.2, f64::INFINITY).unwrap(), TORSION),
+        SquareProblem::new("else=1", friction_of(end), -1.0 / 48.0),
+        SquareProblem::new("else=-1", friction_of(end), -1.0 / 48.0),
+        SquareProblem::new("else=-1", Law::SIGNORINI, TORSION),
+        SquareProblem::new("else=1", Law::SIGNORINI.reflected(), TORSION),
+        SquareProblem::new("else=-2", limit, 4.0 * TORSION),
+        SquareProblem::new("else=2", friction_of(0.68), 4.0 * TORSION),
+        SquareProblem::new("else=-1", Law::new(-0.2, f64::INFINITY).unwrap(), TORSION),
         // By conformal maps in quadruple precision.
-        KnownProblem::new("quadrant(ll)=3; else=-1.1", Law::SIGNORINI, -0.095_051_720_753_350_79),
-        KnownProblem::new(
+        SquareProblem::new("quadrant(ll)=3; else=-1.1", Law::SIGNORINI, -0.095_051_720_753_350_79),
+        SquareProblem::new(
             "rect(0.25,0.5,0.25,0.5)=2; else=-1",
             Law::SIGNORINI,
             -0.016_602_302_753_503_897,
         ),
-        KnownProblem::new(
+        SquareProblem::new(
             "halfplane(1,0,0)=8; else=-8",
             friction_of(1.0),
             -0.627_952_316_469_321_7,
@@ -112,7 +112,7 @@ pub(super) fn distance(grid: Grid, one: &[f64], other: &[f64]) -> f64 {
 
 #[test]
 fn brackets_hold_known_energies_and_errors() {
-    for KnownProblem { f: text, law, energy: known } in known() {
+    for SquareProblem { f: text, law, energy: known } in known() {
         let f: Source = text.parse().unwrap();
         for n in [8, 32] {
             let grid = Grid::new(n).unwrap();
